@@ -1,0 +1,316 @@
+#include "core/averaging.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+
+#define NONE_OPEN UINT8_MAX
+
+enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
+
+static bool is_open(const tumble_averaging_t *averaging)
+{
+    return averaging->open.index != NONE_OPEN;
+}
+
+static tumble_average_t *open_average(tumble_averaging_t *averaging)
+{
+    return &averaging->averages[averaging->open.index];
+}
+
+static void mark(tumble_averaging_t *averaging, unsigned fault)
+{
+    averaging->open.faults = (uint8_t)(averaging->open.faults | fault);
+}
+
+static void count(uint32_t *counter, uint32_t by)
+{
+    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
+}
+
+static bool config_is_valid(const tumble_averaging_config_t *config)
+{
+    const double noise = (double)config->noise_counts;
+    const double ratio = (double)config->stillness_ratio;
+    const bool gates = (config->saturation_counts >= 1) && (config->stuck_run != 1U);
+    const bool samples = (config->min_samples >= 1U) && ((int64_t)config->min_samples <= TUMBLE_MAX_SAMPLES);
+    const bool stillness = (noise >= 0.0) && tumble_is_finite(noise) && (ratio > 0.0) && tumble_is_finite(ratio);
+    return gates && samples && stillness;
+}
+
+tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
+{
+    if ((averaging == NULL) || (config == NULL) || !config_is_valid(config)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    for (int p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
+        averaging->averages[p] = (tumble_average_t){0};
+    }
+    averaging->open = (tumble_open_position_t){.index = NONE_OPEN};
+    averaging->counters = (tumble_averaging_counters_t){0};
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t index)
+{
+    if ((averaging == NULL) || (index >= TUMBLE_MAX_POSITIONS)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (is_open(averaging)) {
+        *open_average(averaging) = (tumble_average_t){0};
+    }
+    averaging->averages[index] = (tumble_average_t){0};
+    averaging->open = (tumble_open_position_t){.index = index};
+    return TUMBLE_OK;
+}
+
+void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS])
+{
+    tumble_average_t *average = open_average(averaging);
+    tumble_open_position_t *open = &averaging->open;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        if (average->samples == 0U) {
+            open->first[i] = counts[i];
+        }
+        const int32_t deviation = (int32_t)((int64_t)counts[i] - open->first[i]);
+        average->sum_counts[i] += counts[i];
+        open->square_sum[i] += (int64_t)deviation * deviation;
+    }
+    average->samples++;
+}
+
+/* Follow the block's own counter: what came twice or backwards is refused, what is missing is counted. */
+static tumble_status_t check_counter(tumble_averaging_t *averaging, uint16_t counter)
+{
+    tumble_open_position_t *open = &averaging->open;
+    const uint16_t advance = (uint16_t)(counter - open->last_counter);
+    if ((open->faults & HAS_COUNTER) != 0U) {
+        if (advance == 0U) {
+            count(&averaging->counters.repeated, 1U);
+            return TUMBLE_E_REPEATED;
+        }
+        if (advance > (uint16_t)INT16_MAX) {
+            count(&averaging->counters.reordered, 1U);
+            return TUMBLE_E_REORDERED;
+        }
+        const uint32_t lost = (uint32_t)open->lost + advance - 1U;
+        open->lost = (lost < UINT16_MAX) ? (uint16_t)lost : UINT16_MAX;
+        count(&averaging->counters.lost, (uint32_t)advance - 1U);
+    }
+    open->last_counter = counter;
+    mark(averaging, HAS_COUNTER);
+    return TUMBLE_OK;
+}
+
+static bool is_saturated(const tumble_averaging_config_t *config, const int32_t counts[TUMBLE_CHANNELS])
+{
+    bool saturated = false;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        saturated = saturated || (counts[i] >= config->saturation_counts) || (counts[i] <= -config->saturation_counts);
+    }
+    return saturated;
+}
+
+static bool is_deviating(const tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS])
+{
+    if (tumble_averaging_samples(averaging) == 0U) {
+        return false;
+    }
+    bool deviating = false;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const int64_t deviation = (int64_t)counts[i] - averaging->open.first[i];
+        deviating = deviating || (deviation > TUMBLE_MAX_DEVIATION_COUNTS) || (deviation < -TUMBLE_MAX_DEVIATION_COUNTS);
+    }
+    return deviating;
+}
+
+static tumble_status_t check_range(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                   const int32_t counts[TUMBLE_CHANNELS])
+{
+    if (is_saturated(config, counts)) {
+        mark(averaging, FAULT_SATURATED);
+        count(&averaging->counters.saturated, 1U);
+        return TUMBLE_E_SATURATED;
+    }
+    if (is_deviating(averaging, counts)) {
+        mark(averaging, FAULT_DEVIATING);
+        count(&averaging->counters.deviating, 1U);
+        return TUMBLE_E_DEVIATION;
+    }
+    return TUMBLE_OK;
+}
+
+static void watch_stuck_channels(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                 const int32_t counts[TUMBLE_CHANNELS])
+{
+    tumble_open_position_t *open = &averaging->open;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const bool again = (open->run[i] != 0U) && (counts[i] == open->last[i]);
+        open->last[i] = counts[i];
+        if (!again) {
+            open->run[i] = 1U;
+        } else if (open->run[i] < UINT16_MAX) {
+            open->run[i]++;
+        }
+        if ((config->stuck_run != 0U) && (open->run[i] >= config->stuck_run)) {
+            mark(averaging, FAULT_STUCK);
+        }
+    }
+}
+
+tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                     const tumble_sample_t *sample)
+{
+    if (!is_open(averaging)) {
+        return TUMBLE_E_NOT_OPEN;
+    }
+    if ((int64_t)open_average(averaging)->samples >= TUMBLE_MAX_SAMPLES) {
+        return TUMBLE_E_FULL;
+    }
+    tumble_status_t status = check_counter(averaging, sample->counter);
+    if (status == TUMBLE_OK) {
+        status = check_range(averaging, config, sample->counts);
+    }
+    if (status == TUMBLE_OK) {
+        watch_stuck_channels(averaging, config, sample->counts);
+        tumble_averaging_accumulate(averaging, sample->counts);
+    }
+    return status;
+}
+
+/* s^2 = (Q - D^2 / n) / (n - 1), with deviations taken from the first sample: D their sum, Q the sum of their squares.
+ * The first sample lies within the scatter, so little cancels. */
+static double scatter_of_open(const tumble_averaging_t *averaging, int channel)
+{
+    const tumble_average_t *average = &averaging->averages[averaging->open.index];
+    if (average->samples < 2U) {
+        return 0.0;
+    }
+    const double n = (double)average->samples;
+    const int64_t offset = (int64_t)average->samples * averaging->open.first[channel];
+    const double d = (double)(average->sum_counts[channel] - offset);
+    const double q = (double)averaging->open.square_sum[channel];
+    const double variance = (q - ((d * d) / n)) / (n - 1.0);
+    return (variance > 0.0) ? tumble_sqrt(variance) : 0.0;
+}
+
+static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
+{
+    const tumble_open_position_t *open = &averaging->open;
+    const tumble_average_t *average = &averaging->averages[open->index];
+    if ((open->faults & FAULT_SATURATED) != 0U) {
+        return TUMBLE_E_SATURATED;
+    }
+    if ((open->faults & FAULT_DEVIATING) != 0U) {
+        return TUMBLE_E_DEVIATION;
+    }
+    if (open->lost > config->max_lost) {
+        return TUMBLE_E_LOST;
+    }
+    if (average->samples < config->min_samples) {
+        return TUMBLE_E_TOO_FEW;
+    }
+    if ((open->faults & FAULT_STUCK) != 0U) {
+        return TUMBLE_E_STUCK;
+    }
+    const double still_counts = (double)config->stillness_ratio * (double)config->noise_counts;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        if ((still_counts > 0.0) && ((double)average->scatter_counts[i] > still_counts)) {
+            return TUMBLE_E_NOT_STILL;
+        }
+    }
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
+{
+    if (!is_open(averaging)) {
+        return TUMBLE_E_NOT_OPEN;
+    }
+    tumble_average_t *average = open_average(averaging);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        average->scatter_counts[i] = (float)scatter_of_open(averaging, i);
+    }
+    const tumble_status_t status = judge_open(averaging, config);
+    if (status != TUMBLE_OK) {
+        *average = (tumble_average_t){0};
+    }
+    averaging->open.index = NONE_OPEN;
+    return status;
+}
+
+uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging)
+{
+    return is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;
+}
+
+/* S / n: both are exact as doubles (limits.h), so the division rounds once. */
+static void mean_of(const tumble_average_t *average, double mean_counts[TUMBLE_CHANNELS])
+{
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        mean_counts[i] = (double)average->sum_counts[i] / (double)average->samples;
+    }
+}
+
+tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, double mean_counts[TUMBLE_CHANNELS],
+                                         double standard_error_counts[TUMBLE_CHANNELS])
+{
+    if ((averaging == NULL) || (mean_counts == NULL) || (standard_error_counts == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!is_open(averaging)) {
+        return TUMBLE_E_NOT_OPEN;
+    }
+    const tumble_average_t *average = &averaging->averages[averaging->open.index];
+    if (average->samples < 2U) {
+        return TUMBLE_E_TOO_FEW;
+    }
+    mean_of(average, mean_counts);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        standard_error_counts[i] = scatter_of_open(averaging, i) / tumble_sqrt((double)average->samples);
+    }
+    return TUMBLE_OK;
+}
+
+static bool is_finished(const tumble_averaging_t *averaging, uint8_t index)
+{
+    return (averaging->averages[index].samples != 0U) && (averaging->open.index != index);
+}
+
+tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8_t index,
+                                      double mean_counts[TUMBLE_CHANNELS],
+                                      double standard_error_counts[TUMBLE_CHANNELS])
+{
+    if ((averaging == NULL) || (mean_counts == NULL) || (index >= TUMBLE_MAX_POSITIONS)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!is_finished(averaging, index)) {
+        return TUMBLE_E_MISSING_POSITION;
+    }
+    const tumble_average_t *average = &averaging->averages[index];
+    mean_of(average, mean_counts);
+    if (standard_error_counts != NULL) {
+        const double root_n = tumble_sqrt((double)average->samples);
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            standard_error_counts[i] = (double)average->scatter_counts[i] / root_n;
+        }
+    }
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, double v_per_count, tumble_means_t *means)
+{
+    if ((averaging == NULL) || (means == NULL) || (v_per_count == 0.0) || !tumble_is_finite(v_per_count)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    for (uint8_t p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
+        means->measured[p] = is_finished(averaging, p);
+        if (means->measured[p]) {
+            mean_of(&averaging->averages[p], means->u_v[p]);
+        }
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            means->u_v[p][i] = means->measured[p] ? (means->u_v[p][i] * v_per_count) : 0.0;
+        }
+    }
+    return TUMBLE_OK;
+}

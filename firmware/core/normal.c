@@ -1,0 +1,176 @@
+#include "core/normal.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+
+#define N TUMBLE_UNKNOWNS
+
+/* A component of a null vector below this is rounding, not a part of it. */
+#define NULL_COMPONENT 1e-7
+
+bool tumble_normal_uses(const tumble_schedule_t *schedule, const bool *measured, uint8_t index)
+{
+    return (schedule->positions[index].use == TUMBLE_USE_FIT) && ((measured == NULL) || measured[index]);
+}
+
+void tumble_normal_row(const tumble_schedule_t *schedule, uint8_t index, double row[N])
+{
+    tumble_schedule_attitude(schedule, index, row);
+    row[TUMBLE_CHANNELS] = 1.0;
+}
+
+/* Symmetric exchange of unknowns a and b, in the part already factored as in the rest. */
+static void exchange(tumble_normal_t *normal, int a, int b)
+{
+    for (int j = 0; j < N; j++) {
+        const double keep = normal->m[a][j];
+        normal->m[a][j] = normal->m[b][j];
+        normal->m[b][j] = keep;
+    }
+    for (int i = 0; i < N; i++) {
+        const double keep = normal->m[i][a];
+        normal->m[i][a] = normal->m[i][b];
+        normal->m[i][b] = keep;
+    }
+    const uint8_t keep = normal->order[a];
+    normal->order[a] = normal->order[b];
+    normal->order[b] = keep;
+}
+
+static int largest_pivot(const tumble_normal_t *normal, int from)
+{
+    int best = from;
+    for (int i = from + 1; i < N; i++) {
+        if (normal->m[i][i] > normal->m[best][best]) {
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Take the pivot k out of the rows and columns behind it. */
+static void eliminate(tumble_normal_t *normal, int k)
+{
+    for (int i = k + 1; i < N; i++) {
+        const double l = normal->m[i][k] / normal->m[k][k];
+        for (int j = k + 1; j < N; j++) {
+            normal->m[i][j] -= l * normal->m[k][j];
+        }
+        normal->m[i][k] = l;
+    }
+}
+
+static void factor(tumble_normal_t *normal, double smallest_pivot)
+{
+    normal->rank = 0;
+    for (int k = 0; k < N; k++) {
+        exchange(normal, k, largest_pivot(normal, k));
+        if (!(normal->m[k][k] > smallest_pivot)) {
+            break;
+        }
+        eliminate(normal, k);
+        normal->rank++;
+    }
+}
+
+void tumble_normal_build(tumble_normal_t *normal, const tumble_schedule_t *schedule, const bool *measured)
+{
+    *normal = (tumble_normal_t){.order = {0, 1, 2, 3}};
+    double positions = 0.0;
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        if (!tumble_normal_uses(schedule, measured, p)) {
+            continue;
+        }
+        double row[N];
+        tumble_normal_row(schedule, p, row);
+        for (int i = 0; i < N; i++) {
+            for (int j = 0; j < N; j++) {
+                normal->m[i][j] += row[i] * row[j];
+            }
+        }
+        positions += 1.0;
+    }
+    factor(normal, positions * TUMBLE_MIN_SENSITIVITY_G * TUMBLE_MIN_SENSITIVITY_G);
+}
+
+/* The null vector whose free unknown is `free`: back substitution in L^T z = 0 with z[free] = 1. */
+static void null_vector(const tumble_normal_t *normal, int free, double z[N])
+{
+    for (int i = 0; i < N; i++) {
+        z[i] = (i == free) ? 1.0 : 0.0;
+    }
+    for (int i = (int)normal->rank - 1; i >= 0; i--) {
+        for (int j = i + 1; j < N; j++) {
+            z[i] -= normal->m[j][i] * z[j];
+        }
+    }
+}
+
+uint8_t tumble_normal_unidentified(const tumble_normal_t *normal)
+{
+    unsigned bits = 0;
+    for (int free = (int)normal->rank; free < N; free++) {
+        double z[N];
+        null_vector(normal, free, z);
+        for (int i = 0; i < N; i++) {
+            if (!tumble_within(z[i], NULL_COMPONENT)) {
+                bits |= 1U << normal->order[i];
+            }
+        }
+    }
+    return (uint8_t)bits;
+}
+
+/* Solve N x = right side; the solution takes its place. */
+static void solve(const tumble_normal_t *normal, double right[N])
+{
+    double z[N];
+    for (int i = 0; i < N; i++) { /* L */
+        z[i] = right[normal->order[i]];
+        for (int j = 0; j < i; j++) {
+            z[i] -= normal->m[i][j] * z[j];
+        }
+    }
+    for (int i = N - 1; i >= 0; i--) { /* D L^T */
+        z[i] /= normal->m[i][i];
+        for (int j = i + 1; j < N; j++) {
+            z[i] -= normal->m[j][i] * z[j];
+        }
+        right[normal->order[i]] = z[i];
+    }
+}
+
+/* u - [a 1] x */
+static double residual_of(const double row[N], const double x[N], double u)
+{
+    for (int j = 0; j < N; j++) {
+        u -= row[j] * x[j];
+    }
+    return u;
+}
+
+void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *schedule, const tumble_means_t *means,
+                       int channel, double x[N])
+{
+    for (int j = 0; j < N; j++) {
+        x[j] = 0.0;
+    }
+    for (int pass = 0; pass < 2; pass++) { /* from zero, the first pass solves the normal equations themselves */
+        double right[N] = {0.0, 0.0, 0.0, 0.0};
+        for (uint8_t p = 0; p < schedule->position_count; p++) {
+            if (tumble_normal_uses(schedule, means->measured, p)) {
+                double row[N];
+                tumble_normal_row(schedule, p, row);
+                const double residual = residual_of(row, x, means->u_v[p][channel]);
+                for (int j = 0; j < N; j++) {
+                    right[j] += row[j] * residual;
+                }
+            }
+        }
+        solve(normal, right);
+        for (int j = 0; j < N; j++) {
+            x[j] += right[j];
+        }
+    }
+}

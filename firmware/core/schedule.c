@@ -1,0 +1,225 @@
+#include "core/schedule.h"
+
+#include "core/arith.h"
+#include "core/normal.h"
+
+#include <stddef.h>
+
+#define MAX_ANGLE_DEG 3600.0
+#define ANGLE_TOLERANCE 1e-12
+#define ROTATION_TOLERANCE 1e-9
+
+/* Taylor's series to x^17 and x^16: below 1e-16 of error up to 45 degrees. */
+static void sine_cosine_of_small(double x, double *sine, double *cosine)
+{
+    double term = 1.0;
+    *sine = 0.0;
+    *cosine = 1.0;
+    for (int k = 1; k <= 17; k += 2) {
+        term *= x / (double)k;
+        *sine += term;
+        term *= -x / (double)(k + 1);
+        *cosine += term;
+    }
+}
+
+static bool angle_is_consistent(const tumble_angle_t *angle)
+{
+    if (!tumble_within(angle->deg, MAX_ANGLE_DEG)) {
+        return false;
+    }
+    const double quarters = (angle->deg / 90.0) + 40.5; /* 40 turns of a quarter make it positive, 0.5 rounds it */
+    const int quarter = (int)quarters;
+    const double rest_deg = angle->deg - (90.0 * (double)(quarter - 40));
+    double s;
+    double c;
+    sine_cosine_of_small(rest_deg * (3.14159265358979323846 / 180.0), &s, &c);
+    const double sines[4] = {s, c, -s, -c};
+    const double sine = sines[quarter & 3];
+    const double cosine = sines[(quarter + 1) & 3];
+    return tumble_within(angle->sine - sine, ANGLE_TOLERANCE) && tumble_within(angle->cosine - cosine, ANGLE_TOLERANCE);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return (a[0] * b[0]) + (a[1] * b[1]) + (a[2] * b[2]);
+}
+
+static bool is_proper_rotation(const double m[3][3])
+{
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j <= i; j++) {
+            if (!tumble_within(dot(m[i], m[j]) - ((i == j) ? 1.0 : 0.0), ROTATION_TOLERANCE)) {
+                return false;
+            }
+        }
+    }
+    const double cross[3] = {
+        (m[0][1] * m[1][2]) - (m[0][2] * m[1][1]),
+        (m[0][2] * m[1][0]) - (m[0][0] * m[1][2]),
+        (m[0][0] * m[1][1]) - (m[0][1] * m[1][0]),
+    };
+    return dot(cross, m[2]) > 0.0;
+}
+
+static uint8_t find_mounting(const tumble_schedule_t *schedule, uint8_t number)
+{
+    uint8_t m = 0;
+    while ((m < schedule->mounting_count) && (schedule->mountings[m].number != number)) {
+        m++;
+    }
+    return m;
+}
+
+static tumble_status_t validate_mounting(const tumble_schedule_t *schedule, uint8_t m)
+{
+    const tumble_mounting_t *mounting = &schedule->mountings[m];
+    if (find_mounting(schedule, mounting->number) != m) {
+        return TUMBLE_E_SCHEDULE_DUPLICATE;
+    }
+    if (!is_proper_rotation(mounting->matrix)) {
+        return TUMBLE_E_SCHEDULE_ROTATION;
+    }
+    return angle_is_consistent(&mounting->tilt) ? TUMBLE_OK : TUMBLE_E_SCHEDULE_ANGLE;
+}
+
+static tumble_status_t validate_position(const tumble_schedule_t *schedule, uint8_t p)
+{
+    const tumble_position_t *position = &schedule->positions[p];
+    if (find_mounting(schedule, position->mounting) == schedule->mounting_count) {
+        return TUMBLE_E_SCHEDULE_MOUNTING;
+    }
+    if (tumble_schedule_find(schedule, position->mounting, position->number) != p) {
+        return TUMBLE_E_SCHEDULE_DUPLICATE;
+    }
+    if ((position->use != TUMBLE_USE_FIT) && (position->use != TUMBLE_USE_CHECK)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    return angle_is_consistent(&position->angle) ? TUMBLE_OK : TUMBLE_E_SCHEDULE_ANGLE;
+}
+
+static bool has_valid_size(const tumble_schedule_t *schedule)
+{
+    return (schedule->mounting_count >= 1U) && (schedule->mounting_count <= TUMBLE_MAX_MOUNTINGS) &&
+           (schedule->position_count >= 1U) && (schedule->position_count <= TUMBLE_MAX_POSITIONS);
+}
+
+tumble_status_t tumble_schedule_validate(const tumble_schedule_t *schedule, uint8_t *where)
+{
+    uint8_t unused;
+    uint8_t *index = (where != NULL) ? where : &unused;
+    *index = 0;
+    if ((schedule == NULL) || (schedule->mountings == NULL) || (schedule->positions == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!has_valid_size(schedule)) {
+        return TUMBLE_E_SCHEDULE_SIZE;
+    }
+    for (*index = 0; *index < schedule->mounting_count; (*index)++) {
+        const tumble_status_t status = validate_mounting(schedule, *index);
+        if (status != TUMBLE_OK) {
+            return status;
+        }
+    }
+    for (*index = 0; *index < schedule->position_count; (*index)++) {
+        const tumble_status_t status = validate_position(schedule, *index);
+        if (status != TUMBLE_OK) {
+            return status;
+        }
+    }
+    *index = 0;
+    return TUMBLE_OK;
+}
+
+uint8_t tumble_schedule_find(const tumble_schedule_t *schedule, uint8_t mounting, uint8_t position)
+{
+    uint8_t p = 0;
+    while ((p < schedule->position_count) &&
+           ((schedule->positions[p].mounting != mounting) || (schedule->positions[p].number != position))) {
+        p++;
+    }
+    return p;
+}
+
+const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *schedule, uint8_t index)
+{
+    return &schedule->mountings[find_mounting(schedule, schedule->positions[index].mounting)];
+}
+
+void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS])
+{
+    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(schedule, index);
+    const tumble_angle_t *angle = &schedule->positions[index].angle;
+    const double f[3] = {mounting->tilt.cosine * angle->sine, mounting->tilt.sine, mounting->tilt.cosine * angle->cosine};
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        a_g[i] = dot(mounting->matrix[i], f);
+    }
+}
+
+tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
+                                         uint8_t *unidentified)
+{
+    if (schedule == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    tumble_normal_t normal;
+    tumble_normal_build(&normal, schedule, measured);
+    const uint8_t missing = tumble_normal_unidentified(&normal);
+    if (unidentified != NULL) {
+        *unidentified = missing;
+    }
+    return (missing == 0U) ? TUMBLE_OK : TUMBLE_E_RANK;
+}
+
+static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b)
+{
+    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            same = same && tumble_within(a->matrix[i][j] - b->matrix[i][j], ROTATION_TOLERANCE);
+        }
+    }
+    return same;
+}
+
+/* The first fit position in the paper's slot `paper`, measured if that is asked; position_count if there is none. */
+static uint8_t find_slot(const tumble_schedule_t *schedule, const bool *measured, uint8_t paper)
+{
+    const double angle_deg = tumble_schedule_paper.positions[paper].angle.deg;
+    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(&tumble_schedule_paper, paper);
+    uint8_t p = 0;
+    for (; p < schedule->position_count; p++) {
+        const tumble_position_t *position = &schedule->positions[p];
+        if ((position->use == TUMBLE_USE_FIT) && ((measured == NULL) || measured[p]) &&
+            tumble_within(position->angle.deg - angle_deg, ROTATION_TOLERANCE) &&
+            same_mounting(tumble_schedule_mounting_of(schedule, p), mounting)) {
+            break;
+        }
+    }
+    return p;
+}
+
+tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
+                                         tumble_harmonic_map_t *map, uint32_t *missing)
+{
+    if ((schedule == NULL) || (map == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    uint32_t empty = 0;
+    bool planned = true;
+    for (uint8_t slot = 0; slot < 18U; slot++) {
+        const uint8_t p = find_slot(schedule, measured, slot);
+        map->index[slot / 9U][slot % 9U] = p;
+        if (p == schedule->position_count) {
+            empty |= (uint32_t)1U << slot;
+            planned = planned && (find_slot(schedule, NULL, slot) != schedule->position_count);
+        }
+    }
+    if (missing != NULL) {
+        *missing = empty;
+    }
+    if (empty == 0U) {
+        return TUMBLE_OK;
+    }
+    return planned ? TUMBLE_E_MISSING_POSITION : TUMBLE_E_NOT_HARMONIC;
+}
