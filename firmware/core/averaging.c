@@ -93,8 +93,7 @@ static tumble_status_t check_counter(tumble_averaging_t *averaging, uint16_t cou
             count(&averaging->counters.reordered, 1U);
             return TUMBLE_E_REORDERED;
         }
-        const uint32_t lost = (uint32_t)open->lost + advance - 1U;
-        open->lost = (lost < UINT16_MAX) ? (uint16_t)lost : UINT16_MAX;
+        count(&open->lost, (uint32_t)advance - 1U);
         count(&averaging->counters.lost, (uint32_t)advance - 1U);
     }
     open->last_counter = counter;
@@ -145,13 +144,8 @@ static void watch_stuck_channels(tumble_averaging_t *averaging, const tumble_ave
 {
     tumble_open_position_t *open = &averaging->open;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const bool again = (open->run[i] != 0U) && (counts[i] == open->last[i]);
+        open->run[i] = (counts[i] == open->last[i]) ? (uint16_t)(open->run[i] + 1U) : 1U;
         open->last[i] = counts[i];
-        if (!again) {
-            open->run[i] = 1U;
-        } else if (open->run[i] < UINT16_MAX) {
-            open->run[i]++;
-        }
         if ((config->stuck_run != 0U) && (open->run[i] >= config->stuck_run)) {
             mark(averaging, FAULT_STUCK);
         }

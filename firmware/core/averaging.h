@@ -27,8 +27,8 @@ typedef struct {
     uint32_t min_samples;      /* of a finished position; 1 to TUMBLE_MAX_SAMPLES */
     uint16_t max_lost;         /* samples that may be missing from a position */
     uint16_t stuck_run;        /* equal values in a row that call a channel stuck; at least 2, or 0: gate off */
-    float noise_counts;        /* declared standard deviation of one sample; 0: unknown, stillness gate off */
-    float stillness_ratio;     /* scatter over declared noise that still counts as still; above 0 */
+    float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
+    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
 } tumble_averaging_config_t;
 
 /* Monotonic since init, over all positions; they stop at UINT32_MAX instead of wrapping. */
@@ -54,7 +54,7 @@ typedef struct {
     int32_t last[TUMBLE_CHANNELS];
     uint16_t run[TUMBLE_CHANNELS]; /* how often `last` has come in a row */
     uint16_t last_counter;
-    uint16_t lost;
+    uint32_t lost;
     uint8_t index;
     uint8_t faults; /* bits private to averaging.c */
 } tumble_open_position_t;
@@ -75,7 +75,8 @@ tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumbl
 tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t index);
 
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
- * values are counted as lost, and the sample itself is taken.
+ * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
+ * caller's timeout must come long before.
  * Returns TUMBLE_OK, _NOT_OPEN, _FULL, _REPEATED, _REORDERED, _SATURATED, _DEVIATION. */
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);

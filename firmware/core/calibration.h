@@ -17,7 +17,7 @@ typedef struct {
     double u0_v[TUMBLE_CHANNELS];
 } tumble_calibration_t;
 
-/* Below this, K counts as singular: a row's length over the longest row's, and the volume that the three unit rows
+/* At or below this, K counts as singular: a row's length over the longest row's, and the volume that the three unit rows
  * span (1 for orthogonal channels, 0 for parallel ones). */
 #define TUMBLE_MIN_ROW_RATIO 1e-6
 #define TUMBLE_MIN_ROW_VOLUME 1e-3

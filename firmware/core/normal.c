@@ -63,7 +63,6 @@ static void eliminate(tumble_normal_t *normal, int k)
 
 static void factor(tumble_normal_t *normal, double smallest_pivot)
 {
-    normal->rank = 0;
     for (int k = 0; k < N; k++) {
         exchange(normal, k, largest_pivot(normal, k));
         if (!(normal->m[k][k] > smallest_pivot)) {

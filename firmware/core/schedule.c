@@ -106,29 +106,26 @@ static bool has_valid_size(const tumble_schedule_t *schedule)
 
 tumble_status_t tumble_schedule_validate(const tumble_schedule_t *schedule, uint8_t *where)
 {
-    uint8_t unused;
-    uint8_t *index = (where != NULL) ? where : &unused;
-    *index = 0;
     if ((schedule == NULL) || (schedule->mountings == NULL) || (schedule->positions == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
     if (!has_valid_size(schedule)) {
         return TUMBLE_E_SCHEDULE_SIZE;
     }
-    for (*index = 0; *index < schedule->mounting_count; (*index)++) {
-        const tumble_status_t status = validate_mounting(schedule, *index);
-        if (status != TUMBLE_OK) {
-            return status;
-        }
+    tumble_status_t status = TUMBLE_OK;
+    uint8_t at = 0;
+    for (uint8_t m = 0; (m < schedule->mounting_count) && (status == TUMBLE_OK); m++) {
+        status = validate_mounting(schedule, m);
+        at = m;
     }
-    for (*index = 0; *index < schedule->position_count; (*index)++) {
-        const tumble_status_t status = validate_position(schedule, *index);
-        if (status != TUMBLE_OK) {
-            return status;
-        }
+    for (uint8_t p = 0; (p < schedule->position_count) && (status == TUMBLE_OK); p++) {
+        status = validate_position(schedule, p);
+        at = p;
     }
-    *index = 0;
-    return TUMBLE_OK;
+    if ((status != TUMBLE_OK) && (where != NULL)) {
+        *where = at;
+    }
+    return status;
 }
 
 uint8_t tumble_schedule_find(const tumble_schedule_t *schedule, uint8_t mounting, uint8_t position)
@@ -173,7 +170,7 @@ tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, cons
 
 static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b)
 {
-    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE);
+    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE) && (a->tilt.cosine > 0.0);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             same = same && tumble_within(a->matrix[i][j] - b->matrix[i][j], ROTATION_TOLERANCE);
@@ -206,10 +203,11 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
         return TUMBLE_E_ARGUMENT;
     }
     uint32_t empty = 0;
+    tumble_harmonic_map_t found;
     bool planned = true;
     for (uint8_t slot = 0; slot < 18U; slot++) {
         const uint8_t p = find_slot(schedule, measured, slot);
-        map->index[slot / 9U][slot % 9U] = p;
+        found.index[slot / 9U][slot % 9U] = p;
         if (p == schedule->position_count) {
             empty |= (uint32_t)1U << slot;
             planned = planned && (find_slot(schedule, NULL, slot) != schedule->position_count);
@@ -219,6 +217,7 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
         *missing = empty;
     }
     if (empty == 0U) {
+        *map = found;
         return TUMBLE_OK;
     }
     return planned ? TUMBLE_E_MISSING_POSITION : TUMBLE_E_NOT_HARMONIC;

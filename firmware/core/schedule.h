@@ -65,10 +65,12 @@ typedef struct {
  * Mounting 2 is mounting 1 turned by 180 degrees about the bisector of the block's y and z axes. */
 extern const tumble_schedule_t tumble_schedule_paper;
 
-/* Is this schedule usable data? Checks sizes, numbers, rotations and angles, in that order, and stops at the first
- * fault. `where` (may be null) then receives the index of the mounting or position at fault.
- * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, _SCHEDULE_SIZE, _SCHEDULE_ROTATION, _SCHEDULE_ANGLE, _SCHEDULE_MOUNTING,
- * _SCHEDULE_DUPLICATE. Every other function expects a schedule that passed. */
+/* Is this schedule usable data? Checks the sizes, then every mounting (number, rotation, tilt), then every position
+ * (mounting, number, use, angle), and stops at the first fault. `where` (may be null) then receives the index of that
+ * mounting or position; it is left alone when the fault has no place.
+ * Returns TUMBLE_OK, TUMBLE_E_SCHEDULE_SIZE, _SCHEDULE_ROTATION, _SCHEDULE_ANGLE, _SCHEDULE_MOUNTING,
+ * _SCHEDULE_DUPLICATE, or _ARGUMENT (null, or a `use` outside its list). Every other function expects a schedule that
+ * passed. */
 tumble_status_t tumble_schedule_validate(const tumble_schedule_t *schedule, uint8_t *where);
 
 /* Index of the position with these numbers, or position_count if there is none. */
@@ -83,13 +85,12 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
 /* Can these positions identify all twelve coefficients? Uses the fit positions, and of those only the measured ones
  * when `measured` is not null (one flag per position). The three channels share one design, so the answer is four
  * bits: bit 0..2 for K_ix, K_iy, K_iz, bit 3 for U0_i of every channel i; set in `unidentified` (may be null) when that
- * coefficient is not determined. A direction counts as identified from TUMBLE_MIN_SENSITIVITY_G upwards.
- * Returns TUMBLE_OK or TUMBLE_E_RANK. */
+ * coefficient is not determined. Returns TUMBLE_OK, TUMBLE_E_RANK, or _ARGUMENT (null schedule). */
 tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
                                          uint8_t *unidentified);
 
-/* Weakest root-mean-square excitation of a combination of coefficients that still counts as identified: below it the
- * noise of a mean is magnified more than a thousandfold. */
+/* A coefficient counts as identified when the part of its column that the other columns do not explain has at least this
+ * root mean square over the positions. Below it the noise of a mean would be magnified more than a thousandfold. */
 #define TUMBLE_MIN_SENSITIVITY_G 1e-3
 
 /* Where a schedule holds the positions of the paper: index of the fit position in each slot [mounting - 1][l - 1]. */
@@ -99,9 +100,9 @@ typedef struct {
 
 /* Find the 2 x 9 positions of the paper among the fit positions, by geometry (matrix, tilt, angle), whatever their
  * numbers; extra positions do no harm. With `measured` (may be null) only measured ones count.
- * `missing` (may be null) receives one bit per empty slot, bit (mounting - 1) * 9 + (l - 1).
+ * `missing` (may be null) receives one bit per empty slot, bit (mounting - 1) * 9 + (l - 1), also on a refusal.
  * Returns TUMBLE_OK; TUMBLE_E_NOT_HARMONIC when the schedule itself lacks one; TUMBLE_E_MISSING_POSITION when it has
- * them all but not all are measured. */
+ * them all but not all are measured; _ARGUMENT (null). */
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
                                          tumble_harmonic_map_t *map, uint32_t *missing);
 

@@ -33,7 +33,7 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
                                      tumble_gravity_check_t *check);
 
 /* Closure: the outputs at the last measured position of a mounting whose attitude equals that of an earlier one, less
- * those at the earlier one (in the paper's schedule U9 - U1): drift, slip of the table, or a block that moved.
+ * those at the earliest such one (in the paper's schedule U9 - U1): drift, slip of the table, or a block that moved.
  * `mounting` is the mounting's number. Returns TUMBLE_OK, _ARGUMENT, or TUMBLE_E_MISSING_POSITION when the mounting has
  * no such pair. */
 tumble_status_t tumble_closure(const tumble_schedule_t *schedule, const tumble_means_t *means, uint8_t mounting,
