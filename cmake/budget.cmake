@@ -1,0 +1,33 @@
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+# Hold libraries to a row of boards/budget.csv, as part of the build: they are linked whole, with what they keep in RAM,
+# and measured. The target is budget_<name>.
+#
+#   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ON_DEMAND])
+function(tumble_budget name)
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW" "LIBRARIES;RESIDENT" ${ARGN})
+  set(all ALL)
+  if(arg_ON_DEMAND)
+    set(all)
+  endif()
+
+  set(objects)
+  foreach(library IN LISTS arg_LIBRARIES)
+    list(APPEND objects $<TARGET_OBJECTS:${library}>)
+  endforeach()
+  set(object_list ${CMAKE_CURRENT_BINARY_DIR}/${name}.objects)
+  file(GENERATE OUTPUT ${object_list} CONTENT "$<JOIN:${objects},\n>\n")
+
+  set(image footprint_${name})
+  add_executable(${image} EXCLUDE_FROM_ALL ${objects} ${arg_RESIDENT})
+  target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/firmware)
+  target_link_options(${image} PRIVATE -nostdlib LINKER:--entry=0 LINKER:-Map=$<TARGET_FILE:${image}>.map)
+  target_link_libraries(${image} PRIVATE tumble_flags -Wl,--start-group gcc c m nosys -Wl,--end-group)
+
+  add_custom_target(budget_${name} ${all}
+    COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/budget
+      --limits ${PROJECT_SOURCE_DIR}/boards/budget.csv --target ${CMAKE_SYSTEM_PROCESSOR} --part ${arg_ROW}
+      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map
+      --out ${CMAKE_CURRENT_BINARY_DIR}/budget_${name}.csv @${object_list}
+    DEPENDS ${image} VERBATIM)
+endfunction()

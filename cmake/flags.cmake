@@ -1,0 +1,19 @@
+# The flags of all our C. Linking `tumble_flags` brings them.
+add_library(tumble_flags INTERFACE)
+target_compile_options(tumble_flags INTERFACE
+  -ffp-contract=off # host and target give the same bits
+  -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wvla -Werror)
+
+# For code that is not ours but runs in our process (Unity, generated bindings): instrumented, not judged.
+add_library(tumble_sanitizers INTERFACE)
+if(TUMBLE_SANITIZE)
+  set(sanitizers -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow -fno-sanitize-recover=all)
+  target_compile_options(tumble_sanitizers INTERFACE ${sanitizers} -fno-omit-frame-pointer -O1)
+  target_link_options(tumble_sanitizers INTERFACE ${sanitizers})
+endif()
+target_link_libraries(tumble_flags INTERFACE tumble_sanitizers)
+
+# On a target whose stack is budgeted the compiler writes down its frames, which tools/budget checks against its own.
+if(CMAKE_CROSSCOMPILING)
+  target_compile_options(tumble_flags INTERFACE -fstack-usage -fcallgraph-info=su,da)
+endif()

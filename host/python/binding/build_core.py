@@ -1,0 +1,156 @@
+"""Write the C source of `_tumble_core`, the extension module through which Python calls the firmware core.
+
+    python build_core.py OUTPUT.c
+
+cffi's API mode: the declarations below are compared with the real headers by the C compiler, so a change of a
+structure or a signature breaks the build instead of a result. Where a structure ends in `...`, the compiler fills in
+what Python has no use for. The module uses the limited API, so one build serves every Python from 3.10 on.
+"""
+
+import sys
+
+import cffi
+
+HEADERS = """
+#include "core/averaging.h"
+#include "core/calibration.h"
+#include "core/estimator.h"
+#include "core/schedule.h"
+#include "core/status.h"
+#include "core/verification.h"
+"""
+
+LIMITS = """
+#define TUMBLE_COEFFICIENTS ...
+#define TUMBLE_MAX_POSITIONS ...
+#define TUMBLE_MAX_MOUNTINGS ...
+static const double TUMBLE_MIN_SENSITIVITY_G;
+static const double TUMBLE_MAX_MEAN_V;
+static const double TUMBLE_MIN_ROW_RATIO;
+static const int64_t TUMBLE_MAX_SAMPLES;
+static const int64_t TUMBLE_MAX_DEVIATION_COUNTS;
+"""
+
+STATUS = """
+typedef enum { TUMBLE_OK, TUMBLE_E_MISSING_POSITION, TUMBLE_E_TOO_FEW, TUMBLE_STATUS_COUNT, ... } tumble_status_t;
+const char *tumble_status_name(tumble_status_t status);
+const char *tumble_status_sentence(tumble_status_t status);
+"""
+
+SCHEDULE = """
+typedef struct { double deg; double sine; double cosine; } tumble_angle_t;
+typedef struct { uint8_t number; double matrix[3][3]; tumble_angle_t tilt; } tumble_mounting_t;
+typedef enum { TUMBLE_USE_FIT, TUMBLE_USE_CHECK } tumble_use_t;
+typedef struct { uint8_t mounting; uint8_t number; tumble_use_t use; tumble_angle_t angle; } tumble_position_t;
+typedef struct {
+    const tumble_mounting_t *mountings;
+    const tumble_position_t *positions;
+    uint8_t mounting_count;
+    uint8_t position_count;
+} tumble_schedule_t;
+typedef struct { double u_v[...][3]; bool measured[...]; } tumble_means_t;
+typedef struct { uint8_t index[2][9]; } tumble_harmonic_map_t;
+
+extern const tumble_schedule_t tumble_schedule_paper;
+tumble_status_t tumble_schedule_validate(const tumble_schedule_t *, uint8_t *where);
+void tumble_schedule_attitude(const tumble_schedule_t *, uint8_t index, double *a_g);
+tumble_status_t tumble_schedule_identify(const tumble_schedule_t *, const bool *measured, uint8_t *unidentified);
+tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *, const bool *measured, tumble_harmonic_map_t *,
+                                         uint32_t *missing);
+"""
+
+AVERAGING = """
+typedef struct { int32_t counts[3]; uint16_t counter; } tumble_sample_t;
+typedef struct {
+    int32_t saturation_counts;
+    uint32_t min_samples;
+    uint16_t max_lost;
+    uint16_t stuck_run;
+    float noise_counts;
+    float stillness_ratio;
+} tumble_averaging_config_t;
+typedef struct {
+    uint32_t saturated;
+    uint32_t deviating;
+    uint32_t repeated;
+    uint32_t reordered;
+    uint32_t lost;
+} tumble_averaging_counters_t;
+typedef struct { int64_t sum_counts[3]; uint32_t samples; float scatter_counts[3]; } tumble_average_t;
+typedef struct { tumble_average_t averages[...]; tumble_averaging_counters_t counters; ...; } tumble_averaging_t;
+
+tumble_status_t tumble_averaging_init(tumble_averaging_t *, const tumble_averaging_config_t *);
+tumble_status_t tumble_averaging_begin(tumble_averaging_t *, uint8_t index);
+tumble_status_t tumble_averaging_add(tumble_averaging_t *, const tumble_averaging_config_t *, const tumble_sample_t *);
+tumble_status_t tumble_averaging_finish(tumble_averaging_t *, const tumble_averaging_config_t *);
+uint32_t tumble_averaging_samples(const tumble_averaging_t *);
+tumble_status_t tumble_averaging_running(const tumble_averaging_t *, double *mean_counts,
+                                         double *standard_error_counts);
+tumble_status_t tumble_averaging_mean(const tumble_averaging_t *, uint8_t index, double *mean_counts,
+                                      double *standard_error_counts);
+tumble_status_t tumble_averaging_means(const tumble_averaging_t *, double v_per_count, tumble_means_t *);
+"""
+
+ESTIMATOR = """
+typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_coefficients_t;
+typedef struct { uint32_t missing; uint8_t unidentified; } tumble_refusal_t;
+typedef struct { const double *gains; uint8_t fit_positions; } tumble_gain_table_t;
+
+tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
+                                         tumble_refusal_t *);
+tumble_status_t tumble_estimate_refined(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
+                                        tumble_refusal_t *);
+tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *, const tumble_means_t *,
+                                              tumble_coefficients_t *, tumble_refusal_t *);
+tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *, const tumble_schedule_t *, const tumble_means_t *,
+                                      tumble_coefficients_t *);
+"""
+
+CALIBRATION = """
+typedef struct { double k_inverse_g_per_v[3][3]; double u0_v[3]; } tumble_calibration_t;
+typedef struct {
+    double scale_v_per_g[3];
+    double cosine_xy;
+    double cosine_xz;
+    double cosine_yz;
+    double bias_g[3];
+} tumble_intrinsic_t;
+
+tumble_status_t tumble_calibration_invert(const tumble_coefficients_t *, tumble_calibration_t *);
+void tumble_calibration_apply(const tumble_calibration_t *, const double *u_v, double *a_g);
+void tumble_calibration_apply_counts(const tumble_calibration_t *, double v_per_count, const int32_t *counts,
+                                     double *a_g);
+tumble_status_t tumble_calibration_intrinsic(const tumble_coefficients_t *, tumble_intrinsic_t *);
+"""
+
+VERIFICATION = """
+typedef struct {
+    double delta_g_g[...];
+    double max_abs_fit_g;
+    double max_abs_check_g;
+    uint8_t fit_positions;
+    uint8_t check_positions;
+    bool pass;
+} tumble_gravity_check_t;
+
+tumble_status_t tumble_gravity_check(const tumble_schedule_t *, const tumble_means_t *, const tumble_calibration_t *,
+                                     double limit_g, tumble_gravity_check_t *);
+tumble_status_t tumble_closure(const tumble_schedule_t *, const tumble_means_t *, uint8_t mounting,
+                               double *difference_v);
+void tumble_residual(const tumble_schedule_t *, const tumble_means_t *, const tumble_coefficients_t *, uint8_t index,
+                     double *residual_v);
+tumble_status_t tumble_residual_rms(const tumble_schedule_t *, const tumble_means_t *, const tumble_coefficients_t *,
+                                    double *rms_v);
+"""
+
+
+def main(output: str) -> None:
+    """Write the extension's C source to the file `output`."""
+    ffi = cffi.FFI()
+    ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION)
+    ffi.set_source("_tumble_core", HEADERS)
+    ffi.emit_c_code(output)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

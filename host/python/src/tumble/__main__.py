@@ -1,0 +1,7 @@
+"""`python -m tumble`: the command line."""
+
+import sys
+
+from tumble.cli import main
+
+sys.exit(main())

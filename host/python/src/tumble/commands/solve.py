@@ -1,0 +1,121 @@
+"""`tumble solve`: a recorded run in, twelve coefficients with a verdict out."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+
+ESTIMATORS = ("averaged", "refined", "least_squares")
+DEFAULT_LIMIT_G = 3e-4
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "solve",
+        help="solve a recorded run: K, U0, their uncertainties and a verdict",
+        description="Solve a recorded run: the firmware's code computes, an independent numpy computation confirms.",
+        epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
+    )
+    parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz")
+    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
+    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+    parser.add_argument(
+        "--limit",
+        metavar="G",
+        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
+    )
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
+    layout = parser.add_argument_group("layout of the run file", "detected, unless given")
+    layout.add_argument("--columns", metavar="NAME=COLUMN,...", help="names of its columns, such as ux=AccX,uy=AccY")
+    layout.add_argument("--delimiter", metavar="SIGN", help="comma, semicolon, tab or another sign")
+    layout.add_argument("--decimal", choices=(".", ","), help="decimal mark")
+    layout.add_argument("--unit", help="unit of the outputs; default: the one in brackets in the header, else V")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Solve and print. Returns the exit code; raises TumbleError."""
+    limit_g = None if arguments.limit is None else _parse_limit(arguments.limit)
+    wishes = _wishes(arguments)
+    _refuse_overwriting(arguments)
+
+    from tumble import core, result
+    from tumble.files import write_text
+    from tumble.runfile import read_run
+    from tumble.solution import solve
+
+    stand_file = schedule = None
+    if arguments.stand is not None:
+        from tumble.standfile import read_stand
+
+        stand_file = read_stand(arguments.stand)
+        limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g
+    if arguments.schedule is not None:
+        from tumble.schedulefile import read_schedule
+
+        schedule = read_schedule(arguments.schedule)
+    recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
+    solution = solve(
+        recorded,
+        schedule,
+        arguments.estimator,
+        DEFAULT_LIMIT_G if limit_g is None else limit_g,
+        None if stand_file is None else stand_file.stand,
+        arguments.run,
+    )
+    text = None
+    if arguments.json or arguments.out is not None:
+        item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+        text = result.to_json(result.document(solution, item, environment))
+    if arguments.out is not None:
+        write_text(arguments.out, text)
+    _print(solution, text if arguments.json else None, arguments.run)
+    return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
+
+
+def _parse_limit(text: str) -> float:
+    try:
+        limit_g = float(text)
+    except ValueError:
+        limit_g = math.nan
+    if not 0.0 < limit_g < 1.0:
+        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0 and below 1")
+    return limit_g
+
+
+def _wishes(arguments: argparse.Namespace):
+    from tumble import dialect
+
+    return dialect.Wishes(
+        columns=dialect.parse_columns(arguments.columns) if arguments.columns is not None else {},
+        delimiter=None if arguments.delimiter is None else dialect.parse_delimiter(arguments.delimiter),
+        decimal=arguments.decimal,
+        unit=None if arguments.unit is None else dialect.parse_unit(arguments.unit),
+    )
+
+
+def _refuse_overwriting(arguments: argparse.Namespace) -> None:
+    """The result must not replace what it is made from."""
+    for source in (arguments.run, arguments.stand, arguments.schedule):
+        if arguments.out and source and os.path.realpath(arguments.out) == os.path.realpath(source):
+            raise UsageError(f"--out: {quoted(arguments.out)} is an input of this command")
+
+
+def _print(solution, json_text: str | None, file: str) -> None:
+    if json_text is not None:
+        sys.stdout.write(json_text)
+    elif sys.stdout.isatty():
+        from tumble.terminal import show
+
+        show(solution, os.path.basename(file))
+    else:
+        from tumble.plain import render
+
+        sys.stdout.write(render(solution, os.path.basename(file)))

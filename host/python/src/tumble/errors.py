@@ -1,0 +1,55 @@
+"""What can go wrong, as the user is told: one line, and an exit code.
+
+0 pass   1 limits failed   2 usage or bad input   3 disagreement with numpy   130 interrupted
+"""
+
+from __future__ import annotations
+
+import os
+
+EXIT_PASS = 0
+EXIT_LIMITS_FAILED = 1
+EXIT_BAD_INPUT = 2
+EXIT_DISAGREEMENT = 3
+EXIT_INTERRUPTED = 130
+
+_LONGEST_QUOTE = 40
+
+
+def quoted(text: object) -> str:
+    """Foreign text, made fit for one line of a message: quoted, escaped, cut to 40 characters."""
+    text = str(text)
+    return ascii(text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 3] + "...")
+
+
+def file_name(path: str | os.PathLike) -> str:
+    """A path as it may stand in a one-line message."""
+    text = os.fspath(path)
+    return text if text.isprintable() else ascii(text)
+
+
+class TumbleError(Exception):
+    """An outcome that ends the command with one line on stderr and `exit_code`."""
+
+    exit_code = EXIT_BAD_INPUT
+
+
+class UsageError(TumbleError):
+    """The command line asks for something that is not there."""
+
+
+class BadInput(TumbleError):
+    """A file cannot be used. Says which, and where known in which row (line number, from 1) and column or key."""
+
+    def __init__(self, message: str, file: str | os.PathLike, row: int | None = None, column: str | None = None):
+        place = [] if row is None else [f"row {row}"]
+        place += [] if column is None else [f"column {column}"]
+        self.row = row
+        self.column = column
+        super().__init__(": ".join([file_name(file), *([", ".join(place)] if place else []), message]))
+
+
+class Disagreement(TumbleError):
+    """The firmware core and the numpy witness do not agree: one of them is wrong, so neither result is given."""
+
+    exit_code = EXIT_DISAGREEMENT

@@ -1,0 +1,57 @@
+"""Reading and writing whole files, with one-line errors and nothing half-written left behind."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+from tumble.errors import BadInput
+
+_REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
+
+
+def read_bytes(file: str) -> bytes:
+    """All of a file. Raises BadInput."""
+    try:
+        with open(file, "rb") as stream:
+            return stream.read()
+    except OSError as error:
+        raise BadInput(reason(error), file) from None
+    except ValueError:  # a name with a zero byte
+        raise BadInput("not a file name", file) from None
+
+
+def write_text(file: str, text: str) -> None:
+    """Write a file as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
+
+    A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly.
+    """
+    try:
+        target = os.path.realpath(file)
+        if os.path.exists(target) and not os.path.isfile(target):
+            with open(target, "w", encoding="utf-8") as stream:
+                stream.write(text)
+        else:
+            _replace(target, text)
+    except OSError as error:
+        raise BadInput(f"cannot be written: {reason(error)}", file) from None
+    except ValueError:
+        raise BadInput("not a file name", file) from None
+
+
+def _replace(target: str, text: str) -> None:
+    folder, name = os.path.split(target)
+    temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        os.replace(temporary, target)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, in a few words."""
+    return _REASONS.get(error.errno, (error.strerror or "cannot be read").lower())

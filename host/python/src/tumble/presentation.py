@@ -1,0 +1,125 @@
+"""What a person is told about a solution: the words and figures, whatever they are printed with."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.result import per_g
+from tumble.solution import Solution
+
+COEFFICIENT_HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+HINT = "For uncertainties, describe the stand: --stand FILE"
+BAR_WIDTH = 36
+_UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class GravityBar:
+    """One position of the gravity check: `filled` of BAR_WIDTH cells, the limit standing in cell `limit`."""
+
+    label: str
+    use: str
+    delta_g: str
+    filled: int
+    limit: int
+    exceeds: bool
+
+
+def title(solution: Solution, file: str) -> str:
+    """What was solved, and how."""
+    counters = solution.run.counters
+    positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
+    return f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}"
+
+
+def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
+    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy.
+
+    An uncertainty of K is given relative to the coefficient, in ppm; one of U0 over the channel's scale, in ug.
+    """
+    unit, rows = solution.run.unit, []
+    decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
+    for i, channel in enumerate("xyz"):
+        for j, axis in enumerate("xyz"):
+            u = None if solution.u_k is None else solution.u_k[i, j]
+            relative = _ratio(u, solution.found.k[i, j], "ppm")
+            difference = _difference(solution.comparison.k[i, j])
+            value = f"{solution.found.k[i, j]:+.{decimals}f}"
+            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference))
+    for i, channel in enumerate("xyz"):
+        u = None if solution.u_u0 is None else solution.u_u0[i]
+        relative = _ratio(u, solution.found.k[i, i], "ug ")
+        difference = _difference(solution.comparison.u0[i])
+        rows.append((f"U0_{channel}", f"{solution.found.u0[i]:+.{decimals}f}", unit, _u(u), relative, difference))
+    return rows
+
+
+def _u(u: float | None) -> str:
+    return _UNKNOWN if u is None else f"{u:.1e}"
+
+
+def _difference(difference: float) -> str:
+    return "0" if difference == 0.0 else f"{difference:.0e}"
+
+
+def _ratio(u: float | None, of: float, millionths: str) -> str:
+    if u is None or of == 0.0:
+        return "-"
+    ratio = abs(u / of) * 1e6
+    return f"{ratio:.0f} {millionths}" if ratio >= 100 else f"{ratio:.3g} {millionths}"
+
+
+def gravity_title(solution: Solution) -> str:
+    """What the bars show."""
+    return f"Gravity check: delta_g in g at every position; | marks the limit, {solution.limit_g:g} g"
+
+
+def gravity_bars(solution: Solution) -> list[GravityBar]:
+    """One bar for each measured position, to one scale: the limit, or the largest error if that is larger."""
+    full = max(float(np.nanmax(np.abs(solution.found.gravity.delta_g))), solution.limit_g) / BAR_WIDTH
+    bars = []
+    for position, delta_g in zip(solution.schedule.positions, solution.found.gravity.delta_g.tolist()):
+        if not math.isnan(delta_g):
+            filled = min(BAR_WIDTH, math.ceil(abs(delta_g) / full))
+            limit = min(BAR_WIDTH, math.ceil(solution.limit_g / full))
+            exceeds = abs(delta_g) > solution.limit_g
+            bars.append(GravityBar(position.label, position.use, f"{delta_g:+.2e}", filled, limit, exceeds))
+    return bars
+
+
+def remarks(solution: Solution) -> list[str]:
+    """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
+    unit, seen = solution.run.unit, solution.stand_seen
+    lines = [
+        f"Closure of mounting {mounting}: {_three(difference)} {unit}"
+        for mounting, difference in solution.found.closure.items()
+    ]
+    if solution.found.residual_rms is not None:
+        lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}")
+    if seen["alpha1_rad"] is not None:
+        lines.append(f"Stand seen: axis tilt {_measured(seen, 'alpha1_rad')} rad")
+        lines.append(f"            level + yaw {_measured(seen, 'alpha2_plus_alpha3_rad')} rad")
+        lines.append(f"            yaw 1 - yaw 2 {_measured(seen, 'alpha3_difference_rad')} rad")
+    if seen["noise_v"] is not None:
+        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} {unit}")
+    return lines
+
+
+def _three(values: np.ndarray) -> str:
+    return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
+
+
+def _measured(seen: dict[str, float | None], name: str) -> str:
+    u = seen[f"u_{name}"]
+    return f"{seen[name]:+.2e}" + ("" if u is None else f" +- {u:.1e}")
+
+
+def verdict(solution: Solution) -> str:
+    """Pass or fail and why, in one line."""
+    worst = solution.worst_position
+    outcome = "PASS" if solution.found.gravity.passed else "FAIL"
+    error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
+    return f"{outcome}: largest gravity error {error}, limit {solution.limit_g:g} g; numpy agrees"

@@ -1,0 +1,24 @@
+"""The numpy witness: the whole computation a second time, by other means than the firmware core.
+
+Exact geometry of the stand, the paper's formulas written out as printed, dense least squares, singular values, complex
+steps. This package neither imports nor calls the core, and the core knows nothing of it: their agreement, checked in
+every solve, means something only as long as that holds.
+"""
+
+from tumble.reference.estimators import estimate
+from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.reference.stand_seen import stand_seen
+from tumble.reference.uncertainty import standard_uncertainties
+from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
+
+__all__ = [
+    "Geometry",
+    "closure",
+    "estimate",
+    "gravity_errors",
+    "intrinsic",
+    "paper_schedule",
+    "residual_rms",
+    "stand_seen",
+    "standard_uncertainties",
+]

@@ -1,0 +1,110 @@
+"""The estimators, by other means than the core's: the formulas written out as printed, and dense least squares.
+
+Means have the shape (..., positions, 3): any number of runs at once. Each estimator is linear in the means, so it also
+maps derivatives of outputs to derivatives of coefficients.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.schedule import FIT, Schedule
+
+_SAME = 1e-9
+_SQRT2 = np.sqrt(2.0)
+_SENSITIVITY = 1e-3
+_NULL_COMPONENT = 1e-7
+
+
+def fit_indices(schedule: Schedule) -> list[int]:
+    """Indices of the positions that an estimator may use."""
+    return [index for index, position in enumerate(schedule.positions) if position.use == FIT]
+
+
+def paper_slots(schedule: Schedule) -> np.ndarray | None:
+    """Indices (2, 9) of the paper's positions in a schedule, found by attitude and angle; None if one is not there."""
+    wanted = paper_schedule()
+    wanted_force, force = Geometry(wanted).force(), Geometry(schedule).force()
+    slots = []
+    for attitude, paper in zip(wanted_force, wanted.positions):
+        found = [
+            index
+            for index in fit_indices(schedule)
+            if abs(schedule.positions[index].angle_deg - paper.angle_deg) < _SAME
+            and np.abs(force[index] - attitude).max() < _SAME
+        ]
+        if not found:
+            return None
+        slots.append(found[0])
+    return np.array(slots).reshape(2, 9)
+
+
+def functionals(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """c, s, b of one mounting: amplitudes of cos phi (formula 3) and sin phi, mean. u (..., 9, 3) -> (..., 3)."""
+    u1, u2, u3, u4, u5, u6, u7, u8, u9 = np.moveaxis(u, -2, 0)
+    c = (u1 + u9 - 2 * u5 + _SQRT2 * (u2 + u8 - u4 - u6)) / 8
+    s = (2 * (u3 - u7) + _SQRT2 * (u2 + u4 - u6 - u8)) / 8
+    b = ((u1 + u9) / 2 + u2 + u3 + u4 + u5 + u6 + u7 + u8) / 8
+    return c, s, b
+
+
+def averaged(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The earlier formulas: what both mountings tell is averaged."""
+    slots = paper_slots(schedule)
+    c1, s1, b1 = functionals(means[..., slots[0], :])
+    c2, s2, b2 = functionals(means[..., slots[1], :])
+    k1_x, k2_x = s1, -s2
+    return np.stack([(k1_x + k2_x) / 2, c2, c1], axis=-1), (b1 + b2) / 2
+
+
+def refined(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Formula (7): as averaged, but K_yx from mounting 2 alone and K_zx from mounting 1 alone."""
+    slots = paper_slots(schedule)
+    k, u0 = averaged(schedule, means)
+    k[..., 1, 0] = -functionals(means[..., slots[1], :])[1][..., 1]
+    k[..., 2, 0] = functionals(means[..., slots[0], :])[1][..., 2]
+    return k, u0
+
+
+def dense_design(schedule: Schedule) -> np.ndarray:
+    """The design of all channels at once, (3 x fit positions, 12): K column by column, then U0."""
+    force = Geometry(schedule).force()[fit_indices(schedule)]
+    with_bias = np.column_stack([force, np.ones(len(force))])
+    return np.kron(with_bias, np.eye(3))
+
+
+def least_squares(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ordinary least squares on the ideal geometry, from the dense design by singular values."""
+    observed = means[..., fit_indices(schedule), :]
+    batch = observed.shape[:-2]
+    right = observed.reshape(int(np.prod(batch)), -1).T
+    solution, _, rank, _ = np.linalg.lstsq(dense_design(schedule), right, rcond=None)
+    if rank < 12:
+        raise ValueError(f"the dense design has rank {rank} of 12")
+    columns = solution.T.reshape(*batch, 4, 3)
+    return np.swapaxes(columns[..., :3, :], -1, -2), columns[..., 3, :]
+
+
+_ESTIMATORS = {"averaged": averaged, "refined": refined, "least_squares": least_squares}
+
+
+def estimate(schedule: Schedule, means: np.ndarray, estimator: str) -> tuple[np.ndarray, np.ndarray]:
+    """K (..., 3, 3) and U0 (..., 3) from means (..., positions, 3) of all positions of the schedule."""
+    return _ESTIMATORS[estimator](schedule, np.asarray(means, dtype=float))
+
+
+def unidentified(schedule: Schedule) -> list[str]:
+    """Names of the coefficients that the fit positions cannot identify, by the null space of the dense design.
+
+    A direction counts as identified when its singular value, per square root of the number of positions, is at least
+    1e-3 g: the threshold of the core, which tests pivots instead.
+    """
+    design = dense_design(schedule)
+    _, singular, directions = np.linalg.svd(design)
+    strength = np.zeros(12)
+    strength[: len(singular)] = singular
+    null_space = directions[strength <= _SENSITIVITY * np.sqrt(len(design) / 3)]
+    names = [f"K_{i}{j}" for j in "xyz" for i in "xyz"] + [f"U0_{i}" for i in "xyz"]
+    touched = np.sqrt((null_space**2).sum(axis=0)) > _NULL_COMPONENT
+    return [name for name, lost in zip(names, touched) if lost]

@@ -1,0 +1,58 @@
+"""Exact geometry of a single-axis stand: the specific force on the block's axes, with every error of the stand.
+
+The table frame turns with the table: h horizontal across the axis, n along the axis, v up at table angle 0. Errors, in
+radians: alpha1 the axis is not level, alpha2 the zero of the table angle, alpha3 the yaw of the block on the platform,
+delta the error of one set angle. In units of local g the specific force in the table frame is the unit vector
+
+    f = (cos(t + alpha1) sin p,  sin(t + alpha1),  cos(t + alpha1) cos p),     p = phi + alpha2 + delta
+
+with t the known tilt of the axis; a yaw about v and the mounting's rotation bring it to the block.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tumble.schedule import Mounting, Position, Schedule
+
+
+def paper_schedule() -> Schedule:
+    """The paper's schedule: nine positions 45 degrees apart in each of two mountings, the last where the first was.
+
+    Mounting 1 has the block axes (x, y, z) along (h, n, v); mounting 2, turned by 180 degrees about the bisector of y
+    and z, along (-h, v, n).
+    """
+    h, n, v = np.eye(3)
+    axes = {1: (h, n, v), 2: (-h, v, n)}
+    mountings = tuple(Mounting(number, tuple(tuple(axis + 0.0) for axis in block)) for number, block in axes.items())
+    positions = tuple(Position(number, turn, 45.0 * (turn - 1)) for number in axes for turn in range(1, 10))
+    return Schedule(mountings, positions)
+
+
+class Geometry:
+    """A schedule's geometry. `force` is analytic in every argument: complex steps through it give derivatives."""
+
+    def __init__(self, schedule: Schedule):
+        numbers = [mounting.number for mounting in schedule.mountings]
+        self.schedule = schedule
+        self.mounting_index = np.array([numbers.index(position.mounting) for position in schedule.positions])
+        self._rotation = np.array([mounting.matrix for mounting in schedule.mountings])[self.mounting_index]
+        self._tilt = np.deg2rad([schedule.mountings[index].tilt_deg for index in self.mounting_index])
+        self._phi = np.deg2rad([position.angle_deg for position in schedule.positions])
+
+    def force(self, alpha1=0.0, alpha2=0.0, alpha3=0.0, delta=0.0) -> np.ndarray:
+        """Specific force (g) on the block axes x, y, z: (positions, 3).
+
+        alpha1, alpha2: scalars; alpha3: one yaw, or one per mounting; delta: one error, or one per position. Radians,
+        real or complex.
+        """
+        tilt = self._tilt + alpha1
+        phi = self._phi + alpha2 + delta
+        yaw = np.broadcast_to(alpha3, len(self.schedule.mountings))[self.mounting_index]
+        h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)
+        yawed = np.stack([h * np.cos(yaw) + n * np.sin(yaw), n * np.cos(yaw) - h * np.sin(yaw), v + 0 * yaw], axis=-1)
+        return np.einsum("pij,pj->pi", self._rotation, yawed)
+
+    def outputs(self, k: np.ndarray, u0: np.ndarray, **errors) -> np.ndarray:
+        """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""
+        return self.force(**errors) @ np.asarray(k).T + u0

@@ -1,0 +1,81 @@
+"""Standard uncertainties by propagation: every source of error of the declared stand, through the estimator in use.
+
+The outputs' derivatives with respect to each source come from the exact geometry by complex steps; the estimator, being
+linear, maps them to derivatives of the coefficients. Sources are independent; their contributions add in quadrature.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.reference.estimators import estimate
+from tumble.reference.geometry import Geometry
+from tumble.schedule import Schedule
+from tumble.stand import COMMON, Stand
+
+_STEP = 1e-30  # a complex step has no cancellation, so it may be as small as one likes
+SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
+
+
+@dataclass(frozen=True)
+class Source:
+    """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
+    outputs with respect to each draw."""
+
+    sigma: np.ndarray
+    derivative: np.ndarray
+
+
+def sources(schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray) -> dict[str, Source]:
+    """Every source of error, by name as in SOURCES.
+
+    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
+    for a mean of the stand's `samples`.
+    """
+    geometry = Geometry(schedule)
+    positions, mountings = len(schedule.positions), len(schedule.mountings)
+    yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
+    averaged_over = np.where(samples > 1, samples, stand.samples)
+
+    def angles(source: str, draws: list[dict]) -> Source:
+        steps = [geometry.force(**{name: 1j * _STEP * value for name, value in draw.items()}) for draw in draws]
+        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T)
+
+    return {
+        "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
+        "alpha2": angles("level", [{"alpha2": 1.0}]),
+        "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
+        "alpha4": angles("angle", [{"delta": one} for one in np.eye(positions)]),
+        "noise": Source(
+            np.repeat(stand.sigma("noise") / np.sqrt(averaged_over), 3),
+            np.eye(3 * positions).reshape(-1, positions, 3),
+        ),
+    }
+
+
+def contributions(of: Callable[[np.ndarray], np.ndarray], errors: dict[str, Source]) -> dict[str, np.ndarray]:
+    """Standard uncertainty that each source brings to a linear function of the means.
+
+    `of` maps (draws, positions, 3) to (draws, n); the result has an array (n,) for every source.
+    """
+    return {
+        name: np.sqrt(((of(source.derivative) * source.sigma[:, None]) ** 2).sum(axis=0))
+        for name, source in errors.items()
+    }
+
+
+def standard_uncertainties(
+    schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray, estimator: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate, in its units. Arguments as of `sources`; `k` is the solved K."""
+
+    def coefficients(means: np.ndarray) -> np.ndarray:
+        found_k, found_u0 = estimate(schedule, means, estimator)
+        return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
+
+    parts = contributions(coefficients, sources(schedule, k, stand, samples))
+    total = np.sqrt(sum(part**2 for part in parts.values()))
+    return total[:9].reshape(3, 3), total[9:]

@@ -1,0 +1,51 @@
+"""Gravity check, closure, residuals and intrinsic parameters, by other means than the core's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tumble.reference.estimators import fit_indices
+from tumble.reference.geometry import Geometry
+from tumble.schedule import Schedule
+
+_SAME_ATTITUDE = 1e-12
+
+
+def gravity_errors(means: np.ndarray, k: np.ndarray, u0: np.ndarray) -> np.ndarray:
+    """Formula (8) in g at every position: (|a|^2 - 1)/2 with K a = U - U0 solved. means (positions, 3)."""
+    force = np.linalg.solve(k, (means - u0).T)
+    return ((force**2).sum(axis=0) - 1.0) / 2.0
+
+
+def intrinsic(k: np.ndarray, u0: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lengths of the rows of K (3,), angles between the rows xy, xz, yz in radians (3,), biases over lengths (3,)."""
+    scale = np.linalg.norm(k, axis=1)
+    pairs = [(0, 1), (0, 2), (1, 2)]
+    angles = [np.arctan2(np.linalg.norm(np.cross(k[i], k[j])), k[i] @ k[j]) for i, j in pairs]
+    return scale, np.array(angles), u0 / scale
+
+
+def closure(schedule: Schedule, means: np.ndarray, mounting: int) -> np.ndarray | None:
+    """Output at the last position of a mounting whose attitude came before, less the first such one's; None if none."""
+    own = [index for index, position in enumerate(schedule.positions) if position.mounting == mounting]
+    force = Geometry(schedule).force()
+    pairs = [
+        (late, early)
+        for late in own
+        for early in own
+        if early < late and np.abs(force[late] - force[early]).max() < _SAME_ATTITUDE
+    ]
+    if not pairs:
+        return None
+    late = max(late for late, _ in pairs)
+    early = min(early for other, early in pairs if other == late)
+    return means[late] - means[early]
+
+
+def residual_rms(schedule: Schedule, means: np.ndarray, k: np.ndarray, u0: np.ndarray) -> np.ndarray | None:
+    """Root mean square of U - U0 - K a over the fit positions, less four degrees of freedom: (3,); None below five."""
+    fit = fit_indices(schedule)
+    if len(fit) < 5:
+        return None
+    residuals = (means - Geometry(schedule).outputs(k, u0))[fit]
+    return np.sqrt((residuals**2).sum(axis=0) / (len(fit) - 4))

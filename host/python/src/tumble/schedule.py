@@ -1,0 +1,56 @@
+"""A schedule of test positions as plain data: what the firmware core and its numpy witness are both told.
+
+Nothing is computed here. Both sides turn the degrees and matrices into geometry on their own, so neither can hide the
+other's mistake.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FIT = "fit"
+CHECK = "check"
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """How the block sits on the platform.
+
+    `number` is 1 to 255. `matrix` is 3 x 3, a proper rotation: its rows are the block axes x, y, z in the table frame
+    (h horizontal across the axis, n along the axis, v up at table angle 0). `tilt_deg` is the known tilt of the axis
+    out of the horizontal, 0 on a level stand.
+    """
+
+    number: int
+    matrix: tuple[tuple[float, float, float], ...]
+    tilt_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where the table stands: `number` (1 to 255, unique within its mounting), `angle_deg`, and `use`.
+
+    `use` is "fit" (measured, used by the estimator, judged) or "check" (measured and judged only).
+    """
+
+    mounting: int
+    number: int
+    angle_deg: float
+    use: str = FIT
+
+    @property
+    def label(self) -> str:
+        """What people call it: mounting and position, as in "2.7"."""
+        return f"{self.mounting}.{self.number}"
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Mountings and positions, in the order in which means and results are listed."""
+
+    mountings: tuple[Mounting, ...]
+    positions: tuple[Position, ...]
+
+    def mounting_of(self, position: Position) -> Mounting:
+        """The mounting that a position is measured in. Raises StopIteration if the schedule has no such mounting."""
+        return next(mounting for mounting in self.mountings if mounting.number == position.mounting)

@@ -1,0 +1,37 @@
+"""What a stand is declared to be, as plain data."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+INDEPENDENT = "independent"
+COMMON = "common"
+
+_SIGMAS_PER_LIMIT = {"sigma1": 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
+LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
+
+
+@dataclass(frozen=True)
+class Stand:
+    """Errors of a stand as declared: angles in radians, noise of one sample in the unit of the outputs, all >= 0.
+
+    `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
+    on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
+    a run gives only the mean. `limits`: what the numbers are, one of LIMIT_KINDS: standard deviations, three of them,
+    or half-widths of a uniform law. `remounting`: is the yaw drawn anew in every mounting, or common to all?
+    """
+
+    axis_tilt: float
+    level: float
+    remount: float
+    angle: float
+    noise: float
+    samples: int
+    limits: str
+    remounting: str = INDEPENDENT
+    name: str = ""
+
+    def sigma(self, source: str) -> float:
+        """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
+        return getattr(self, source) / _SIGMAS_PER_LIMIT[self.limits]

@@ -1,0 +1,47 @@
+"""Canaries: every gate of tools/test must reject a planted defect, and accept the same thing without it."""
+import functools
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools"))
+
+import stages  # noqa: E402
+
+
+def run(*command, **environment):
+    """A finished process with `returncode` and, in `stdout`, all that it printed."""
+    return subprocess.run([str(part) for part in command], cwd=ROOT, env={**os.environ, **environment}, text=True,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600)
+
+
+@functools.cache
+def configured(preset, *options):
+    """The build directory of a preset, configured."""
+    result = run("cmake", "--preset", preset, *options)
+    assert result.returncode == 0, result.stdout
+    return ROOT / "build" / preset
+
+
+@pytest.fixture
+def sanitizers():
+    if "Unity" in stages.read_missing():
+        pytest.skip("Unity is not installed, and the preset builds its tests with it")
+    return functools.partial(build, configured("sanitizers", "-DTUMBLE_TESTS=ON"))
+
+
+@pytest.fixture
+def cortex_m4():
+    if shutil.which("arm-none-eabi-gcc") is None:
+        pytest.skip("arm-none-eabi-gcc is not installed")
+    return functools.partial(build, configured("cortex-m4"))
+
+
+def build(directory, target):
+    """Try to build one target; the finished process."""
+    return run("cmake", "--build", directory, "--target", target)

@@ -1,0 +1,60 @@
+"""tools/rooms.py names file and line of whatever breaks the rules of DESIGN, and accepts what does not."""
+import pytest
+from conftest import run
+
+CLEAN = {
+    "firmware/core/status.h": "int status;\n",
+    "firmware/core/arith.h": "#include <math.h>\nstatic double root(double x) { return sqrt(x); }\n",
+    "firmware/core/means.c": '#include "core/status.h"\n#include <stdint.h>\n/* malloc( and <stdio.h> are banned */\n'
+                             'const char *text = "free(";\n',
+    "firmware/port/port.h": '#include <stdint.h>\n',
+    "firmware/navcomp/navcomp.c": '#include "core/status.h"\n#include "port/port.h"\n',
+    "boards/demo/port.c": '#include "port/port.h"\n#include "uart.h"\n',
+    "boards/demo/uart.h": "int uart;\n",
+    "tools/demo.py": "def short():\n" + "    pass\n" * 79,
+    "firmware/core/long.c": "int f(void)\n{\n" + "    g;\n" * 78 + "}\n",
+}
+LONG_FUNCTION_C = "int f(void)\n{\n" + "    if (x) {\n    }\n" * 40 + "}\n"
+DEFECTS = {
+    "core knows port": ("firmware/core/means.c", '\n#include "port/port.h"\n', "2: core may not know port"),
+    "port knows core": ("firmware/port/port.h", '#include "core/status.h"\n', "1: port may not know core"),
+    "a way round": ("firmware/core/means.c", '#include "../port/port.h"\n', '1: "../port/port.h" is not a header'),
+    "a hidden name": ("firmware/core/means.c", "#include HEADER\n", "1: include of HEADER"),
+    "an unknown room": ("firmware/attic/a.c", "int a;\n", "1: no such room: attic"),
+    "stdio": ("firmware/core/means.c", "#include <stdio.h>\n", "1: <stdio.h> is not among the headers"),
+    "math": ("firmware/core/means.c", "#include <math.h>\n", "1: <math.h> is not among the headers"),
+    "heap": ("firmware/core/means.c", "int a;\nvoid *b = malloc(4);\n", "2: malloc: heap, libc I/O"),
+    "heap on a board": ("boards/demo/port.c", "void *b = calloc (4, 1);\n", "1: calloc: heap, libc I/O"),
+    "print": ("firmware/core/means.c", "int a = printf(text);\n", "1: printf: heap, libc I/O"),
+    "sine": ("firmware/core/arith.h", "double b = sin(a);\n", "1: sin: of <math.h> firmware may use sqrt alone"),
+    "square root": ("firmware/core/means.c", "double b = sqrt(a);\n", "1: sqrt: the square root is wrapped in"),
+    "long file": ("firmware/core/means.c", "int a;\n" * 401, "1: 401 lines; a file may have 400"),
+    "long C function": ("firmware/core/means.c", LONG_FUNCTION_C, "2: function of 82 lines"),
+    "long Python function": ("tools/demo.py", "def f():\n" + "    pass\n" * 80, "1: function of 81 lines"),
+}
+
+
+def plant(root, files):
+    for name, text in files.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    return run("tools/rooms.py", root)
+
+
+def test_accepts_a_clean_tree(tmp_path):
+    result = plant(tmp_path, CLEAN)
+    assert (result.returncode, result.stdout) == (0, "rooms: 8 firmware files, 9 sources, no violations\n")
+
+
+@pytest.mark.parametrize("name", DEFECTS)
+def test_rejects(tmp_path, name):
+    file, text, message = DEFECTS[name]
+    result = plant(tmp_path, {**CLEAN, file: text})
+    assert result.returncode == 1
+    lines = result.stdout.splitlines()
+    assert len(lines) == 1 and lines[0].startswith(f"{file}:{message}"), result.stdout
+
+
+def test_a_place_without_firmware_is_an_error(tmp_path):
+    result = run("tools/rooms.py", tmp_path)
+    assert (result.returncode, result.stdout) == (2, f"rooms: {tmp_path} holds no firmware\n")

@@ -1,0 +1,124 @@
+"""tools/test does not hide a failure, nor count as passed what was skipped."""
+import re
+
+import pytest
+from conftest import ROOT, run
+
+import runner
+import stages
+
+PYTHON = stages.PYTHON
+
+
+def stage(function, name="canary", needs=()):
+    return runner.Stage(name, "planted", function, needs)
+
+
+def outcome_of(tmp_path, capsys, *planted, missing=None):
+    """(exit status, what was printed) of a run of planted stages."""
+    status = runner.run_stages(planted, tmp_path / "logs", missing, timeout_s=60)
+    return status, capsys.readouterr().out
+
+
+def pytest_stage(tmp_path, source):
+    (tmp_path / "test_planted.py").write_text(source)
+    return stage(lambda log: runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path)))
+
+
+PASSING = "def test_a(): pass\n"
+FAILING = PASSING + "def test_b(): assert 1 == 2, 'planted'\n"
+SKIPPING = PASSING + "import pytest\ndef test_b(): pytest.skip('no moon tonight')\n"
+
+
+@pytest.mark.parametrize("source, status, last", [
+    (PASSING, 0, "1 passed, 0 failed, 0 skipped"),
+    (FAILING, 1, "1 passed, 1 failed, 0 skipped"),
+    (SKIPPING, 0, "1 passed, 0 failed, 1 skipped"),
+    ("import nowhere_to_be_found\n", 1, "0 passed, 1 failed, 0 skipped"),
+    ("def helper(): pass\n", 1, "0 passed, 1 failed, 0 skipped"),
+    (PASSING + "import os\ndef test_b(): os._exit(0)\n", 1, "0 passed, 1 failed, 0 skipped"),
+])
+def test_pytest_is_believed(tmp_path, capsys, source, status, last):
+    result, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, source))
+    assert (result, text.splitlines()[-1]) == (status, last)
+
+
+def test_a_failure_shows_the_end_of_its_log(tmp_path, capsys):
+    _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, FAILING))
+    assert re.search(r"^FAILED   canary", text, re.MULTILINE) and "assert 1 == 2" in text
+
+
+def test_a_skipped_test_gives_its_reason(tmp_path, capsys):
+    _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, SKIPPING))
+    assert "SKIPPED: no moon tonight" in text
+
+
+@pytest.mark.parametrize("code, verdict, counts", [
+    ("pass", "passed", "1 passed, 0 failed, 0 skipped"),
+    ("print('no such tool'); raise SystemExit(77)", "SKIPPED", "0 passed, 0 failed, 1 skipped"),
+    ("raise SystemExit(1)", "FAILED", "0 passed, 1 failed, 0 skipped"),
+])
+def test_a_gate_is_believed(tmp_path, capsys, code, verdict, counts):
+    _, text = outcome_of(tmp_path, capsys, stage(lambda log: runner.gate(log, [PYTHON, "-c", code])))
+    assert re.search(rf"^{verdict} +canary", text, re.MULTILINE)
+    assert text.splitlines()[-1] == counts
+    assert ("SKIPPED: no such tool" in text) == (verdict == "SKIPPED")
+
+
+def test_what_could_not_be_installed_skips_its_stage(tmp_path, capsys):
+    def never(log):
+        raise AssertionError("a stage ran without what it needs")
+
+    passing = stage(lambda log: runner.Outcome(passed=3), "other")
+    status, text = outcome_of(tmp_path, capsys, stage(never, needs=("Unity",)), passing,
+                              missing={"Unity": "no network"})
+    assert status == 0
+    assert "SKIPPED: Unity is not installed (no network)" in text
+    assert text.splitlines()[-1] == "3 passed, 0 failed, 1 skipped"
+
+
+def test_nothing_but_skips_is_no_success(tmp_path, capsys):
+    status, text = outcome_of(tmp_path, capsys, stage(lambda log: runner.skipped("no tool")))
+    assert (status, text.splitlines()[-1]) == (1, "0 passed, 0 failed, 1 skipped")
+
+
+def test_a_command_that_hangs_or_is_missing_fails(tmp_path):
+    log = runner.Log(tmp_path / "hang.log", timeout_s=0.2)
+    assert log.run(PYTHON, "-c", "import time; time.sleep(30)") == 1 and "no end after 0.2 s" in log.text()
+    assert log.run("a-command-that-nobody-has") == 1 and "No such file" in log.text()
+
+
+CTEST = {
+    "3 Tests 0 Failures 0 Ignored": (0, (3, 0, 0)),
+    "3 Tests 1 Failures 1 Ignored": (1, (1, 1, 1)),
+    "died before its summary": (134, (0, 1, 0)),
+}
+
+
+@pytest.mark.parametrize("said", CTEST)
+def test_ctest_is_believed(tmp_path, said):
+    status, counts = CTEST[said]
+    program = tmp_path / "program.sh"
+    program.write_text(f"#!/bin/sh\necho '{said}'\nexit {status}\n")
+    program.chmod(0o755)
+    (tmp_path / "CTestTestfile.cmake").write_text(f"add_test(planted {program})\n")
+    outcome = runner.ctest(runner.Log(tmp_path / "ctest.log", 60), tmp_path)
+    assert (outcome.passed, outcome.failed, outcome.skipped) == counts
+
+
+def test_ctest_without_tests_fails(tmp_path):
+    (tmp_path / "CTestTestfile.cmake").write_text("")
+    assert runner.ctest(runner.Log(tmp_path / "ctest.log", 60), tmp_path).failed == 1
+
+
+def test_an_unknown_stage_or_option_is_a_usage_error():
+    assert run("tools/test", "--fool").returncode == 2
+    result = run(PYTHON, "tools/stages.py", "no-such-stage")
+    assert (result.returncode, result.stdout) == (2, "test: no such stage: no-such-stage\n")
+
+
+def test_every_stage_has_a_name_of_its_own():
+    names = [planned.name for planned in stages.plan(full=True)]
+    assert len(set(names)) == len(names)
+    assert {planned.name for planned in stages.plan(full=False)} <= set(names) | {"integration"}
+    assert (ROOT / ".ci/run").read_text().count("tools/test") == 1

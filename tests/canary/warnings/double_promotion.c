@@ -1,0 +1,7 @@
+/* Defect: a float that silently becomes a double. */
+double canary_promotion(float value);
+
+double canary_promotion(float value)
+{
+    return value * 0.5;
+}

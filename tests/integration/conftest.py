@@ -1,0 +1,66 @@
+"""Fixtures of the integration tests: the command line as a user runs it, and the --full campaigns."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+
+hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)
+hypothesis.settings.register_profile("full", max_examples=2000, deadline=None, database=None, print_blob=True)
+
+
+def pytest_addoption(parser):
+    parser.addoption("--full", action="store_true", help="run the long campaigns too")
+
+
+def pytest_configure(config):
+    hypothesis.settings.load_profile("full" if config.getoption("--full") else "fixed")
+
+
+def pytest_collection_modifyitems(config, items):
+    if config.getoption("--full"):
+        return
+    for item in items:
+        if "full" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="a long campaign: --full runs it"))
+
+
+@pytest.fixture
+def tumble():
+    """Run `tumble ...` in a process of its own; its output is text."""
+
+    def run(*arguments, cwd=None, timeout=120, **environment):
+        return subprocess.run(
+            [sys.executable, "-m", "tumble", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=cwd,
+            timeout=timeout,
+            env={**os.environ, **environment},
+        )
+
+    return run
+
+
+@pytest.fixture
+def refused(tumble, tmp_path):
+    """Run `tumble ...` on what it must refuse: exit 2, nothing on stdout, one line on stderr, no file left behind.
+
+    Returns that line.
+    """
+
+    def run(*arguments, cwd=None):
+        before = sorted(tmp_path.rglob("*"))
+        done = tumble(*arguments, cwd=cwd)
+        assert (done.returncode, done.stdout) == (2, ""), done.stderr
+        assert done.stderr.endswith("\n") and done.stderr.count("\n") == 1, done.stderr
+        assert sorted(tmp_path.rglob("*")) == before
+        return done.stderr
+
+    return run

@@ -1,0 +1,122 @@
+"""The C core against the numpy witness: 10,000 random blocks, stands and schedules."""
+
+import numpy as np
+import pytest
+from blocks import random_block, random_means, usable_schedule
+
+from tumble import core, reference
+from tumble.schedule import Schedule
+
+LIMIT = 1e-12  # of max|K|
+
+
+def worst_difference(core_schedule, means, estimator):
+    """Largest difference of a coefficient between core and witness, over max|K|."""
+    k, u0 = core.estimate(core_schedule, means, None, estimator)
+    witness_k, witness_u0 = reference.estimate(core_schedule.data, means, estimator)
+    return max(np.abs(k - witness_k).max(), np.abs(u0 - witness_u0).max()) / np.abs(witness_k).max()
+
+
+def worst_of_paper_schedule(rng, cases):
+    paper, worst = core.CoreSchedule(core.paper_schedule()), 0.0
+    for case in range(cases):
+        means = random_means(rng, paper.data, *random_block(rng), size=10.0 ** rng.uniform(-6, -1))
+        worst = max(worst, worst_difference(paper, means, core.ESTIMATORS[case % 3]))
+    return worst
+
+
+def worst_of_any_schedule(rng, cases):
+    worst = 0.0
+    for _ in range(cases):
+        schedule = usable_schedule(rng)
+        means = random_means(rng, schedule.data, *random_block(rng), size=10.0 ** rng.uniform(-6, -1))
+        worst = max(worst, worst_difference(schedule, means, "least_squares"))
+    return worst
+
+
+@pytest.mark.slow
+def test_10000_random_cases_agree():
+    rng = np.random.default_rng(20)
+    assert worst_of_paper_schedule(rng, 4_000) <= LIMIT
+    assert worst_of_any_schedule(rng, 6_000) <= LIMIT
+
+
+@pytest.mark.full
+def test_300000_random_cases_agree():
+    rng = np.random.default_rng()
+    assert worst_of_paper_schedule(rng, 100_000) <= LIMIT
+    assert worst_of_any_schedule(rng, 200_000) <= LIMIT
+
+
+def test_attitudes_agree():
+    rng = np.random.default_rng(21)
+    for _ in range(300):
+        schedule = usable_schedule(rng)
+        assert np.abs(schedule.attitudes() - reference.Geometry(schedule.data).force()).max() < 4e-15
+
+
+def test_paper_schedule_is_the_same_on_both_sides():
+    assert core.paper_schedule() == reference.paper_schedule()
+
+
+def test_what_follows_from_the_coefficients_agrees():
+    rng = np.random.default_rng(22)
+    for _ in range(500):
+        schedule = usable_schedule(rng)
+        k, u0 = random_block(rng)
+        means = random_means(rng, schedule.data, k, u0, size=0.01)
+        gravity = core.gravity_check(schedule, means, None, core.Calibration(k, u0), 1e-3)
+        expected = reference.gravity_errors(means, k, u0)
+        assert np.abs(gravity.delta_g - expected).max() < 1e-13
+        is_fit = np.array([position.use == "fit" for position in schedule.data.positions])
+        assert gravity.max_abs_fit == pytest.approx(np.abs(expected[is_fit]).max(), abs=1e-13)
+        assert (gravity.max_abs_check is None) == is_fit.all()
+        assert gravity.passed == (np.abs(gravity.delta_g).max() <= 1e-3)
+        intrinsic = core.intrinsic(k, u0)
+        scale, angles, bias = reference.intrinsic(k, u0)
+        assert intrinsic.scale == pytest.approx(scale, rel=1e-14)
+        assert intrinsic.angles == pytest.approx(angles, abs=1e-14)
+        assert intrinsic.bias == pytest.approx(bias, rel=1e-14)
+
+
+def test_closure_and_residuals_agree():
+    rng = np.random.default_rng(23)
+    paper = core.CoreSchedule(core.paper_schedule())
+    for _ in range(200):
+        k, u0 = random_block(rng)
+        means = random_means(rng, paper.data, k, u0)
+        measured = rng.random(18) < 0.9
+        kept = tuple(position for position, keep in zip(paper.data.positions, measured) if keep)
+        part = Schedule(paper.data.mountings, kept)
+        for mounting in (1, 2):
+            ours = core.closure(paper, means, measured, mounting)
+            theirs = reference.closure(part, means[measured], mounting)
+            assert (ours is None) == (theirs is None)
+            assert ours is None or (ours == theirs).all()
+        rms = core.residual_rms(paper, means, measured, k, u0)
+        assert rms == pytest.approx(reference.residual_rms(part, means[measured], k, u0), rel=1e-9)
+
+
+def test_gain_table_of_an_estimator_gives_its_estimate():
+    rng = np.random.default_rng(24)
+    impulses = np.eye(54).reshape(54, 18, 3)
+    paper = core.CoreSchedule(core.paper_schedule())
+    for estimator in core.ESTIMATORS:
+        k_gains, u0_gains = reference.estimate(paper.data, impulses, estimator)
+        gains = np.concatenate([k_gains.reshape(54, 9), u0_gains], axis=1).T
+        means = random_means(rng, paper.data, *random_block(rng))
+        k, u0 = core.estimate_gains(paper, gains, means)
+        expected_k, expected_u0 = core.estimate(paper, means, None, estimator)
+        limit = LIMIT * np.abs(expected_k).max()
+        assert np.abs(k - expected_k).max() < limit and np.abs(u0 - expected_u0).max() < limit
+
+
+def test_applying_a_calibration_undoes_the_block():
+    rng = np.random.default_rng(25)
+    for _ in range(200):
+        k, u0 = random_block(rng)
+        force = rng.normal(size=3)
+        assert core.Calibration(k, u0).apply(k @ force + u0) == pytest.approx(force, abs=1e-13)
+        counts = rng.integers(-(2**23), 2**23, 3)
+        expected = np.linalg.solve(k, counts * 1e-6 - u0)
+        assert core.Calibration(k, u0).apply_counts(1e-6, counts) == pytest.approx(expected, rel=1e-12, abs=1e-12)

@@ -1,0 +1,180 @@
+"""Exported coefficients: read back from C and from CSV, they are those of the result, bit for bit."""
+
+import copy
+import csv
+import io
+import json
+import os
+import shutil
+import subprocess
+
+import pytest
+from conftest import EXAMPLES
+
+NAMES = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
+
+PROGRAM = """\
+#include "coefficients.h"
+#include <stdio.h>
+static const tumble_exported_t coefficients = TUMBLE_COEFFICIENTS_INITIALIZER;
+int main(void)
+{
+    for (int i = 0; i < 9; i++) printf("%.17g\\n", coefficients.k[i / 3][i % 3]);
+    for (int i = 0; i < 3; i++) printf("%.17g\\n", coefficients.u0[i]);
+#if TUMBLE_UNCERTAINTY_KNOWN
+    const double u[] = {UNCERTAINTIES};
+    for (int i = 0; i < 12; i++) printf("%.17g\\n", u[i]);
+#endif
+    printf("%d\\n", TUMBLE_GRAVITY_CHECK_PASSED);
+    return 0;
+}
+""".replace("UNCERTAINTIES", ", ".join(f"TUMBLE_U_{name.upper()}" for name in NAMES))
+
+
+def flat(k, u0):
+    return [value for row in k for value in row] + u0
+
+
+@pytest.fixture
+def solved(tumble, tmp_path):
+    """Solve an example; returns the result's file and document."""
+
+    def run(*arguments):
+        file = tmp_path / "result.json"
+        tumble("solve", *arguments, "--out", file, cwd=EXAMPLES)
+        return file, json.loads(file.read_text())
+
+    return run
+
+
+def compiled(tmp_path, header):
+    """Numbers that a C program prints which knows nothing but the header."""
+    (tmp_path / "coefficients.h").write_text(header)
+    (tmp_path / "main.c").write_text(PROGRAM)
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    subprocess.run(["cc", *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True, env=environment)
+    subprocess.run(["cc", *flags, "-fsyntax-only", "coefficients.h"], cwd=tmp_path, check=True, env=environment)
+    printed = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout
+    return [float(line) for line in printed.splitlines()]
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@pytest.mark.parametrize("stand", [[], ["--stand", "paper_stand.toml"]])
+@pytest.mark.parametrize(("limit", "passed"), [("3e-4", 1), ("1e-6", 0)])
+def test_c_header_round_trip(stand, limit, passed, solved, tumble, tmp_path):
+    file, result = solved("paper_stand.csv", "--limit", limit, *stand)
+    header = tumble("export", file, "--format", "c").stdout
+    uncertainties = flat(result["u_K"], result["u_U0"]) if stand else []
+    assert compiled(tmp_path, header) == flat(result["K"], result["U0"]) + uncertainties + [passed]
+    numbers = [line for line in header.splitlines() if line.startswith("#define TUMBLE_") and "(" in line]
+    assert len(numbers) == (24 if stand else 12)
+    assert all("/* V/g" in line or "/* V" in line for line in numbers)
+
+
+@pytest.mark.parametrize("stand", [[], ["--stand", "paper_stand.toml"]])
+def test_csv_round_trip(stand, solved, tumble):
+    file, result = solved("paper_stand.csv", *stand)
+    rows = list(csv.DictReader(io.StringIO(tumble("export", file, "--format", "csv").stdout)))
+    assert [row["coefficient"] for row in rows] == NAMES
+    assert [float(row["value"]) for row in rows] == flat(result["K"], result["U0"])
+    assert [row["unit"] for row in rows] == ["V/g"] * 9 + ["V"] * 3
+    if stand:
+        assert [float(row["standard_uncertainty"]) for row in rows] == flat(result["u_K"], result["u_U0"])
+    else:
+        assert {row["standard_uncertainty"] for row in rows} == {""}
+    assert [row["uncertainty_unit"] for row in rows] == [row["unit"] for row in rows]
+
+
+def test_whole_numbers_stay_doubles(solved, tumble, tmp_path):
+    file, result = solved("paper_stand.csv")
+    result["K"], result["U0"] = [[2, 0, 0], [0, -2, 0], [0, 0, 1e300 / 1e200]], [0, 1, -0.0]
+    file.write_text(json.dumps(result))
+    header = tumble("export", file, "--format", "c").stdout
+    assert "#define TUMBLE_K_XX (2.0) /* V/g */" in header
+    assert compiled(tmp_path, header)[:12] == flat(result["K"], result["U0"])
+
+
+def test_out_writes_what_is_printed(solved, tumble, tmp_path):
+    file, _ = solved("paper_stand.csv")
+    printed = tumble("export", file, "--format", "c").stdout
+    done = tumble("export", file, "--format", "c", "--out", tmp_path / "coefficients.h")
+    assert (done.returncode, done.stdout) == (0, "")
+    assert (tmp_path / "coefficients.h").read_text() == printed
+
+
+def changed(result, path, value):
+    """A result with one value replaced, or removed if `value` is ...."""
+    result = copy.deepcopy(result)
+    *way, last = path
+    table = result
+    for key in way:
+        table = table[key]
+    if value is ...:
+        del table[last]
+    else:
+        table[last] = value
+    return json.dumps(result)
+
+
+BAD_VALUES = {
+    "other schema": (["schema"], "tumble.plan/1"),
+    "no K": (["K"], ...),
+    "K of two rows": (["K"], [[1, 2, 3], [4, 5, 6]]),
+    "K of text": (["K", 1, 1], "2.0"),
+    "K with null": (["K", 1, 1], None),
+    "K true": (["K", 1, 1], True),
+    "K beyond a double": (["K", 1, 1], 10**400),
+    "no U0": (["U0"], ...),
+    "U0 a number": (["U0"], 1.0),
+    "u_K missing": (["u_K"], ...),
+    "u_K alone known": (["u_U0"], None),
+    "u_K negative": (["u_K", 0, 0], -1e-5),
+    "no unit": (["unit"], ...),
+    "unit that ends the comment": (["unit"], "V */ #error"),
+    "estimator that ends the comment": (["estimator"], "refined */"),
+    "no verification": (["verification"], ...),
+    "verdict of text": (["verification", "pass"], "yes"),
+    "no limit": (["verification", "limit_g"], None),
+}
+
+
+@pytest.mark.parametrize("format", ["c", "csv"])
+@pytest.mark.parametrize("case", BAD_VALUES)
+def test_malformed_results(case, format, solved, refused, tmp_path):
+    file, result = solved("paper_stand.csv", "--stand", "paper_stand.toml")
+    file.write_text(changed(result, *BAD_VALUES[case]))
+    line = refused("export", file, "--format", format, "--out", tmp_path / "exported")
+    assert "result.json: " in line
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "row 1, column 1: not valid JSON"),
+        (b"{", "row 1, column 2: not valid JSON"),
+        (b'{"schema":\n nope}', "row 2, column 2: not valid JSON"),
+        (b"[1, 2]", "an object is expected"),
+        (b'{"K": NaN}', "not valid JSON: 'NaN is not a number'"),
+        (b'{"K": 1e999}', "no schema"),
+        (b"\xff\xfe\x00", "not valid JSON"),
+        (b"[" * 100_000, "not valid JSON"),
+    ],
+)
+def test_files_that_are_no_result(content, message, refused, tmp_path):
+    file = tmp_path / "result.json"
+    file.write_bytes(content)
+    assert message in refused("export", file, "--format", "c")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["result.json"], "required: --format"),
+        (["result.json", "--format", "xml"], "invalid choice: 'xml'"),
+        (["none.json", "--format", "c"], "none.json: no such file or folder"),
+        ([".", "--format", "c"], "a folder, not a file"),
+    ],
+)
+def test_bad_command_lines(arguments, message, refused, tmp_path):
+    assert message in refused("export", *arguments, cwd=tmp_path)

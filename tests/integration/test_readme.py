@@ -1,0 +1,37 @@
+"""The README: its commands run, and its transcript is what they print."""
+
+import re
+import shlex
+
+import pytest
+from conftest import ROOT
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = [line[2:] for block in re.findall(r"```console\n(.*?)```", README, re.S) for line in block.splitlines()]
+TRANSCRIPTS = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", README, re.S)
+
+
+def test_the_two_commands_are_there():
+    assert COMMANDS[:2] == ["./tools/tumble solve examples/paper_stand.csv", "./tools/test"]
+
+
+@pytest.mark.parametrize("command", [line for line in COMMANDS if line.startswith("./tools/tumble ")])
+def test_its_commands_run(command, tumble):
+    done = tumble(*shlex.split(command)[1:], cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("arguments", "shown"), TRANSCRIPTS)
+def test_its_transcript_is_real(arguments, shown, tumble):
+    assert tumble(*shlex.split(arguments), cwd=ROOT).stdout == shown
+
+
+def test_a_transcript_is_there():
+    assert len(TRANSCRIPTS) == 1
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/method.md", "docs/files.md"])
+def test_links_lead_somewhere(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert ((ROOT / page).parent / target).exists(), target

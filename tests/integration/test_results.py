@@ -1,0 +1,202 @@
+"""Result documents: the schema, what the numbers mean, determinism, what is carried along, and the text output."""
+
+import json
+import math
+import os
+import re
+
+import jsonschema
+import numpy as np
+import pytest
+from conftest import EXAMPLES, ROOT
+
+SCHEMA = json.loads((ROOT / "docs/schemas/tumble.result-1.schema.json").read_text())
+STANDS = ("paper_stand", "angle_stand", "lab_stand")
+SOLVES = {
+    **{f"{name}, {e}": [f"{name}.csv", "--stand", f"{name}.toml", "--estimator", e]
+       for name in STANDS for e in ("averaged", "refined", "least_squares")},
+    "no stand": ["paper_stand.csv"],
+    "six faces": ["six_faces.csv", "--schedule", "six_faces.toml", "--estimator", "least_squares"],
+    "six faces of the paper's": ["six_faces.csv", "--estimator", "least_squares"],
+    "checks": ["with_checks.csv", "--schedule", "with_checks.toml", "--stand", "paper_stand.toml"],
+    "limit": ["paper_stand.csv", "--limit", "1e-6"],
+}  # fmt: skip
+
+
+def solve(tumble, *arguments):
+    """The result document of a solve in the examples folder, checked against the schema."""
+    done = tumble("solve", *arguments, "--json", cwd=EXAMPLES)
+    assert done.returncode in (0, 1), done.stderr
+    assert done.stderr == ""
+
+    def refuse(name):
+        raise ValueError(name)
+
+    result = json.loads(done.stdout, parse_constant=refuse)
+    jsonschema.Draft202012Validator(SCHEMA).validate(result)
+    assert result["verification"]["pass"] == (done.returncode == 0)
+    return result
+
+
+@pytest.mark.parametrize("case", SOLVES)
+def test_results_follow_the_schema_and_their_own_logic(case, tumble):
+    result = solve(tumble, *SOLVES[case])
+    verification, k, u0 = result["verification"], np.array(result["K"]), np.array(result["U0"])
+    judged = verification["delta_g_g"]
+    for place, mean in zip(judged, result["means"], strict=True):
+        assert (place["mounting"], place["position"], place["use"]) == (mean["mounting"], mean["position"], mean["use"])
+        force = np.linalg.solve(k, np.array(mean["mean"]) - u0)
+        assert place["delta_g_g"] == pytest.approx((force @ force - 1) / 2, abs=1e-13)
+    for use in ("fit", "check"):
+        errors = [abs(place["delta_g_g"]) for place in judged if place["use"] == use]
+        assert verification[f"max_abs_delta_g_{use}_g"] == (max(errors) if errors else None)
+    largest = max(abs(place["delta_g_g"]) for place in judged)
+    assert verification["max_abs_delta_g_g"] == largest
+    assert verification["pass"] == (largest <= verification["limit_g"])
+    assert result["intrinsic"]["scale"] == pytest.approx(np.linalg.norm(k, axis=1), rel=1e-14)
+    assert result["intrinsic"]["bias_g"] == pytest.approx(u0 / np.linalg.norm(k, axis=1), rel=1e-14)
+    assert result["counters"]["rows"] == sum(mean["samples"] for mean in result["means"])
+    known = "--stand" in SOLVES[case]
+    assert (result["u_K"] is not None) == (result["u_U0"] is not None) == known
+    assert (result["stand_seen"]["u_alpha1_rad"] is not None) == known
+    assert result["reference"]["max_abs_difference_K"] <= 1e-12 * np.abs(k).max()
+    assert result["reference"]["max_abs_difference_K"] == np.abs(result["reference"]["difference_K"]).max()
+
+
+def test_the_schema_would_notice():
+    validator = jsonschema.Draft202012Validator(SCHEMA)
+    validator.check_schema(SCHEMA)
+    for key in SCHEMA["required"]:
+        assert not validator.is_valid({name: None for name in SCHEMA["required"] if name != key})
+
+
+def test_estimates_lie_where_their_uncertainties_say(tumble):
+    """36 coefficients and 9 angles of three stands, each within four standard uncertainties of the truth."""
+    for name in STANDS:
+        truth = json.loads((EXAMPLES / f"{name}.truth.json").read_text())
+        result = solve(tumble, f"{name}.csv", "--stand", f"{name}.toml")
+        for key in ("K", "U0"):
+            score = (np.array(result[key]) - truth[key]) / np.array(result[f"u_{key}"])
+            assert np.abs(score).max() < 4, (name, key, score)
+        seen = result["stand_seen"]
+        expected = {
+            "alpha1_rad": truth["alpha1_rad"],
+            "alpha2_plus_alpha3_rad": truth["alpha2_rad"] + np.mean(truth["alpha3_rad"]),
+            "alpha3_difference_rad": truth["alpha3_rad"][0] - truth["alpha3_rad"][1],
+        }
+        for key, value in expected.items():
+            assert abs(seen[key] - value) < 4 * seen[f"u_{key}"], (name, key)
+        stand = re.search(r"noise_v = (\S+)", (EXAMPLES / f"{name}.toml").read_text())[1]
+        assert abs(seen["noise_v"] - float(stand)) < 4 * seen["u_noise_v"]
+
+
+def test_unknown_is_null(tumble, tmp_path):
+    """A run of six lone rows, no stand: nothing to say on scatter, uncertainty, angles, closure."""
+    lines = (EXAMPLES / "six_faces.csv").read_text().splitlines()
+    run = tmp_path / "run.csv"
+    run.write_text("\n".join([lines[0], *lines[1::50]]) + "\n")
+    done = tumble("solve", run, "--estimator", "least_squares", "--json")
+    result = json.loads(done.stdout)
+    jsonschema.Draft202012Validator(SCHEMA).validate(result)
+    assert result["u_K"] is result["u_U0"] is result["item"] is result["environment"] is None
+    assert all(mean["scatter"] is None and mean["samples"] == 1 for mean in result["means"])
+    assert set(result["stand_seen"].values()) == {None}
+    assert result["verification"]["max_abs_delta_g_check_g"] is None
+    assert result["verification"]["closure"] == []
+    four_rows = tmp_path / "four.csv"
+    four_rows.write_text("\n".join([lines[0], *(lines[1 + 50 * i] for i in (0, 1, 2, 4))]) + "\n")
+    done = tumble("solve", four_rows, "--estimator", "least_squares", "--json")
+    assert json.loads(done.stdout)["verification"]["residual_rms"] is None
+
+
+def test_the_same_run_gives_the_same_bytes(tumble, tmp_path):
+    arguments = ["solve", "paper_stand.csv", "--stand", "paper_stand.toml", "--json", "--out"]
+    first, second = (tumble(*arguments, tmp_path / name, cwd=EXAMPLES) for name in ("a.json", "b.json"))
+    assert first.stdout == second.stdout == (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text()
+
+
+def test_out_replaces_a_file_and_keeps_nothing_else(tumble, tmp_path):
+    (tmp_path / "result.json").write_text("old")
+    assert tumble("solve", "paper_stand.csv", "--out", tmp_path / "result.json", cwd=EXAMPLES).returncode == 0
+    assert json.loads((tmp_path / "result.json").read_text())["schema"] == "tumble.result/1"
+    assert [path.name for path in tmp_path.iterdir()] == ["result.json"]
+    mask = os.umask(0)
+    os.umask(mask)
+    assert (tmp_path / "result.json").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_limits_come_from_the_option_then_the_stand_then_the_default(tumble, tmp_path):
+    stand = tmp_path / "stand.toml"
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    stand.write_text(text.replace("delta_g_limit_g = 3e-4", "delta_g_limit_g = 2e-6"))
+    run = EXAMPLES / "paper_stand.csv"
+    for options, limit, code in (
+        ([], 3e-4, 0),
+        (["--stand", stand], 2e-6, 1),
+        (["--stand", stand, "--limit", "0.01"], 0.01, 0),
+    ):
+        done = tumble("solve", run, "--json", *options)
+        assert (json.loads(done.stdout)["verification"]["limit_g"], done.returncode) == (limit, code)
+    without = tmp_path / "without.toml"
+    without.write_text(text[: text.index("[accept]")])
+    assert json.loads(tumble("solve", run, "--json", "--stand", without).stdout)["verification"]["limit_g"] == 3e-4
+
+
+def test_item_and_environment_are_carried_along(tumble, tmp_path):
+    stand = tmp_path / "stand.toml"
+    stand.write_text(
+        (EXAMPLES / "paper_stand.toml").read_text()
+        + '[item]\nserial = "\u041c-17 [ 3 ]"\noperator = "N. N."\ndate = 2024-05-17\ncharge = 4\n'
+        + '[environment]\ngravity_m_s2 = 9.8104\ntemperature_c = 21\nplace = "cellar"\n'
+    )
+    done = tumble(
+        "solve", EXAMPLES / "paper_stand.csv", "--stand", stand, "--json", LC_ALL="C", PYTHONIOENCODING="ascii"
+    )
+    result = json.loads(done.stdout)
+    jsonschema.Draft202012Validator(SCHEMA).validate(result)
+    assert result["item"] == {"serial": "\u041c-17 [ 3 ]", "operator": "N. N.", "date": "2024-05-17", "charge": 4}
+    assert result["environment"] == {"gravity_m_s2": 9.8104, "temperature_c": 21, "place": "cellar"}
+
+
+def test_units_follow_the_outputs(tumble):
+    result = solve(tumble, "paper_stand.csv", "--unit", "m/s^2")
+    assert result["units"] == {"K": "(m/s^2)/g", "U0": "m/s^2", "u_K": "(m/s^2)/g", "u_U0": "m/s^2"}
+
+
+@pytest.mark.parametrize("case", SOLVES)
+def test_plain_text_has_the_numbers_of_the_result(case, tumble):
+    """Every figure of the text is that of the result, rounded; 80 columns, ASCII."""
+    result = solve(tumble, *SOLVES[case])
+    text = tumble("solve", *SOLVES[case], cwd=EXAMPLES).stdout
+    assert text.isascii() and max(map(len, text.splitlines())) <= 80
+    rows = {line.split()[0]: line.split() for line in text.splitlines() if re.match(r"[KU]0?_", line)}
+    assert len(rows) == 12
+    for i, channel in enumerate("xyz"):
+        for name, value, u in [
+            *(
+                (f"K_{channel}{a}", result["K"][i][j], result["u_K"] and result["u_K"][i][j])
+                for j, a in enumerate("xyz")
+            ),
+            (f"U0_{channel}", result["U0"][i], result["u_U0"] and result["u_U0"][i]),
+        ]:
+            assert float(rows[name][1]) == pytest.approx(value, abs=0.51e-9)
+            assert rows[name][3] == ("unknown" if u is None else f"{u:.1e}")
+    for place in result["verification"]["delta_g_g"]:
+        label = f"{place['mounting']}.{place['position']}"
+        bar = next(line for line in text.splitlines() if line.split()[:1] == [label])
+        assert float(bar.split()[2]) == pytest.approx(place["delta_g_g"], rel=0.01)
+        assert ("over" in bar) == (abs(place["delta_g_g"]) > result["verification"]["limit_g"])
+    verdict = text.splitlines()[-1]
+    assert verdict.startswith("PASS" if result["verification"]["pass"] else "FAIL")
+    assert ("--stand" in text) == (result["u_K"] is None)
+
+
+def test_bars_are_in_proportion(tumble):
+    text = tumble("solve", "paper_stand.csv", "--limit", "5e-5", cwd=EXAMPLES).stdout
+    bars = [line for line in text.splitlines() if re.match(r" +\d\.\d ", line)]
+    errors = [abs(float(bar.split()[2])) for bar in bars]
+    cells = [bar.count("#") for bar in bars]
+    for error, filled in zip(errors, cells):
+        assert filled == pytest.approx(36 * error / max(errors), abs=1.01)
+    marks = {bar[26:].index("|") for bar in bars}
+    assert len(marks) == 1 and math.isclose(marks.pop(), 36 * 5e-5 / max(errors), abs_tol=1.5)

@@ -1,0 +1,73 @@
+"""The output on a terminal: the same content as the plain text, at 80 columns, colours only where they are wanted."""
+
+import os
+import pty
+import re
+import struct
+import subprocess
+import sys
+import termios
+from fcntl import ioctl
+
+import pytest
+from conftest import EXAMPLES
+
+SOLVE = [sys.executable, "-m", "tumble", "solve", "paper_stand.csv", "--stand", "paper_stand.toml"]
+
+
+def on_terminal(command, columns=80, **environment):
+    """What a command prints on a pseudo-terminal."""
+    ours, theirs = pty.openpty()
+    ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+    clean = {name: value for name, value in os.environ.items() if name not in ("NO_COLOR", "COLUMNS", "FORCE_COLOR")}
+    child = subprocess.Popen(
+        command,
+        stdout=theirs,
+        stderr=theirs,
+        cwd=EXAMPLES,
+        env={**clean, "TERM": "xterm", "LC_ALL": "C.UTF-8", **environment},
+    )
+    os.close(theirs)
+    output = b""
+    while True:
+        try:
+            chunk = os.read(ours, 65536)
+        except OSError:  # the other end is closed
+            break
+        if not chunk:
+            break
+        output += chunk
+    os.close(ours)
+    assert child.wait(timeout=60) == 0
+    return output.decode().replace("\r\n", "\n")
+
+
+def without_styles(text):
+    return re.sub(r"\x1b\[[0-9;]*m", "", text)
+
+
+def words(text):
+    """The content: all that is not drawing."""
+    return re.sub(r"[#|\u2500-\u259f\s]+", " ", without_styles(text)).split()
+
+
+def test_the_same_content_as_plain_text():
+    plain = subprocess.run(SOLVE, cwd=EXAMPLES, capture_output=True, text=True, check=True).stdout
+    shown = on_terminal(SOLVE)
+    assert words(shown) == words(plain)
+    assert max(map(len, without_styles(shown).splitlines())) <= 80
+
+
+@pytest.mark.parametrize(("environment", "coloured"), [({}, True), ({"NO_COLOR": "1"}, False)])
+def test_colours(environment, coloured):
+    shown = on_terminal(SOLVE, **environment)
+    colours = re.findall(r"\x1b\[(?:\d;)*3[1-7]m", shown)
+    assert bool(colours) == coloured
+
+
+def test_a_terminal_without_unicode_gets_ascii():
+    assert without_styles(on_terminal(SOLVE, PYTHONIOENCODING="ascii")).isascii()
+
+
+def test_a_narrow_terminal_gets_all_of_it():
+    assert "K_xx" in on_terminal(SOLVE, columns=40)

@@ -1,0 +1,1 @@
+"""How much flash, RAM and stack a linked part of the firmware takes."""

@@ -1,0 +1,80 @@
+"""What a linked image holds, told apart by origin: the objects of a part, and the libraries that they pull in."""
+import os
+import re
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+SECTION = re.compile(r"^ (\.\S+|COMMON)\s+0x([0-9a-f]+)\s+0x([0-9a-f]+) (\S.*)$", re.MULTILINE)
+FLASH, INITIALISED, ZEROED = (".text", ".rodata", ".ARM.ex"), (".data",), (".bss", "COMMON")
+
+# All that a part may ask of the tool chain: arithmetic helpers, block moves, the square root.
+ALLOWED_IMPORTS = re.compile(r"__aeabi_\w+|__\w+[sdt]i\d?|mem(cpy|set|move|cmp)|sqrt")
+
+
+@dataclass
+class Sizes:
+    """Bytes."""
+    code: int      # instructions, constants and initial values of the part itself
+    library: int   # the same of the library members linked with it
+    static_ram: int  # initialised and zeroed data of both
+
+
+def measure(map_text, objects):
+    """Sizes from a linker map, where `objects` are the part's own object files."""
+    own = tuple(os.path.abspath(name) for name in objects)
+    sizes = Sizes(0, 0, 0)
+    for name, address, length, origin in SECTION.findall(_contents(map_text)):
+        length = int(length, 16) if int(address, 16) else 0  # address 0: thrown away, or debug information
+        if name.startswith(FLASH + INITIALISED):
+            if any(name.endswith(os.path.normpath(origin)) for name in own):
+                sizes.code += length
+            else:
+                sizes.library += length
+        if name.startswith(INITIALISED + ZEROED):
+            sizes.static_ram += length
+    return sizes
+
+
+def _contents(map_text):
+    """The memory map alone, entries that the linker broke after a long name put back on one line."""
+    text = map_text.split("Linker script and memory map", 1)[1]
+    return re.sub(r"^( \S+)\n\s+(0x)", r"\1 \2", text, flags=re.MULTILINE)
+
+
+def loaded(size_text):
+    """(flash, RAM) bytes of the whole image from `size -A`: the witness for `measure`."""
+    flash = ram = 0
+    for name, length in re.findall(r"^(\.\S+)\s+(\d+)\s+\d+$", size_text, re.MULTILINE):
+        flash += int(length) if name.startswith(FLASH + INITIALISED) else 0
+        ram += int(length) if name.startswith(INITIALISED + ZEROED) else 0
+    return flash, ram
+
+
+def foreign_imports(undefined_text, defined):
+    """'object: symbol' for every symbol that an object takes from outside the part and may not.
+
+    `undefined_text` from `nm -A -u`, `defined` the names that the part's objects define.
+    """
+    wanted = re.findall(r"^(\S+?):\s+[Uw] (\S+)$", undefined_text, re.MULTILINE)
+    return [f"{Path(origin).name} needs {symbol}" for origin, symbol in wanted
+            if symbol not in defined and not ALLOWED_IMPORTS.fullmatch(symbol)]
+
+
+def functions(symbols_text):
+    """[(name, address, size)] of the functions of an image, from `nm -S`."""
+    found = re.findall(r"^([0-9a-f]+) ([0-9a-f]+) [tTW] (\S+)$", symbols_text, re.MULTILINE)
+    return [(name, int(address, 16) & ~1, int(size, 16)) for address, size, name in found]
+
+
+def compiler_frames(ci_text):
+    """What the compiler says of its frames, from -fcallgraph-info=su,da: Counter of (function, bytes), and the names
+    of functions whose frame it calls dynamic."""
+    frames, dynamic = Counter(), []
+    nodes = re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?\\n(\d+) bytes \(([a-z,]+)\)\\n(\d+) dynamic', ci_text)
+    for title, size, kind, objects in nodes:
+        name = title.rsplit(":", 1)[-1]
+        frames[name, int(size)] += 1
+        if kind == "dynamic" or (int(objects) and "bounded" not in kind):
+            dynamic.append(name)
+    return frames, dynamic

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Who may know whom, what firmware may not use, and how long a file or function may be.
+
+    rooms.py [ROOT]     prints file:line: what is wrong; exit 1 if anything is, 2 if ROOT holds no firmware
+"""
+import ast
+import re
+import sys
+from pathlib import Path
+
+# A room of firmware/ (or boards) and the rooms whose headers it may include, besides its own.
+MAY_INCLUDE = {
+    "core": set(),
+    "port": set(),
+    "canopen": {"core", "port"},
+    "store": {"core", "port"},
+    "stand": {"core", "canopen"},
+    "procedure": {"core", "stand"},
+    "navcomp": {"core", "port", "canopen", "store", "stand", "procedure"},
+    "boards": {"core", "port", "navcomp"},
+}
+SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
+SQUARE_ROOT = "firmware/core/arith.h"  # the one file that may include <math.h>, for sqrt
+
+HEAP_AND_IO = ("malloc calloc realloc free alloca __builtin_alloca printf fprintf sprintf snprintf vprintf vfprintf "
+               "vsnprintf puts putchar fopen fclose fread fwrite scanf sscanf exit abort")
+MATH = ("sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 expm1 log log2 log10 log1p pow hypot cbrt fabs floor "
+        "ceil round trunc rint lround fmod remainder fma fmin fmax ldexp frexp isnan isinf isfinite")
+FORBIDDEN = {**dict.fromkeys(HEAP_AND_IO.split(), "heap, libc I/O and exits are forbidden in firmware"),
+             **dict.fromkeys(MATH.split(), "of <math.h> firmware may use sqrt alone: libraries differ in the last bit")}
+
+MAX_FILE_LINES = 400
+MAX_FUNCTION_LINES = 80
+SOURCE_FOLDERS = ["firmware", "boards", "host", "tests", "tools", "examples", "cmake"]
+SCRIPTS = {"setup", "test", "tumble", "budget"}  # of tools/, without suffix
+
+
+def main(arguments):
+    root = Path(arguments[0] if arguments else Path(__file__).resolve().parents[1])
+    firmware = [path for folder in ("firmware", "boards") for path in sorted((root / folder).rglob("*.[ch]"))]
+    if not any((root / "firmware") in path.parents for path in firmware):
+        print(f"rooms: {root} holds no firmware", file=sys.stderr)
+        return 2
+    sources = list(find_sources(root))
+    violations = [f"{path.relative_to(root)}:{line}: {what}"
+                  for check, paths in ((check_firmware, firmware), (check_size, sources))
+                  for path in paths for line, what in check(root, path)]
+    print("\n".join(violations) or f"rooms: {len(firmware)} firmware files, {len(sources)} sources, no violations")
+    return 1 if violations else 0
+
+
+def find_sources(root):
+    for folder in SOURCE_FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.is_file() and (path.suffix in (".c", ".h", ".py", ".cmake", ".sh") or path.name in SCRIPTS):
+                yield path
+
+
+def check_firmware(root, path):
+    """Yield (line, violation) for the includes and calls of one C file."""
+    text = without_comments(path.read_text(encoding="utf-8"))
+    location = path.relative_to(root)
+    room = location.parts[1] if location.parts[0] == "firmware" else "boards"
+    if room not in MAY_INCLUDE:
+        yield 1, f"no such room: {room}; rooms and what they may know stand in tools/rooms.py"
+        return
+    for number, line in enumerate(text.splitlines(), 1):
+        if include := re.match(r"\s*#\s*include\s*(.*)", line):
+            if fault := include_fault(root, location, room, include[1].strip()):
+                yield number, fault
+        for name in re.findall(r"\b(\w+)\s*\(", blank_strings(line)):
+            if name in FORBIDDEN or (name == "sqrt" and location.as_posix() != SQUARE_ROOT):
+                yield number, f"{name}: " + FORBIDDEN.get(name, f"the square root is wrapped in {SQUARE_ROOT}")
+
+
+def include_fault(root, location, room, target):
+    """What is wrong with one include, or None."""
+    if system := re.fullmatch(r"<(.+)>", target):
+        square_root = system[1] == "math.h" and location.as_posix() == SQUARE_ROOT
+        allowed = system[1] in SYSTEM_HEADERS or square_root
+        return None if allowed else f"<{system[1]}> is not among the headers that firmware may include"
+    quoted = re.fullmatch(r'"([^"]+)"', target)
+    if not quoted:
+        return f"include of {target}: only a plain name can be checked"
+    if room == "boards" and (root / location.parent / quoted[1]).is_file():
+        return None
+    if not (root / "firmware" / quoted[1]).is_file() or ".." in quoted[1]:
+        return f'"{quoted[1]}" is not a header named by its room, such as "core/status.h"'
+    other = Path(quoted[1]).parts[0]
+    if other == room or other in MAY_INCLUDE[room]:
+        return None
+    return f"{room} may not know {other}; it may know: {', '.join(sorted(MAY_INCLUDE[room])) or 'no other room'}"
+
+
+def without_comments(text):
+    """C text with comments blanked out, line breaks and strings kept."""
+    def blank(match):
+        return match[0] if match[0][0] in "\"'" else re.sub(r"[^\n]", " ", match[0])
+
+    return re.sub(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|/\*.*?\*/|//[^\n]*', blank, text, flags=re.DOTALL)
+
+
+def blank_strings(text):
+    return re.sub(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', '""', text)
+
+
+def check_size(_root, path):
+    """Yield (line, violation) for a file, or functions in it, that are too long."""
+    text = path.read_text(encoding="utf-8")
+    lines = text.count("\n") + (not text.endswith("\n"))
+    if lines > MAX_FILE_LINES:
+        yield 1, f"{lines} lines; a file may have {MAX_FILE_LINES}"
+    functions = {".c": c_functions, ".h": c_functions, ".py": python_functions}.get(path.suffix)
+    for line, length in functions(text) if functions else []:
+        if length > MAX_FUNCTION_LINES:
+            yield line, f"function of {length} lines; a function may have {MAX_FUNCTION_LINES}"
+
+
+def c_functions(text):
+    """(first line, lines) of every function body: a brace at depth 0 that follows a closing parenthesis."""
+    depth, begin, before = 0, None, ""
+    text = blank_strings(without_comments(text))
+    for match in re.finditer(r"[{}]|[^\s{}]", text):
+        mark, line = match[0], text.count("\n", 0, match.start()) + 1
+        if mark == "{":
+            begin = line if depth == 0 and before == ")" else begin
+            depth += 1
+        elif mark == "}":
+            depth -= 1
+            if depth == 0 and begin is not None:
+                yield begin, line - begin + 1
+                begin = None
+        before = mark
+
+
+def python_functions(text):
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            yield node.lineno, node.end_lineno - node.lineno + 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

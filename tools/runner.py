@@ -1,0 +1,165 @@
+"""Running stages of tests one after another, counting what they say, and telling a person how it went."""
+import os
+import re
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Callable
+
+SKIPPED = 77  # exit status of a command that could not do its check
+TAIL_LINES = 40
+
+
+@dataclass
+class Outcome:
+    """Tests of one stage, and why some of them were skipped."""
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    reasons: Counter = field(default_factory=Counter)
+
+    @property
+    def verdict(self):
+        if self.failed or not (self.passed or self.skipped):
+            return "FAILED"
+        return "passed" if self.passed else "SKIPPED"
+
+
+def skipped(reason):
+    return Outcome(skipped=1, reasons=Counter([reason]))
+
+
+@dataclass
+class Stage:
+    name: str
+    about: str
+    run: Callable  # run(log) -> Outcome
+    needs: tuple = ()  # names of what tools/setup could not always install
+
+
+class Log:
+    """The log file of one stage, and the commands that write to it."""
+
+    def __init__(self, path, timeout_s):
+        self.path = path
+        self._timeout_s = timeout_s
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self.path.write_text("", encoding="utf-8")
+
+    def run(self, *command, env=None):
+        """Exit status of a command; what it prints goes to the log. A command that hangs counts as failed."""
+        with open(self.path, "a", encoding="utf-8") as file:
+            print("$", *command, file=file, flush=True)
+            try:
+                return subprocess.run(command, stdout=file, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                      env={**os.environ, **(env or {})}, timeout=self._timeout_s).returncode
+            except subprocess.TimeoutExpired:
+                print(f"no end after {self._timeout_s} s: stopped", file=file)
+            except OSError as error:
+                print(error, file=file)
+            return 1
+
+    def add(self, *lines):
+        with open(self.path, "a", encoding="utf-8") as file:
+            print(*lines, sep="\n", file=file)
+
+    def text(self):
+        return self.path.read_text(encoding="utf-8", errors="replace")
+
+    def tail(self):
+        return "\n".join("    " + line for line in self.text().splitlines()[-TAIL_LINES:])
+
+
+def gate(log, *commands, env=None):
+    """One test: all of the commands, in order, must succeed. Exit status 77 of the last one run skips it."""
+    for command in commands:
+        status = log.run(*command, env=env)
+        if status == SKIPPED:
+            return skipped(log.text().splitlines()[-1])
+        if status:
+            return Outcome(failed=1)
+    return Outcome(passed=1)
+
+
+def pytest(log, *arguments, env=None):
+    """The tests that pytest ran, from its own report."""
+    report = log.path.with_suffix(".xml")
+    report.unlink(missing_ok=True)
+    status = log.run(sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}", *arguments, env=env)
+    outcome = read_junit(report) if report.exists() else Outcome()
+    if status and not outcome.failed:  # crashed, interrupted, or found no test
+        outcome.failed = 1
+    return outcome
+
+
+def read_junit(report):
+    outcome = Outcome()
+    for case in ElementTree.parse(report).iter("testcase"):
+        skip = case.find("skipped")
+        if case.find("failure") is not None or case.find("error") is not None:
+            outcome.failed += 1
+        elif skip is not None:
+            outcome.skipped += 1
+            outcome.reasons[skip.get("message", "no reason given")] += 1
+        else:
+            outcome.passed += 1
+    return outcome
+
+
+def ctest(log, directory):
+    """The cases that the Unity programs of a build directory ran; a program that crashed counts as one failure."""
+    status = log.run("ctest", "--test-dir", str(directory), "--no-tests=error", "--verbose")
+    text = log.text()
+    totals = [tuple(map(int, line)) for line in re.findall(r"(\d+) Tests (\d+) Failures (\d+) Ignored", text)]
+    ran, failed, ignored = (sum(column) for column in zip(*totals)) if totals else (0, 0, 0)
+    programs_failed = re.search(r"(\d+) tests? failed out of", text)
+    outcome = Outcome(ran - failed - ignored, max(failed, int(programs_failed[1]) if programs_failed else 0), ignored)
+    for name in re.findall(r"Test +#\d+: (\S+) \.*\*\*\*Skipped", text):
+        outcome.skipped += 1
+        outcome.reasons[f"{name} skipped itself"] += 1
+    if status and not outcome.failed:
+        outcome.failed = 1
+    if outcome.failed:
+        log.add("Failed:", *re.findall(r"^\d+: (.*:FAIL.*)$", text, re.MULTILINE))
+    return outcome
+
+
+def run_stages(stages, log_folder, missing=None, timeout_s=1800):
+    """Run the stages, print their results, and return the exit status: 0 only if something passed and nothing failed.
+
+    `missing` maps the name of a thing that could not be installed to the reason.
+    """
+    missing = missing or {}
+    print(f"{len(stages)} stages, logs in {os.path.relpath(log_folder)}:")
+    for stage in stages:
+        print(f"  {stage.name:12} {stage.about}")
+    print(flush=True)
+    total = Outcome()
+    for stage in stages:
+        begin = time.monotonic()
+        log = Log(Path(log_folder) / f"{stage.name}.log", timeout_s)
+        lacking = [f"{need} is not installed ({missing[need]})" for need in stage.needs if need in missing]
+        outcome = skipped(lacking[0]) if lacking else stage.run(log)
+        report(stage, outcome, time.monotonic() - begin, log)
+        total.passed += outcome.passed
+        # A stage in which no test ran at all has failed, and the sum must say so.
+        total.failed += outcome.failed or (outcome.verdict == "FAILED")
+        total.skipped += outcome.skipped
+    print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
+    return 0 if total.verdict == "passed" else 1
+
+
+def report(stage, outcome, seconds, log):
+    counts = f"{outcome.passed} passed"
+    counts += f", {outcome.failed} failed" if outcome.failed else ""
+    counts += f", {outcome.skipped} skipped" if outcome.skipped else ""
+    print(f"{outcome.verdict:8} {stage.name:12} {seconds:7.1f} s  {counts}")
+    for reason, times in outcome.reasons.items():
+        print(f"         SKIPPED: {reason}" + (f" ({times} times)" if times > 1 else ""))
+    if outcome.verdict == "FAILED":
+        print(f"  the end of {os.path.relpath(log.path)}:\n{log.tail()}")
+    sys.stdout.flush()

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""The stages of tools/test, in the order of how soon they tell something."""
+import subprocess
+import sys
+from pathlib import Path
+
+from runner import Stage, ctest, gate, pytest, run_stages
+
+ROOT = Path(__file__).resolve().parents[1]
+BUILD = ROOT / "build"
+MISSING = BUILD / "setup" / "missing"  # written by tools/setup: name, tab, reason
+PYTHON = sys.executable
+
+
+def main(arguments):
+    full, chosen = "--full" in arguments, [name for name in arguments if name != "--full"]
+    stages = plan(full)
+    if unknown := set(chosen) - {stage.name for stage in stages}:
+        print(f"test: no such stage: {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
+    stages = [stage for stage in stages if not chosen or stage.name in chosen]
+    return run_stages(stages, BUILD / "test", read_missing(), timeout_s=4 * 3600 if full else 1200)
+
+
+def read_missing():
+    lines = MISSING.read_text(encoding="utf-8").splitlines() if MISSING.exists() else []
+    return dict(line.split("\t", 1) for line in lines)
+
+
+def rooms(log):
+    return gate(log, [PYTHON, "tools/rooms.py"])
+
+
+def build_sanitized(log):
+    """The unit tests and the extension module, instrumented. Without Unity the extension alone."""
+    tests = "OFF" if "Unity" in read_missing() else "ON"
+    return gate(log, ["cmake", "--preset", "sanitizers", f"-DTUMBLE_TESTS={tests}", "-DTUMBLE_PYTHON=ON",
+                      f"-DPython_EXECUTABLE={PYTHON}"], ["cmake", "--build", "--preset", "sanitizers"])
+
+
+def unit(log):
+    built = build_sanitized(log)
+    return ctest(log, BUILD / "sanitizers") if built.passed else built
+
+
+def paths(preset):
+    return f"{ROOT}/host/python/src:{BUILD / preset / 'python'}"
+
+
+def integration(log):
+    return pytest(log, "tests/integration", env={"PYTHONPATH": paths("host")})
+
+
+def campaigns(log):
+    return pytest(log, "tests/integration", "--full", env={"PYTHONPATH": paths("host")})
+
+
+def sanitized(log):
+    built = build_sanitized(log)
+    if not built.passed:
+        return built
+    return pytest(log, "tests/integration", "-m", "not full", env=sanitizer_environment())
+
+
+def sanitizer_environment():
+    """What makes an ordinary interpreter run an instrumented module. CPython leaks by design, so leaks are off."""
+    library = subprocess.run(["cc", "-print-file-name=libasan.so"], check=True, capture_output=True, text=True)
+    return {"PYTHONPATH": paths("sanitizers"), "TUMBLE_PRESET": "sanitizers", "LD_PRELOAD": library.stdout.strip(),
+            "ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
+
+
+def cortex_m4(log):
+    return gate(log, ["cmake", "--preset", "cortex-m4"], ["cmake", "--build", "--preset", "cortex-m4"],
+                ["cmake", "-E", "cat", str(BUILD / "cortex-m4/boards/mps2_an386/budget_core.csv")])
+
+
+def canaries(full):
+    skip = [] if full else ["--ignore=tests/canary/test_analysis.py"]
+    return lambda log: pytest(log, "tests/canary", *skip)
+
+
+def analysis(kind):
+    return lambda log: gate(log, [PYTHON, "tools/analyse.py", kind])
+
+
+def plan(full):
+    """The stages of a run."""
+    stages = [
+        Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
+        Stage("unit", "Unity tests of the core, with AddressSanitizer and UndefinedBehaviorSanitizer", unit,
+              ("Unity",)),
+        Stage("cortex-m4", "the core for the target: warnings; code, RAM and stack within boards/budget.csv", cortex_m4,
+              ("gcc-arm-none-eabi",)),
+        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
+        if full else Stage("integration", "the package and the command line, C against numpy", integration),
+        Stage("sanitized", "the same, with the extension module instrumented", sanitized),
+    ]
+    if full:
+        stages += [
+            Stage("misra", "cppcheck with the MISRA C addon; deviations: tools/misra_deviations.txt", analysis("misra")),
+            Stage("tidy", "clang-tidy: bugprone, cert, clang-analyzer", analysis("tidy"), ("clang-tidy-19",)),
+            Stage("analyzer", "gcc -fanalyzer", analysis("analyzer")),
+        ]
+    return stages + [Stage("canaries", "a planted defect for every gate, which must reject it", canaries(full))]
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(130)
