@@ -132,7 +132,7 @@ static bool gains_fit(const tumble_gain_table_t *table, const tumble_schedule_t 
         fit_positions += (schedule->positions[p].use == TUMBLE_USE_FIT) ? 1U : 0U;
     }
     bool fits = (fit_positions == table->fit_positions);
-    for (size_t g = 0; fits && (g < (TUMBLE_COEFFICIENTS * TUMBLE_CHANNELS * fit_positions)); g++) {
+    for (size_t g = 0; fits && (g < ((size_t)TUMBLE_COEFFICIENTS * TUMBLE_CHANNELS * fit_positions)); g++) {
         fits = tumble_within(table->gains[g], TUMBLE_MAX_GAIN);
     }
     return fits;

@@ -1,6 +1,7 @@
 """Fixtures of the integration tests: the command line as a user runs it, and the --full campaigns."""
 
 import os
+import secrets
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,14 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if "full" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="a long campaign: --full runs it"))
+
+
+@pytest.fixture
+def fresh_seed():
+    """A seed that is new every time, and shown where a test fails."""
+    seed = secrets.randbits(32)
+    print(f"seed {seed}")
+    return seed
 
 
 @pytest.fixture

@@ -209,6 +209,6 @@ def test_interruption(tmp_path):
     )
     with open(pipe, "w"):  # returns once the command has opened the other end
         child.send_signal(signal.SIGINT)
-        stdout, stderr = child.communicate(timeout=30)
+    stdout, stderr = child.communicate(timeout=60)  # a signal just before the read is seen when the read ends
     assert (child.returncode, stdout, stderr) == (130, "", "tumble: interrupted\n")
     assert list(tmp_path.iterdir()) == [pipe]

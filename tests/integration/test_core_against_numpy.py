@@ -42,10 +42,10 @@ def test_10000_random_cases_agree():
 
 
 @pytest.mark.full
-def test_300000_random_cases_agree():
-    rng = np.random.default_rng()
-    assert worst_of_paper_schedule(rng, 100_000) <= LIMIT
-    assert worst_of_any_schedule(rng, 200_000) <= LIMIT
+def test_100000_other_random_cases_agree(fresh_seed):
+    rng = np.random.default_rng(fresh_seed)
+    assert worst_of_paper_schedule(rng, 40_000) <= LIMIT
+    assert worst_of_any_schedule(rng, 60_000) <= LIMIT
 
 
 def test_attitudes_agree():

@@ -52,8 +52,8 @@ def test_noise_free_runs_are_exact(estimator):
 
 @pytest.mark.full
 @pytest.mark.parametrize("estimator", core.ESTIMATORS)
-def test_noise_free_runs_are_exact_at_length(estimator):
-    assert worst_noise_free_error(np.random.default_rng(), 20_000, estimator) <= 1e-15
+def test_noise_free_runs_are_exact_at_length(estimator, fresh_seed):
+    assert worst_noise_free_error(np.random.default_rng(fresh_seed), 20_000, estimator) <= 1e-15
 
 
 @pytest.mark.parametrize("mounting", [1, 2])
