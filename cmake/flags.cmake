@@ -2,6 +2,7 @@
 add_library(tumble_flags INTERFACE)
 target_compile_options(tumble_flags INTERFACE
   -ffp-contract=off # host and target give the same bits
+  -fno-math-errno # a square root is an instruction where there is one
   -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wvla -Werror)
 
 # For code that is not ours but runs in our process (Unity, generated bindings): instrumented, not judged.

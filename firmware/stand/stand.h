@@ -1,8 +1,8 @@
 /* stand.h - the rotary stand as the procedure sees it: turn, wait, ask.
  *
- * A stand is a const table of functions and the object they work on. No function waits: home and move start an action,
- * `state` tells how far it has come. Angles are degrees of the table, counted from the home position, over as many turns
- * as the cable allows; they are the schedule's angles and not counts of an encoder.
+ * A stand is a const table of functions and the object they work on. No function waits: home and move start an
+ * action, `state` tells how far it has come. Angles are degrees of the table, counted from the home position, over
+ * as many turns as the cable allows; they are the schedule's angles and not counts of an encoder.
  *
  * Behind it: drive402.h (a CiA 402 drive in profile position mode) or operator.h (a person at a dividing head).
  */
@@ -18,7 +18,8 @@ typedef enum {
     TUMBLE_STAND_READY,       /* in contact, powered, not homed */
     TUMBLE_STAND_HOMING,
     TUMBLE_STAND_MOVING,
-    TUMBLE_STAND_IN_POSITION, /* at rest at the last commanded angle (after homing: at home) */
+    TUMBLE_STAND_IN_POSITION, /* at rest at the last commanded angle (after homing: at home); never believed too early:
+                               * from the moment that move or home returns, the old position does not count */
     TUMBLE_STAND_STOPPED,     /* at rest after stop; position known */
     TUMBLE_STAND_FAULT        /* see fault; leaves by clear_fault */
 } tumble_stand_state_t;
@@ -30,7 +31,8 @@ typedef enum {
     TUMBLE_STAND_FAULT_HEARTBEAT,   /* the drive has fallen silent */
     TUMBLE_STAND_FAULT_HOMING,      /* homing failed */
     TUMBLE_STAND_FAULT_PROTOCOL,    /* refused or unanswered configuration, broken handshake */
-    TUMBLE_STAND_FAULT_POWER        /* the drive left Operation enabled by itself */
+    TUMBLE_STAND_FAULT_POWER,       /* the drive left Operation enabled by itself */
+    TUMBLE_STAND_FAULT_TIMEOUT      /* the angle was not reached, or not confirmed, in the stand's own time */
 } tumble_stand_fault_t;
 
 typedef struct {

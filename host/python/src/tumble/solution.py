@@ -16,11 +16,24 @@ from tumble.stand import Stand
 
 
 @dataclass(frozen=True)
+class Truth:
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3` by mounting and
+    `alpha4` by position."""
+
+    k: np.ndarray
+    u0: np.ndarray
+    alpha1: float
+    alpha2: float
+    alpha3: tuple[float, ...]
+    alpha4: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
-    without a declared stand; `stand_seen`: the stand as the run shows it.
+    without a declared stand; `stand_seen`: the stand as the run shows it; `truth`: None for a run that was measured.
     """
 
     schedule: Schedule
@@ -31,6 +44,7 @@ class Solution:
     u_k: np.ndarray | None
     u_u0: np.ndarray | None
     stand_seen: dict[str, float | None]
+    truth: Truth | None = None
 
     @property
     def worst_position(self) -> int:

@@ -38,11 +38,11 @@ def _colour(good: bool) -> str:
 
 def _coefficients(solution: Solution) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim")
-    for heading in presentation.COEFFICIENT_HEADINGS:
+    for heading in presentation.coefficient_headings(solution):
         table.add_column(heading, justify="left" if heading in ("", "unit") else "right", no_wrap=True)
-    for name, value, unit, u, relative, difference in presentation.coefficient_rows(solution):
+    for name, value, unit, u, relative, difference, *known in presentation.coefficient_rows(solution):
         styled = Text(name, style="bold"), Text(value, style="cyan")
-        table.add_row(*styled, unit, u, relative, Text(difference, style="dim"))
+        table.add_row(*styled, unit, u, relative, Text(difference, style="dim"), *known)
     return table
 
 
