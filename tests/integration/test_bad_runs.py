@@ -39,7 +39,7 @@ BAD_TEXTS = {
     "zero byte later": (GOOD.replace("1,4,", "1,\0,").encode(), "row 5", "not a text file"),
     "UTF-16": (GOOD.encode("utf-16"), "row 1", "UTF-16"),
     "column missing": (GOOD.replace("uz", "temperature"), "row 1", "no column uz"),
-    "column twice": (GOOD.replace("uz", "uy"), "row 1", "could both be uy"),
+    "column twice": (GOOD.replace("uz", "uy"), "row 1", "2 columns are named 'uy'"),
     "two candidates": (GOOD.replace("mounting", "mount").replace("position", "setup"), "row 1", "both be mounting"),
     "NaN": (with_row(5, "1,4,nan,0,0\n"), "row 5, column ux", "not a finite number"),
     "infinity": (with_row(6, "1,5,0,-inf,0\n"), "row 6, column uy", "not a finite number"),

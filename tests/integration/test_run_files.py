@@ -89,7 +89,6 @@ def test_layouts(case, tmp_path):
     [
         ("mounting,position,ux [mV],uy [mV],uz [mV]", Wishes(), "mV"),
         ("mounting,position,ux (m/s^2),uy (m/s^2),uz (m/s^2)", Wishes(), "m/s^2"),
-        ("mounting,position,ux [mV],uy [V],uz [V]", Wishes(), "V"),
         ("mounting,position,ux [mV],uy [mV],uz [mV]", Wishes(unit="LSB"), "LSB"),
         ("mounting,position,ux [*/],uy [*/],uz [*/]", Wishes(), "V"),
     ],

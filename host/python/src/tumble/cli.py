@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import signal
 import sys
 import traceback
 
@@ -39,8 +40,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _complain(message: str) -> None:
-    """Whatever is in it, a message is one line."""
-    print("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"), file=sys.stderr)
+    """Whatever is in it, a message is one line. Where nobody can read it, the exit code alone has to tell."""
+    try:
+        print("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"), file=sys.stderr or io.StringIO())
+    except OSError:
+        sys.stderr = None
 
 
 def _prepare_output() -> None:
@@ -51,9 +55,14 @@ def _prepare_output() -> None:
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def main(argv: list[str] | None = None) -> int:
-    """Run one command. Returns the exit code; never raises, except SystemExit for --help and --version."""
+def main(argv: list[str] | None = None, interrupt=None) -> int:
+    """Run one command. Returns the exit code; never raises, except SystemExit for --help and --version.
+
+    `interrupt`: the handler of SIGINT to take up from here on, if any.
+    """
     try:
+        if interrupt is not None:
+            signal.signal(signal.SIGINT, interrupt)
         _prepare_output()
         arguments = _parser().parse_args(argv)
         code = arguments.run_command(arguments)

@@ -139,7 +139,7 @@ def _from_header(
             attempts.append((line.count(delimiter), str(error)))
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
-        unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]])
+        unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
         return Dialect(row, *skipped, delimiter, decimal, indices, len(names), unit)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
@@ -161,11 +161,14 @@ def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int:
         if len(found) == 1:
             return found[0]
         if found:
+            if len({names[index] for index in found}) == 1:
+                raise ValueError(f"{len(found)} columns are named {quoted(names[found[0]])}")
             several = " and ".join(quoted(names[index]) for index in found)
             raise ValueError(f"columns {several} could both be {wanted}; say which with --columns {wanted}=NAME")
     if asked:
         raise ValueError(f"no column {quoted(asked)}, which --columns asks for as {wanted}")
-    raise ValueError(f"no column {wanted} among {quoted(','.join(names))}; name it with --columns {wanted}=NAME")
+    option = f"--columns {wanted}=NAME" if len(names) > 1 else "--delimiter"
+    raise ValueError(f"no column {wanted} among {quoted(','.join(names))}; say how it is with {option}")
 
 
 def _bare(name: str) -> str:
@@ -173,11 +176,12 @@ def _bare(name: str) -> str:
     return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
 
 
-def _detect_unit(names: list[str]) -> str:
-    """The unit in brackets after the names of the outputs, if all three agree on one."""
-    units = {match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names}
-    unit = units.pop() if len(units) == 1 else ""
-    return unit if UNIT.fullmatch(unit) else _DEFAULT_UNIT
+def _detect_unit(names: list[str], file: str, row: int) -> str:
+    """The unit in brackets after the names of the outputs, V where none has one. Raises BadInput if they differ."""
+    units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
+    if len(set(units)) > 1:
+        raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
+    return units[0] if UNIT.fullmatch(units[0]) else _DEFAULT_UNIT
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError, quoted
 
 _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
 
@@ -39,6 +40,13 @@ def write_text(file: str, text: str) -> None:
         raise BadInput("not a file name", file) from None
 
 
+def refuse_overwriting(out: str | None, *sources: str | None) -> None:
+    """An output must not replace what it is made from. Raises UsageError."""
+    for source in sources:
+        if out and source and os.path.realpath(out) == os.path.realpath(source):
+            raise UsageError(f"--out: {quoted(out)} is an input of this command")
+
+
 def _replace(target: str, text: str) -> None:
     folder, name = os.path.split(target)
     temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
@@ -46,6 +54,8 @@ def _replace(target: str, text: str) -> None:
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as stream:
             stream.write(text)
+        if os.path.exists(target):
+            os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
         os.replace(temporary, target)
     except BaseException:
         os.unlink(temporary)

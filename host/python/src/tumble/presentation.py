@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.result import per_g
+from tumble.schedule import CHECK
 from tumble.solution import Solution
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
@@ -116,7 +117,8 @@ def gravity_bars(solution: Solution) -> list[GravityBar]:
 def remarks(solution: Solution) -> list[str]:
     """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
     unit, seen = solution.run.unit, solution.stand_seen
-    lines = [] if solution.truth is None else _truth_remarks(solution)
+    lines = _fit_and_check(solution)
+    lines += [] if solution.truth is None else _truth_remarks(solution)
     lines += [
         f"Closure of mounting {mounting}: {_three(difference)} {unit}"
         for mounting, difference in solution.found.closure.items()
@@ -128,7 +130,8 @@ def remarks(solution: Solution) -> list[str]:
         lines.append(f"            level + yaw {_measured(seen, 'alpha2_plus_alpha3_rad')} rad")
         lines.append(f"            yaw 1 - yaw 2 {_measured(seen, 'alpha3_difference_rad')} rad")
     if seen["noise_v"] is not None:
-        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} {unit}")
+        declared = "" if solution.stand is None else f", declared {solution.stand.sigma('noise'):.2e} V"
+        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} V{declared}")
     return lines
 
 
@@ -138,6 +141,18 @@ def _truth_remarks(solution: Solution) -> list[str]:
         return []
     worst = int(np.nanargmax(np.abs(errors)))
     return [f"Largest error against the truth: {abs(errors[worst]):.2f} u, of {names[worst][0]}"]
+
+
+def _fit_and_check(solution: Solution) -> list[str]:
+    """The largest gravity errors apart, if the schedule has check positions: on fitted ones the check is optimistic."""
+    planned = [index for index, position in enumerate(solution.schedule.positions) if position.use == CHECK]
+    if not planned:
+        return []
+    measured = sum(int(solution.run.samples[index] > 0) for index in planned)
+    gravity = solution.found.gravity
+    largest = f"{gravity.max_abs_check:.2g} g" if measured else "unknown"
+    where = f"check positions {largest} ({measured} of {len(planned)} measured)"
+    return [f"Largest gravity error: fitted {gravity.max_abs_fit:.2g} g, {where}", ""]
 
 
 def _three(values: np.ndarray) -> str:

@@ -12,7 +12,7 @@ from tumble.crosscheck import Comparison, compare
 from tumble.errors import BadInput
 from tumble.runfile import Run
 from tumble.schedule import Schedule
-from tumble.stand import Stand
+from tumble.stand import Stand, volts_per
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,8 @@ class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
-    without a declared stand; `stand_seen`: the stand as the run shows it; `truth`: None for a run that was measured.
+    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it; `truth`: None for a run
+    that was measured.
     """
 
     schedule: Schedule
@@ -43,6 +44,7 @@ class Solution:
     comparison: Comparison
     u_k: np.ndarray | None
     u_u0: np.ndarray | None
+    stand: Stand | None
     stand_seen: dict[str, float | None]
     truth: Truth | None = None
 
@@ -57,8 +59,10 @@ def solve(
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
-    Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
+    Raises BadInput where the core refuses the run or the stand does not fit its unit, Disagreement where the witness
+    does not confirm the core.
     """
+    declared = _in_unit(stand, run.unit, file)
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
     try:
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g)
@@ -70,10 +74,25 @@ def solve(
     means, samples, scatter = (rows[run.measured] for rows in (run.means, run.samples, run.scatter))
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured])
     u_k = u_u0 = None
-    if stand is not None:
-        u_k, u_u0 = reference.standard_uncertainties(witnessed, found.k, stand, samples, estimator)
-    seen = reference.stand_seen(witnessed, means, found.k, samples, scatter, stand)
-    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, seen)
+    if declared is not None:
+        u_k, u_u0 = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
+    seen = reference.stand_seen(witnessed, means, found.k, samples, scatter, declared)
+    seen = _noise_in_volts(seen, run.unit)
+    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen)
+
+
+def _in_unit(stand: Stand | None, unit: str, file: str) -> Stand | None:
+    try:
+        return None if stand is None else stand.in_unit(unit)
+    except ValueError as error:
+        raise BadInput(str(error), file) from None
+
+
+def _noise_in_volts(seen: dict[str, float | None], unit: str) -> dict[str, float | None]:
+    """`noise_v` and its twin are in volts, or unknown where the outputs are not."""
+    volts = volts_per(unit)
+    noise = {name: seen[name] for name in ("noise_v", "u_noise_v")}
+    return {**seen, **{name: None if value is None or volts is None else value * volts for name, value in noise.items()}}
 
 
 def _measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 INDEPENDENT = "independent"
 COMMON = "common"
@@ -12,9 +12,17 @@ _SIGMAS_PER_LIMIT = {"sigma1": 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 
+_VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
+
+
+def volts_per(unit: str) -> float | None:
+    """Size of a unit of the outputs in volts; None if it is no multiple of the volt."""
+    return _VOLTS_PER_UNIT.get(unit)
+
+
 @dataclass(frozen=True)
 class Stand:
-    """Errors of a stand as declared: angles in radians, noise of one sample in the unit of the outputs, all >= 0.
+    """Errors of a stand as declared: angles in radians, noise of one sample in V or as `in_unit` made it, all >= 0.
 
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
@@ -31,6 +39,13 @@ class Stand:
     limits: str
     remounting: str = INDEPENDENT
     name: str = ""
+
+    def in_unit(self, unit: str) -> Stand:
+        """This stand with its noise in the unit of a run's outputs. Raises ValueError for one that is not volts."""
+        volts = volts_per(unit)
+        if volts is None:
+            raise ValueError(f"outputs in {unit}, but the stand's noise is in V: give them in V to have uncertainties")
+        return replace(self, noise=self.noise / volts)
 
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""

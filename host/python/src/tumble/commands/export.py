@@ -27,9 +27,10 @@ def add_to(subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     from tumble.exports import to_c, to_csv
-    from tumble.files import write_text
+    from tumble.files import refuse_overwriting, write_text
     from tumble.result import read_coefficients
 
+    refuse_overwriting(arguments.out, arguments.result)
     result = read_coefficients(arguments.result)
     text = {"c": to_c, "csv": to_csv}[arguments.format](result)
     if arguments.out is None:

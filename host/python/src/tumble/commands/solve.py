@@ -44,13 +44,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
     limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
     wishes = _wishes(arguments)
-    _refuse_overwriting(arguments)
 
     from tumble import core, result
-    from tumble.files import write_text
+    from tumble.files import refuse_overwriting, write_text
     from tumble.runfile import read_run
     from tumble.solution import solve
 
+    refuse_overwriting(arguments.out, arguments.run, arguments.stand, arguments.schedule)
     stand_file = schedule = None
     if arguments.stand is not None:
         from tumble.standfile import read_stand
@@ -100,13 +100,6 @@ def _wishes(arguments: argparse.Namespace):
         decimal=arguments.decimal,
         unit=None if arguments.unit is None else dialect.parse_unit(arguments.unit),
     )
-
-
-def _refuse_overwriting(arguments: argparse.Namespace) -> None:
-    """The result must not replace what it is made from."""
-    for source in (arguments.run, arguments.stand, arguments.schedule):
-        if arguments.out and source and os.path.realpath(arguments.out) == os.path.realpath(source):
-            raise UsageError(f"--out: {quoted(arguments.out)} is an input of this command")
 
 
 def print_solution(solution, json_text: str | None, title: str) -> None:

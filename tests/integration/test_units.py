@@ -1,0 +1,93 @@
+"""The unit of a run's outputs, and what the stand's noise in volts means to it; outputs and messages that go nowhere."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from conftest import EXAMPLES
+
+STAND = EXAMPLES / "paper_stand.toml"
+RUN = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
+
+
+def rewritten(path, header, factor):
+    rows = [line.split(",") for line in RUN[1:]]
+    lines = [",".join([*row[:2], *(repr(float(u) * factor) for u in row[2:])]) for row in rows]
+    path.write_text("\n".join([f"mounting,position,{header}", *lines]) + "\n")
+    return path
+
+
+def solved(tumble, run, *options):
+    done = tumble("solve", run, "--json", *options)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mV", 1e3), ("uV", 1e6), ("µV", 1e6), ("kV", 1e-3)])
+def test_uncertainties_follow_the_unit(unit, factor, tumble, tmp_path):
+    header = f"ux [{unit}],uy [{unit}],uz [{unit}]"
+    scaled = solved(tumble, rewritten(tmp_path / "run.csv", header, factor), "--stand", STAND)
+    volts = solved(tumble, EXAMPLES / "paper_stand.csv", "--stand", STAND)
+    for name in ("u_U0", "U0"):
+        assert [value / factor for value in scaled[name]] == pytest.approx(volts[name], rel=1e-9)
+    for row, expected in zip(scaled["u_K"], volts["u_K"]):
+        assert [value / factor for value in row] == pytest.approx(expected, rel=1e-9)
+    for name in ("noise_v", "u_noise_v", "u_alpha1_rad"):
+        assert scaled["stand_seen"][name] == pytest.approx(volts["stand_seen"][name], rel=1e-9), name
+
+
+def test_a_unit_that_is_not_volts_has_no_noise_in_volts(tumble, refused, tmp_path):
+    run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
+    assert solved(tumble, run)["stand_seen"]["noise_v"] is None
+    assert "run.csv: outputs in m/s^2, but the stand's noise is in V" in refused("solve", run, "--stand", STAND)
+
+
+@pytest.mark.parametrize("header", ["ux [V],uy [mV],uz [V]", "ux,uy,uz [mV]"])
+def test_different_units_are_refused(header, refused, tumble, tmp_path):
+    run = rewritten(tmp_path / "run.csv", header, 1.0)
+    assert "run.csv: row 1: outputs in different units: " in refused("solve", run)
+    assert solved(tumble, run, "--unit", "V")["unit"] == "V"
+
+
+def test_an_export_does_not_replace_its_result(tumble, refused, tmp_path):
+    result = tmp_path / "r.json"
+    assert tumble("solve", EXAMPLES / "paper_stand.csv", "--out", result).returncode == 0
+    before = result.read_bytes()
+    assert "is an input of this command" in refused("export", result, "--format", "csv", "--out", result)
+    assert result.read_bytes() == before
+
+
+def test_an_output_keeps_its_permissions(tumble, tmp_path):
+    result = tmp_path / "r.json"
+    result.write_text("old")
+    result.chmod(0o600)
+    assert tumble("solve", EXAMPLES / "paper_stand.csv", "--out", result).returncode == 0
+    assert result.stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("sink", ["/dev/full", "closed", "read only"])
+def test_the_exit_code_stands_when_nobody_can_read_the_message(sink):
+    def lose_stderr():
+        os.close(2)
+        if sink == "read only":
+            os.dup2(os.open(os.devnull, os.O_RDONLY), 2)
+
+    command = [sys.executable, "-m", "tumble", "solve", "nosuch.csv"]
+    if sink == "/dev/full":
+        with open(sink, "w") as full:
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=full)
+    else:
+        done = subprocess.run(command, stdout=subprocess.PIPE, preexec_fn=lose_stderr)
+    assert (done.returncode, done.stdout) == (2, b"")
+
+
+def test_check_positions_are_reported_apart(tumble):
+    arguments = ["--schedule", EXAMPLES / "with_checks.toml"]
+    text = tumble("solve", EXAMPLES / "with_checks.csv", *arguments).stdout
+    largest = solved(tumble, EXAMPLES / "with_checks.csv", *arguments)["verification"]
+    fitted, checked = largest["max_abs_delta_g_fit_g"], largest["max_abs_delta_g_check_g"]
+    assert f"fitted {fitted:.2g} g, check positions {checked:.2g} g (8 of 8 measured)" in text
+    text = tumble("solve", EXAMPLES / "paper_stand.csv", *arguments).stdout
+    assert "check positions unknown (0 of 8 measured)" in text
