@@ -31,6 +31,10 @@ def rooms(log):
     return gate(log, [PYTHON, "tools/rooms.py"])
 
 
+def objects(log):
+    return gate(log, [PYTHON, "tools/objects/generate", "--check"])
+
+
 def build_sanitized(log):
     """The unit tests and the extension module, instrumented. Without Unity the extension alone."""
     tests = "OFF" if "Unity" in read_missing() else "ON"
@@ -71,7 +75,7 @@ def sanitizer_environment():
 
 def cortex_m4(log):
     return gate(log, ["cmake", "--preset", "cortex-m4"], ["cmake", "--build", "--preset", "cortex-m4"],
-                ["cmake", "-E", "cat", str(BUILD / "cortex-m4/boards/mps2_an386/budget_core.csv")])
+                ["cmake", "-E", "cat", *sorted(map(str, (BUILD / "cortex-m4/boards/mps2_an386").glob("budget_*.csv")))])
 
 
 def canaries(full):
@@ -87,9 +91,10 @@ def plan(full):
     """The stages of a run."""
     stages = [
         Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
-        Stage("unit", "Unity tests of the core, with AddressSanitizer and UndefinedBehaviorSanitizer", unit,
+        Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects),
+        Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer", unit,
               ("Unity",)),
-        Stage("cortex-m4", "the core for the target: warnings; code, RAM and stack within boards/budget.csv", cortex_m4,
+        Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv", cortex_m4,
               ("gcc-arm-none-eabi",)),
         Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
         if full else Stage("integration", "the package and the command line, C against numpy", integration),

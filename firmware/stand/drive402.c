@@ -174,7 +174,6 @@ static tumble_stand_state_t state(void *self)
 /* Do this as soon as the drive is powered: at once, or after a stop by way of POWER. */
 static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
 {
-    drive->arrived = false;
     drive->wanted = (uint8_t)action;
     tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? action : PHASE_POWER);
     return TUMBLE_OK;

@@ -28,7 +28,6 @@ static uint64_t deadline_us(const tumble_operator_t *person)
 
 void tumble_operator_step(tumble_operator_t *person, uint64_t now_us)
 {
-    person->now_us = now_us;
     if (person->restart_timer) {
         person->restart_timer = false;
         person->asked_us = now_us;

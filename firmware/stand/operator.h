@@ -20,7 +20,6 @@ typedef struct {
 /* The object; its fields are private. */
 typedef struct {
     const tumble_operator_config_t *config;
-    uint64_t now_us;
     uint64_t asked_us;
     double request_deg;
     double angle_deg; /* as last confirmed */

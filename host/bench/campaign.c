@@ -99,7 +99,8 @@ static void dismiss(const worker_t *workers, uint32_t count)
     }
 }
 
-static void take(bench_statistics_t *statistics, const bench_options_t *options, const bench_record_t *record, FILE *out)
+static void take(bench_statistics_t *statistics, const bench_options_t *options, const bench_record_t *record,
+                 FILE *out)
 {
     bench_statistics_add(statistics, record);
     if (!options->summary) {

@@ -193,8 +193,7 @@ static const char *check_faults(const sim_scenario_t *scenario)
     for (uint32_t i = 0; i < scenario->fault_count; i++) {
         const sim_fault_t *const fault = &scenario->faults[i];
         const uint8_t count = scenario->schedule.position_count;
-        if (!fault->at_time &&
-            tumble_schedule_find(&scenario->schedule, fault->mounting, fault->position) == count) {
+        if (!fault->at_time && tumble_schedule_find(&scenario->schedule, fault->mounting, fault->position) == count) {
             return "a fault names a position that the schedule does not have";
         }
         if (fault->kind == SIM_FAULT_SWAPPED && fault->channels != 3U && fault->channels != 5U &&

@@ -55,8 +55,8 @@ typedef struct {
 /* The paper's stand and schedule, the `refined` estimator on 50 samples a position. */
 void bench_config_defaults(bench_config_t *config);
 
-/* Fill in what follows from the rest (0 where a default says so), and set all pointers within `config`, which must not be
- * moved afterwards. Null, or a sentence that tells what does not fit together. */
+/* Fill in what follows from the rest (0 where a default says so), and set all pointers within `config`, which must not
+ * be moved afterwards. Null, or a sentence that tells what does not fit together. */
 const char *bench_config_complete(bench_config_t *config);
 
 #endif

@@ -22,7 +22,7 @@ static bool complain(bench_mistake_t *mistake, const char *format, ...)
 
 static size_t size_of(bench_type_t type)
 {
-    static const size_t SIZES[] = {sizeof(double),   sizeof(float),   sizeof(uint8_t), sizeof(uint16_t), sizeof(uint32_t),
+    static const size_t SIZES[] = {sizeof(double), sizeof(float),   sizeof(uint8_t), sizeof(uint16_t), sizeof(uint32_t),
                                    sizeof(int8_t), sizeof(int32_t), sizeof(bool),    sizeof(int)};
     return SIZES[type];
 }
@@ -220,16 +220,15 @@ void bench_config_print_keys(FILE *out)
         (void)fprintf(out, "%-34s %s%s%s\n", key->name, range, (key->type == BENCH_CHOICE) ? "" : "; ",
                       (key->type == BENCH_CHOICE) ? "" : key->about);
     }
-    (void)fprintf(out,
-                  "\nLines that may repeat:\n"
-                  "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
-                  "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
-                  "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
-                  "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
-                  "profile.write = INDEX SUBINDEX SIZE VALUE\n"
-                  "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
-                  "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
-                  "        [probability=P]\n\nKinds of faults:\n");
+    (void)fprintf(out, "\nLines that may repeat:\n"
+                       "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
+                       "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
+                       "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
+                       "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
+                       "profile.write = INDEX SUBINDEX SIZE VALUE\n"
+                       "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
+                       "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
+                       "        [probability=P]\n\nKinds of faults:\n");
 #define PRINT_FAULT(name, word, sentence) (void)fprintf(out, "%-20s %s\n", word, sentence);
     SIM_FAULT_LIST(PRINT_FAULT)
 #undef PRINT_FAULT

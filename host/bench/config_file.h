@@ -5,9 +5,10 @@
  *     block.u0 = 0.1 -0.02 0.03
  *     fault = stall at=1.3 phase=move duration=2
  *
- * Keys are those of bench_config_keys (tumble-bench --keys prints them with their ranges), each at most once, and the lines
- * that may repeat: mounting, position, fault, profile.receive_pdo, profile.transmit_pdo, profile.write. Numbers are
- * decimal (0x... where whole), separated by blanks; nothing else may stand on a line. Reading stops at the first mistake.
+ * Keys are those of bench_config_keys (tumble-bench --keys prints them with their ranges), each at most once, and the
+ * lines that may repeat: mounting, position, fault, profile.receive_pdo, profile.transmit_pdo, profile.write. Numbers
+ * are decimal (0x... where whole), separated by blanks; nothing else may stand on a line. Reading stops at the first
+ * mistake.
  */
 #ifndef TUMBLE_BENCH_CONFIG_FILE_H
 #define TUMBLE_BENCH_CONFIG_FILE_H

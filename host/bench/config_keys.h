@@ -20,9 +20,9 @@ typedef enum {
 typedef struct {
     const char *name;
     bench_type_t type;
-    uint8_t count;     /* values on the line */
-    size_t offset;     /* in bench_config_t */
-    double low;        /* of a value, both included */
+    uint8_t count; /* values on the line */
+    size_t offset; /* in bench_config_t */
+    double low;    /* of a value, both included */
     double high;
     const char *about; /* unit and meaning; of a choice: its words, separated by '|' */
 } bench_key_t;

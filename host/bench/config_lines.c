@@ -148,8 +148,8 @@ static const char *read_write(bench_config_t *config, const bench_words_t *words
     if (!good) {
         return "a write is index, subindex, size (1, 2, 4) and value; at most 16 of them";
     }
-    config->lists.writes[config->profile.write_count++] = (tumble_drive_write_t){
-        (uint16_t)value[0], (uint8_t)value[1], (uint8_t)value[2], (uint32_t)value[3]};
+    config->lists.writes[config->profile.write_count++] =
+        (tumble_drive_write_t){(uint16_t)value[0], (uint8_t)value[1], (uint8_t)value[2], (uint32_t)value[3]};
     return NULL;
 }
 
@@ -238,8 +238,12 @@ static const char *read_fault(bench_config_t *config, const bench_words_t *words
     static const char KINDS[] = SIM_FAULT_LIST(FAULT_WORD);
 #undef FAULT_WORD
     sim_scenario_t *const scenario = &config->scenario;
-    sim_fault_t fault = {.phase = SIM_PHASE_AVERAGE, .times = 1, .channels = 1, .count = UINT32_MAX,
-                         .probability = 1.0, .mask = TUMBLE_CAN_MAX_ID};
+    sim_fault_t fault = {.phase = SIM_PHASE_AVERAGE,
+                         .times = 1,
+                         .channels = 1,
+                         .count = UINT32_MAX,
+                         .probability = 1.0,
+                         .mask = TUMBLE_CAN_MAX_ID};
     if (scenario->fault_count == SIM_MAX_FAULTS) {
         return "more faults than fit";
     }

@@ -13,7 +13,7 @@ typedef struct bench_world bench_world_t;
 typedef struct {
     uint64_t begin_us; /* SIM_NEVER: not due */
     uint64_t end_us;
-    uint32_t times;    /* how often it has begun */
+    uint32_t times; /* how often it has begun */
     bool in_force;
 } bench_fault_state_t;
 

@@ -68,7 +68,7 @@ void bench_folder_frame(bench_folder_t *folder, uint64_t time_us, const tumble_c
 {
     static const char DIGITS[] = "0123456789ABCDEF";
     char data[2 * TUMBLE_CAN_MAX_BYTES + 1];
-    for (uint32_t i = 0; i < frame->length; i++) {
+    for (size_t i = 0; i < frame->length; i++) {
         data[2U * i] = DIGITS[frame->data[i] >> 4];
         data[2U * i + 1U] = DIGITS[frame->data[i] & 0xFU];
     }
@@ -99,7 +99,8 @@ void bench_folder_sample(bench_folder_t *folder, tumble_taken_t taken, const tum
     recorded->samples[recorded->count++] = *sample;
 }
 
-static void write_rows(const bench_recorded_t *recorded, const tumble_position_t *position, double v_per_count, FILE *out)
+static void write_rows(const bench_recorded_t *recorded, const tumble_position_t *position, double v_per_count,
+                       FILE *out)
 {
     for (uint32_t n = 0; n < recorded->count; n++) {
         const tumble_block_sample_t *const sample = &recorded->samples[n];

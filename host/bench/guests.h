@@ -1,15 +1,16 @@
 /* guests.h - others on the simulated bus: programs that connect to a local socket.
  *
- * A stream socket of the Unix domain. Either side sends records of 16 bytes, laid out as struct can_frame of Linux with the
- * identifier in little endian: identifier (4 bytes), length (1), three bytes 0, data (8). Every guest receives every frame
- * of the bus but its own, at the end of the frame. What a guest sends takes part in arbitration as the frames of one more
- * node; a record that is no classic data frame with an 11-bit identifier ends the connection.
+ * A stream socket of the Unix domain. Either side sends records of 16 bytes, laid out as struct can_frame of Linux with
+ * the identifier in little endian: identifier (4 bytes), length (1), three bytes 0, data (8). Every guest receives
+ * every frame of the bus but its own, at the end of the frame. What a guest sends takes part in arbitration as the
+ * frames of one more node; a record that is no classic data frame with an 11-bit identifier ends the connection.
  *
  * Identifier 0x80000000 is no frame but turns the table of the simulated stand, for a drive that runs outside (with
- * present.drive = no): data 0-3 the angle, int32, data 4-7 the speed, uint32 above 0, both in units of 1e-5 degrees (a second).
+ * present.drive = no): data 0-3 the angle, int32, data 4-7 the speed, uint32 above 0, both in units of 1e-5 degrees (a
+ * second).
  *
- * Virtual time follows the wall's while guests may come. If the firmware is not in the process either (present.navcomp = no),
- * the run ends when the last guest leaves.
+ * Virtual time follows the wall's while guests may come. If the firmware is not in the process either (present.navcomp
+ * = no), the run ends when the last guest leaves.
  */
 #ifndef TUMBLE_BENCH_GUESTS_H
 #define TUMBLE_BENCH_GUESTS_H
@@ -23,7 +24,7 @@
 #define BENCH_GUEST_RECORD 16
 
 typedef struct {
-    int socket; /* -1: nobody */
+    int socket;                        /* -1: nobody */
     uint8_t bytes[BENCH_GUEST_RECORD]; /* a record that has not come whole */
     uint32_t have;
 } bench_guest_t;

@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* Note SIGINT and SIGTERM from now on, instead of dying of them; system calls that wait return early. SIGPIPE is ignored:
- * writing fails instead. */
+/* Note SIGINT and SIGTERM from now on, instead of dying of them; system calls that wait return early. SIGPIPE is
+ * ignored: writing fails instead. */
 void bench_interrupt_watch(void);
 
 bool bench_interrupted(void);

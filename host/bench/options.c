@@ -21,10 +21,11 @@ const char bench_options_help[] =
     "  --out DIR        write run.csv, bus.log and bench.json into a folder that is new or empty\n"
     "  --progress       one JSON line on standard error for every step of the procedure\n"
     "  --progress-fd N  the same on an open file descriptor\n"
-    "  --interactive    ask for mountings and mended faults: questions go to the progress lines, answers come as lines\n"
-    "                   on standard input: done, abort, leave, repeat position INDEX, repeat mounting NUMBER\n"
+    "  --interactive    ask for mountings and mended faults: questions go to the progress lines, answers come as\n"
+    "                   lines on standard input: done, abort, leave, repeat position INDEX, repeat mounting NUMBER\n"
     "  --pace X         X virtual seconds per second; default: as fast as it goes\n"
-    "  --listen PATH    let others take part in the bus through a local socket (host/bench/guests.h); --pace is then 1\n"
+    "  --listen PATH    let others take part in the bus through a local socket (host/bench/guests.h); --pace is\n"
+    "                   then 1\n"
     "  --guests N       with --listen: wait for N of them before time begins; default 0\n"
     "\n"
     "  --runs N         N runs with seeds from --seed upwards\n"
@@ -35,7 +36,8 @@ const char bench_options_help[] =
     "  --keys           print the keys of a scenario file\n"
     "  --help           print this\n"
     "\n"
-    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 fault, 130 interrupted; of a campaign the worst.\n";
+    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 fault, 130 interrupted; of a campaign the\n"
+    "worst.\n";
 
 typedef struct {
     bench_options_t *options;
@@ -183,10 +185,11 @@ static bool read_option(reader_t *reader, const char *name)
 static bool check(reader_t *reader)
 {
     const bench_options_t *const options = reader->options;
-    const bool single = options->out != NULL || options->listen != NULL || options->interactive || options->pace > 0.0 ||
-                        options->progress_fd >= 0;
+    const bool single = options->out != NULL || options->listen != NULL || options->interactive ||
+                        options->pace > 0.0 || options->progress_fd >= 0;
     if (options->runs > 0U && single) {
-        return complain(reader, "--runs", "cannot be combined with --out, --progress, --interactive, --pace or --listen");
+        return complain(reader, "--runs",
+                        "cannot be combined with --out, --progress, --interactive, --pace or --listen");
     }
     if (options->runs > 0U && options->seed > UINT64_MAX - options->runs) {
         return complain(reader, "--runs", "the seeds would go beyond 2^64 - 1");

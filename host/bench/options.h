@@ -12,11 +12,11 @@ typedef struct {
     const char *out;      /* run folder, or null */
     const char *listen;   /* path of a socket for guests, or null */
     uint64_t seed;
-    uint64_t runs;        /* 0: one run with its document; else a campaign */
+    uint64_t runs; /* 0: one run with its document; else a campaign */
     uint32_t jobs;
-    uint32_t guests;      /* wait for so many before time begins */
-    int progress_fd;      /* -1: none */
-    double pace;          /* virtual seconds per second; 0: as fast as it goes */
+    uint32_t guests; /* wait for so many before time begins */
+    int progress_fd; /* -1: none */
+    double pace;     /* virtual seconds per second; 0: as fast as it goes */
     bool means;
     bool summary;
     bool interactive;

@@ -61,9 +61,9 @@ void bench_person_look(bench_world_t *world)
     }
     person->question = question;
     person->act_us = SIM_NEVER;
-    const bool asked = question.kind != BENCH_QUESTION_NONE && watcher->on_question != NULL &&
-                       watcher->on_question(watcher->context, &question);
-    const double time_s = asked ? -1.0 : time_for(world, &question);
+    person->outside = question.kind != BENCH_QUESTION_NONE && watcher->on_question != NULL &&
+                      watcher->on_question(watcher->context, &question);
+    const double time_s = person->outside ? -1.0 : time_for(world, &question);
     if (time_s >= 0.0) {
         person->act_us = world->clock.now_us + (uint64_t)(time_s * 1e6);
     }
@@ -144,10 +144,14 @@ tumble_status_t bench_person_answer(bench_world_t *world, bench_answer_t answer,
 {
     const bench_question_t question = world->person.question;
     world->person.act_us = SIM_NEVER;
+    world->person.outside = false;
     switch (answer) {
     case BENCH_ANSWER_DONE: {
         const tumble_status_t status = do_it(world, &question);
-        world->person.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
+        if (status == TUMBLE_OK) {
+            world->person.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
+            world->mark = BENCH_LOOK_AGAIN; /* it may fail again at once, in the same place */
+        }
         sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
         return status;
     }
@@ -165,5 +169,5 @@ tumble_status_t bench_person_answer(bench_world_t *world, bench_answer_t answer,
 
 bool bench_person_is_awaited(const bench_world_t *world)
 {
-    return world->person.act_us != SIM_NEVER;
+    return world->person.act_us != SIM_NEVER || world->person.outside;
 }

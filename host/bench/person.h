@@ -28,7 +28,7 @@ typedef struct {
 } bench_question_t;
 
 typedef enum {
-    BENCH_ANSWER_DONE = 0,        /* mounted, turned, or mended: go on */
+    BENCH_ANSWER_DONE = 0, /* mounted, turned, or mended: go on */
     BENCH_ANSWER_ABORT,
     BENCH_ANSWER_REPEAT_POSITION, /* argument: index in the schedule */
     BENCH_ANSWER_REPEAT_MOUNTING, /* argument: number of the mounting */
@@ -36,10 +36,11 @@ typedef enum {
 } bench_answer_t;
 
 typedef struct {
-    bench_question_t question; /* open at the moment */
-    uint64_t act_us;           /* when the simulated operator answers; SIM_NEVER: never */
-    uint32_t mended;           /* faults mended so far */
-    bool erred;                /* the wrong mounting has been made */
+    bench_question_t question;              /* open at the moment */
+    uint64_t act_us;                        /* when the simulated operator answers; SIM_NEVER: never */
+    bool outside;              /* somebody outside has been asked, and has not answered */
+    uint32_t mended;                        /* faults mended so far */
+    bool erred;                             /* the wrong mounting has been made */
     uint32_t mounted[TUMBLE_MAX_MOUNTINGS]; /* how often each was put on the table */
 } bench_person_t;
 

@@ -27,7 +27,7 @@ void bench_record_take(bench_record_t *record, const bench_world_t *world)
     record->frames = world->bus.load.frames;
     record->positions = world->config->scenario.schedule.position_count;
     take_result(record, world);
-    for (uint8_t i = 0; i < record->positions; i++) {
+    for (uint8_t i = 0; i < world->config->scenario.schedule.position_count; i++) {
         double error_v[TUMBLE_CHANNELS];
         if (bench_mean(world, i, record->mean_v[i], error_v)) {
             record->measured |= UINT64_C(1) << i;

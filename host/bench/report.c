@@ -3,7 +3,6 @@
 #include "bench/json.h"
 #include "bench/report_counters.h"
 
-
 int bench_exit_code(const bench_world_t *world)
 {
     tumble_result_t result;

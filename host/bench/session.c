@@ -93,7 +93,8 @@ static bool parse_answer(char *line, bench_answer_t *answer, uint8_t *argument)
             return false;
         }
         *argument = (uint8_t)number;
-        *answer = (strcmp(words.word[1], "mounting") == 0) ? BENCH_ANSWER_REPEAT_MOUNTING : BENCH_ANSWER_REPEAT_POSITION;
+        *answer =
+            (strcmp(words.word[1], "mounting") == 0) ? BENCH_ANSWER_REPEAT_MOUNTING : BENCH_ANSWER_REPEAT_POSITION;
         return bench_choice(words.word[1], "position|mounting") >= 0;
     default:
         return false;

@@ -69,8 +69,8 @@ static void init_block(bench_world_t *world)
     memcpy(world->sensor.k_v_per_g, world->truth.block.k_v_per_g, sizeof world->sensor.k_v_per_g);
     memcpy(world->sensor.u0_v, world->truth.block.u0_v, sizeof world->sensor.u0_v);
     if (world->config->present.block) {
-        sim_block_init(&world->block, config, &world->sensor, world->seed, &world->clock, &world->bus,
-                       BENCH_BUS_BLOCK, world->axis);
+        sim_block_init(&world->block, config, &world->sensor, world->seed, &world->clock, &world->bus, BENCH_BUS_BLOCK,
+                       world->axis);
         sim_bus_set_deaf(&world->bus, BENCH_BUS_BLOCK, FIRST_SAMPLE_ID, LAST_SAMPLE_ID);
         sim_bus_set_deaf(&world->bus, BENCH_BUS_BLOCK, FIRST_PDO_ID, LAST_PDO_ID);
     }
@@ -138,8 +138,8 @@ void bench_world_mount(bench_world_t *world, uint8_t index)
     if (world->person.mounted[index]++ > 0U) {
         sim_truth_remount(&world->truth, scenario, index);
     }
-    sim_geometry_init(&geometry, &scenario->schedule.mountings[index], world->truth.alpha1_rad,
-                      world->truth.alpha2_rad, world->truth.alpha3_rad[index]);
+    sim_geometry_init(&geometry, &scenario->schedule.mountings[index], world->truth.alpha1_rad, world->truth.alpha2_rad,
+                      world->truth.alpha3_rad[index]);
     sim_block_mount(&world->block, &geometry);
 }
 
@@ -192,12 +192,13 @@ static uint32_t mark_of(const tumble_procedure_t *procedure)
            (uint32_t)procedure->reason;
 }
 
-static void look_at_procedure(bench_world_t *world)
+/* True: it has moved on. */
+static bool look_at_procedure(bench_world_t *world)
 {
     const tumble_procedure_t *const procedure = tumble_navcomp_procedure(&world->navcomp);
     const uint32_t mark = mark_of(procedure);
     if (mark == world->mark) {
-        return;
+        return false;
     }
     world->mark = mark;
     tumble_procedure_progress(procedure, &world->progress);
@@ -206,6 +207,7 @@ static void look_at_procedure(bench_world_t *world)
     if (world->watcher->on_change != NULL) {
         world->watcher->on_change(world->watcher->context, &world->progress);
     }
+    return true;
 }
 
 static void look_for_end(bench_world_t *world)
@@ -222,8 +224,9 @@ static void step_navcomp(bench_world_t *world)
 {
     tumble_navcomp_step(&world->navcomp);
     world->steps++;
-    look_at_procedure(world);
-    bench_person_look(world);
+    if (look_at_procedure(world) || world->config->stand == BENCH_STAND_OPERATOR) { /* who may ask for an angle */
+        bench_person_look(world);
+    }
     look_for_end(world);
     const uint64_t next_us = tumble_navcomp_next_deadline_us(&world->navcomp);
     const uint64_t soonest_us = world->clock.now_us + (world->config->loop_us > 0U ? world->config->loop_us : 1U);

@@ -27,14 +27,17 @@ enum { BENCH_BUS_NAVCOMP = 0, BENCH_BUS_DRIVE, BENCH_BUS_BLOCK, BENCH_BUS_GUEST 
 
 #define BENCH_MAX_GUESTS (SIM_BUS_NODES - BENCH_BUS_GUEST)
 
+/* A mark that no procedure has. */
+#define BENCH_LOOK_AGAIN UINT32_MAX
+
 /* How a run ended. */
 typedef enum {
     BENCH_RUNNING = 0,
-    BENCH_DONE,      /* the procedure is DONE */
-    BENCH_FAULT,     /* FAULT or ABORT, and nobody mends it */
+    BENCH_DONE,        /* the procedure is DONE */
+    BENCH_FAULT,       /* FAULT or ABORT, and nobody mends it */
     BENCH_INTERRUPTED, /* told to stop from outside */
-    BENCH_TOO_LONG,  /* limit of virtual time */
-    BENCH_LEFT       /* the last guest has left */
+    BENCH_TOO_LONG,    /* limit of virtual time */
+    BENCH_LEFT         /* the last guest has left */
 } bench_end_t;
 
 /* Who looks on. Each may be null. */
@@ -60,7 +63,7 @@ typedef struct bench_world {
     sim_sensor_config_t sensor; /* with the true K and U0 */
     sim_angle_error_t angle_error;
     sim_drive_t drive;
-    sim_axis_t *axis;           /* the table's: of the drive, or turned by hand */
+    sim_axis_t *axis; /* the table's: of the drive, or turned by hand */
     sim_axis_t hand;
     sim_block_t block;
     bench_fault_script_t script;
@@ -73,13 +76,13 @@ typedef struct bench_world {
     uint32_t mark;              /* of the procedure at that time */
     uint64_t steps;             /* of the firmware */
     uint64_t limit_us;
-    uint64_t ending_us;         /* since when it waits for the table to rest; SIM_NEVER: not yet */
+    uint64_t ending_us; /* since when it waits for the table to rest; SIM_NEVER: not yet */
     bench_end_t end;
     bench_end_t wanted_end;
 } bench_world_t;
 
-/* Power everything on and command the start. Returns TUMBLE_OK or what tumble_navcomp_init says. All that is handed in must
- * outlive the world, which must not be moved. */
+/* Power everything on and command the start. Returns TUMBLE_OK or what tumble_navcomp_init says. All that is handed in
+ * must outlive the world, which must not be moved. */
 tumble_status_t bench_world_init(bench_world_t *world, const bench_config_t *config, uint64_t seed,
                                  const bench_watcher_t *watcher);
 
@@ -107,7 +110,8 @@ void bench_world_turn(bench_world_t *world, double angle_deg, double speed_deg_s
 /* Is the table at rest? */
 bool bench_world_is_at_rest(const bench_world_t *world);
 
-/* The block is put on the table in mounting `index` of the schedule: a new yaw, unless it is there for the first time. */
+/* The block is put on the table in mounting `index` of the schedule: a new yaw, unless it is there for the first time.
+ */
 void bench_world_mount(bench_world_t *world, uint8_t index);
 
 #endif

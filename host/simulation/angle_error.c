@@ -21,6 +21,5 @@ double sim_angle_error_draw(sim_angle_error_t *error, double angle_deg, double r
     const double off = angle_deg - error->schedule->positions[error->position].angle.deg;
     const double off_turn = off - 360.0 * floor(off / 360.0 + 0.5);
     const bool arrived = fabs(off_turn) <= resolution_deg;
-    return sim_law_draw(error->law, error->limit_rad,
-                        arrived ? &error->at_position[error->position] : &error->between);
+    return sim_law_draw(error->law, error->limit_rad, arrived ? &error->at_position[error->position] : &error->between);
 }

@@ -24,8 +24,8 @@ typedef struct {
 void sim_angle_error_init(sim_angle_error_t *error, uint64_t seed, const tumble_schedule_t *schedule, sim_law_t law,
                           double limit_rad);
 
-/* The error (rad) with which the table stops at `angle_deg`: a draw of the position under way when that is its angle, but
- * for whole turns and within `resolution_deg`, else a draw for angles in between. */
+/* The error (rad) with which the table stops at `angle_deg`: a draw of the position under way when that is its angle,
+ * but for whole turns and within `resolution_deg`, else a draw for angles in between. */
 double sim_angle_error_draw(sim_angle_error_t *error, double angle_deg, double resolution_deg);
 
 #endif

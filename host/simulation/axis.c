@@ -19,11 +19,8 @@ static uint64_t microseconds_up(double time_s)
 
 void sim_axis_init(sim_axis_t *axis, const sim_axis_config_t *config, sim_angle_error_t *error, double angle_deg)
 {
-    *axis = (sim_axis_t){.config = config,
-                         .error = error,
-                         .from_deg = angle_deg,
-                         .lowest_deg = angle_deg,
-                         .highest_deg = angle_deg};
+    *axis = (sim_axis_t){
+        .config = config, .error = error, .from_deg = angle_deg, .lowest_deg = angle_deg, .highest_deg = angle_deg};
     sim_motion_rest(&axis->motion, angle_deg);
 }
 
@@ -72,8 +69,8 @@ void sim_axis_move(sim_axis_t *axis, uint64_t now_us, double target_deg, const s
 {
     double velocity;
     const double position = begin_motion(axis, now_us, &velocity);
-    sim_motion_move(&axis->motion, position, velocity, target_deg, dynamics->speed_deg_s,
-                    dynamics->acceleration_deg_s2, dynamics->deceleration_deg_s2);
+    sim_motion_move(&axis->motion, position, velocity, target_deg, dynamics->speed_deg_s, dynamics->acceleration_deg_s2,
+                    dynamics->deceleration_deg_s2);
     if (axis->motion.count == 0U) {
         axis->to_error_deg = axis->from_error_deg; /* it stands there already */
         return;
@@ -129,8 +126,7 @@ bool sim_axis_is_still(const sim_axis_t *axis, uint64_t now_us)
     if (now_us < sim_axis_end_us(axis)) {
         return false;
     }
-    return !axis->swings ||
-           seconds(axis->swing_us, now_us) >= SETTLINGS_UNTIL_STILL * axis->config->settling_s;
+    return !axis->swings || seconds(axis->swing_us, now_us) >= SETTLINGS_UNTIL_STILL * axis->config->settling_s;
 }
 
 static double swing_deg(const sim_axis_t *axis, uint64_t now_us)

@@ -6,8 +6,8 @@
  *   actual     where the table is: encoder plus the angle error alpha4 (which turns from one stop's draw to the next's
  *              over the way between them) plus slip
  *
- * The oscillation after a stop is A exp(-t/tau) sin(2 pi f t), its envelope a thousandth of A after the settling time and
- * nothing at all after four of them. The next motion ends it.
+ * The oscillation after a stop is A exp(-t/tau) sin(2 pi f t), its envelope a thousandth of A after the settling time
+ * and nothing at all after four of them. The next motion ends it.
  */
 #ifndef TUMBLE_SIMULATION_AXIS_H
 #define TUMBLE_SIMULATION_AXIS_H
@@ -19,9 +19,9 @@
 #include <stdint.h>
 
 typedef struct {
-    double swing_deg;     /* amplitude of the oscillation after a stop */
-    double swing_hz;      /* its frequency */
-    double settling_s;    /* until it has fallen to a thousandth */
+    double swing_deg;      /* amplitude of the oscillation after a stop */
+    double swing_hz;       /* its frequency */
+    double settling_s;     /* until it has fallen to a thousandth */
     double resolution_deg; /* of the encoder: one count */
 } sim_axis_config_t;
 
@@ -29,18 +29,18 @@ typedef struct {
     const sim_axis_config_t *config;
     sim_angle_error_t *error;
     sim_motion_t motion;
-    uint64_t start_us;    /* of the motion */
-    uint64_t swing_us;    /* when the table last came to a stop: start of the oscillation */
-    double from_deg;      /* where the motion started ... */
+    uint64_t start_us; /* of the motion */
+    uint64_t swing_us; /* when the table last came to a stop: start of the oscillation */
+    double from_deg;   /* where the motion started ... */
     double from_error_deg;
-    double to_error_deg;  /* angle error at its end */
-    double error_rad;     /* the same, as drawn */
-    double slip_deg;      /* table against encoder, so far */
+    double to_error_deg;     /* angle error at its end */
+    double error_rad;        /* the same, as drawn */
+    double slip_deg;         /* table against encoder, so far */
     double encoder_slip_deg; /* of slip that the encoder sees */
-    double jammed_deg;    /* where a jam holds the table */
+    double jammed_deg;       /* where a jam holds the table */
     bool jammed;
     bool swings;
-    double lowest_deg;    /* how far the table has been told to turn, either way */
+    double lowest_deg; /* how far the table has been told to turn, either way */
     double highest_deg;
 } sim_axis_t;
 

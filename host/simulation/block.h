@@ -36,22 +36,22 @@ typedef struct {
     tumble_node_t node;
     tumble_block_objects_t objects;
     sim_sensor_t sensor;
-    sim_geometry_t geometry;     /* of how it sits on the table now */
-    uint64_t powered_us;         /* when it was switched on */
-    uint64_t node_us;            /* when the node wants to be looked at */
-    uint64_t sample_us;          /* next sample; SIM_NEVER: not streaming */
+    sim_geometry_t geometry; /* of how it sits on the table now */
+    uint64_t powered_us;     /* when it was switched on */
+    uint64_t node_us;        /* when the node wants to be looked at */
+    uint64_t sample_us;      /* next sample; SIM_NEVER: not streaming */
     uint32_t period_us;
-    uint32_t counter;            /* samples made since it became Operational */
+    uint32_t counter; /* samples made since it became Operational */
     bool powered;
-    bool still;                  /* `force_g` holds as long as the axis does not move */
+    bool still; /* `force_g` holds as long as the axis does not move */
     double force_g[TUMBLE_CHANNELS];
     sim_block_fault_t fault;
-    sim_block_frames_t kept;     /* a sample that is to come behind the next */
+    sim_block_frames_t kept; /* a sample that is to come behind the next */
     bool keeps;
 } sim_block_t;
 
-/* Power on. `sensor` holds the true K and U0 and must outlive the block, like the rest that is handed in. Say how it sits
- * (sim_block_mount) before time passes. */
+/* Power on. `sensor` holds the true K and U0 and must outlive the block, like the rest that is handed in. Say how it
+ * sits (sim_block_mount) before time passes. */
 void sim_block_init(sim_block_t *block, const sim_block_config_t *config, const sim_sensor_config_t *sensor,
                     uint64_t seed, sim_clock_t *clock, sim_bus_t *bus, uint8_t bus_node, const sim_axis_t *axis);
 

@@ -135,7 +135,7 @@ static bool picks(sim_bus_fault_t *fault, const tumble_can_frame_t *frame)
 static void flip_a_bit(sim_bus_fault_t *fault, tumble_can_frame_t *frame)
 {
     if (frame->length > 0U) {
-        const uint32_t bit = (uint32_t)((sim_random_u64(&fault->random) >> 32) * (8U * frame->length) >> 32);
+        const uint32_t bit = (uint32_t)((sim_random_u64(&fault->random) >> 32) * (8ULL * frame->length) >> 32);
         frame->data[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
     }
 }

@@ -1,8 +1,8 @@
 /* bus.h - a classic CAN bus in virtual time: arbitration, frame times to the bit, queues, faults, statistics.
  *
- * Whenever the bus is idle, the frames at the heads of the nodes' transmit queues compete and the lowest identifier wins.
- * A frame reaches every other node at the end of its end-of-frame field; three bits later the next may begin. Queues are
- * bounded, and what does not fit is counted. Nodes are woken through the clock, each as its actor.
+ * Whenever the bus is idle, the frames at the heads of the nodes' transmit queues compete and the lowest identifier
+ * wins. A frame reaches every other node at the end of its end-of-frame field; three bits later the next may begin.
+ * Queues are bounded, and what does not fit is counted. Nodes are woken through the clock, each as its actor.
  *
  * Faults act where a frame is handed in, so every node, and the log, sees the same traffic.
  */
@@ -62,9 +62,9 @@ typedef struct {
     tumble_can_frame_t flying; /* on the wire now */
     uint64_t free_from_us;     /* end of the last interframe space */
     uint32_t bit_us;
-    uint32_t waiting; /* bit n: node n has something to send */
+    uint32_t waiting;                          /* bit n: node n has something to send */
     uint8_t listeners[TUMBLE_CAN_MAX_ID + 1U]; /* by identifier, bit n: node n receives it, by its acceptance filter */
-    uint8_t sender;   /* of `flying` */
+    uint8_t sender;                            /* of `flying` */
     bool transmitting;
     sim_bus_tap_t tap; /* may be null */
     void *tap_context;
@@ -104,7 +104,8 @@ void sim_bus_on_alarm(sim_bus_t *bus);
 /* The alarm of the frames that a fault holds back. */
 void sim_bus_on_delay(sim_bus_t *bus);
 
-/* Begin fault `number`, below SIM_BUS_FAULTS, in place of what it was before; end it, which lets go what it holds back. */
+/* Begin fault `number`, below SIM_BUS_FAULTS, in place of what it was before; end it, which lets go what it holds back.
+ */
 void sim_bus_begin_fault(sim_bus_t *bus, uint32_t number, const sim_bus_fault_t *fault);
 void sim_bus_end_fault(sim_bus_t *bus, uint32_t number);
 

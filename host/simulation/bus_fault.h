@@ -19,8 +19,8 @@ typedef enum {
     SIM_FRAME_REORDER    /* handed in behind the next frame that matches */
 } sim_frame_fault_t;
 
-/* Frames with (id & mask) == match are affected, each with `probability`; the first `skip` of those picked are spared, then
- * `count` are affected. */
+/* Frames with (id & mask) == match are affected, each with `probability`; the first `skip` of those picked are spared,
+ * then `count` are affected. */
 typedef struct {
     sim_frame_fault_t kind;
     uint16_t match;

@@ -1,9 +1,9 @@
 /* clock.h - virtual time: jumps from one event to the next.
  *
  * Every actor of a run has one alarm. Time moves to the earliest alarm and nowhere in between, so an idle hour costs
- * nothing. Alarms of one moment go off in the order of the actors' numbers, whatever the order in which they were set, so
- * a run has one course only. With so few actors a look at all of them is faster than any heap; moment and actor share one
- * number, so that the smallest says both.
+ * nothing. Alarms of one moment go off in the order of the actors' numbers, whatever the order in which they were set,
+ * so a run has one course only. With so few actors a look at all of them is faster than any heap; moment and actor
+ * share one number, so that the smallest says both.
  */
 #ifndef TUMBLE_SIMULATION_CLOCK_H
 #define TUMBLE_SIMULATION_CLOCK_H

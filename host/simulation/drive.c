@@ -93,7 +93,9 @@ static void wake_up(sim_drive_t *drive);
 static void reset(void *context, bool application)
 {
     sim_drive_t *const drive = context;
+    abort_connection(drive); /* either reset leaves Operational */
     if (application) {
+        sim_drive_stop_axis(drive, drive->config->acceleration_deg_s2);
         wake_up(drive);
     }
 }
@@ -112,12 +114,13 @@ static uint32_t in_units(double value)
     return (value >= 4294967295.0) ? UINT32_MAX : (uint32_t)(value + 0.5);
 }
 
-/* The table's values are those of a drive with 360,000 counts a turn that counts in them; this one may count otherwise. */
+/* The table's values are those of a drive with 360,000 counts a turn that counts in them; this one may count otherwise.
+ */
 static tumble_drive_objects_t initial_objects(const sim_drive_config_t *config)
 {
     tumble_drive_objects_t objects = tumble_drive_objects_initial;
-    const double finer = (double)config->counts_per_turn /
-                         (double)objects.position_encoder_resolution_encoder_increments;
+    const double finer =
+        (double)config->counts_per_turn / (double)objects.position_encoder_resolution_encoder_increments;
     objects.position_encoder_resolution_encoder_increments = config->counts_per_turn;
     objects.position_window = in_units((double)objects.position_window * finer);
     objects.following_error_window = in_units((double)objects.following_error_window * finer);

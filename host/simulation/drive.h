@@ -35,10 +35,10 @@ typedef enum {
 
 /* Faults in force. */
 typedef struct {
-    bool drive;           /* an error that a reset cannot clear yet */
+    bool drive; /* an error that a reset cannot clear yet */
     bool homing_fails;
     bool homing_endless;
-    double short_by_deg;  /* moves end this far before their target */
+    double short_by_deg; /* moves end this far before their target */
 } sim_drive_fault_t;
 
 typedef struct {
@@ -54,26 +54,26 @@ typedef struct {
     sim_power_t power;
     uint16_t seen_controlword; /* as of the frame before */
     int32_t seen_target;
-    int8_t mode;               /* in force */
-    uint16_t status;           /* what the statusword will be once the reaction time is over */
-    uint64_t publish_us;       /* when that is; SIM_NEVER: it is */
+    int8_t mode;         /* in force */
+    uint16_t status;     /* what the statusword will be once the reaction time is over */
+    uint64_t publish_us; /* when that is; SIM_NEVER: it is */
 
     bool powered;
-    bool acknowledged;         /* bit 12: a set-point was taken, bit 4 has not fallen since, or the buffer is full */
-    bool buffered;             /* one more set-point waits */
+    bool acknowledged; /* bit 12: a set-point was taken, bit 4 has not fallen since, or the buffer is full */
+    bool buffered;     /* one more set-point waits */
     bool halted;
-    bool reached;              /* the last target, to the end of the window time */
-    double target_deg;         /* of the motion under way, in degrees of the table */
-    int32_t next_target;       /* of the buffered set-point */
+    bool reached;        /* the last target, to the end of the window time */
+    double target_deg;   /* of the motion under way, in degrees of the table */
+    int32_t next_target; /* of the buffered set-point */
     bool next_relative;
-    int32_t last_target;       /* counts; what relative set-points start from */
+    int32_t last_target; /* counts; what relative set-points start from */
     sim_homing_t homing;
-    double zero_deg;           /* table angle at position 0 */
-    uint64_t settled_us;       /* when the motion under way will have been within its window for the window time */
-    uint64_t quiet_us;         /* and when nothing is left to be seen of it */
-    uint64_t follow_us;        /* since when the following error is too large; SIM_NEVER: it is not */
-    uint64_t cycle_us;         /* next look at the axis while it moves; SIM_NEVER: it rests */
-    bool looked;               /* it has been looked at, and what is there is to be shown */
+    double zero_deg;     /* table angle at position 0 */
+    uint64_t settled_us; /* when the motion under way will have been within its window for the window time */
+    uint64_t quiet_us;   /* and when nothing is left to be seen of it */
+    uint64_t follow_us;  /* since when the following error is too large; SIM_NEVER: it is not */
+    uint64_t cycle_us;   /* next look at the axis while it moves; SIM_NEVER: it rests */
+    bool looked;         /* it has been looked at, and what is there is to be shown */
     sim_drive_fault_t fault;
 } sim_drive_t;
 

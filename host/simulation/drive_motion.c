@@ -195,7 +195,8 @@ static void start_homing(sim_drive_t *drive)
         finish_homing(drive);
         return;
     }
-    const sim_axis_dynamics_t dynamics = homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_switch);
+    const sim_axis_dynamics_t dynamics =
+        homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_switch);
     double end_deg = -HOME_OVERSHOOT_DEG;
     if (drive->fault.homing_endless) {
         end_deg = -ENDLESS_DEG;
@@ -215,7 +216,8 @@ static void go_on_homing(sim_drive_t *drive)
             drive->homing = SIM_HOMING_ERROR;
             return;
         }
-        const sim_axis_dynamics_t dynamics = homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_zero);
+        const sim_axis_dynamics_t dynamics =
+            homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_zero);
         drive->homing = SIM_HOMING_APPROACH;
         set_out(drive, 0.0, &dynamics);
     }

@@ -6,8 +6,8 @@
 static double quick_deceleration(const sim_drive_t *drive)
 {
     const bool own = drive->objects.quick_stop_option_code == QUICK_STOP_BY_ITS_OWN_RAMP;
-    return sim_drive_acceleration(drive, own ? drive->objects.quick_stop_deceleration
-                                             : drive->objects.profile_deceleration);
+    return sim_drive_acceleration(drive,
+                                  own ? drive->objects.quick_stop_deceleration : drive->objects.profile_deceleration);
 }
 
 void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
@@ -24,8 +24,7 @@ void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
         drive->acknowledged = false;
     } else if (before == SIM_POWER_OPERATION_ENABLED) {
         const bool quick = power == SIM_POWER_QUICK_STOP_ACTIVE || power == SIM_POWER_FAULT_REACTION;
-        sim_drive_stop_axis(drive,
-                            quick ? quick_deceleration(drive) : sim_drive_dynamics(drive).deceleration_deg_s2);
+        sim_drive_stop_axis(drive, quick ? quick_deceleration(drive) : sim_drive_dynamics(drive).deceleration_deg_s2);
     }
     if (before == SIM_POWER_FAULT && power == SIM_POWER_SWITCH_ON_DISABLED) {
         drive->objects.error_code = 0;
@@ -63,10 +62,10 @@ static uint16_t profile_position_status(const sim_drive_t *drive)
         (void)sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
     }
     const bool reached = drive->halted ? velocity == 0.0 : drive->reached;
-    return (uint16_t)((reached ? TUMBLE_402_STATUS_TARGET_REACHED : 0U) |
-                      (drive->acknowledged ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
-                      ((drive->objects.error_code == TUMBLE_402_ERROR_FOLLOWING) ? TUMBLE_402_STATUS_FOLLOWING_ERROR
-                                                                                 : 0U));
+    return (
+        uint16_t)((reached ? TUMBLE_402_STATUS_TARGET_REACHED : 0U) |
+                  (drive->acknowledged ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
+                  ((drive->objects.error_code == TUMBLE_402_ERROR_FOLLOWING) ? TUMBLE_402_STATUS_FOLLOWING_ERROR : 0U));
 }
 
 static uint16_t homing_status(const sim_drive_t *drive)

@@ -110,8 +110,8 @@ static uint32_t first_after_header(uint64_t data, uint32_t crc, uint32_t length)
     return (length == 1U) ? (uint32_t)data << 7 | crc >> 8 : crc;
 }
 
-/* After start of frame (0) and the first bit of the identifier, whole bytes are left to send: 17 bits of header, data, 15
- * bits of CRC; four bytes, then as many as there are data. */
+/* After start of frame (0) and the first bit of the identifier, whole bytes are left to send: 17 bits of header, data,
+ * 15 bits of CRC; four bytes, then as many as there are data. */
 static inline uint32_t stuff_bits_of(const sim_wire_t *wire, const tumble_can_frame_t *frame, uint32_t length)
 {
     const uint32_t header = header_of(frame);

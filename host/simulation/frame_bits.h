@@ -1,8 +1,8 @@
 /* frame_bits.h - how long a classic CAN frame occupies the bus, to the bit.
  *
- * Counted from the frame itself: its CRC-15 and every stuff bit that the transmitter inserts after five equal bits between
- * start of frame and the end of the CRC sequence (ISO 11898-1). Every frame of a run passes here, so both go a byte at a
- * time through tables, which the caller owns, builds once, and may share.
+ * Counted from the frame itself: its CRC-15 and every stuff bit that the transmitter inserts after five equal bits
+ * between start of frame and the end of the CRC sequence (ISO 11898-1). Every frame of a run passes here, so both go a
+ * byte at a time through tables, which the caller owns, builds once, and may share.
  */
 #ifndef TUMBLE_SIMULATION_FRAME_BITS_H
 #define TUMBLE_SIMULATION_FRAME_BITS_H
@@ -17,8 +17,8 @@
 typedef struct {
     /* What a byte does to the CRC when so many bytes follow it. */
     uint16_t crc[SIM_HEADER_BYTES + TUMBLE_CAN_MAX_BYTES][256];
-    /* From state x 256 + byte: the next state in bits 8 to 10, stuff bits from bit 12. A state is the last bit sent (bit
-     * 0) and how many equal ones end with it, less 1 (bits 1, 2). */
+    /* From state x 256 + byte: the next state in bits 8 to 10, stuff bits from bit 12. A state is the last bit sent
+     * (bit 0) and how many equal ones end with it, less 1 (bits 1, 2). */
     uint16_t stuffing[8 * 256];
 } sim_wire_t;
 

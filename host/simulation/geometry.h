@@ -4,8 +4,8 @@
  *     f = (cos t sin p, sin t, cos t cos p),   p = table angle + alpha2 + delta,   t = known tilt + alpha1;
  * the block's yaw alpha3 turns it about v,
  *     h' = h cos alpha3 + n sin alpha3,  n' = -h sin alpha3 + n cos alpha3,  v' = v;
- * the mounting's matrix M brings it to the block's axes: a = M (h', n', v'). All of it is linear in (sin p, cos p, 1), so
- * a mounting is one 3 x 3 matrix, worked out once.
+ * the mounting's matrix M brings it to the block's axes: a = M (h', n', v'). All of it is linear in (sin p, cos p, 1),
+ * so a mounting is one 3 x 3 matrix, worked out once.
  */
 #ifndef TUMBLE_SIMULATION_GEOMETRY_H
 #define TUMBLE_SIMULATION_GEOMETRY_H

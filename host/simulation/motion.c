@@ -43,8 +43,8 @@ static void append_trapezoid(sim_motion_t *motion, double *position, double *vel
     const double distance = fabs(target - *position);
     const double start = fabs(*velocity);
     /* Peak of a triangle: (peak^2 - start^2) / 2 acceleration + peak^2 / 2 deceleration = distance. */
-    const double triangle = sqrt((2.0 * distance * acceleration + start * start) * deceleration /
-                                 (acceleration + deceleration));
+    const double triangle =
+        sqrt((2.0 * distance * acceleration + start * start) * deceleration / (acceleration + deceleration));
     const double peak = (triangle < speed) ? triangle : speed;
     const double change = (peak >= start) ? acceleration : deceleration;
     const double ramp = fabs(peak * peak - start * start) / (2.0 * change);

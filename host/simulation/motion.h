@@ -1,8 +1,8 @@
 /* motion.h - trapezoidal motion in closed form: where an axis is at any moment of a move.
  *
- * A plan is a handful of pieces of constant acceleration, so that position and velocity at a time are one short formula and
- * nothing is integrated step by step. Unit of length: any (degrees here); time in seconds from the start of the plan.
- * Pure functions; the caller owns the plan.
+ * A plan is a handful of pieces of constant acceleration, so that position and velocity at a time are one short formula
+ * and nothing is integrated step by step. Unit of length: any (degrees here); time in seconds from the start of the
+ * plan. Pure functions; the caller owns the plan.
  */
 #ifndef TUMBLE_SIMULATION_MOTION_H
 #define TUMBLE_SIMULATION_MOTION_H
@@ -28,9 +28,9 @@ typedef struct {
 /* At rest at `position`. */
 void sim_motion_rest(sim_motion_t *motion, double position);
 
-/* From `position` with `velocity` to rest at `target`: never faster than `speed` (unless it already is), speeding up and
- * slowing down by `acceleration` and `deceleration`, all three above 0. An axis too fast to stop before the target, or
- * moving away from it, brakes to rest first and comes back. */
+/* From `position` with `velocity` to rest at `target`: never faster than `speed` (unless it already is), speeding up
+ * and slowing down by `acceleration` and `deceleration`, all three above 0. An axis too fast to stop before the target,
+ * or moving away from it, brakes to rest first and comes back. */
 void sim_motion_move(sim_motion_t *motion, double position, double velocity, double target, double speed,
                      double acceleration, double deceleration);
 

@@ -1,13 +1,13 @@
 /* random.h - the random numbers of a run: one generator, many streams, the same numbers on every host.
  *
- * The generator is xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2021). Every cause
- * of randomness has streams of its own, named by (seed, cause, index), so one draw more or less anywhere shifts no number
- * anywhere else. A stream's state is four outputs of splitmix64 (Steele, Lea, Flood, 2014), started at a value into which
- * seed, cause and index have been mixed by splitmix64's own finalizer.
+ * The generator is xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2021). Every
+ * cause of randomness has streams of its own, named by (seed, cause, index), so one draw more or less anywhere shifts
+ * no number anywhere else. A stream's state is four outputs of splitmix64 (Steele, Lea, Flood, 2014), started at a
+ * value into which seed, cause and index have been mixed by splitmix64's own finalizer.
  *
- * Normal deviates come from the inverse distribution function: one uniform draw gives one normal deviate, always, and the
- * function uses + - x / and the square root alone, so neither rejection nor a library's logarithm can make two hosts
- * differ. Largest deviate: 8.2.
+ * Normal deviates come from the inverse distribution function: one uniform draw gives one normal deviate, always, and
+ * the function uses + - x / and the square root alone, so neither rejection nor a library's logarithm can make two
+ * hosts differ. Largest deviate: 8.2.
  */
 #ifndef TUMBLE_SIMULATION_RANDOM_H
 #define TUMBLE_SIMULATION_RANDOM_H

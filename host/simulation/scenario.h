@@ -1,7 +1,7 @@
 /* scenario.h - everything that a simulated run is made of, but for the seed: plain structs, no behaviour.
  *
- * The stand and the block are described by the limits of their errors, out of which a seed draws one real stand, one real
- * block and one course of events (truth.h).
+ * The stand and the block are described by the limits of their errors, out of which a seed draws one real stand, one
+ * real block and one course of events (truth.h).
  */
 #ifndef TUMBLE_SIMULATION_SCENARIO_H
 #define TUMBLE_SIMULATION_SCENARIO_H
@@ -46,16 +46,16 @@ typedef struct {
 typedef struct {
     sim_axis_config_t axis;
     uint32_t counts_per_turn;
-    int32_t sign;                 /* 1, or -1: its counts fall when the table turns upwards */
-    uint32_t wrap_counts;         /* positions count modulo this and moves take the shorter way; 0: they do not wrap */
-    double velocity_per_deg_s;    /* its unit of velocity, counted along the table's degrees */
+    int32_t sign;              /* 1, or -1: its counts fall when the table turns upwards */
+    uint32_t wrap_counts;      /* positions count modulo this and moves take the shorter way; 0: they do not wrap */
+    double velocity_per_deg_s; /* its unit of velocity, counted along the table's degrees */
     double acceleration_per_deg_s2;
-    double speed_deg_s;           /* the most it can do, whatever it is told */
+    double speed_deg_s; /* the most it can do, whatever it is told */
     double acceleration_deg_s2;
-    double power_on_deg;          /* it wakes up at most this far from the home mark, either way */
-    uint32_t reaction_us;         /* from a command to the statusword that shows it */
-    uint32_t report_us;           /* its control cycle while it moves */
-    bool latches_stale_target;    /* at the rising edge of bit 4 it takes the target it had before that frame */
+    double power_on_deg;       /* it wakes up at most this far from the home mark, either way */
+    uint32_t reaction_us;      /* from a command to the statusword that shows it */
+    uint32_t report_us;        /* its control cycle while it moves */
+    bool latches_stale_target; /* at the rising edge of bit 4 it takes the target it had before that frame */
 } sim_drive_config_t;
 
 /* What can go wrong. The word in quotes is the name in a scenario file. */
@@ -64,8 +64,8 @@ typedef struct {
     X(SIM_FAULT_STALL, "stall", "the table jams")                                                                      \
     X(SIM_FAULT_DRIVE_SILENT, "drive_silent", "the drive is off the bus")                                              \
     X(SIM_FAULT_DRIVE_POWER_CYCLE, "drive_power_cycle", "the drive loses power and comes back")                        \
-    X(SIM_FAULT_NEVER_REACHED, "never_reached", "the table stops short of its target; value: by how many degrees")    \
-    X(SIM_FAULT_SLIP, "slip", "the table slips on its shaft; value: degrees; count 1: the encoder sees it")           \
+    X(SIM_FAULT_NEVER_REACHED, "never_reached", "the table stops short of its target; value: by how many degrees")     \
+    X(SIM_FAULT_SLIP, "slip", "the table slips on its shaft; value: degrees; count 1: the encoder sees it")            \
     X(SIM_FAULT_HOMING_FAILS, "homing_fails", "the home mark is not found")                                            \
     X(SIM_FAULT_HOMING_ENDLESS, "homing_endless", "homing never ends")                                                 \
     X(SIM_FAULT_SATURATED, "saturated", "channels beyond their range")                                                 \
@@ -95,7 +95,7 @@ typedef enum {
 #define SIM_FAULT_ENUM(name, word, sentence) name,
     SIM_FAULT_LIST(SIM_FAULT_ENUM)
 #undef SIM_FAULT_ENUM
-    SIM_FAULT_KINDS
+        SIM_FAULT_KINDS
 } sim_fault_kind_t;
 
 /* When a fault begins: at a time, or when a position gets to a phase, plus a delay. */
@@ -104,16 +104,16 @@ typedef enum { SIM_PHASE_MOUNT = 0, SIM_PHASE_HOME, SIM_PHASE_MOVE, SIM_PHASE_SE
 typedef struct {
     sim_fault_kind_t kind;
     bool at_time;
-    double time_s;      /* since power-on */
-    uint8_t mounting;   /* else: numbers of the position ... */
+    double time_s;    /* since power-on */
+    uint8_t mounting; /* else: numbers of the position ... */
     uint8_t position;
-    sim_phase_t phase;  /* ... and what is being done there */
+    sim_phase_t phase; /* ... and what is being done there */
     double delay_s;
-    double duration_s;  /* 0: for good */
-    uint32_t times;     /* how often: 1 the first time only, 2 again when the position is repeated, ... */
-    uint8_t channels;   /* one bit per channel */
+    double duration_s; /* 0: for good */
+    uint32_t times;    /* how often: 1 the first time only, 2 again when the position is repeated, ... */
+    uint8_t channels;  /* one bit per channel */
     double value;
-    uint32_t count;     /* UINT32_MAX: without end */
+    uint32_t count; /* UINT32_MAX: without end */
     double probability;
     uint16_t id;
     uint16_t mask;

@@ -14,7 +14,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The temperature goes from start to end as end + (start - end) exp(-t/tau). At the reference the block has its K, U0. */
+/* The temperature goes from start to end as end + (start - end) exp(-t/tau). At the reference the block has its K, U0.
+ */
 typedef struct {
     double start_c;
     double end_c;
@@ -29,7 +30,7 @@ typedef struct {
     double u0_v[TUMBLE_CHANNELS];
     double noise_v[TUMBLE_CHANNELS]; /* limit of one sample's noise, read by `noise_law` */
     sim_law_t noise_law;
-    double range_v; /* the converter measures from - to + this */
+    double range_v;         /* the converter measures from - to + this */
     uint8_t converter_bits; /* 8 to 24 */
     double drift_v_per_h[TUMBLE_CHANNELS];
     sim_temperature_t temperature;
@@ -40,10 +41,10 @@ typedef struct {
     uint8_t saturated; /* beyond the range */
     uint8_t stuck;     /* repeats its last value */
     uint8_t inverted;
-    uint8_t swapped;   /* two bits: these two channels change places */
-    double noise_v[TUMBLE_CHANNELS];   /* standard deviation of additional noise */
-    double offset_v[TUMBLE_CHANNELS];  /* a step of the output */
-    double temperature_c;              /* added to what the temperature would be */
+    uint8_t swapped;                  /* two bits: these two channels change places */
+    double noise_v[TUMBLE_CHANNELS];  /* standard deviation of additional noise */
+    double offset_v[TUMBLE_CHANNELS]; /* a step of the output */
+    double temperature_c;             /* added to what the temperature would be */
 } sim_sensor_fault_t;
 
 #define SIM_NOISE_AHEAD 32

@@ -11,8 +11,8 @@ typedef struct {
     tumble_coefficients_t block;
     double alpha1_rad;
     double alpha2_rad;
-    double alpha3_rad[TUMBLE_MAX_MOUNTINGS];  /* by mounting of the schedule; of its last mounting */
-    double alpha4_rad[TUMBLE_MAX_POSITIONS];  /* by position of the schedule; when it was last averaged */
+    double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* by mounting of the schedule; of its last mounting */
+    double alpha4_rad[TUMBLE_MAX_POSITIONS]; /* by position of the schedule; when it was last averaged */
     sim_random_t remount[TUMBLE_MAX_MOUNTINGS];
 } sim_truth_t;
 

@@ -4,8 +4,8 @@
  *         -I firmware -I host tests/fuzz/fuzz_canopen.c firmware/canopen/[a-z]*.c firmware/core/status.c \
  *         host/simulation/drive_objects.c host/simulation/block_objects.c
  *
- * The first byte of the input chooses the drive's or the block's dictionary. Then come records of an opcode byte and its
- * operands. What is checked beside the sanitizers: the invariants in `check` and `check_frame`.
+ * The first byte of the input chooses the drive's or the block's dictionary. Then come records of an opcode byte and
+ * its operands. What is checked beside the sanitizers: the invariants in `check`, `check_frame` and `check_rest`.
  */
 #include "canopen/bytes.h"
 #include "canopen/node.h"
@@ -63,9 +63,10 @@ static uint64_t now_us(void *context)
 static void check_frame(const world_t *world, const tumble_can_frame_t *frame)
 {
     const uint8_t node = world->node.config->node;
-    const bool service = (frame->id == TUMBLE_NMT_ID) || (frame->id == (TUMBLE_EMCY_ID + node)) ||
-                         (frame->id == (TUMBLE_SDO_RESPONSE_ID + node)) || (frame->id == (TUMBLE_HEARTBEAT_ID + node)) ||
-                         (frame->id == (TUMBLE_SDO_REQUEST_ID + world->node.client.node));
+    const bool sdo = (frame->id == (TUMBLE_SDO_RESPONSE_ID + node)) ||
+                     (frame->id == (TUMBLE_SDO_REQUEST_ID + world->node.client.node));
+    const bool service = sdo || (frame->id == TUMBLE_NMT_ID) || (frame->id == (TUMBLE_EMCY_ID + node)) ||
+                         (frame->id == (TUMBLE_HEARTBEAT_ID + node));
     bool pdo = false;
 
     for (size_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; i++) {
@@ -152,6 +153,38 @@ static tumble_can_frame_t frame_of(input_t *input, const world_t *world)
     return frame;
 }
 
+/* A frame that begins a segmented transfer, or goes on with it, with the right toggle bit: chance alone hardly gets
+ * that far. */
+static tumble_can_frame_t next_segment(input_t *input, const world_t *world, bool to_client)
+{
+    const tumble_sdo_client_t *client = &world->node.client;
+    const tumble_sdo_server_t *server = &world->node.server;
+    const uint8_t choice = take(input);
+    const uint8_t toggle = to_client ? client->toggle : server->toggle;
+    const bool download = to_client ? (client->transfer == (uint8_t)TUMBLE_SDO_DOWNLOAD)
+                                    : (server->transfer == (uint8_t)TUMBLE_SDO_UPLOAD);
+    const uint8_t command = to_client ? (download ? 0x20U : 0x00U) : (download ? 0x60U : 0x00U);
+    tumble_can_frame_t frame = {.length = 8, .data = {(uint8_t)(command | toggle | (choice & 0x0FU))}};
+
+    frame.id = (uint16_t)(to_client ? (TUMBLE_SDO_RESPONSE_ID + client->node)
+                                    : (TUMBLE_SDO_REQUEST_ID + world->node.config->node));
+    if (to_client && (client->phase == 0U)) {
+        frame.data[0] = download ? 0x60U : (0x40U | (choice & 0x0FU));
+        tumble_put_u16(&frame.data[1], client->index);
+        frame.data[3] = client->subindex;
+        frame.data[4] = take(input);
+    } else if (!to_client && (server->transfer == (uint8_t)TUMBLE_SDO_IDLE)) {
+        const tumble_entry_t *entry = &config.table->entries[take(input) % config.table->count];
+
+        frame.data[0] = ((choice & 1U) != 0U) ? 0x20U : 0x40U;
+        tumble_put_u16(&frame.data[1], entry->index);
+        frame.data[3] = entry->subindex;
+    } else {
+        /* a segment */
+    }
+    return frame;
+}
+
 static void use_client(input_t *input, world_t *world)
 {
     static const uint8_t data[40] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
@@ -186,6 +219,10 @@ static void check(const world_t *world)
                 (node->nmt.state == (uint8_t)TUMBLE_NMT_OPERATIONAL) ||
                 (node->nmt.state == (uint8_t)TUMBLE_NMT_PRE_OPERATIONAL),
             "NMT state");
+    require(node->server.size <= TUMBLE_MAX_OBJECT_BYTES, "the server's transfer fits its memory");
+    require(node->server.done <= TUMBLE_MAX_OBJECT_BYTES, "the server's transfer stays in its memory");
+    require((node->client.transfer != (uint8_t)TUMBLE_SDO_UPLOAD) || (node->client.done <= node->client.capacity),
+            "the client's transfer stays in its memory");
     for (size_t i = 32; i < sizeof world->upload; i++) {
         require(world->upload[i] == 0xA5U, "an upload stays within its capacity");
     }
@@ -201,6 +238,13 @@ static void check_rest(world_t *world)
     }
     require(world->room > 60U, "a few steps send a few frames");
     require(tumble_node_next_us(&world->node) > world->now_us, "nothing is due any more");
+}
+
+static void give(input_t *input, world_t *world, unsigned kind)
+{
+    const tumble_can_frame_t frame = (kind == 5U) ? frame_of(input, world) : next_segment(input, world, kind == 6U);
+
+    (void)tumble_node_receive(&world->node, &frame, world->now_us);
 }
 
 static void act(input_t *input, world_t *world)
@@ -227,12 +271,9 @@ static void act(input_t *input, world_t *world)
         tumble_pdo_trigger(&world->node.pdos, take(input) % 4U);
         (void)tumble_nmt_command(&world->node.nmt, take(input), TUMBLE_NMT_START);
         break;
-    default: {
-        const tumble_can_frame_t frame = frame_of(input, world);
-
-        (void)tumble_node_receive(&world->node, &frame, world->now_us);
+    default:
+        give(input, world, opcode % 8U);
         break;
-    }
     }
     tumble_node_step(&world->node, world->now_us);
     require(world->answers <= 1U, "one answer to one request");

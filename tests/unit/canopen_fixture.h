@@ -33,6 +33,7 @@ typedef struct {
     int16_t i16;
     uint16_t u16;
     uint16_t u16_ro;
+    uint16_t limited16;
     bool flag;
     int8_t i8;
     uint8_t u8;
@@ -133,6 +134,7 @@ static const tumble_entry_t fixture_entries[] = {
     VAR(0x200E, 3, U8, RW, 1, 0, record[1]),
     VAR(0x200F, 0, TUMBLE_TYPE_REAL64, RW, 8, 0, unlimited),
     VAR(0x200F, 1, TUMBLE_TYPE_REAL32, RW, 4, 0, unlimited32),
+    VAR(0x200F, 2, U16, RW, 2, 6, limited16),
     {0x2010, 0, U32, RW | MAPPED, TUMBLE_HOME_COMPUTED, 4, 0, 7},
     {0x2011, 0, TEXT, RO, TUMBLE_HOME_COMPUTED, 64, 0, 0},
     {0x2012, 0, TUMBLE_TYPE_REAL64, RO | TUMBLE_ACCESS_MAP_TRANSMIT, TUMBLE_HOME_COMPUTED, 8, 0, 0},

@@ -143,7 +143,9 @@ static inline void assert_fault(tumble_stand_fault_t fault)
 static const tumble_drive_pdo_t common_receive[] = {
     {0, {.cob_id = 0x202, .type = 255, .count = 2, .map = {0x60400010, 0x607A0020}}}};
 static const tumble_drive_pdo_t common_transmit[] = {
-    {0, {.cob_id = 0x40000182, .type = 255, .count = 2, .inhibit_100us = 7, .event_ms = 10, .map = {0x60410010, 0x60640020}}}};
+    {0,
+     {.cob_id = 0x40000182, .type = 255, .count = 2, .inhibit_100us = 7, .event_ms = 10,
+      .map = {0x60410010, 0x60640020}}}};
 static const tumble_drive_profile_t common = {
     .counts_per_revolution = 36000.0,
     .velocity_units_per_deg_s = 100.0,

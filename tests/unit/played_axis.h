@@ -58,6 +58,7 @@ typedef struct {
     unsigned reports;     /* transmit PDOs since the start of homing */
     unsigned braking_ms;  /* left until it stands */
     unsigned nmt_starts;  /* commands to it */
+    unsigned refusals;    /* of SDO requests */
 
     /* Habits. */
     int32_t wrap;               /* positions count modulo this, the shorter way is taken; 0: no */

@@ -138,6 +138,7 @@ static inline void played_sdo(const tumble_can_frame_t *frame)
         return;
     }
     if (index == played.refuse_index) {
+        played.refusals++;
         const uint8_t abort[8] = {0x80, r[1], r[2], r[3], 0x00, 0x00, 0x02, 0x06};
         played_send(0x580U + DRIVE_NODE, 8, abort);
         return;
@@ -149,6 +150,7 @@ static inline void played_sdo(const tumble_can_frame_t *frame)
         played_send(0x580U + DRIVE_NODE, 8, answer);
         played_write(&write);
     } else {
+        TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, r[3], "what is read has no subindices");
         answer[0] = 0x4F;
         answer[4] = (uint8_t)played_value((uint32_t)index << 16);
         played_send(0x580U + DRIVE_NODE, 8, answer);

@@ -357,6 +357,7 @@ static const fault_case_t fault_cases[] = {
 
     DURING(SLIP, AVERAGE, encoder_leaves, 3, AVERAGE),
     DURING(SLIP, AVERAGE, encoder_is_nonsense, 3, AVERAGE),
+    DURING(SLIP, AVERAGE, block_slips, 1, MOVE),
     DURING(SLIP, AVERAGE, block_slips, 3, MOVE),
     DURING(SLIP, AVERAGE, block_drifts, 8, MOVE),
     LATE_DURING(NO_SAMPLES, AVERAGE, block_silent, 3, AVERAGE),

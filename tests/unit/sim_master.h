@@ -42,7 +42,8 @@ static inline void master_take(const tumble_can_frame_t *frame)
         heard.statusword = (uint16_t)(d[0] | d[1] << 8);
         heard.status_frames++;
         if (frame->length >= 6U) {
-            heard.position = (int32_t)((uint32_t)d[2] | (uint32_t)d[3] << 8 | (uint32_t)d[4] << 16 | (uint32_t)d[5] << 24);
+            heard.position =
+                (int32_t)((uint32_t)d[2] | (uint32_t)d[3] << 8 | (uint32_t)d[4] << 16 | (uint32_t)d[5] << 24);
             heard.position_frames++;
         }
     } else if (frame->id == 0x082U) {
@@ -108,8 +109,14 @@ static inline void nmt(uint8_t command)
 /* Abort code, 0 when it was written. */
 static inline uint32_t sdo_write(uint16_t index, uint8_t subindex, uint32_t value, uint8_t size)
 {
-    const uint8_t data[8] = {(uint8_t)(0x23U | (4U - size) << 2), (uint8_t)index, (uint8_t)(index >> 8), subindex,
-                             (uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+    const uint8_t data[8] = {(uint8_t)(0x23U | (4U - size) << 2),
+                             (uint8_t)index,
+                             (uint8_t)(index >> 8),
+                             subindex,
+                             (uint8_t)value,
+                             (uint8_t)(value >> 8),
+                             (uint8_t)(value >> 16),
+                             (uint8_t)(value >> 24)};
     heard.answered = false;
     send_frame(0x602, 8, data);
     for (int n = 0; n < 50 && !heard.answered; n++) {
@@ -138,7 +145,7 @@ static inline void command(uint16_t controlword, int32_t target)
 {
     const uint32_t t = (uint32_t)target;
     const uint8_t data[6] = {(uint8_t)controlword, (uint8_t)(controlword >> 8), (uint8_t)t,
-                             (uint8_t)(t >> 8), (uint8_t)(t >> 16), (uint8_t)(t >> 24)};
+                             (uint8_t)(t >> 8),    (uint8_t)(t >> 16),          (uint8_t)(t >> 24)};
     send_frame(0x202, 6, data);
 }
 

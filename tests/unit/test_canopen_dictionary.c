@@ -267,15 +267,19 @@ static void test_integer_limits_are_inclusive(void)
     }
 }
 
-static void test_limits_of_one_byte(void)
+static void test_limits_of_unsigned_numbers(void)
 {
-    for (unsigned value = 0; value < 256U; value++) {
-        uint8_t byte = (uint8_t)value;
-
-        TEST_ASSERT_EQUAL_HEX32((value < 3U)     ? TUMBLE_ABORT_TOO_LOW
+    for (unsigned value = 0; value < 1000U; value++) {
+        tumble_abort_t wanted = (value < 3U)     ? TUMBLE_ABORT_TOO_LOW
                                 : (value > 200U) ? TUMBLE_ABORT_TOO_HIGH
-                                                 : TUMBLE_ABORT_NONE,
-                                write_sub(0x200E, 1, &byte, 1));
+                                                 : TUMBLE_ABORT_NONE;
+        uint8_t number[2];
+
+        tumble_put_u16(number, (uint16_t)value);
+        TEST_ASSERT_EQUAL_HEX32(wanted, write_sub(0x200F, 2, number, 2));
+        if (value < 256U) {
+            TEST_ASSERT_EQUAL_HEX32(wanted, write_sub(0x200E, 1, number, 1));
+        }
     }
 }
 
@@ -305,6 +309,19 @@ static void test_real_limits_refuse_what_is_not_a_number(void)
     TEST_ASSERT_TRUE(at.variables.f64 == 1.0);
     tumble_put_f32(value, 1.5f);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write(0x2007, value, 4));
+}
+
+static void test_a_hook_can_pack_what_it_has_in_memory(void)
+{
+    const uint32_t number = 0x12345678U;
+    const char text[64] = "sixteen or fewer";
+
+    tumble_dictionary_pack(find(0x2010, 0), &number, bytes, &size);
+    TEST_ASSERT_EQUAL_UINT8(4, size);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY("\x78\x56\x34\x12", bytes, 4);
+    tumble_dictionary_pack(find(0x2011, 0), text, bytes, &size);
+    TEST_ASSERT_EQUAL_UINT8(16, size);
+    TEST_ASSERT_EQUAL_MEMORY(text, bytes, 16);
 }
 
 static void test_the_hook_is_asked_after_the_checks_only(void)
@@ -368,8 +385,9 @@ int main(void)
     RUN_TEST(test_access_is_checked_before_length);
     RUN_TEST(test_length_must_be_exact_for_numbers);
     RUN_TEST(test_integer_limits_are_inclusive);
-    RUN_TEST(test_limits_of_one_byte);
+    RUN_TEST(test_limits_of_unsigned_numbers);
     RUN_TEST(test_real_limits_refuse_what_is_not_a_number);
+    RUN_TEST(test_a_hook_can_pack_what_it_has_in_memory);
     RUN_TEST(test_the_hook_is_asked_after_the_checks_only);
     RUN_TEST(test_without_hooks_variables_work_and_computed_objects_refuse);
     RUN_TEST(test_a_dummy_takes_everything_and_keeps_nothing);

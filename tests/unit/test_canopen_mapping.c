@@ -26,6 +26,10 @@ static void test_power_on_state(void)
     TEST_ASSERT_EQUAL_UINT32(254, read32(0x1400, 2));
     TEST_ASSERT_EQUAL_UINT32(2, read32(0x1400, 0));
     TEST_ASSERT_EQUAL_UINT32(5, read32(0x1802, 0));
+    TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1401, 1));
+    TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1800, 1));
+    TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1802, 1));
+    TEST_ASSERT_EQUAL_UINT32(254, read32(0x1802, 2));
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1A02, 0));
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1A02, 8));
     pass(10000 * MS);
@@ -169,6 +173,8 @@ static void test_parameters_that_are_not_there(void)
 static void test_configure_replaces_what_was_there(void)
 {
     map_transmit(700, 0);
+    TEST_ASSERT_EQUAL_UINT32(700, read32(0x1800, 3));
+    TEST_ASSERT_EQUAL_HEX32(0x20030020U, read32(0x1A00, 2));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_TRANSMIT, 0, &setup));
     TEST_ASSERT_EQUAL_HEX32(0x40000385U, read32(0x1800, 1));
     TEST_ASSERT_EQUAL_UINT32(255, read32(0x1800, 2));
@@ -180,6 +186,19 @@ static void test_configure_replaces_what_was_there(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_RECEIVE, 1, &setup));
     TEST_ASSERT_TRUE(hand(0x385, "34 12 FE FF FF FF"));
     TEST_ASSERT_EQUAL_UINT(1, at.pdos[1]);
+    TEST_ASSERT_EQUAL_UINT32(0, read32(0x1801, 5)); /* nor is the transmit PDO of that number touched */
+}
+
+static void test_a_new_inhibit_time_counts_from_now(void)
+{
+    map_transmit(50000, 0); /* 5 s */
+    step();
+    expect(0x185, "00 00 00 00 00 00");
+    accepted(0x1800, 1, 0xC0000185U);
+    accepted(0x1800, 3, 10);
+    accepted(0x1800, 1, 0x40000185U);
+    step();
+    expect(0x185, "00 00 00 00 00 00");
 }
 
 static void test_a_refused_configuration_leaves_the_pdo_invalid(void)
@@ -204,6 +223,7 @@ static void test_a_refused_configuration_leaves_the_pdo_invalid(void)
         TEST_ASSERT_FALSE(hand(0x205, "34 12 FE FF FF FF"));
         TEST_ASSERT_FALSE(hand(0x385, "34 12 FE FF FF FF"));
     }
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_MAP_LENGTH, configure(TUMBLE_PDO_RECEIVE, 0, &bad[4]));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_RECEIVE, 2, &setup));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_TRANSMIT, 3, &setup));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_TRANSMIT, 255, &setup));
@@ -261,6 +281,7 @@ int main(void)
     RUN_TEST(test_only_event_driven_types_are_taken);
     RUN_TEST(test_parameters_that_are_not_there);
     RUN_TEST(test_configure_replaces_what_was_there);
+    RUN_TEST(test_a_new_inhibit_time_counts_from_now);
     RUN_TEST(test_a_refused_configuration_leaves_the_pdo_invalid);
     RUN_TEST(test_random_writes_never_leave_a_broken_mapping);
     return UNITY_END();

@@ -63,6 +63,30 @@ static void test_init_refuses_what_cannot_work(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_node_init(&at.node, &good, &binding));
 }
 
+static void test_init_clears_whatever_the_memory_held(void)
+{
+    tumble_node_config_t config = {.table = &fixture_table, .defaults = &full};
+    tumble_node_binding_t binding = {.port = &at.fake.port, .variables = &at.variables, .other = &at.other};
+    static const uint8_t nodes[] = {1, 127};
+
+    for (size_t i = 0; i < COUNT_OF(nodes); i++) {
+        memset(&at.node, 0xA5, sizeof at.node);
+        config.node = nodes[i];
+        TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_node_init(&at.node, &config, &binding));
+        TEST_ASSERT_EQUAL_UINT32(0, at.node.link.counters.sent);
+        TEST_ASSERT_EQUAL_UINT32(0, at.node.link.counters.invalid);
+        TEST_ASSERT_EQUAL_INT(TUMBLE_OK, at.node.link.last);
+        TEST_ASSERT_EQUAL_UINT16(0, at.node.pdos.refused);
+        TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_result(&at.node.client));
+        step();
+        expect((uint16_t)(0x700 + nodes[i]), "00");
+        tumble_node_set_state(&at.node, TUMBLE_NMT_OPERATIONAL);
+        step();
+        expect((uint16_t)(0x180 + nodes[i]), "00 00");
+        expect_nothing(); /* the PDOs that are not set up send nothing */
+    }
+}
+
 static void test_defaults_complete_predefined_identifiers(void)
 {
     boot();
@@ -70,6 +94,7 @@ static void test_defaults_complete_predefined_identifiers(void)
     ask("40 01 14 01 00 00 00 00", "43 01 14 01 33 03 00 00");
     ask("40 00 18 01 00 00 00 00", "43 00 18 01 85 01 00 40");
     ask("40 14 10 00 00 00 00 00", "43 14 10 00 85 00 00 00");
+    ask("40 29 10 01 00 00 00 00", "4F 29 10 01 01 00 00 00");
     ask("40 00 12 01 00 00 00 00", "43 00 12 01 05 06 00 00");
     ask("40 00 12 02 00 00 00 00", "43 00 12 02 85 05 00 00");
     ask("40 80 12 01 00 00 00 00", "43 80 12 01 00 06 00 80"); /* no server yet */
@@ -187,6 +212,12 @@ static void test_the_link_checks_what_the_port_gives(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_PORT_DOWN, link->last);
     at.fake.send_status = TUMBLE_E_PORT_EMPTY; /* likewise */
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_PORT_DOWN, tumble_link_send(link, &good));
+    at.fake.send_status = TUMBLE_OK;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_link_send(link, &good));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, link->last);
+    at.fake.send_status = TUMBLE_E_PORT_BUSY;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_PORT_BUSY, tumble_link_send(link, &good));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_PORT_BUSY, link->last);
     TEST_ASSERT_EQUAL_UINT32(3, link->counters.down);
     TEST_ASSERT_EQUAL_UINT32(2, link->counters.invalid);
     TEST_ASSERT_EQUAL_UINT32(3, link->counters.received);
@@ -269,6 +300,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_init_refuses_what_cannot_work);
+    RUN_TEST(test_init_clears_whatever_the_memory_held);
     RUN_TEST(test_defaults_complete_predefined_identifiers);
     RUN_TEST(test_without_events_and_hooks_everything_still_works);
     RUN_TEST(test_frames_of_others_are_handed_back);

@@ -55,6 +55,8 @@ static void test_a_refused_value_is_counted_and_does_not_stop_the_others(void)
     TEST_ASSERT_EQUAL_UINT32(32, at.variables.u32);
     TEST_ASSERT_EQUAL_UINT32(7, at.variables.guarded);
     TEST_ASSERT_EQUAL_UINT16(2, at.node.pdos.refused);
+    TEST_ASSERT_TRUE(hand(0x205, "20 00 00 00 07 00 00 00"));
+    TEST_ASSERT_EQUAL_UINT16(2, at.node.pdos.refused);
 }
 
 static void test_a_short_pdo_writes_nothing_and_raises_one_emergency(void)
@@ -204,6 +206,37 @@ static void test_a_value_that_nobody_has_goes_as_zeros(void)
     accepted(0x1801, 1, 0x40000285U);
     step();
     expect(0x285, "00 00 00 00 00 00 00 00");
+    pass(1000 * MS);
+    expect_nothing(); /* no event timer was asked for */
+}
+
+/* What holds for the first PDO holds for the others. */
+static void test_the_last_pdos_of_each_direction(void)
+{
+    give(0x000, "80 05");
+    accepted(0x1802, 1, 0xC0000285U);
+    accepted(0x1A02, 1, 0x20040008U);
+    accepted(0x1A02, 0, 1);
+    accepted(0x1802, 1, 0x40000285U);
+    give(0x000, "01 05");
+    expect(0x285, "00");
+    give(0x000, "80 05");
+    give(0x000, "01 05");
+    expect(0x285, "00"); /* due on entering, though not enabled anew */
+    accepted(0x1802, 5, 20);
+    step();
+    expect(0x285, "00");
+    TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (20 * MS), tumble_node_next_us(&at.node));
+    accepted(0x1401, 1, 0x80000305U);
+    accepted(0x1601, 1, 0x20050010U);
+    accepted(0x1601, 0, 1);
+    accepted(0x1401, 1, 0x305);
+    give(0x305, "11");
+    expect(0x085, "10 82 11 01 00 00 00 00");
+    map_receive();
+    give(0x205, "34 12 FE FF FF FF"); /* the first is well, the second still short */
+    expect_nothing();
+    TEST_ASSERT_TRUE(tumble_pdo_any_fault(&at.node.pdos));
 }
 
 static void test_a_pdo_without_mapping_does_nothing(void)
@@ -230,6 +263,7 @@ int main(void)
     RUN_TEST(test_the_inhibit_time_bounds_the_event_timer);
     RUN_TEST(test_a_busy_port_delays_and_loses_nothing);
     RUN_TEST(test_a_value_that_nobody_has_goes_as_zeros);
+    RUN_TEST(test_the_last_pdos_of_each_direction);
     RUN_TEST(test_a_pdo_without_mapping_does_nothing);
     return UNITY_END();
 }

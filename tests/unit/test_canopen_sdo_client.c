@@ -33,9 +33,9 @@ static void test_expedited_read(void)
 {
     static const char *const answers[] = {"4F 41 60 00 27 06 04 03", "4B 41 60 00 27 06 04 03",
                                           "47 41 60 00 27 06 04 03", "43 41 60 00 27 06 04 03",
-                                          "42 41 60 00 27 06 04 03"};
-    static const uint32_t values[] = {0x27, 0x0627, 0x040627, 0x03040627, 0x03040627};
-    static const uint8_t sizes[] = {1, 2, 3, 4, 4};
+                                          "42 41 60 00 27 06 04 03", "4E 41 60 00 27 06 04 03"};
+    static const uint32_t values[] = {0x27, 0x0627, 0x040627, 0x03040627, 0x03040627, 0x03040627};
+    static const uint8_t sizes[] = {1, 2, 3, 4, 4, 4}; /* without a size, the unused bytes do not count */
 
     for (size_t i = 0; i < COUNT_OF(answers); i++) {
         uint8_t size;
@@ -123,6 +123,30 @@ static void test_one_transfer_at_a_time(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, tumble_sdo_client_read(client, 3, 0x1000, 0));
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, tumble_sdo_client_write(client, 3, 0x1017, 0, 5, 2));
     expect_request("40 41 60 00 00 00 00 00");
+}
+
+/* What one transfer lent, the next one does not touch. */
+static void test_the_callers_memory_is_let_go(void)
+{
+    uint8_t room[8] = {0};
+
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 127, 0x6041, 0, room, 8));
+    step();
+    expect(0x67F, "40 41 60 00 00 00 00 00");
+    give(0x5FF, "4B 41 60 00 27 06 00 00");
+    expect_end(TUMBLE_OK, 0);
+    TEST_ASSERT_EQUAL_HEX8(0x27, room[0]);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0));
+    expect_request("40 41 60 00 00 00 00 00");
+    give(0x582, "4B 41 60 00 99 99 00 00");
+    TEST_ASSERT_EQUAL_HEX8(0x27, room[0]);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x6060, 0, room, 1));
+    expect_request("2F 60 60 00 27 00 00 00");
+    give(0x582, "80 60 60 00 30 00 09 06");
+    expect_end(TUMBLE_E_SDO_ABORTED, 0x06090030U);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6060, 0, 6, 1));
+    TEST_ASSERT_EQUAL_HEX32(0, client->abort);
+    expect_request("2F 60 60 00 06 00 00 00");
 }
 
 static void test_arguments(void)
@@ -218,6 +242,7 @@ int main(void)
     RUN_TEST(test_segmented_write);
     RUN_TEST(test_a_write_of_seven_bytes_is_one_segment);
     RUN_TEST(test_one_transfer_at_a_time);
+    RUN_TEST(test_the_callers_memory_is_let_go);
     RUN_TEST(test_arguments);
     RUN_TEST(test_the_servers_abort_is_the_result);
     RUN_TEST(test_cancel_tells_the_server);

@@ -156,7 +156,10 @@ static void test_a_port_without_room_delays_and_then_times_out(void)
     at.fake.send_status = TUMBLE_E_PORT_DOWN;
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x6041, 0));
     step();
-    pass(500 * MS);
+    pass(300 * MS); /* offers in between do not prolong it */
+    pass(199 * MS);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_BUSY, result());
+    pass(1 * MS);
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_SDO_TIMEOUT, result());
 }
 

@@ -174,8 +174,12 @@ static void test_an_abort_of_the_client_ends_it_without_an_answer(void)
     give(0x605, "80 0B 20 00 00 00 04 05");
     expect_nothing();
     ask("00 41 42 43 44 45 46 47", "80 00 00 00 01 00 04 05");
+    TEST_ASSERT_EQUAL_UINT16(2, at.node.server.aborted);
     give(0x605, "80 00 00 00 00 00 00 00"); /* with nothing under way */
     expect_nothing();
+    TEST_ASSERT_EQUAL_UINT16(2, at.node.server.aborted);
+    ask("40 0E 20 01 00 00 00 00", "4F 0E 20 01 00 00 00 00");
+    ask("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05"); /* of no object */
 }
 
 static void test_a_new_request_replaces_an_unfinished_transfer(void)
@@ -242,6 +246,16 @@ static void test_an_abort_takes_back_an_answer_that_was_not_sent(void)
     step();
     expect_nothing();
     ask("40 04 20 00 00 00 00 00", "4F 04 20 00 00 00 00 00");
+}
+
+static void test_init_clears_whatever_the_memory_held(void)
+{
+    memset(&at.node.server, 0xA5, sizeof at.node.server);
+    tumble_sdo_server_init(&at.node.server, NODE);
+    pass(5000 * MS);
+    expect_nothing();
+    TEST_ASSERT_EQUAL_UINT16(0, at.node.server.aborted);
+    ask("60 00 00 00 00 00 00 00", "80 00 00 00 01 00 04 05");
 }
 
 static void test_frames_that_are_not_eight_bytes_are_dropped_and_counted(void)
@@ -359,6 +373,7 @@ int main(void)
     RUN_TEST(test_every_segment_prolongs_the_time);
     RUN_TEST(test_an_answer_waits_for_the_port_and_is_sent_once);
     RUN_TEST(test_an_abort_takes_back_an_answer_that_was_not_sent);
+    RUN_TEST(test_init_clears_whatever_the_memory_held);
     RUN_TEST(test_frames_that_are_not_eight_bytes_are_dropped_and_counted);
     RUN_TEST(test_sdo_is_silent_when_stopped_and_before_boot_up);
     RUN_TEST(test_every_command_byte_in_every_phase);

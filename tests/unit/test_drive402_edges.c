@@ -238,6 +238,40 @@ static void test_nothing_is_written_after_a_refusal(void)
     played_boot();
     run_ms(100);
     TEST_ASSERT_EQUAL_UINT(5, played.write_count); /* what comes before it */
+    TEST_ASSERT_EQUAL_UINT(1, played.refusals);
+}
+
+/* The drive restarts with our question unanswered: the next one does not wait for that answer. */
+static void test_a_restart_with_a_question_open(void)
+{
+    bench_setup(&common);
+    played_boot();
+    run_ms(3);
+    played.sdo_is_deaf = true;
+    run_ms(3);
+    played.sdo_is_deaf = false;
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 100);
+}
+
+/* A permission to reset is used up when the drive is up, fault or no fault. */
+static void test_a_later_fault_is_not_reset_unasked(void)
+{
+    begin_move(&common);
+    played.powered_up = false;
+    run_ms(600);
+    played.powered_up = true;
+    run_ms(200);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    bench.stand.stop(bench.stand.self);
+    run_ms(20);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
+    played.state = IS_FAULT;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
+    run_ms(20);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
 }
 
 static void test_without_a_window_target_reached_is_enough(void)
@@ -302,6 +336,8 @@ int main(void)
     RUN_TEST(test_times_are_over_to_the_microsecond);
     RUN_TEST(test_an_answer_is_followed_up_at_once);
     RUN_TEST(test_nothing_is_written_after_a_refusal);
+    RUN_TEST(test_a_restart_with_a_question_open);
+    RUN_TEST(test_a_later_fault_is_not_reset_unasked);
     RUN_TEST(test_without_a_window_target_reached_is_enough);
     RUN_TEST(test_profiles_at_the_end_of_their_range);
     RUN_TEST(test_our_heartbeat_need_not_be_watched);

@@ -63,6 +63,28 @@ static tumble_drive_profile_t other_profile(void)
     return profile;
 }
 
+/* Every quantity that the profile may have, in the drive's units. */
+static void test_all_quantities(void)
+{
+    static const sdo_write_t expected[] = {
+        {0x6081, 0, 4, 100}, {0x6083, 0, 4, 400}, {0x6084, 0, 4, 600}, {0x6085, 0, 4, 800},
+        {0x6099, 1, 4, 500}, {0x6099, 2, 4, 600}, {0x609A, 0, 4, 1400},
+    };
+    tumble_drive_profile_t profile = common;
+    profile.acceleration_units_per_deg_s2 = 200.0;
+    profile.velocity_deg_s = 1.0;
+    profile.acceleration_deg_s2 = 2.0;
+    profile.deceleration_deg_s2 = 3.0;
+    profile.quick_stop_deg_s2 = 4.0;
+    profile.homing_fast_deg_s = 5.0;
+    profile.homing_slow_deg_s = 6.0;
+    profile.homing_acceleration_deg_s2 = 7.0;
+    bring_up(&profile);
+    for (size_t i = 0; i < COUNT_OF(expected); i++) {
+        TEST_ASSERT_EQUAL_MEMORY(&expected[i], &played.writes[4U + i], sizeof expected[i]);
+    }
+}
+
 static void test_another_maker(void)
 {
     const tumble_drive_profile_t profile = other_profile();
@@ -141,8 +163,10 @@ static void test_rounding(void)
 
 static void test_profiles_that_cannot_be(void)
 {
-    static const tumble_drive_pdo_t without_target[] = {{0, {.cob_id = 0x202, .count = 1, .map = {0x60400010}}}};
-    static const tumble_drive_pdo_t without_status[] = {{0, {.cob_id = 0x182, .count = 1, .map = {0x60640020}}}};
+    static const tumble_drive_pdo_t without_target[] = {{0, {.count = 2, .map = {0x60400010, 0x60600008}}}};
+    static const tumble_drive_pdo_t without_control[] = {{0, {.count = 2, .map = {0x60600008, 0x607A0020}}}};
+    static const tumble_drive_pdo_t without_status[] = {{0, {.count = 2, .map = {0x60610008, 0x60640020}}}};
+    static const tumble_drive_pdo_t without_position[] = {{0, {.count = 2, .map = {0x60410010, 0x60610008}}}};
     static const tumble_drive_pdo_t too_many[] = {
         {0, {.cob_id = 0x182, .count = 9, .map = {0x60410010, 0x60640020, 0, 0, 0, 0, 0, 0}}}};
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(NULL));
@@ -163,7 +187,9 @@ static void test_profiles_that_cannot_be(void)
     EXPECT_BAD(receive_count = 3);
     EXPECT_BAD(transmit_count = 3);
     EXPECT_BAD(receive = without_target);
+    EXPECT_BAD(receive = without_control);
     EXPECT_BAD(transmit = without_status);
+    EXPECT_BAD(transmit = without_position);
     EXPECT_BAD(transmit = too_many);
     EXPECT_BAD(write_count = 1);
     EXPECT_BAD(heartbeat_ms = 0);
@@ -215,6 +241,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_configuration_in_order_and_in_units);
+    RUN_TEST(test_all_quantities);
     RUN_TEST(test_another_maker);
     RUN_TEST(test_a_mode_in_the_process_data_is_kept);
     RUN_TEST(test_a_wrapping_drive_goes_long_ways_in_quarters);

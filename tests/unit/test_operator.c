@@ -116,6 +116,8 @@ static void test_bad_configurations(void)
     for (size_t i = 0; i < COUNT_OF(bad); i++) {
         ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_operator_init(&person, &bad[i]));
     }
+    static const tumble_operator_config_t exact = {0.0, 1};
+    ASSERT_STATUS(TUMBLE_OK, tumble_operator_init(&person, &exact));
     tumble_operator_config_t infinite = config;
     infinite.tolerance_deg = (double)INFINITY;
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_operator_init(&person, &infinite));

@@ -181,6 +181,54 @@ static void test_every_preflight_has_its_own_reason(void)
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
 }
 
+/* A block that fell silent is missed before the table moves again. */
+static void test_every_preflight_wants_samples_of_its_own(void)
+{
+    bench_run_to_position(&bench, 3, TUMBLE_STATE_AVERAGE);
+    bench.stand.error_deg = 1.0;
+    bench_run(&bench);
+    bench.stand.error_deg = 0.0;
+    bench.block.silent = true;
+    const unsigned moves = bench.stand.moves;
+    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
+    bench_run(&bench);
+    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NO_SAMPLES);
+    TEST_ASSERT_EQUAL_UINT(moves, bench.stand.moves);
+}
+
+static void test_every_run_warms_up_for_itself(void)
+{
+    bench_run(&bench);
+    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
+    bench_run_to(&bench, TUMBLE_STATE_WARM_UP);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
+}
+
+/* ... but what goes on after a fault has been mended is the same run. */
+static void test_a_run_that_goes_on_is_warm(void)
+{
+    bench_run_to_position(&bench, 3, TUMBLE_STATE_AVERAGE);
+    bench.stand.error_deg = 1.0;
+    bench_run(&bench);
+    bench.stand.error_deg = 0.0;
+    bench.visited = 0;
+    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
+    bench_run(&bench);
+    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    TEST_ASSERT_EQUAL_HEX32(0, bench.visited & ((uint32_t)1U << (unsigned)TUMBLE_STATE_WARM_UP));
+}
+
+/* What happens to the stand after the table was stopped for another reason does not hide that reason. */
+static void test_the_first_reason_stands(void)
+{
+    bench_run_to_position(&bench, 3, TUMBLE_STATE_AVERAGE);
+    bench.stand.error_deg = 1.0;
+    bench_run(&bench);
+    bench_break_stand(&bench, TUMBLE_STAND_FAULT_HEARTBEAT, 0);
+    bench_tick(&bench);
+    ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -194,5 +242,9 @@ int main(void)
     RUN_TEST(test_a_wrong_mounting_counts_as_refused);
     RUN_TEST(test_saturated_and_stuck_are_not_tried_again);
     RUN_TEST(test_every_preflight_has_its_own_reason);
+    RUN_TEST(test_every_preflight_wants_samples_of_its_own);
+    RUN_TEST(test_every_run_warms_up_for_itself);
+    RUN_TEST(test_a_run_that_goes_on_is_warm);
+    RUN_TEST(test_the_first_reason_stands);
     return UNITY_END();
 }

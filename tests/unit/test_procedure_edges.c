@@ -49,7 +49,8 @@ static void test_what_sample_tells(void)
     TEST_ASSERT_FALSE(tumble_procedure_sample(&bench.procedure, &sample, &taken)); /* repeated */
 }
 
-/* The last sample of the last position is taken although the state has moved on by then; the next finds it computing. */
+/* The last sample of the last position is taken although the state has moved on by then; the next finds a machine
+ * that computes. */
 static void test_no_sample_is_taken_while_computing(void)
 {
     bench_run_to_position(&bench, 17, TUMBLE_STATE_AVERAGE);

@@ -44,6 +44,17 @@ static void test_without_an_approach_every_angle_is_one_move(void)
     TEST_ASSERT_EQUAL_UINT(18, bench.stand.moves);
 }
 
+/* From exactly the approach below there is no need to go back. */
+static void test_an_approach_as_long_as_the_step(void)
+{
+    static const double expected_deg[] = {-45, 0, 45, 90, 135, 180, 225, 270, 315, 360,
+                                          -45, 0, 45, 90, 135, 180, 225, 270, 315, 360};
+    bench.config.approach_deg = 45.0;
+    bench.config.cable_min_deg = -45.0;
+    run();
+    assert_moves(expected_deg, COUNT_OF(expected_deg));
+}
+
 /* A cable that ends at 0 leaves no way up to 0: a turn further is the same attitude. */
 static void test_an_equivalent_turn_within_the_cable(void)
 {
@@ -221,6 +232,10 @@ static void test_cables_that_are_just_too_short(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_validate(&bench.config, &reason));
     bench.config.cable_max_deg = 314.9;
     expect_refused(TUMBLE_REASON_CABLE_LIMIT, TUMBLE_E_ARGUMENT, __LINE__);
+    bench.config.approach_deg = 0.0;
+    bench.config.cable_min_deg = 1.0; /* everything but the first position and its like */
+    bench.config.cable_max_deg = 359.0;
+    expect_refused(TUMBLE_REASON_CABLE_LIMIT, TUMBLE_E_ARGUMENT, __LINE__);
     bench.config.cable_min_deg = 360.0 * 15.0;
     bench.config.cable_max_deg = bench.config.cable_min_deg + 365.0;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_validate(&bench.config, &reason));
@@ -234,6 +249,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_papers_schedule);
     RUN_TEST(test_without_an_approach_every_angle_is_one_move);
+    RUN_TEST(test_an_approach_as_long_as_the_step);
     RUN_TEST(test_an_equivalent_turn_within_the_cable);
     RUN_TEST(test_unwinding);
     RUN_TEST(test_always_from_below_and_never_beyond);

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-static const sim_axis_config_t CONFIG = {.swing_deg = 0.02, .swing_hz = 8.0, .settling_s = 0.5, .resolution_deg = 0.001};
+static const sim_axis_config_t CONFIG = {
+    .swing_deg = 0.02, .swing_hz = 8.0, .settling_s = 0.5, .resolution_deg = 0.001};
 static const sim_axis_dynamics_t DYNAMICS = {90.0, 180.0, 180.0};
 static const double ERROR_LIMIT = 1e-3;
 
@@ -72,7 +73,7 @@ static void test_the_angle_error_is_one_draw_per_arrival(void)
     ASSERT_SAME_DOUBLE(drawn, sim_axis_error_rad(&axis));
     TEST_ASSERT_DOUBLE_WITHIN(1e-13, 45.0 + drawn * SIM_DEG_PER_RAD, sim_axis_actual_deg(&axis, late_us));
     ASSERT_SAME_DOUBLE(45.0, sim_axis_encoder_deg(&axis, late_us)); /* the encoder does not see it */
-    sim_axis_move(&axis, late_us, 45.0, &DYNAMICS); /* nowhere to go: nothing drawn */
+    sim_axis_move(&axis, late_us, 45.0, &DYNAMICS);                 /* nowhere to go: nothing drawn */
     ASSERT_SAME_DOUBLE(drawn, sim_axis_error_rad(&axis));
     sim_axis_move(&axis, late_us, 40.0, &DYNAMICS); /* in between: another stream */
     TEST_ASSERT_TRUE(sim_axis_error_rad(&axis) != drawn);
@@ -92,7 +93,7 @@ static void test_positions_have_streams_of_their_own(void)
     error.position = 8; /* 360 degrees */
     sim_axis_move(&axis, 20000000, 720.0, &DYNAMICS);
     ASSERT_SAME_DOUBLE(first_draw(8), sim_axis_error_rad(&axis));
-    error.position = 6; /* 270 degrees */
+    error.position = 6;                                  /* 270 degrees */
     sim_axis_move(&axis, 40000000, -90.0005, &DYNAMICS); /* within half a count */
     ASSERT_SAME_DOUBLE(first_draw(6), sim_axis_error_rad(&axis));
 }

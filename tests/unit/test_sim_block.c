@@ -151,7 +151,8 @@ static void test_one_sample_is_two_frames_in_order(void)
     TEST_ASSERT_UINT64_WITHIN(2, 10000, heard_us[4] - heard_us[2]);
 }
 
-/* At rest at 0 degrees, 2 V/g, 10 V over 2^23 counts: z shows -2 V, x and y nothing but noise of 3e-4 V (252 counts). */
+/* At rest at 0 degrees, 2 V/g, 10 V over 2^23 counts: z shows -2 V, x and y nothing but noise of 3e-4 V (252 counts).
+ */
 static void test_the_frames_carry_the_sample(void)
 {
     stream_until(300000);

@@ -167,9 +167,17 @@ static void test_a_power_cycle_forgets_everything(void)
     TEST_ASSERT_TRUE(drive.zero_deg > 60.0);
 }
 
-static void test_nmt_reset_is_a_power_cycle_without_braking_off_the_bus(void)
+static void test_nmt_resets_stop_the_axis(void)
 {
-    nmt(129);
+    set_out();
+    nmt(130); /* communication */
+    TEST_ASSERT_EQUAL_INT(SIM_POWER_FAULT_REACTION, drive.power);
+    assert_stopped_within(600000);
+    TEST_ASSERT_EQUAL_INT(SIM_HOMING_ATTAINED, drive.homing);
+    fresh();
+    set_out();
+    nmt(129); /* all of it */
+    assert_stopped_within(600000);
     pass_ms(20);
     TEST_ASSERT_EQUAL_UINT8(0, heard.nmt_state);
     TEST_ASSERT_EQUAL_INT(SIM_HOMING_NONE, drive.homing);
@@ -240,7 +248,8 @@ static void test_other_units_and_sign(void)
     TEST_ASSERT_EQUAL_INT32(-16384, heard.position);
 }
 
-/* Positions modulo one turn: 350 is 20 degrees from 330, and 10 is 20 degrees from 350; the count stays below a turn. */
+/* Positions modulo one turn: 350 is 20 degrees from 330, and 10 is 20 degrees from 350; the count stays below a turn.
+ */
 static void test_positions_that_wrap_go_the_shorter_way(void)
 {
     sim_scenario_defaults(&scenario);
@@ -283,7 +292,7 @@ int main(void)
     RUN_TEST(test_what_it_does_without_its_master_can_be_chosen);
     RUN_TEST(test_leaving_operational_stops_the_axis);
     RUN_TEST(test_a_power_cycle_forgets_everything);
-    RUN_TEST(test_nmt_reset_is_a_power_cycle_without_braking_off_the_bus);
+    RUN_TEST(test_nmt_resets_stop_the_axis);
     RUN_TEST(test_homing_fails_when_there_is_no_mark);
     RUN_TEST(test_homing_may_never_end);
     RUN_TEST(test_a_target_may_never_be_reached);

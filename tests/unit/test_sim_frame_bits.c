@@ -88,7 +88,8 @@ static void test_length_without_stuffing_is_the_known_one(void)
     for (uint8_t length = 0; length <= 8; length++) {
         frame.length = length;
         frame.data[(length > 0U) ? length - 1 : 0] = 0x55;
-        TEST_ASSERT_EQUAL_UINT32(47U + 8U * length, sim_frame_bits(&wire, &frame) - sim_frame_stuff_bits(&wire, &frame));
+        TEST_ASSERT_EQUAL_UINT32(47U + 8U * length,
+                                 sim_frame_bits(&wire, &frame) - sim_frame_stuff_bits(&wire, &frame));
     }
 }
 

@@ -1,4 +1,5 @@
-/* The geometry of a block on an imperfect stand, against the formulas written out by themselves, rotation by rotation. */
+/* The geometry of a block on an imperfect stand, against the formulas written out by themselves, rotation by rotation.
+ */
 #include "simulation/geometry.h"
 #include "model.h"
 #include "support.h"

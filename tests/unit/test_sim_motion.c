@@ -44,7 +44,8 @@ static void test_trapezoid_in_closed_form(void)
     ASSERT_SAME_DOUBLE(0.0, velocity_at(&motion, 1e6));
 }
 
-/* 45 degrees: never at full speed; 2 sqrt(d / a) = 1 s, peak sqrt(a d) = 90 deg/s just reached. 20 degrees: a triangle. */
+/* 45 degrees: never at full speed; 2 sqrt(d / a) = 1 s, peak sqrt(a d) = 90 deg/s just reached. 20 degrees: a triangle.
+ */
 static void test_triangle_in_closed_form(void)
 {
     sim_motion_t motion;
@@ -98,13 +99,13 @@ static void test_a_target_passed_is_come_back_to(void)
     ASSERT_SAME_DOUBLE(5.0, position_at(&motion, motion.end_s));
 }
 
-/* What holds for every plan: it begins where the axis is, position and velocity have no jumps and follow from each other,
- * neither speed nor acceleration is exceeded, and it ends at rest on the target. */
+/* What holds for every plan: it begins where the axis is, position and velocity have no jumps and follow from each
+ * other, neither speed nor acceleration is exceeded, and it ends at rest on the target. */
 static void assert_sound(const sim_motion_t *motion, double from, double start, double target, double speed,
                          double acceleration)
 {
     enum { STEPS = 400 };
-    const double step = motion->end_s / STEPS;
+    const double step = motion->end_s / (double)STEPS;
     const double most = (fabs(start) > speed) ? fabs(start) : speed;
     double position = from;
     double velocity = start;

@@ -79,34 +79,20 @@ static void test_streams_differ_by_seed_cause_and_index(void)
 static void test_quantile_against_many_digits(void)
 {
     static const double CASES[][2] = {
-        {0x1.0000000800000p-1, 2.3344794983332981399e-9},
-        {0x1.051eb851eb852p-1, 0.025068908258711058033},
-        {0x1.3333333333333p-1, 0.25334710313579974132},
-        {0x1.8000000000000p-1, 0.6744897501960817432},
-        {0x1.ccccccccccccdp-1, 1.2815515655446005935},
-        {0x1.d99999999999ap-1, 1.4395314709384562291},
-        {0x1.d999999a7580ap-1, 1.4395314716448933733},
-        {0x1.e666666666666p-1, 1.6448536269514722843},
-        {0x1.fae147ae147aep-1, 2.3263478740408407676},
-        {0x1.ff7ced916872bp-1, 3.0902323061678132778},
-        {0x1.ffffde7210be9p-1, 4.7534243088170877657},
-        {0x1.fffffff768fa1p-1, 5.9978070196016374264},
-        {0x1.fffffffffe000p-1, 7.0477002566644087254},
-        {0x1.3333333333333p-4, -1.4395314709384559349},
-        {0x1.3333185b40987p-4, -1.4395321773759005864},
-        {0x1.47ae147ae147bp-7, -2.3263478740408410931},
-        {0x1.0624dd2f1a9fcp-10, -3.0902323061678135354},
-        {0x1.4f8b588e368f1p-17, -4.2648907939228246102},
-        {0x1.5798ee2308c3ap-27, -5.6120012441747887279},
-        {0x1.b7cdfd9d7bdbbp-34, -6.3613409024040561991},
-        {0x1.5fd7fe1796495p-37, -6.7060231554951362961},
-        {0x1.19799812dea11p-39, -6.9371814280356805277},
-        {0x1.19799812dea11p-40, -7.0344838253011319326},
-        {0x1.c25c268497682p-44, -7.3487961028006775135},
-        {0x1.6849b86a12b9bp-47, -7.6506280929352688166},
-        {0x1.0000000000000p-53, -8.2095361516013868556},
-        {0x1.4484bfeebc2a0p-100, -11.46402468844361572},
-        {0x1.bff2ee48e0530p-333, -21.273453560965324294},
+        {0x1.0000000800000p-1, 2.3344794983332981399e-9}, {0x1.051eb851eb852p-1, 0.025068908258711058033},
+        {0x1.3333333333333p-1, 0.25334710313579974132},   {0x1.8000000000000p-1, 0.6744897501960817432},
+        {0x1.ccccccccccccdp-1, 1.2815515655446005935},    {0x1.d99999999999ap-1, 1.4395314709384562291},
+        {0x1.d999999a7580ap-1, 1.4395314716448933733},    {0x1.e666666666666p-1, 1.6448536269514722843},
+        {0x1.fae147ae147aep-1, 2.3263478740408407676},    {0x1.ff7ced916872bp-1, 3.0902323061678132778},
+        {0x1.ffffde7210be9p-1, 4.7534243088170877657},    {0x1.fffffff768fa1p-1, 5.9978070196016374264},
+        {0x1.fffffffffe000p-1, 7.0477002566644087254},    {0x1.3333333333333p-4, -1.4395314709384559349},
+        {0x1.3333185b40987p-4, -1.4395321773759005864},   {0x1.47ae147ae147bp-7, -2.3263478740408410931},
+        {0x1.0624dd2f1a9fcp-10, -3.0902323061678135354},  {0x1.4f8b588e368f1p-17, -4.2648907939228246102},
+        {0x1.5798ee2308c3ap-27, -5.6120012441747887279},  {0x1.b7cdfd9d7bdbbp-34, -6.3613409024040561991},
+        {0x1.5fd7fe1796495p-37, -6.7060231554951362961},  {0x1.19799812dea11p-39, -6.9371814280356805277},
+        {0x1.19799812dea11p-40, -7.0344838253011319326},  {0x1.c25c268497682p-44, -7.3487961028006775135},
+        {0x1.6849b86a12b9bp-47, -7.6506280929352688166},  {0x1.0000000000000p-53, -8.2095361516013868556},
+        {0x1.4484bfeebc2a0p-100, -11.46402468844361572},  {0x1.bff2ee48e0530p-333, -21.273453560965324294},
     };
     for (size_t i = 0; i < COUNT_OF(CASES); i++) {
         const double z = CASES[i][1];
@@ -139,7 +125,7 @@ static void test_normal_deviates_are_normal(void)
     sim_random_t stream;
     sim_random_open(&stream, 12345, SIM_CAUSE_NOISE, 1);
     for (int c = 1; c < CELLS; c++) {
-        edges[c] = sim_normal_quantile((double)c / CELLS);
+        edges[c] = sim_normal_quantile((double)c / (double)CELLS);
     }
     for (int n = 0; n < DRAWS; n++) {
         const double z = sim_random_normal(&stream);
@@ -155,14 +141,14 @@ static void test_normal_deviates_are_normal(void)
     }
     double chi2 = 0.0;
     for (int c = 0; c < CELLS; c++) {
-        const double expected = (double)DRAWS / CELLS;
+        const double expected = (double)DRAWS / (double)CELLS;
         chi2 += ((double)cells[c] - expected) * ((double)cells[c] - expected) / expected;
     }
     TEST_ASSERT_TRUE(chi2 > 29.0 && chi2 < 118.0); /* 63 degrees of freedom: 1 in 10^5 on either side */
-    TEST_ASSERT_DOUBLE_WITHIN(4.5e-3, 0.0, sums[0] / DRAWS);
-    TEST_ASSERT_DOUBLE_WITHIN(6.4e-3, 1.0, sums[1] / DRAWS);
-    TEST_ASSERT_DOUBLE_WITHIN(1.8e-2, 0.0, sums[2] / DRAWS);
-    TEST_ASSERT_DOUBLE_WITHIN(4.5e-2, 3.0, sums[3] / DRAWS);
+    TEST_ASSERT_DOUBLE_WITHIN(4.5e-3, 0.0, sums[0] / (double)DRAWS);
+    TEST_ASSERT_DOUBLE_WITHIN(6.4e-3, 1.0, sums[1] / (double)DRAWS);
+    TEST_ASSERT_DOUBLE_WITHIN(1.8e-2, 0.0, sums[2] / (double)DRAWS);
+    TEST_ASSERT_DOUBLE_WITHIN(4.5e-2, 3.0, sums[3] / (double)DRAWS);
 }
 
 /* Moments of the three laws for a limit of 0.3, and a draw is used up even when the limit is 0. */

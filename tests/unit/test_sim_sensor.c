@@ -89,9 +89,9 @@ static void test_noise_has_the_declared_size(void)
             (void)sample(0.0, counts);
             for (int i = 0; i < 3; i++) {
                 off_v[i] = counts[i] * sim_sensor_v_per_count(&config) - ideal_v(i);
-                square[i] += off_v[i] * off_v[i] / SAMPLES;
+                square[i] += off_v[i] * off_v[i] / (double)SAMPLES;
             }
-            product += off_v[0] * off_v[1] / SAMPLES;
+            product += off_v[0] * off_v[1] / (double)SAMPLES;
         }
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * SIGMAS[law] * 1e-3, SIGMAS[law] * 1e-3, sqrt(square[0]));
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * SIGMAS[law] * 3e-3, SIGMAS[law] * 3e-3, sqrt(square[1]));

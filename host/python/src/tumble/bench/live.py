@@ -24,7 +24,8 @@ class LiveProgress(Progress):
             TimeRemainingColumn(),
             TextColumn("{task.fields[mean]}"),
         )
-        self._bars = Bars(*columns, console=Console(stderr=True, highlight=False), transient=True)
+        console = Console(stderr=True, highlight=False)
+        self._bars = Bars(*columns, console=console, transient=True, refresh_per_second=20)
         self._task = self._bars.add_task("preparing", total=len(schedule.positions), mean="")
 
     def __enter__(self) -> LiveProgress:
