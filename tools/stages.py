@@ -63,7 +63,7 @@ def sanitized(log):
     built = build_sanitized(log)
     if not built.passed:
         return built
-    return pytest(log, "tests/integration", "-m", "not full", env=sanitizer_environment())
+    return pytest(log, "tests/integration", "-m", "not full and not slow", env=sanitizer_environment())
 
 
 def sanitizer_environment():
@@ -98,7 +98,7 @@ def plan(full):
               ("gcc-arm-none-eabi",)),
         Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
         if full else Stage("integration", "the package and the command line, C against numpy", integration),
-        Stage("sanitized", "the same, with the extension module instrumented", sanitized),
+        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized),
     ]
     if full:
         stages += [

@@ -5,7 +5,8 @@
  * accelerometers) and the constant configuration. Not re-entrant on one state; no other state is touched.
  *
  * Life of a position: begin, add (or accumulate) for every sample, finish. `finish` judges the gates; a position that
- * fails them is left empty and may be begun again. Nothing is lost silently: every sample refused or missed is counted.
+ * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted; one that
+ * comes while no position is open, or when it is full, has its status alone.
  */
 #ifndef TUMBLE_CORE_AVERAGING_H
 #define TUMBLE_CORE_AVERAGING_H

@@ -89,8 +89,9 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
 tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
                                          uint8_t *unidentified);
 
-/* A coefficient counts as identified when the part of its column that the other columns do not explain has at least this
- * root mean square over the positions. Below it the noise of a mean would be magnified more than a thousandfold. */
+/* The strongest column of the design is taken first, then always the one of which the columns taken explain least. As long
+ * as what remains has at least this root mean square over the positions, its coefficient counts as identified; below it
+ * the noise of a mean would be magnified about a thousandfold. */
 #define TUMBLE_MIN_SENSITIVITY_G 1e-3
 
 /* Where a schedule holds the positions of the paper: index of the fit position in each slot [mounting - 1][l - 1]. */

@@ -37,13 +37,25 @@ double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t cou
     return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;
 }
 
+/* What is left of `counts`, with its sign, after whole circles. The quotient of doubles, exact below 2^53, is at most one
+ * off, and it saves the library's division of 64 bits. */
+static int64_t rest_of(int64_t counts, int64_t wrap)
+{
+    const int64_t circles = (int64_t)((double)counts / (double)wrap);
+    const int64_t rest = counts - (circles * wrap);
+    if ((counts >= 0) && (rest < 0)) {
+        return rest + wrap;
+    }
+    return ((counts < 0) && (rest > 0)) ? (rest - wrap) : rest;
+}
+
 int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts)
 {
     const int64_t wrap = (int64_t)profile->wrap_counts;
     if (wrap == 0) {
         return (int32_t)counts;
     }
-    const int64_t rest = counts % wrap;
+    const int64_t rest = rest_of(counts, wrap);
     return (int32_t)((rest < 0) ? (rest + wrap) : rest);
 }
 
@@ -53,7 +65,7 @@ int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t ra
     if (wrap == 0) {
         return raw;
     }
-    int64_t change = ((int64_t)raw - before) % wrap;
+    int64_t change = rest_of((int64_t)raw - before, wrap);
     if (change > (wrap / 2)) {
         change -= wrap;
     } else if (change < -(wrap / 2)) {

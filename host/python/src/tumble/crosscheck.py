@@ -13,6 +13,7 @@ from tumble.schedule import Schedule
 
 RELATIVE_LIMIT = 1e-12
 _LAST_BITS = 16 * np.finfo(float).eps
+_MAGNIFIED_BITS = 2 * np.finfo(float).eps
 _DERIVED = 10.0
 
 
@@ -29,13 +30,14 @@ def compare(found: Computation, schedule: Schedule, means: np.ndarray, delta_g: 
 
     `schedule`, `means` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only.
 
-    Coefficients may differ by 1e-12 of max|K|, or by 16 times the last bit of the largest output where that is coarser
-    (outputs with an offset of hundreds of g). What follows from the coefficients may differ by ten times that, times
+    Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
+    (offsets of hundreds of g), or by twice that bit as a weak schedule magnifies it. What follows from the coefficients may differ by ten times that, times
     the condition of K where K is inverted or its rows are compared.
     """
     k, u0 = reference.estimate(schedule, means, found.estimator)
     largest_k = np.abs(k).max()
-    relative = max(RELATIVE_LIMIT, _LAST_BITS * np.abs(means).max() / largest_k)
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * reference.magnification(schedule))
+    relative = max(RELATIVE_LIMIT, bits * np.abs(means).max() / largest_k)
     _require("K", found.k, k, relative * largest_k)
     _require("U0", found.u0, u0, relative * largest_k)
 

@@ -115,13 +115,20 @@ def detect(data: bytes, wishes: Wishes, file: str) -> Dialect:
     head = data[:_HEAD_BYTES]
     if len(data) > len(head):
         head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
+    return _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
+
+
+def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Dialect | None:
+    """From the beginning of a file, or from the whole of it; None if there is no header line in the beginning."""
     lines = decoded(head).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     blanks = comments = 0
     for row, line in enumerate(lines, start=1):
         if not is_blank(line) and not is_comment(line):
             return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
         blanks, comments = blanks + is_blank(line), comments + is_comment(line)
-    raise BadInput("no header line", file)
+    if whole:
+        raise BadInput("no header line", file, len(lines))
+    return None
 
 
 def _from_header(

@@ -10,6 +10,7 @@ import numpy as np
 from tumble.result import per_g
 from tumble.schedule import CHECK
 from tumble.solution import Solution
+from tumble.stand import noise_unit
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
@@ -130,8 +131,9 @@ def remarks(solution: Solution) -> list[str]:
         lines.append(f"            level + yaw {_measured(seen, 'alpha2_plus_alpha3_rad')} rad")
         lines.append(f"            yaw 1 - yaw 2 {_measured(seen, 'alpha3_difference_rad')} rad")
     if seen["noise_v"] is not None:
-        declared = "" if solution.stand is None else f", declared {solution.stand.sigma('noise'):.2e} V"
-        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} V{declared}")
+        unit = noise_unit(unit)
+        declared = "" if solution.stand is None else f", declared {solution.stand.sigma('noise'):.2e} {unit}"
+        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} {unit}{declared}")
     return lines
 
 
@@ -151,7 +153,7 @@ def _fit_and_check(solution: Solution) -> list[str]:
     measured = sum(int(solution.run.samples[index] > 0) for index in planned)
     gravity = solution.found.gravity
     largest = f"{gravity.max_abs_check:.2g} g" if measured else "unknown"
-    where = f"check positions {largest} ({measured} of {len(planned)} measured)"
+    where = f"check positions {largest} ({measured} of {len(planned)})"
     return [f"Largest gravity error: fitted {gravity.max_abs_fit:.2g} g, {where}", ""]
 
 

@@ -59,10 +59,9 @@ def solve(
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
-    Raises BadInput where the core refuses the run or the stand does not fit its unit, Disagreement where the witness
-    does not confirm the core.
+    Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
-    declared = _in_unit(stand, run.unit, file)
+    declared = None if stand is None else stand.in_unit(run.unit)
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
     try:
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g)
@@ -81,18 +80,10 @@ def solve(
     return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen)
 
 
-def _in_unit(stand: Stand | None, unit: str, file: str) -> Stand | None:
-    try:
-        return None if stand is None else stand.in_unit(unit)
-    except ValueError as error:
-        raise BadInput(str(error), file) from None
-
-
 def _noise_in_volts(seen: dict[str, float | None], unit: str) -> dict[str, float | None]:
-    """`noise_v` and its twin are in volts, or unknown where the outputs are not."""
-    volts = volts_per(unit)
+    """`noise_v` and its twin in volts, for outputs in a multiple of the volt."""
     noise = {name: seen[name] for name in ("noise_v", "u_noise_v")}
-    return {**seen, **{name: None if value is None or volts is None else value * volts for name, value in noise.items()}}
+    return {**seen, **{name: None if value is None else value * volts_per(unit) for name, value in noise.items()}}
 
 
 def _measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:

@@ -15,9 +15,15 @@ LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 
 
-def volts_per(unit: str) -> float | None:
-    """Size of a unit of the outputs in volts; None if it is no multiple of the volt."""
-    return _VOLTS_PER_UNIT.get(unit)
+def volts_per(unit: str) -> float:
+    """Size in volts of a unit of the outputs; 1 for a unit that is no multiple of the volt, which takes the volt's
+    place in the stand file and in the result."""
+    return _VOLTS_PER_UNIT.get(unit, 1.0)
+
+
+def noise_unit(unit: str) -> str:
+    """The unit that noise is declared and reported in, for outputs in `unit`."""
+    return "V" if unit in _VOLTS_PER_UNIT else unit
 
 
 @dataclass(frozen=True)
@@ -41,11 +47,8 @@ class Stand:
     name: str = ""
 
     def in_unit(self, unit: str) -> Stand:
-        """This stand with its noise in the unit of a run's outputs. Raises ValueError for one that is not volts."""
-        volts = volts_per(unit)
-        if volts is None:
-            raise ValueError(f"outputs in {unit}, but the stand's noise is in V: give them in V to have uncertainties")
-        return replace(self, noise=self.noise / volts)
+        """This stand with its noise in the unit of a run's outputs."""
+        return replace(self, noise=self.noise / volts_per(unit))
 
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""

@@ -82,12 +82,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def parse_limit(text: str) -> float:
     """The value of --limit, g. Raises UsageError."""
-    try:
-        limit_g = float(text)
-    except ValueError:
-        limit_g = math.nan
-    if not 0.0 < limit_g < 1.0:
-        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0 and below 1")
+    from tumble.dialect import NUMBER
+
+    limit_g = float(text) if NUMBER.fullmatch(text) else math.nan
+    if not 0.0 < limit_g <= 1.0:
+        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
     return limit_g
 
 

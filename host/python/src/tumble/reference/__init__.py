@@ -5,7 +5,7 @@ steps. This package neither imports nor calls the core, and the core knows nothi
 every solve, means something only as long as that holds.
 """
 
-from tumble.reference.estimators import estimate
+from tumble.reference.estimators import estimate, magnification
 from tumble.reference.geometry import Geometry, paper_schedule
 from tumble.reference.stand_seen import stand_seen
 from tumble.reference.uncertainty import standard_uncertainties
@@ -17,6 +17,7 @@ __all__ = [
     "estimate",
     "gravity_errors",
     "intrinsic",
+    "magnification",
     "paper_schedule",
     "residual_rms",
     "stand_seen",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.reference.geometry import Geometry, paper_schedule
-from tumble.schedule import FIT, Schedule
+from tumble.schedule import FIT, Mounting, Schedule
 
 _SAME = 1e-9
 _SQRT2 = np.sqrt(2.0)
@@ -23,21 +23,25 @@ def fit_indices(schedule: Schedule) -> list[int]:
 
 
 def paper_slots(schedule: Schedule) -> np.ndarray | None:
-    """Indices (2, 9) of the paper's positions in a schedule, found by attitude and angle; None if one is not there."""
-    wanted = paper_schedule()
-    wanted_force, force = Geometry(wanted).force(), Geometry(schedule).force()
-    slots = []
-    for attitude, paper in zip(wanted_force, wanted.positions):
-        found = [
-            index
-            for index in fit_indices(schedule)
-            if abs(schedule.positions[index].angle_deg - paper.angle_deg) < _SAME
-            and np.abs(force[index] - attitude).max() < _SAME
-        ]
-        if not found:
-            return None
-        slots.append(found[0])
-    return np.array(slots).reshape(2, 9)
+    """Indices (2, 9) of the paper's positions in a schedule, found by mounting and angle; None if one is not there.
+
+    The attitude alone would not do: a block yawed about the vertical feels the same force at 0 and 180 degrees.
+    """
+    paper = paper_schedule()
+    slots = [_slot(schedule, paper.mountings[position.mounting - 1], position.angle_deg) for position in paper.positions]
+    return None if None in slots else np.array(slots).reshape(2, 9)
+
+
+def _slot(schedule: Schedule, mounting: Mounting, angle_deg: float) -> int | None:
+    """Index of the first fit position at an angle in a mounting like this one; None if there is none."""
+    alike = {
+        other.number
+        for other in schedule.mountings
+        if np.abs(np.subtract(other.matrix, mounting.matrix)).max() < _SAME and abs(other.tilt_deg) < _SAME
+    }
+    positions = schedule.positions
+    found = (i for i in fit_indices(schedule) if positions[i].mounting in alike)
+    return next((i for i in found if abs(positions[i].angle_deg - angle_deg) < _SAME), None)
 
 
 def functionals(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -75,15 +79,29 @@ def dense_design(schedule: Schedule) -> np.ndarray:
 
 
 def least_squares(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Ordinary least squares on the ideal geometry, from the dense design by singular values."""
+    """Ordinary least squares on the ideal geometry, from the dense design by singular values.
+
+    Refined once from residuals in the longest floating-point format there is: a witness must be better than what it
+    judges, also where an offset is large and the design weak.
+    """
     observed = means[..., fit_indices(schedule), :]
     batch = observed.shape[:-2]
     right = observed.reshape(int(np.prod(batch)), -1).T
-    solution, _, rank, _ = np.linalg.lstsq(dense_design(schedule), right, rcond=None)
+    design = dense_design(schedule)
+    solution, _, rank, _ = np.linalg.lstsq(design, right, rcond=None)
     if rank < 12:
         raise ValueError(f"the dense design has rank {rank} of 12")
+    residuals = right - design.astype(np.longdouble) @ solution
+    solution = solution + np.linalg.lstsq(design, residuals.astype(float), rcond=None)[0]
     columns = solution.T.reshape(*batch, 4, 3)
     return np.swapaxes(columns[..., :3, :], -1, -2), columns[..., 3, :]
+
+
+def magnification(schedule: Schedule) -> float:
+    """How much larger than the rounding of the outputs the rounding of a coefficient may be: the largest absolute row
+    sum of the least-squares gains of one channel."""
+    force = Geometry(schedule).force()[fit_indices(schedule)]
+    return float(np.abs(np.linalg.pinv(np.column_stack([force, np.ones(len(force))]))).sum(axis=1).max())
 
 
 _ESTIMATORS = {"averaged": averaged, "refined": refined, "least_squares": least_squares}
