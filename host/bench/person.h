@@ -38,7 +38,7 @@ typedef enum {
 typedef struct {
     bench_question_t question;              /* open at the moment */
     uint64_t act_us;                        /* when the simulated operator answers; SIM_NEVER: never */
-    bool outside;              /* somebody outside has been asked, and has not answered */
+    bool outside;                           /* somebody outside has been asked, and has not answered */
     uint32_t mended;                        /* faults mended so far */
     bool erred;                             /* the wrong mounting has been made */
     uint32_t mounted[TUMBLE_MAX_MOUNTINGS]; /* how often each was put on the table */

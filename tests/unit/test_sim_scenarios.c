@@ -157,6 +157,65 @@ static void test_an_abort_stops_the_table(void)
     TEST_ASSERT_TRUE(world.clock.now_us - told_us < 1000000U);
 }
 
+static bench_question_t asked;
+
+static bool ask(void *context, const bench_question_t *question)
+{
+    (void)context;
+    asked = *question;
+    return true;
+}
+
+/* Run until somebody is asked. False: it has ended. */
+static bool run_to_question(void)
+{
+    asked.kind = BENCH_QUESTION_NONE;
+    while (asked.kind == BENCH_QUESTION_NONE) {
+        if (!bench_world_advance(&world)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A mounting, a fault that is mended, an answer that the firmware refuses, and the other mounting. */
+static void test_questions_are_answered_from_outside(void)
+{
+    static const bench_watcher_t ASKER = {.on_question = ask};
+    TEST_ASSERT_NULL(read_lines("fault = drive_fault at=1.3 phase=move delay=0.3 value=8976\n"));
+    ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
+    TEST_ASSERT_TRUE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
+    TEST_ASSERT_EQUAL_UINT8(1, asked.mounting);
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench_person_answer(&world, BENCH_ANSWER_REPEAT_POSITION, 40));
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    TEST_ASSERT_TRUE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_DRIVE_FAULT, asked.reason);
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    TEST_ASSERT_TRUE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_MOUNTING, asked.kind);
+    TEST_ASSERT_EQUAL_UINT8(2, asked.mounting);
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    TEST_ASSERT_FALSE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+}
+
+static void test_a_fault_may_be_left_as_it_is(void)
+{
+    static const bench_watcher_t ASKER = {.on_question = ask};
+    TEST_ASSERT_NULL(read_lines("fault = homing_fails at=1.1 phase=mount\n"));
+    ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
+    TEST_ASSERT_TRUE(run_to_question());
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    TEST_ASSERT_TRUE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, asked.reason);
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_LEAVE, 0));
+    TEST_ASSERT_FALSE(run_to_question());
+    TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_HOMING, world.progress.reason);
+}
+
 static void test_a_failed_gravity_check_is_a_result(void)
 {
     run_lines("procedure.gravity_limit_g = 1e-7\n", 1, NULL);
@@ -190,6 +249,8 @@ int main(void)
     RUN_TEST(test_no_reason_is_forgotten);
     RUN_TEST(test_what_is_mended_passes);
     RUN_TEST(test_an_abort_stops_the_table);
+    RUN_TEST(test_questions_are_answered_from_outside);
+    RUN_TEST(test_a_fault_may_be_left_as_it_is);
     RUN_TEST(test_a_failed_gravity_check_is_a_result);
     RUN_TEST(test_a_singular_block_is_refused);
     return UNITY_END();
