@@ -135,7 +135,7 @@ def test_least_squares_on_one_mounting_names_the_coefficients(refused, tmp_path)
         (["run.csv", "--limit=-3e-4"], "--limit: '-3e-4' is not"),
         (["run.csv", "--limit", "nan"], "--limit: 'nan' is not"),
         (["run.csv", "--limit", "inf"], "--limit: 'inf' is not"),
-        (["run.csv", "--limit", "1"], "--limit: '1' is not"),
+        (["run.csv", "--limit", "1.1"], "--limit: '1.1' is not"),
         (["run.csv", "--stand", "none.toml"], "none.toml: no such file"),
         (["run.csv", "--schedule", "none.toml"], "none.toml: no such file"),
         (["run.csv", "--stand", "."], "a folder, not a file"),
