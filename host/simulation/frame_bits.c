@@ -26,8 +26,8 @@ static void init_crc(sim_wire_t *wire)
     }
 }
 
-/* Send a byte, highest bit first, from a state: as sim_wire_t.stuffing says. */
-static uint16_t stuff(uint32_t state, uint32_t byte)
+/* Send a byte, highest bit first, from a state. */
+static void init_stuffing(sim_wire_t *wire, uint32_t state, uint32_t byte)
 {
     uint32_t last = state & 1U;
     uint32_t run = (state >> 1) + 1U;
@@ -42,7 +42,8 @@ static uint16_t stuff(uint32_t state, uint32_t byte)
             run = 1;
         }
     }
-    return (uint16_t)((last | (run - 1U) << 1) << 8 | stuffed << 12);
+    wire->next[state << 8 | byte] = (uint16_t)((last | (run - 1U) << 1) << 8);
+    wire->stuffed[state << 8 | byte] = (uint8_t)stuffed;
 }
 
 void sim_wire_init(sim_wire_t *wire)
@@ -50,7 +51,7 @@ void sim_wire_init(sim_wire_t *wire)
     init_crc(wire);
     for (uint32_t state = 0; state < 8U; state++) {
         for (uint32_t byte = 0; byte < 256U; byte++) {
-            wire->stuffing[state << 8 | byte] = stuff(state, byte);
+            init_stuffing(wire, state, byte);
         }
     }
 }
@@ -86,19 +87,16 @@ uint16_t sim_frame_crc15(const sim_wire_t *wire, const tumble_can_frame_t *frame
     return (uint16_t)crc_of(wire, header_of(frame), data_of(frame), frame->length);
 }
 
-typedef struct {
-    const uint16_t *table;
-    uint32_t entry; /* of the last byte */
-    uint32_t stuffed;
-} stuffing_t;
-
-/* The low `count` bytes of `bits`, the highest first. */
-static inline void send_bytes(stuffing_t *stuffing, uint64_t bits, uint32_t count)
+/* Send the low `count` bytes of `bits`, the highest first, from *state (x 256). Returns the stuff bits. */
+static inline uint32_t send_bytes(const sim_wire_t *wire, uint32_t *state, uint64_t bits, uint32_t count)
 {
+    uint32_t stuffed = 0;
     for (uint32_t shift = 8U * count; shift > 0U; shift -= 8U) {
-        stuffing->entry = stuffing->table[(stuffing->entry & 0x700U) | (bits >> (shift - 8U) & 0xFFU)];
-        stuffing->stuffed += stuffing->entry >> 12;
+        const uint32_t at = *state + (uint32_t)(bits >> (shift - 8U) & 0xFFU);
+        stuffed += wire->stuffed[at];
+        *state = wire->next[at];
     }
+    return stuffed;
 }
 
 /* The 15 bits that follow the header: data first, then CRC. */
@@ -117,11 +115,10 @@ static inline uint32_t stuff_bits_of(const sim_wire_t *wire, const tumble_can_fr
     const uint32_t header = header_of(frame);
     const uint64_t data = data_of(frame);
     const uint32_t crc = crc_of(wire, header, data, length);
-    const uint32_t state = ((header >> 17 & 1U) != 0U) ? 1U /* one 1 */ : 2U /* two 0s */;
-    stuffing_t stuffing = {wire->stuffing, state << 8, 0};
-    send_bytes(&stuffing, (header & 0x1FFFFU) << CRC_BITS | first_after_header(data, crc, length), 4);
-    send_bytes(&stuffing, data << CRC_BITS | crc, length);
-    return stuffing.stuffed;
+    uint32_t state = ((header >> 17 & 1U) != 0U) ? 1U << 8 /* one 1 */ : 2U << 8 /* two 0s */;
+    const uint32_t first = (header & 0x1FFFFU) << CRC_BITS | first_after_header(data, crc, length);
+    const uint32_t stuffed = send_bytes(wire, &state, first, 4);
+    return stuffed + send_bytes(wire, &state, data << CRC_BITS | crc, length);
 }
 
 uint32_t sim_frame_stuff_bits(const sim_wire_t *wire, const tumble_can_frame_t *frame)

@@ -17,9 +17,11 @@
 typedef struct {
     /* What a byte does to the CRC when so many bytes follow it. */
     uint16_t crc[SIM_HEADER_BYTES + TUMBLE_CAN_MAX_BYTES][256];
-    /* From state x 256 + byte: the next state in bits 8 to 10, stuff bits from bit 12. A state is the last bit sent
-     * (bit 0) and how many equal ones end with it, less 1 (bits 1, 2). */
-    uint16_t stuffing[8 * 256];
+    /* From state x 256 + byte: the next state x 256, and the stuff bits sent on the way. A state is the last bit sent
+     * (bit 0) and how many equal ones end with it, less 1 (bits 1, 2). Two tables, so that the way from state to state,
+     * which nothing can shorten, is one look-up a byte. */
+    uint16_t next[8 * 256];
+    uint8_t stuffed[8 * 256];
 } sim_wire_t;
 
 void sim_wire_init(sim_wire_t *wire);

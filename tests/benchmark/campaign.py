@@ -2,9 +2,9 @@
 
     python tests/benchmark/campaign.py [--runs N] [--jobs N] [STAND...]
 
-For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u by
-coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry in
-numpy predicts; calibrations and frames per second. Needs the package to be importable, as in the tests.
+For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u
+by coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry
+in numpy predicts; calibrations and frames per second. Needs the package to be importable, as in the tests.
 """
 
 import argparse
@@ -147,7 +147,8 @@ def predicted_share(setup: Setup, draws: int = DRAWS, seed: int = 2026) -> float
 
 def show(name: str, campaign: Campaign) -> None:
     """Print one campaign."""
-    print(f"{name}: {campaign.runs} runs, {campaign.finished} finished, {campaign.disagreements} disagreements with numpy")
+    print(f"{name}: {campaign.runs} runs, {campaign.finished} finished")
+    print(f"  disagreements with numpy: {campaign.disagreements}")
     print(f"  largest difference from numpy, over max|K|: {campaign.largest_difference:.1e}")
     print(f"  gravity check passed: {campaign.passed:.1%}, predicted {campaign.predicted:.1%}")
     print(f"  {'(estimate - truth)/u':>20}  {'mean':>6}  {'rms':>6}")
@@ -162,7 +163,8 @@ def show_speed(runs: int) -> None:
     setup, _ = setup_of(STANDS[0])
     summary = run_program(setup, "--runs", str(runs), "--summary", "--jobs", "1")[0]
     print(
-        f"one core: {summary['calibrations_per_s']:.0f} calibrations/s, {summary['frames_per_s'] / 1e6:.2f} million frames/s"
+        f"one core: {summary['calibrations_per_s']:.0f} calibrations/s,"
+        f" {summary['frames_per_s'] / 1e6:.2f} million frames/s"
         f" (of processor time: {summary['calibrations_per_cpu_s']:.0f}, {summary['frames_per_cpu_s'] / 1e6:.2f})"
     )
 

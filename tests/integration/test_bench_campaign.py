@@ -1,4 +1,4 @@
-"""Campaigns of tumble-bench on the example stands: no disagreement with numpy, errors as large as the stand predicts."""
+"""Campaigns of tumble-bench on the example stands: numpy never disagrees, errors are as large as predicted."""
 
 import sys
 

@@ -79,7 +79,7 @@ def test_python_canopen_homes_and_moves_the_axis_and_reads_every_object(tmp_path
         disconnect(net)
         assert run.wait() == 0
     assert (run.document["end"], run.document["table"]["at_rest"]) == ("left", True)
-    assert run.document["table"]["highest_deg"] >= 90.0 and run.document["table"]["lowest_deg"] <= -45.0
+    assert run.document["table"]["highest_deg"] > 89.99 and run.document["table"]["lowest_deg"] < -44.99
 
 
 def configure(drive):
@@ -94,6 +94,7 @@ def configure(drive):
         pdo.event_timer = None if pdo is drive.rpdo[1] else 50
         pdo.save()
     drive.sdo[0x1016][1].raw = 1 << 16 | 500
+    drive.sdo[0x6098].raw = 34
     drive.sdo[0x6081].raw = round(360 * COUNTS_PER_DEG)
     drive.sdo[0x6083].raw = drive.sdo[0x6084].raw = round(1000 * COUNTS_PER_DEG)
     drive.sdo[0x6099][1].raw = round(45 * COUNTS_PER_DEG)

@@ -4,7 +4,7 @@ The list is a CSV file (caller,targets). A caller is a function that calls throu
 blanks, are of three kinds:
 
     name               every function of the image with that name
-    table+offset/row   the pointers in one column of a const table, read from the image: bytes to the column, bytes a row
+    table+offset/row   the pointers in one column of a const table, read from the image (bytes to it, bytes per row)
     board              code of the board (port, hooks), whose stack is the board's own matter
 
 It cannot be forgotten. Linked with --emit-relocs, the image tells where it holds addresses: a function whose address is

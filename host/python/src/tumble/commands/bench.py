@@ -24,15 +24,15 @@ def add_to(subparsers) -> None:
         " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
         " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 130 interrupted, the table stopped.",
     )
-    parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; the same gives the same bytes; default: 1")
+    parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; replays a run exactly; default: 1")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
-    parser.add_argument("--block", metavar="FILE", help="file of the tables [block], [block.true]; overrides the stand's")
+    parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
     parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
     parser.add_argument("--bus", choices=BUSES, default=BUSES[0], help="default: inprocess")
     parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
-    parser.add_argument("--interactive", action="store_true", help="ask for the mountings, and what to do after a fault")
+    parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
     parser.add_argument(
         "--limit",
         metavar="G",
@@ -74,23 +74,18 @@ def _read_setup(arguments: argparse.Namespace):
 
     from dataclasses import replace
 
-    from tumble import core, standfile
+    from tumble import standfile
     from tumble.bench.setup import Setup
     from tumble.core_averaging import MAX_SAMPLES
-    from tumble.schedulefile import read_schedule
     from tumble.stand import PAPER_STAND
 
     samples = None if arguments.samples is None else _parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    schedule = _read_schedule(arguments)
     file = None if arguments.stand is None else standfile.read_stand(arguments.stand)
     stand = PAPER_STAND if file is None else file.stand
     block, truth = (None, None) if file is None else (file.block, file.truth)
     if arguments.block is not None:
         block, truth = standfile.read_block(arguments.block)
-    if arguments.schedule is None:
-        schedule = core.CoreSchedule(core.paper_schedule())
-    else:
-        schedule = read_schedule(arguments.schedule)
-        _require_usable(schedule, arguments)
     if limit_g is None:
         limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
@@ -115,14 +110,18 @@ def _parse_whole(text: str, option: str, low: int, high: int) -> int:
     raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
 
 
-def _require_usable(schedule, arguments: argparse.Namespace) -> None:
-    """The estimators of the paper need the paper's positions. Raises BadInput."""
-    from tumble.core import CoreRefusal
+def _read_schedule(arguments: argparse.Namespace):
+    """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
+    from tumble.core import CoreRefusal, CoreSchedule, paper_schedule
+    from tumble.schedulefile import read_schedule
 
-    if arguments.estimator == "least_squares":
-        return
+    if arguments.schedule is None:
+        return CoreSchedule(paper_schedule())
+    schedule = read_schedule(arguments.schedule)
     try:
-        schedule.harmonic()
+        if arguments.estimator != "least_squares":
+            schedule.harmonic()
+        return schedule
     except CoreRefusal:
         message = f"lacks positions that {arguments.estimator} needs; least_squares solves any schedule"
         raise BadInput(message, arguments.schedule) from None
