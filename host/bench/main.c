@@ -100,7 +100,8 @@ int main(int count, char *arguments[])
     }
     const int code = run(&options);
     if (fflush(stdout) != 0) {
-        return refuse("standard output cannot be written");
+        (void)refuse("standard output cannot be written");
+        return BENCH_EXIT_FAULT;
     }
     return code;
 }
