@@ -37,7 +37,7 @@ def _colour(good: bool) -> str:
 
 
 def _coefficients(solution: Solution) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim")
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="dim")
     for heading in presentation.coefficient_headings(solution):
         table.add_column(heading, justify="left" if heading in ("", "unit") else "right", no_wrap=True)
     for name, value, unit, u, relative, difference, *known in presentation.coefficient_rows(solution):
