@@ -1,11 +1,13 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
-# Hold libraries to a row of boards/budget.csv, as part of the build: they are linked whole, with what they keep in RAM,
-# and measured. The target is budget_<name>.
+# Hold libraries to a row of boards/budget.csv, as part of the build: they are linked with what they keep in RAM, and
+# measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where indirect calls lead
+# (tools/footprint/calls.py); without it there must be none. The target is budget_<name>.
 #
-#   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ON_DEMAND])
+#   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ROOTS <symbols>]
+#                 [CALLS <file>] [ON_DEMAND])
 function(tumble_budget name)
-  cmake_parse_arguments(arg "ON_DEMAND" "ROW" "LIBRARIES;RESIDENT" ${ARGN})
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "LIBRARIES;RESIDENT;ROOTS" ${ARGN})
   set(all ALL)
   if(arg_ON_DEMAND)
     set(all)
@@ -24,10 +26,20 @@ function(tumble_budget name)
   target_link_options(${image} PRIVATE -nostdlib LINKER:--entry=0 LINKER:-Map=$<TARGET_FILE:${image}>.map)
   target_link_libraries(${image} PRIVATE tumble_flags -Wl,--start-group gcc c m nosys -Wl,--end-group)
 
+  if(arg_ROOTS)
+    list(TRANSFORM arg_ROOTS PREPEND LINKER:--require-defined= OUTPUT_VARIABLE roots)
+    target_link_options(${image} PRIVATE LINKER:--gc-sections ${roots})
+  endif()
+  set(calls)
+  if(arg_CALLS)
+    target_link_options(${image} PRIVATE LINKER:--emit-relocs)
+    set(calls --calls ${arg_CALLS})
+  endif()
+
   add_custom_target(budget_${name} ${all}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/budget
       --limits ${PROJECT_SOURCE_DIR}/boards/budget.csv --target ${CMAKE_SYSTEM_PROCESSOR} --part ${arg_ROW}
-      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map
+      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map ${calls}
       --out ${CMAKE_CURRENT_BINARY_DIR}/budget_${name}.csv @${object_list}
-    DEPENDS ${image} VERBATIM)
+    DEPENDS ${image} ${arg_CALLS} VERBATIM)
 endfunction()

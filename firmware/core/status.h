@@ -30,7 +30,17 @@
     X(TUMBLE_E_REORDERED, "a sample counter went backwards")                                                           \
     X(TUMBLE_E_LOST, "more samples were lost than allowed")                                                            \
     X(TUMBLE_E_STUCK, "a channel repeated one value too often")                                                        \
-    X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")
+    X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")                                  \
+    X(TUMBLE_E_STATE, "the command is not allowed in this state")                                                      \
+    X(TUMBLE_E_PORT_BUSY, "the CAN controller has no room for a frame now")                                            \
+    X(TUMBLE_E_PORT_EMPTY, "no received frame is waiting")                                                             \
+    X(TUMBLE_E_PORT_DOWN, "the CAN controller is off the bus")                                                         \
+    X(TUMBLE_E_STAND_STATE, "the stand does not allow this action in its state")                                       \
+    X(TUMBLE_E_SDO_BUSY, "an SDO transfer is already under way")                                                       \
+    X(TUMBLE_E_SDO_ABORTED, "the SDO transfer was aborted by the other node")                                          \
+    X(TUMBLE_E_SDO_TIMEOUT, "the SDO server did not answer in time")                                                   \
+    X(TUMBLE_E_FRAME, "a frame is malformed")                                                                          \
+    X(TUMBLE_E_CRC, "a checksum does not agree")
 
 typedef enum {
 #define TUMBLE_STATUS_ENUM(name, sentence) name,

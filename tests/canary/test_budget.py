@@ -15,12 +15,64 @@ REJECTED = {
     "heap": r"cortex-m4 core: heap\.c\.obj needs malloc",
 }
 
+REJECTED_OF_NAVCOMP = {
+    "code": r"cortex-m4 navcomp: code \d+ B exceeds its limit of \d+ B",
+    "static_ram": r"cortex-m4 navcomp: static_ram \d+ B exceeds its limit of 4096 B",
+    "deep": r"cortex-m4 navcomp: stack \d+ B exceeds its limit of 1024 B",
+    "recursion": r"cortex-m4 navcomp: recursion: canary_(even|odd) -> canary_(odd|even) -> canary_(even|odd)",
+    "indirect": r"cortex-m4 navcomp: indirect call in canary_call",
+    "unlisted": r"cortex-m4 navcomp: \S+calls\.csv: canary_unlisted has its address taken and is nobody's target",
+}
+
 
 @pytest.mark.parametrize("defect", REJECTED)
 def test_build_rejects(cortex_m4, defect):
     result = cortex_m4(f"budget_canary_{defect}")
     assert result.returncode != 0
     assert re.search("^budget: " + REJECTED[defect], result.stdout, re.MULTILINE), result.stdout
+
+
+@pytest.mark.parametrize("defect", REJECTED_OF_NAVCOMP)
+def test_build_rejects_in_navcomp(cortex_m4, defect):
+    result = cortex_m4(f"budget_canary_navcomp_{defect}")
+    assert result.returncode != 0
+    assert re.search("^budget: " + REJECTED_OF_NAVCOMP[defect], result.stdout, re.MULTILINE), result.stdout
+
+
+def test_build_accepts_navcomp_with_harmless_code(cortex_m4):
+    result = cortex_m4("budget_canary_navcomp_clean")
+    assert result.returncode == 0, result.stdout
+
+
+# Edits of the committed list of indirect calls, and what must be said of the list then.
+SPOILT_LISTS = {
+    "a call without an entry": ("take_sample,board\n", "", "indirect call in take_sample"),
+    "an entry without its call": ("take_sample,board\n", "take_sample,board\ncanary_clean,board\n",
+                                  "canary_clean calls nothing through a pointer"),
+    "a target left out": ("tell_heartbeat,tumble_navcomp_node_events+8/20\n", "tell_heartbeat,board\n",
+                          "heartbeat has its address taken and is nobody's target"),
+    "a target that is none": ("take_sample,board\n", "take_sample,tumble_pdo_step\n",
+                              "tumble_pdo_step is a target, and nobody holds its address"),
+    "no such function": ("take_sample,board\n", "take_sample,canary\n", "the image has no function canary"),
+    "no such table": ("estimators+0/4", "canaries+0/4", "the image has 0 tables canaries"),
+    "no such column": ("estimators+0/4", "estimators+0/8", "estimators of 12 B has no column 0 of rows of 8 B"),
+}
+
+
+@pytest.mark.parametrize("spoilt", SPOILT_LISTS)
+def test_a_list_of_calls_that_disagrees_with_the_image_is_rejected(cortex_m4, tmp_path, spoilt):
+    assert cortex_m4("budget_canary_navcomp_clean").returncode == 0
+    old, new, message = SPOILT_LISTS[spoilt]
+    listed = (ROOT / "firmware/calls.csv").read_text()
+    assert listed.count(old) == 1
+    (tmp_path / "calls.csv").write_text(listed.replace(old, new))
+    built = ROOT / "build/cortex-m4/tests/canary/budget"
+    image = built / "footprint_canary_navcomp_clean"
+    result = run("tools/budget", "--limits", "boards/budget.csv", "--target", "cortex-m4", "--part", "navcomp",
+                 "--image", image, "--map", f"{image}.map", "--calls", tmp_path / "calls.csv",
+                 f"@{built / 'canary_navcomp_clean.objects'}")
+    assert result.returncode == 1, result.stdout
+    assert message in result.stdout
 
 
 def test_only_the_planted_limit_is_exceeded(cortex_m4):

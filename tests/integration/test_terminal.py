@@ -71,3 +71,11 @@ def test_a_terminal_without_unicode_gets_ascii():
 
 def test_a_narrow_terminal_gets_all_of_it():
     assert "K_xx" in on_terminal(SOLVE, columns=40)
+
+
+def test_the_truth_fits_beside_the_coefficients(tmp_path):
+    bench = [sys.executable, "-m", "tumble", "bench", "--out", str(tmp_path / "run")]
+    shown = without_styles(on_terminal(bench))
+    assert "\u2026" not in shown
+    assert max(len(line) for line in shown.split("run folder:")[1].splitlines()[1:]) <= 80
+    assert "truth" in shown and "error/u" in shown

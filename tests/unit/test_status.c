@@ -33,6 +33,16 @@ static void test_numbers_on_the_wire_never_change(void)
         TUMBLE_E_LOST,
         TUMBLE_E_STUCK,
         TUMBLE_E_NOT_STILL,
+        TUMBLE_E_STATE,
+        TUMBLE_E_PORT_BUSY,
+        TUMBLE_E_PORT_EMPTY,
+        TUMBLE_E_PORT_DOWN,
+        TUMBLE_E_STAND_STATE,
+        TUMBLE_E_SDO_BUSY,
+        TUMBLE_E_SDO_ABORTED,
+        TUMBLE_E_SDO_TIMEOUT,
+        TUMBLE_E_FRAME,
+        TUMBLE_E_CRC,
     };
     for (size_t i = 0; i < COUNT_OF(in_order); i++) {
         TEST_ASSERT_EQUAL_INT((int)i, (int)in_order[i]);

@@ -1,7 +1,8 @@
 """Worst-case stack of Thumb code, by walking every path of the disassembly and following the stack pointer.
 
 The walk knows no function boundaries: a tail branch is simply followed, hand-written library code is read like any
-other. What it cannot bound it refuses: recursion, an indirect call, a stack pointer set from a register.
+other. What it cannot bound it refuses: recursion, a stack pointer set from a register, an indirect call of which nobody
+says where it may lead (calls.py).
 """
 import re
 from dataclasses import dataclass, field
@@ -85,8 +86,10 @@ def _growth(base, operands):
 class Walk:
     """Worst-case stack per function of one program."""
 
-    def __init__(self, program):
+    def __init__(self, program, targets=lambda caller: None):
+        """`targets` gives, by the name of the caller, where its indirect calls may lead: addresses, or None."""
         self.program = program
+        self._targets = targets
         self._known = {}
         self._open = []
 
@@ -118,17 +121,17 @@ class Walk:
             if (address, depth) in seen or (bounds is not None and address not in bounds):
                 continue
             seen.add((address, depth))
-            grown, callee, successors = self._step(address)
+            grown, callees, successors = self._step(address)
             if depth + grown > DEEPEST:
                 raise Unbounded(f"stack grows in a loop in {self.program.name_at(address)}")
-            points |= {(depth, callee), (depth + grown, None)}
+            points |= {(depth, callee) for callee in callees} | {(depth, None), (depth + grown, None)}
             ahead += [(target, depth + change) for target, change in successors]
         return points
 
     def _step(self, address):
-        """Growth, callee and (successor, change of depth) pairs of the instruction at an address."""
+        """Growth, callees and (successor, change of depth) pairs of the instruction at an address."""
         if address not in self.program.code:
-            return 0, None, []  # data: reached only behind a call that does not return
+            return 0, [], []  # data: reached only behind a call that does not return
         instruction = self.program.code[address]
         name, operands, following = instruction.mnemonic, instruction.operands, instruction.following
         base, conditional = MNEMONICS.get(name, (name, False))
@@ -136,23 +139,31 @@ class Walk:
         if base in ("b", "bl", "cbz", "cbnz"):
             return self._branch(base, operands, following, skip)
         if base in ("tbb", "tbh"):
-            return 0, None, [(target, 0) for target in self._table(address, base)]
-        if base == "blx" or (base == "bx" and operands != "lr"):
-            raise Unbounded(f"indirect call in {self.program.name_at(address)} ({address:#x}: {name} {operands})")
+            return 0, [], [(target, 0) for target in self._table(address, base)]
+        if base == "blx" or (base == "bx" and operands != "lr") or re.match(r"pc, \[(?!sp)", operands):
+            return 0, self._indirect(address), skip + ([(following, 0)] if base == "blx" else [])
         if base == "udf":
-            return 0, None, []
+            return 0, [], []
         grown, returns = _growth(base, operands)
         if grown is None:
             where = f"{self.program.name_at(address)} ({address:#x}: {name} {operands})"
             raise Unbounded(f"stack of unknown size in {where}")
-        return grown, None, skip + ([] if returns else [(following, grown)])
+        return grown, [], skip + ([] if returns else [(following, grown)])
+
+    def _indirect(self, address):
+        caller, instruction = self.program.name_at(address), self.program.code[address]
+        targets = self._targets(caller)
+        if targets is None:
+            where = f"{address:#x}: {instruction.mnemonic} {instruction.operands}"
+            raise Unbounded(f"indirect call in {caller} ({where})")
+        return sorted(targets)
 
     @staticmethod
     def _branch(base, operands, following, skip):
         target = int(re.search(r"([0-9a-f]+) <", operands)[1], 16)
         if base == "bl":
-            return 0, target, [(following, 0)]
-        return 0, None, [(target, 0)] + ([(following, 0)] if base.startswith("cb") else skip)
+            return 0, [target], [(following, 0)]
+        return 0, [], [(target, 0)] + ([(following, 0)] if base.startswith("cb") else skip)
 
     def _table(self, address, base):
         """Targets of a table branch; the table follows it and ends where the code goes on."""

@@ -10,11 +10,11 @@ import sys
 import traceback
 
 from tumble import __version__
-from tumble.commands import export, solve
+from tumble.commands import bench, export, solve
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_INTERRUPTED, TumbleError, UsageError
 from tumble.files import reason
 
-_COMMANDS = (solve, export)
+_COMMANDS = (solve, bench, export)
 
 
 class _Parser(argparse.ArgumentParser):

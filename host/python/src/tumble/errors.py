@@ -1,6 +1,6 @@
 """What can go wrong, as the user is told: one line, and an exit code.
 
-0 pass   1 limits failed   2 usage or bad input   3 disagreement with numpy   130 interrupted
+0 pass   1 limits failed   2 usage or bad input   3 fault of the bench, disagreement with numpy   130 interrupted
 """
 
 from __future__ import annotations
@@ -49,7 +49,19 @@ class BadInput(TumbleError):
         super().__init__(": ".join([file_name(file), *([", ".join(place)] if place else []), message]))
 
 
-class Disagreement(TumbleError):
+class BenchFault(TumbleError):
+    """A run on the bench that failed: a fault of the stand, of the block, of the bus, or of the bench itself."""
+
+    exit_code = EXIT_DISAGREEMENT
+
+
+class Interrupted(TumbleError):
+    """The user did not want to wait for the end; the table was stopped first."""
+
+    exit_code = EXIT_INTERRUPTED
+
+
+class Disagreement(BenchFault):
     """The firmware core and the numpy witness do not agree: one of them is wrong, so neither result is given."""
 
     exit_code = EXIT_DISAGREEMENT

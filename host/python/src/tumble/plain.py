@@ -10,7 +10,7 @@ from tumble.solution import Solution
 def render(solution: Solution, file: str) -> str:
     """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
     lines = [presentation.title(solution, file), ""]
-    lines += _table([presentation.COEFFICIENT_HEADINGS, *presentation.coefficient_rows(solution)])
+    lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
     lines += ([presentation.HINT] if solution.u_k is None else []) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]

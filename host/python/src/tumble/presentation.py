@@ -12,7 +12,8 @@ from tumble.schedule import CHECK
 from tumble.solution import Solution
 from tumble.stand import noise_unit
 
-COEFFICIENT_HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+_HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+_HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 HINT = "For uncertainties, describe the stand: --stand FILE"
 BAR_WIDTH = 36
 _UNKNOWN = "unknown"
@@ -37,12 +38,19 @@ def title(solution: Solution, file: str) -> str:
     return f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}"
 
 
+def coefficient_headings(solution: Solution) -> tuple[str, ...]:
+    """One for each column of `coefficient_rows`."""
+    return _HEADINGS if solution.truth is None else _HEADINGS_WITH_TRUTH
+
+
 def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
-    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy.
+    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy; of a
+    simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
     An uncertainty of K is given relative to the coefficient, in ppm; one of U0 over the channel's scale, in ug.
     """
     unit, rows = solution.run.unit, []
+    errors = None if solution.truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
@@ -50,13 +58,28 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             relative = _ratio(u, solution.found.k[i, j], "ppm")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
-            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference))
+            known = () if solution.truth is None else _known(solution.truth.k[i, j], errors[0][i, j], decimals)
+            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if solution.u_u0 is None else solution.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug ")
         difference = _difference(solution.comparison.u0[i])
-        rows.append((f"U0_{channel}", f"{solution.found.u0[i]:+.{decimals}f}", unit, _u(u), relative, difference))
+        value = f"{solution.found.u0[i]:+.{decimals}f}"
+        known = () if solution.truth is None else _known(solution.truth.u0[i], errors[1][i], decimals)
+        rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
     return rows
+
+
+def _errors_over_u(solution: Solution) -> tuple[np.ndarray, np.ndarray]:
+    """Estimate less truth over the standard uncertainty: (3, 3) and (3,). A stand without errors leaves none: NaN."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        of_k = (solution.found.k - solution.truth.k) / solution.u_k
+        of_u0 = (solution.found.u0 - solution.truth.u0) / solution.u_u0
+    return np.where(solution.u_k > 0, of_k, np.nan), np.where(solution.u_u0 > 0, of_u0, np.nan)
+
+
+def _known(truth: float, error: float, decimals: int) -> tuple[str, str]:
+    return f"{truth:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}"
 
 
 def _u(u: float | None) -> str:
@@ -96,6 +119,7 @@ def remarks(solution: Solution) -> list[str]:
     """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
     unit, seen = solution.run.unit, solution.stand_seen
     lines = _fit_and_check(solution)
+    lines += [] if solution.truth is None else _truth_remarks(solution)
     lines += [
         f"Closure of mounting {mounting}: {_three(difference)} {unit}"
         for mounting, difference in solution.found.closure.items()
@@ -111,6 +135,14 @@ def remarks(solution: Solution) -> list[str]:
         declared = "" if solution.stand is None else f", declared {solution.stand.sigma('noise'):.2e} {unit}"
         lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} {unit}{declared}")
     return lines
+
+
+def _truth_remarks(solution: Solution) -> list[str]:
+    errors, names = np.concatenate([part.ravel() for part in _errors_over_u(solution)]), coefficient_rows(solution)
+    if np.isnan(errors).all():
+        return []
+    worst = int(np.nanargmax(np.abs(errors)))
+    return [f"Largest error against the truth: {abs(errors[worst]):.2f} u, of {names[worst][0]}"]
 
 
 def _fit_and_check(solution: Solution) -> list[str]:

@@ -1,4 +1,4 @@
-"""Results as JSON documents of schema tumble.result/1: written by solve, read by export.
+"""Results as JSON documents of schema tumble.result/1: written by solve and bench, read by export.
 
 Unknown is null, never NaN. Numbers have as many digits as it takes to read back the same bits.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from tumble.dialect import UNIT
 from tumble.errors import BadInput, quoted
 from tumble.files import read_bytes
-from tumble.solution import Solution
+from tumble.solution import Solution, Truth
 
 SCHEMA = "tumble.result/1"
 
@@ -95,6 +95,18 @@ def _means(solution: Solution) -> list[dict[str, Any]]:
         }
         for index, place in _places(solution)
     ]
+
+
+def truth(known: Truth) -> dict[str, Any]:
+    """What a simulated run was made of."""
+    return {
+        "K": known.k.tolist(),
+        "U0": known.u0.tolist(),
+        "alpha1_rad": known.alpha1,
+        "alpha2_rad": known.alpha2,
+        "alpha3_rad": list(known.alpha3),
+        "alpha4_rad": list(known.alpha4),
+    }
 
 
 def to_json(result: dict[str, Any]) -> str:

@@ -16,11 +16,25 @@ from tumble.stand import Stand, volts_per
 
 
 @dataclass(frozen=True)
+class Truth:
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3` by mounting and
+    `alpha4` by position."""
+
+    k: np.ndarray
+    u0: np.ndarray
+    alpha1: float
+    alpha2: float
+    alpha3: tuple[float, ...]
+    alpha4: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
-    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it.
+    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it; `truth`: None for a run
+    that was measured.
     """
 
     schedule: Schedule
@@ -32,6 +46,7 @@ class Solution:
     u_u0: np.ndarray | None
     stand: Stand | None
     stand_seen: dict[str, float | None]
+    truth: Truth | None = None
 
     @property
     def worst_position(self) -> int:

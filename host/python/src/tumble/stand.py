@@ -53,3 +53,15 @@ class Stand:
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
         return getattr(self, source) / _SIGMAS_PER_LIMIT[self.limits]
+
+
+PAPER_STAND = Stand(  # equation (5)
+    axis_tilt=2e-5,
+    level=2e-5,
+    remount=4e-4,
+    angle=4e-5,
+    noise=3e-4,
+    samples=50,
+    limits="sigma1",
+    name="single-axis rotary stand of the paper",
+)

@@ -59,6 +59,15 @@ def read_stand(file: str) -> StandFile:
     )
 
 
+def read_block(file: str) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Read a file of [block] and [block.true] alone, which overrides a stand file's. Raises BadInput."""
+    top = read_toml(file).only("block")
+    block = top.table("block")
+    if block is None:
+        raise top.refuse("no table [block]")
+    return _block(block), _truth(block)
+
+
 def _stand(table: Table) -> Stand:
     angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
     table.only("name", *angles, "noise_v", "samples", "limits", "remount")

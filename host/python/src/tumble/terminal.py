@@ -37,12 +37,12 @@ def _colour(good: bool) -> str:
 
 
 def _coefficients(solution: Solution) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim")
-    for heading in presentation.COEFFICIENT_HEADINGS:
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="dim")
+    for heading in presentation.coefficient_headings(solution):
         table.add_column(heading, justify="left" if heading in ("", "unit") else "right", no_wrap=True)
-    for name, value, unit, u, relative, difference in presentation.coefficient_rows(solution):
+    for name, value, unit, u, relative, difference, *known in presentation.coefficient_rows(solution):
         styled = Text(name, style="bold"), Text(value, style="cyan")
-        table.add_row(*styled, unit, u, relative, Text(difference, style="dim"))
+        table.add_row(*styled, unit, u, relative, Text(difference, style="dim"), *known)
     return table
 
 

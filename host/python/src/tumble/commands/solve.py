@@ -42,7 +42,7 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
-    limit_g = None if arguments.limit is None else _parse_limit(arguments.limit)
+    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
     wishes = _wishes(arguments)
 
     from tumble import core, result
@@ -76,11 +76,12 @@ def run(arguments: argparse.Namespace) -> int:
         text = result.to_json(result.document(solution, item, environment))
     if arguments.out is not None:
         write_text(arguments.out, text)
-    _print(solution, text if arguments.json else None, arguments.run)
+    print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
 
-def _parse_limit(text: str) -> float:
+def parse_limit(text: str) -> float:
+    """The value of --limit, g. Raises UsageError."""
     from tumble.dialect import NUMBER
 
     limit_g = float(text) if NUMBER.fullmatch(text) else math.nan
@@ -100,14 +101,15 @@ def _wishes(arguments: argparse.Namespace):
     )
 
 
-def _print(solution, json_text: str | None, file: str) -> None:
+def print_solution(solution, json_text: str | None, title: str) -> None:
+    """As JSON, or for people: with rich on a terminal. `title`: what was solved."""
     if json_text is not None:
         sys.stdout.write(json_text)
     elif sys.stdout.isatty():
         from tumble.terminal import show
 
-        show(solution, os.path.basename(file))
+        show(solution, title)
     else:
         from tumble.plain import render
 
-        sys.stdout.write(render(solution, os.path.basename(file)))
+        sys.stdout.write(render(solution, title))

@@ -1,0 +1,288 @@
+#include "canopen/dictionary.h"
+
+#include "canopen/bytes.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+/* Index and subindex as one number that sorts as the table does. */
+static uint32_t key_of(uint16_t index, uint8_t subindex)
+{
+    return ((uint32_t)index << 8) | subindex;
+}
+
+/* Place of the first entry that is not below the key. */
+static uint16_t lower_bound(const tumble_object_table_t *table, uint32_t key)
+{
+    uint16_t low = 0;
+    uint16_t high = table->count;
+
+    while (low < high) {
+        uint16_t middle = (uint16_t)(low + ((high - low) / 2));
+        const tumble_entry_t *entry = &table->entries[middle];
+
+        if (key_of(entry->index, entry->subindex) < key) {
+            low = (uint16_t)(middle + 1);
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+const tumble_entry_t *tumble_dictionary_find(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
+                                             tumble_abort_t *refusal)
+{
+    const tumble_object_table_t *table = dictionary->table;
+    uint16_t place = lower_bound(table, key_of(index, subindex));
+    const tumble_entry_t *found = NULL;
+    bool object = (place > 0U) && (table->entries[place - 1U].index == index);
+
+    if ((place < table->count) && (table->entries[place].index == index)) {
+        object = true;
+        if (table->entries[place].subindex == subindex) {
+            found = &table->entries[place];
+        }
+    }
+    if (refusal != NULL) {
+        if (found != NULL) {
+            *refusal = TUMBLE_ABORT_NONE;
+        } else {
+            *refusal = object ? TUMBLE_ABORT_NO_SUBINDEX : TUMBLE_ABORT_NO_OBJECT;
+        }
+    }
+    return found;
+}
+
+static bool is_string(const tumble_entry_t *entry)
+{
+    return entry->type == TUMBLE_TYPE_VISIBLE_STRING;
+}
+
+static const tumble_object_owner_t *owner_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
+{
+    return (entry->home == TUMBLE_HOME_COMMUNICATION) ? &dictionary->communication : &dictionary->application;
+}
+
+/* The variable of an entry whose home is RAM, else null. */
+static uint8_t *variable_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
+{
+    uint8_t *at = NULL;
+
+    if (entry->home == TUMBLE_HOME_VARIABLES) {
+        at = (uint8_t *)dictionary->variables + entry->offset;
+    } else if (entry->home == TUMBLE_HOME_OTHER) {
+        at = (uint8_t *)dictionary->other + entry->offset;
+    } else {
+        /* no variable */
+    }
+    return at;
+}
+
+/* Padded with zeros up to its size, or as long as it can be. */
+static uint8_t string_length(const uint8_t *at, uint8_t size)
+{
+    uint8_t length = 0;
+
+    while ((length < size) && (at[length] != 0U)) {
+        ++length;
+    }
+    return length;
+}
+
+static bool machine_is_little_endian(void)
+{
+    const uint16_t one = 1;
+
+    return *(const uint8_t *)&one == 1U;
+}
+
+/* Between the machine's own form of a number and little-endian bytes, either way. */
+static void copy_number(uint8_t *to, const uint8_t *from, uint8_t size)
+{
+    for (uint8_t i = 0; i < size; ++i) {
+        to[i] = machine_is_little_endian() ? from[i] : from[size - 1U - i];
+    }
+}
+
+void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, uint8_t *bytes, uint8_t *size)
+{
+    const uint8_t *at = (const uint8_t *)variable;
+
+    if (is_string(entry)) {
+        *size = string_length(at, entry->size);
+        (void)memcpy(bytes, at, *size);
+    } else {
+        *size = entry->size;
+        copy_number(bytes, at, entry->size);
+    }
+}
+
+/* The reverse. */
+static void unpack(const tumble_entry_t *entry, uint8_t *at, const uint8_t *bytes, uint8_t size)
+{
+    if (is_string(entry)) {
+        (void)memset(at, 0, entry->size);
+        (void)memcpy(at, bytes, size);
+    } else {
+        copy_number(at, bytes, size);
+    }
+}
+
+/* A hook can make a string shorter, never a value longer. */
+static tumble_abort_t read_by_hook(const tumble_object_owner_t *owner, const tumble_entry_t *entry, uint8_t *bytes,
+                                   uint8_t *size)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NO_DATA;
+
+    if ((owner->hooks != NULL) && (owner->hooks->read != NULL)) {
+        refusal = owner->hooks->read(owner->context, entry, bytes, size);
+    }
+    if ((*size > entry->size) || !is_string(entry)) {
+        *size = entry->size;
+    }
+    return refusal;
+}
+
+tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
+                                      uint8_t *bytes, uint8_t *size)
+{
+    const uint8_t *variable = variable_of(dictionary, entry);
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    *size = entry->size;
+    if ((entry->access & TUMBLE_ACCESS_READ) == 0U) {
+        refusal = TUMBLE_ABORT_WRITE_ONLY;
+    } else if (entry->home == TUMBLE_HOME_IMMEDIATE) {
+        tumble_put_u64(bytes, entry->offset);
+    } else if (entry->home == TUMBLE_HOME_CONSTANT) {
+        tumble_dictionary_pack(entry, (const uint8_t *)dictionary->table->constants + entry->offset, bytes, size);
+    } else if (variable != NULL) {
+        tumble_dictionary_pack(entry, variable, bytes, size);
+    } else {
+        refusal = read_by_hook(owner_of(dictionary, entry), entry, bytes, size);
+    }
+    return refusal;
+}
+
+/* A number of any type that can have limits. */
+static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
+{
+    double number;
+
+    switch (entry->type) {
+    case TUMBLE_TYPE_INTEGER8:
+        number = tumble_get_i8(bytes);
+        break;
+    case TUMBLE_TYPE_INTEGER16:
+        number = tumble_get_i16(bytes);
+        break;
+    case TUMBLE_TYPE_INTEGER32:
+        number = tumble_get_i32(bytes);
+        break;
+    case TUMBLE_TYPE_REAL32:
+        number = (double)tumble_get_f32(bytes);
+        break;
+    case TUMBLE_TYPE_REAL64:
+        number = tumble_get_f64(bytes);
+        break;
+    case TUMBLE_TYPE_UNSIGNED16:
+        number = tumble_get_u16(bytes);
+        break;
+    case TUMBLE_TYPE_UNSIGNED32:
+        number = tumble_get_u32(bytes);
+        break;
+    default: /* UNSIGNED8, BOOLEAN; wider integers have no limits */
+        number = bytes[0];
+        break;
+    }
+    return number;
+}
+
+static bool is_real(const tumble_entry_t *entry)
+{
+    return (entry->type == TUMBLE_TYPE_REAL32) || (entry->type == TUMBLE_TYPE_REAL64);
+}
+
+static tumble_abort_t check_value(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
+                                  const uint8_t *bytes)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    if ((entry->type == TUMBLE_TYPE_BOOLEAN) && (bytes[0] > 1U)) {
+        refusal = TUMBLE_ABORT_VALUE;
+    } else if ((entry->limit != 0U) || is_real(entry)) {
+        double number = number_of(entry, bytes);
+
+        if ((number - number) != 0.0) { /* infinite or not a number */
+            refusal = TUMBLE_ABORT_VALUE;
+        } else if (entry->limit != 0U) {
+            const tumble_limit_t *limit = &dictionary->table->limits[entry->limit - 1U];
+
+            if (number > limit->high) {
+                refusal = TUMBLE_ABORT_TOO_HIGH;
+            } else if (number < limit->low) {
+                refusal = TUMBLE_ABORT_TOO_LOW;
+            } else {
+                /* within */
+            }
+        } else {
+            /* any finite number */
+        }
+    } else {
+        /* any value of the type */
+    }
+    return refusal;
+}
+
+tumble_abort_t tumble_dictionary_accepts(const tumble_entry_t *entry, uint32_t size)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    if ((entry->access & TUMBLE_ACCESS_WRITE) == 0U) {
+        refusal = TUMBLE_ABORT_READ_ONLY;
+    } else if (size > entry->size) {
+        refusal = TUMBLE_ABORT_TOO_LONG;
+    } else if ((size < entry->size) && !is_string(entry)) {
+        refusal = TUMBLE_ABORT_TOO_SHORT;
+    } else {
+        /* fits */
+    }
+    return refusal;
+}
+
+/* Ask the entry's owner. Without a hook a variable may be written, what is computed may not. */
+static tumble_abort_t write_by_hook(const tumble_object_owner_t *owner, const tumble_entry_t *entry,
+                                    const uint8_t *bytes, uint8_t size)
+{
+    bool computed = (entry->home == TUMBLE_HOME_COMPUTED) ||
+                    (entry->home == TUMBLE_HOME_COMMUNICATION);
+    tumble_abort_t refusal = computed ? TUMBLE_ABORT_ACCESS : TUMBLE_ABORT_NONE;
+
+    if ((owner->hooks != NULL) && (owner->hooks->write != NULL)) {
+        refusal = owner->hooks->write(owner->context, entry, bytes, size);
+    }
+    return refusal;
+}
+
+tumble_abort_t tumble_dictionary_write(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
+                                       const uint8_t *bytes, uint8_t size)
+{
+    tumble_abort_t refusal = tumble_dictionary_accepts(entry, size);
+
+    if (refusal == TUMBLE_ABORT_NONE) {
+        refusal = check_value(dictionary, entry, bytes);
+    }
+    if ((refusal == TUMBLE_ABORT_NONE) && (entry->home != TUMBLE_HOME_IMMEDIATE)) {
+        refusal = write_by_hook(owner_of(dictionary, entry), entry, bytes, size);
+    }
+    if (refusal == TUMBLE_ABORT_NONE) {
+        uint8_t *variable = variable_of(dictionary, entry);
+
+        if (variable != NULL) {
+            unpack(entry, variable, bytes, size);
+        }
+    }
+    return refusal;
+}

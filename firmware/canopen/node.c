@@ -1,0 +1,334 @@
+#include "canopen/node.h"
+
+#include "canopen/communication.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define MAX_NODE 127U
+
+/* The ranges of identifiers that CANopen gives to its services. */
+#define LAST_EMCY 0x0FFU
+#define LAST_HEARTBEAT 0x77FU
+
+/* An identifier of the predefined connection set is completed by the node's number. */
+static tumble_abort_t set_pdo(tumble_node_t *node, tumble_pdo_direction_t direction, uint8_t number,
+                              const tumble_pdo_setup_t *setup)
+{
+    tumble_pdo_setup_t own = *setup;
+
+    if ((own.cob_id & (TUMBLE_PDO_INVALID | MAX_NODE)) == 0U) {
+        own.cob_id |= node->config->node;
+    }
+    return tumble_pdo_configure(&node->pdos, &node->dictionary, direction, number, &own);
+}
+
+static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaults_t *defaults)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    node->on_error = defaults->on_error;
+    for (uint8_t i = 0; (i < TUMBLE_MAX_CONSUMERS) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+        refusal = tumble_nmt_set_consumer(&node->nmt, (uint8_t)(i + 1U), defaults->consumers[i]);
+    }
+    for (uint8_t i = 0; (i < defaults->receive_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+        refusal = set_pdo(node, TUMBLE_PDO_RECEIVE, i, &defaults->receive[i]);
+    }
+    for (uint8_t i = 0; (i < defaults->transmit_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+        refusal = set_pdo(node, TUMBLE_PDO_TRANSMIT, i, &defaults->transmit[i]);
+    }
+    return refusal;
+}
+
+/* Communication as after power-on; the link with its counters goes on. */
+static tumble_abort_t start(tumble_node_t *node)
+{
+    const tumble_node_config_t *config = node->config;
+
+    tumble_nmt_init(&node->nmt, config->node, config->defaults->heartbeat_ms);
+    tumble_sdo_server_init(&node->server, config->node);
+    tumble_sdo_client_drop(&node->client);
+    tumble_pdo_init(&node->pdos);
+    tumble_emcy_init(&node->emcy, config->node);
+    return set_defaults(node, config->defaults);
+}
+
+static bool are_usable(const tumble_pdo_setup_t *setups, uint8_t count, uint8_t most)
+{
+    return (count <= most) && ((count == 0U) || (setups != NULL));
+}
+
+static bool is_usable(const tumble_node_config_t *config, const tumble_node_binding_t *binding)
+{
+    const tumble_node_defaults_t *defaults = (config != NULL) ? config->defaults : NULL;
+
+    return (defaults != NULL) && (binding != NULL) && (config->table != NULL) && (binding->port != NULL) &&
+           (config->node >= 1U) && (config->node <= MAX_NODE) &&
+           are_usable(defaults->receive, defaults->receive_count, TUMBLE_MAX_RECEIVE_PDOS) &&
+           are_usable(defaults->transmit, defaults->transmit_count, TUMBLE_MAX_TRANSMIT_PDOS);
+}
+
+tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,
+                                 const tumble_node_binding_t *binding)
+{
+    if ((node == NULL) || !is_usable(config, binding)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    (void)memset(node, 0, sizeof *node);
+    node->config = config;
+    node->dictionary = (tumble_dictionary_t){
+        .table = config->table,
+        .variables = binding->variables,
+        .other = binding->other,
+        .application = {.hooks = config->hooks, .context = binding->context},
+        .communication = {.hooks = &tumble_communication_hooks, .context = node},
+    };
+    tumble_link_init(&node->link, binding->port);
+    tumble_sdo_client_init(&node->client);
+    return (start(node) == TUMBLE_ABORT_NONE) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+}
+
+static void *context_of(const tumble_node_t *node)
+{
+    return node->dictionary.application.context;
+}
+
+tumble_nmt_state_t tumble_node_state(const tumble_node_t *node)
+{
+    return (tumble_nmt_state_t)node->nmt.state;
+}
+
+/* SDO lives in these two states. */
+static bool has_sdo(const tumble_node_t *node)
+{
+    return (node->nmt.state == (uint8_t)TUMBLE_NMT_PRE_OPERATIONAL) ||
+           (node->nmt.state == (uint8_t)TUMBLE_NMT_OPERATIONAL);
+}
+
+static bool is_operational(const tumble_node_t *node)
+{
+    return node->nmt.state == (uint8_t)TUMBLE_NMT_OPERATIONAL;
+}
+
+/* What a change of state brings with it, if there was one. */
+static void follow_state(tumble_node_t *node, tumble_nmt_state_t before)
+{
+    const tumble_node_events_t *events = node->config->events;
+    tumble_nmt_state_t state = tumble_node_state(node);
+
+    if (state != before) {
+        if (state == TUMBLE_NMT_OPERATIONAL) {
+            tumble_pdo_start(&node->pdos);
+        }
+        if ((events != NULL) && (events->state_changed != NULL)) {
+            events->state_changed(context_of(node), state);
+        }
+    }
+}
+
+void tumble_node_set_state(tumble_node_t *node, tumble_nmt_state_t state)
+{
+    tumble_nmt_state_t before = tumble_node_state(node);
+
+    tumble_nmt_set_state(&node->nmt, state);
+    follow_state(node, before);
+}
+
+static void reset(tumble_node_t *node, bool application)
+{
+    const tumble_node_events_t *events = node->config->events;
+
+    if ((events != NULL) && (events->reset != NULL)) {
+        events->reset(context_of(node), application);
+    }
+    (void)start(node); /* the defaults passed at init */
+}
+
+static void receive_command(tumble_node_t *node, const tumble_can_frame_t *frame)
+{
+    tumble_nmt_state_t before = tumble_node_state(node);
+    uint8_t command = tumble_nmt_receive(&node->nmt, frame);
+
+    if ((command == (uint8_t)TUMBLE_NMT_RESET_NODE) || (command == (uint8_t)TUMBLE_NMT_RESET_COMMUNICATION)) {
+        reset(node, command == (uint8_t)TUMBLE_NMT_RESET_NODE);
+    } else {
+        follow_state(node, before);
+    }
+}
+
+static void receive_emergency(const tumble_node_t *node, const tumble_can_frame_t *frame)
+{
+    const tumble_node_events_t *events = node->config->events;
+    tumble_emergency_t emergency;
+    uint8_t from;
+
+    if (tumble_emcy_parse(frame, &from, &emergency) && (events != NULL) && (events->emergency != NULL)) {
+        events->emergency(context_of(node), from, &emergency);
+    }
+}
+
+static void tell_heartbeat(const tumble_node_t *node, uint8_t from, tumble_heartbeat_event_t event)
+{
+    const tumble_node_events_t *events = node->config->events;
+
+    if ((event != TUMBLE_HEARTBEAT_NOTHING) && (events != NULL) && (events->heartbeat != NULL)) {
+        events->heartbeat(context_of(node), from, event, tumble_nmt_state_of(&node->nmt, from));
+    }
+}
+
+static void receive_heartbeat(tumble_node_t *node, const tumble_can_frame_t *frame)
+{
+    uint8_t from;
+    tumble_heartbeat_event_t event = tumble_nmt_heard(&node->nmt, frame, node->now_us, &from);
+
+    tumble_communication_mend(node);
+    tell_heartbeat(node, from, event);
+}
+
+static void raise_communication(tumble_node_t *node, uint16_t code, uint8_t detail)
+{
+    const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {detail, 0, 0, 0, 0};
+
+    tumble_emcy_raise(&node->emcy, code, TUMBLE_ERROR_COMMUNICATION, info);
+}
+
+/* A PDO that falls short is reported when it begins to do so, not every time. */
+static bool receive_pdo(tumble_node_t *node, const tumble_can_frame_t *frame)
+{
+    const tumble_node_events_t *events = node->config->events;
+    bool before = tumble_pdo_any_fault(&node->pdos);
+    uint8_t number = 0;
+    tumble_pdo_outcome_t outcome = tumble_pdo_receive(&node->pdos, &node->dictionary, frame, &number);
+
+    if (outcome == TUMBLE_PDO_TAKEN) {
+        tumble_communication_mend(node);
+        if ((events != NULL) && (events->pdo_received != NULL)) {
+            events->pdo_received(context_of(node), number);
+        }
+    } else if ((outcome == TUMBLE_PDO_TOO_SHORT) && !before) {
+        raise_communication(node, TUMBLE_EMCY_PDO_LENGTH, number);
+    } else {
+        /* not a PDO, or known to be short */
+    }
+    return outcome != TUMBLE_PDO_NOT_MINE;
+}
+
+static bool is_other_node(const tumble_node_t *node, uint16_t id, uint16_t base, uint16_t last)
+{
+    return (id > base) && (id <= last) && (id != (base + node->config->node));
+}
+
+static bool is_answer(const tumble_node_t *node, uint16_t id)
+{
+    return (node->client.node != 0U) && (id == (TUMBLE_SDO_RESPONSE_ID + node->client.node));
+}
+
+bool tumble_node_receive(tumble_node_t *node, const tumble_can_frame_t *frame, uint64_t now_us)
+{
+    bool mine = true;
+
+    node->now_us = now_us;
+    if (frame->id == TUMBLE_NMT_ID) {
+        receive_command(node, frame);
+    } else if (is_other_node(node, frame->id, TUMBLE_EMCY_ID, LAST_EMCY)) {
+        receive_emergency(node, frame);
+    } else if (is_other_node(node, frame->id, TUMBLE_HEARTBEAT_ID, LAST_HEARTBEAT)) {
+        receive_heartbeat(node, frame);
+    } else if ((frame->id == (TUMBLE_SDO_REQUEST_ID + node->config->node)) && has_sdo(node)) {
+        tumble_sdo_server_receive(&node->server, &node->dictionary, frame, now_us);
+    } else if (is_answer(node, frame->id) && has_sdo(node)) {
+        tumble_sdo_client_receive(&node->client, frame);
+    } else {
+        mine = is_operational(node) && receive_pdo(node, frame);
+    }
+    return mine;
+}
+
+/* 1029h:1, and the emergency message. */
+static void act_on_loss(tumble_node_t *node, uint8_t silent)
+{
+    raise_communication(node, TUMBLE_EMCY_HEARTBEAT, silent);
+    if (is_operational(node) && (node->on_error != TUMBLE_ON_ERROR_STAY)) {
+        tumble_node_set_state(node, (node->on_error == TUMBLE_ON_ERROR_STOP) ? TUMBLE_NMT_STOPPED
+                                                                             : TUMBLE_NMT_PRE_OPERATIONAL);
+    }
+}
+
+static void watch(tumble_node_t *node)
+{
+    uint8_t silent = tumble_nmt_lost(&node->nmt, node->now_us);
+
+    while (silent != 0U) {
+        act_on_loss(node, silent);
+        tell_heartbeat(node, silent, TUMBLE_HEARTBEAT_LOST);
+        silent = tumble_nmt_lost(&node->nmt, node->now_us);
+    }
+}
+
+static void step_sdo(tumble_node_t *node)
+{
+    if (has_sdo(node)) {
+        tumble_sdo_server_step(&node->server, &node->link, node->now_us);
+        tumble_sdo_client_step(&node->client, &node->link, node->now_us);
+    } else {
+        tumble_sdo_server_drop(&node->server);
+        tumble_sdo_client_drop(&node->client);
+    }
+}
+
+void tumble_node_step(tumble_node_t *node, uint64_t now_us)
+{
+    tumble_nmt_state_t before;
+
+    node->now_us = now_us;
+    watch(node);
+    before = tumble_node_state(node);
+    if (tumble_nmt_step(&node->nmt, &node->link, now_us)) {
+        follow_state(node, before);
+    }
+    if (has_sdo(node)) {
+        tumble_emcy_step(&node->emcy, &node->link);
+    }
+    step_sdo(node);
+    if (is_operational(node)) {
+        tumble_pdo_step(&node->pdos, &node->dictionary, &node->link, now_us);
+    }
+}
+
+static uint64_t earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
+uint64_t tumble_node_next_us(const tumble_node_t *node)
+{
+    uint64_t next_us = tumble_nmt_next_us(&node->nmt);
+
+    if (has_sdo(node)) {
+        next_us = earlier(next_us, tumble_sdo_server_next_us(&node->server));
+        next_us = earlier(next_us, tumble_sdo_client_next_us(&node->client));
+        next_us = (node->emcy.queued > 0U) ? 0U : next_us;
+    }
+    if (is_operational(node)) {
+        next_us = earlier(next_us, tumble_pdo_next_us(&node->pdos));
+    }
+    return next_us;
+}
+
+tumble_abort_t tumble_node_read(tumble_node_t *node, uint16_t index, uint8_t subindex,
+                                uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES], uint8_t *size)
+{
+    tumble_abort_t refusal;
+    const tumble_entry_t *entry = tumble_dictionary_find(&node->dictionary, index, subindex, &refusal);
+
+    return (entry == NULL) ? refusal : tumble_dictionary_read(&node->dictionary, entry, bytes, size);
+}
+
+tumble_abort_t tumble_node_write(tumble_node_t *node, uint16_t index, uint8_t subindex, const uint8_t *bytes,
+                                 uint8_t size)
+{
+    tumble_abort_t refusal;
+    const tumble_entry_t *entry = tumble_dictionary_find(&node->dictionary, index, subindex, &refusal);
+
+    return (entry == NULL) ? refusal : tumble_dictionary_write(&node->dictionary, entry, bytes, size);
+}

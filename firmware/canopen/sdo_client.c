@@ -1,0 +1,388 @@
+#include "canopen/bytes.h"
+#include "canopen/sdo.h"
+#include "canopen/sdo_frame.h"
+
+#include <string.h>
+
+#define MAX_NODE 127U
+
+/* What an answer is waited for. */
+enum { PHASE_FIRST = 0, PHASE_SEGMENT };
+
+void tumble_sdo_client_init(tumble_sdo_client_t *client)
+{
+    (void)memset(client, 0, sizeof *client);
+    client->deadline_us = TUMBLE_NEVER;
+    client->result = TUMBLE_OK;
+}
+
+static void request(tumble_sdo_client_t *client, uint8_t command)
+{
+    (void)memset(client->request, 0, sizeof client->request);
+    client->request[0] = command;
+    client->request_due = true;
+    client->deadline_us = TUMBLE_NEVER;
+}
+
+static void request_with_object(tumble_sdo_client_t *client, uint8_t command)
+{
+    request(client, command);
+    tumble_put_u16(&client->request[1], client->index);
+    client->request[3] = client->subindex;
+}
+
+static void end_transfer(tumble_sdo_client_t *client, tumble_status_t result, uint32_t abort)
+{
+    client->result = result;
+    client->abort = abort;
+    client->deadline_us = TUMBLE_NEVER;
+    client->transfer = (uint8_t)TUMBLE_SDO_IDLE;
+}
+
+/* End it and tell the server why. */
+static void abort_transfer(tumble_sdo_client_t *client, tumble_status_t result, tumble_abort_t reason)
+{
+    end_transfer(client, result, (uint32_t)reason);
+    request_with_object(client, TUMBLE_SDO_ABORT);
+    tumble_put_u32(&client->request[4], (uint32_t)reason);
+}
+
+static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
+{
+    tumble_status_t status = TUMBLE_OK;
+
+    if (client->result == TUMBLE_E_SDO_BUSY) {
+        status = TUMBLE_E_SDO_BUSY;
+    } else if ((node == 0U) || (node > MAX_NODE)) {
+        status = TUMBLE_E_ARGUMENT;
+    } else {
+        client->node = node;
+        client->index = index;
+        client->subindex = subindex;
+        client->phase = PHASE_FIRST;
+        client->sink = NULL;
+        client->source = NULL;
+        client->done = 0;
+        client->size = 0;
+        client->toggle = 0;
+    }
+    return status;
+}
+
+static void begin_upload(tumble_sdo_client_t *client, uint8_t capacity)
+{
+    client->capacity = capacity;
+    client->transfer = (uint8_t)TUMBLE_SDO_UPLOAD;
+    client->result = TUMBLE_E_SDO_BUSY;
+    client->abort = 0;
+    request_with_object(client, TUMBLE_SDO_UPLOAD_REQUEST);
+}
+
+static const uint8_t *source_of(const tumble_sdo_client_t *client)
+{
+    return (client->source != NULL) ? client->source : client->value;
+}
+
+static void begin_download(tumble_sdo_client_t *client, uint8_t size)
+{
+    client->size = size;
+    client->transfer = (uint8_t)TUMBLE_SDO_DOWNLOAD;
+    client->result = TUMBLE_E_SDO_BUSY;
+    client->abort = 0;
+    if (size <= TUMBLE_SDO_EXPEDITED) {
+        request_with_object(client, tumble_sdo_expedited(TUMBLE_SDO_DOWNLOAD_REQUEST, size));
+        (void)memcpy(&client->request[4], source_of(client), size);
+        client->done = size;
+    } else {
+        request_with_object(client, TUMBLE_SDO_DOWNLOAD_REQUEST | TUMBLE_SDO_S);
+        client->request[4] = size;
+    }
+}
+
+tumble_status_t tumble_sdo_client_read(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
+{
+    tumble_status_t status = begin(client, node, index, subindex);
+
+    if (status == TUMBLE_OK) {
+        begin_upload(client, (uint8_t)sizeof client->value);
+    }
+    return status;
+}
+
+tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
+                                            uint8_t subindex, uint8_t *data, uint8_t capacity)
+{
+    tumble_status_t status = TUMBLE_E_ARGUMENT;
+
+    if ((data != NULL) && (capacity != 0U)) {
+        status = begin(client, node, index, subindex);
+    }
+    if (status == TUMBLE_OK) {
+        client->sink = data;
+        begin_upload(client, capacity);
+    }
+    return status;
+}
+
+tumble_status_t tumble_sdo_client_write(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
+                                        uint32_t value, uint8_t size)
+{
+    tumble_status_t status = TUMBLE_E_ARGUMENT;
+
+    if ((size == 1U) || (size == 2U) || (size == 4U)) {
+        status = begin(client, node, index, subindex);
+    }
+    if (status == TUMBLE_OK) {
+        tumble_put_u32(client->value, value);
+        begin_download(client, size);
+    }
+    return status;
+}
+
+tumble_status_t tumble_sdo_client_write_from(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
+                                             uint8_t subindex, const uint8_t *data, uint8_t size)
+{
+    tumble_status_t status = TUMBLE_E_ARGUMENT;
+
+    if ((data != NULL) && (size != 0U)) {
+        status = begin(client, node, index, subindex);
+    }
+    if (status == TUMBLE_OK) {
+        client->source = data;
+        begin_download(client, size);
+    }
+    return status;
+}
+
+void tumble_sdo_client_cancel(tumble_sdo_client_t *client)
+{
+    if (client->result == TUMBLE_E_SDO_BUSY) {
+        abort_transfer(client, TUMBLE_E_SDO_ABORTED, TUMBLE_ABORT_GENERAL);
+    }
+}
+
+void tumble_sdo_client_drop(tumble_sdo_client_t *client)
+{
+    if (client->result == TUMBLE_E_SDO_BUSY) {
+        end_transfer(client, TUMBLE_E_SDO_ABORTED, (uint32_t)TUMBLE_ABORT_DEVICE_STATE);
+    }
+    client->request_due = false;
+}
+
+static void refuse(tumble_sdo_client_t *client, tumble_abort_t reason)
+{
+    abort_transfer(client, TUMBLE_E_SDO_ABORTED, reason);
+}
+
+/* Append received bytes to the value; false when the transfer had to be aborted. */
+static bool append(tumble_sdo_client_t *client, const uint8_t *bytes, uint8_t length)
+{
+    uint8_t *sink = (client->sink != NULL) ? client->sink : client->value;
+    bool fits = length <= (client->capacity - client->done);
+
+    if (fits) {
+        (void)memcpy(&sink[client->done], bytes, length);
+        client->done = (uint8_t)(client->done + length);
+    } else {
+        refuse(client, TUMBLE_ABORT_MEMORY);
+    }
+    return fits;
+}
+
+static void upload_begun(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    uint8_t command = frame->data[0];
+    uint32_t announced = ((command & TUMBLE_SDO_S) != 0U) ? tumble_get_u32(&frame->data[4]) : 0U;
+
+    if ((command & TUMBLE_SDO_E) != 0U) {
+        uint8_t unused = ((command & TUMBLE_SDO_S) != 0U) ? ((command >> 2) & 3U) : 0U;
+
+        if (append(client, &frame->data[4], (uint8_t)(TUMBLE_SDO_EXPEDITED - unused))) {
+            end_transfer(client, TUMBLE_OK, 0);
+        }
+    } else if (announced > client->capacity) {
+        refuse(client, TUMBLE_ABORT_MEMORY);
+    } else {
+        client->size = (uint8_t)announced;
+        client->phase = PHASE_SEGMENT;
+        request(client, TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST);
+    }
+}
+
+static void request_upload_segment(tumble_sdo_client_t *client)
+{
+    client->toggle ^= TUMBLE_SDO_TOGGLE;
+    request(client, (uint8_t)(TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST | client->toggle));
+}
+
+static void upload_segment(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    uint8_t command = frame->data[0];
+    uint8_t length = (uint8_t)(TUMBLE_SDO_SEGMENT - ((command >> 1) & 7U));
+    bool last = (command & TUMBLE_SDO_C) != 0U;
+
+    if (append(client, &frame->data[1], length)) {
+        bool too_much = (client->size != 0U) && (client->done > client->size);
+        bool too_little = last && (client->size != 0U) && (client->done < client->size);
+        bool endless = !last && (length == 0U);
+
+        if (too_much || too_little || endless) {
+            refuse(client, TUMBLE_ABORT_LENGTH);
+        } else if (last) {
+            end_transfer(client, TUMBLE_OK, 0);
+        } else {
+            request_upload_segment(client);
+        }
+    }
+}
+
+static void send_download_segment(tumble_sdo_client_t *client)
+{
+    uint8_t rest = (uint8_t)(client->size - client->done);
+    uint8_t length = (rest < TUMBLE_SDO_SEGMENT) ? rest : TUMBLE_SDO_SEGMENT;
+    uint8_t last = (length == rest) ? TUMBLE_SDO_C : 0U;
+
+    request(client, (uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_REQUEST | client->toggle |
+                              ((TUMBLE_SDO_SEGMENT - length) << 1) | last));
+    (void)memcpy(&client->request[1], source_of(client) + client->done, length);
+    client->done = (uint8_t)(client->done + length);
+}
+
+/* The server has taken what was sent: go on with the next segment, if there is one. */
+static void download_acknowledged(tumble_sdo_client_t *client)
+{
+    if (client->done == client->size) {
+        end_transfer(client, TUMBLE_OK, 0);
+    } else {
+        if (client->phase == PHASE_SEGMENT) {
+            client->toggle ^= TUMBLE_SDO_TOGGLE;
+        }
+        client->phase = PHASE_SEGMENT;
+        send_download_segment(client);
+    }
+}
+
+static bool names_object(const tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    return (tumble_get_u16(&frame->data[1]) == client->index) && (frame->data[3] == client->subindex);
+}
+
+static void ignore(tumble_sdo_client_t *client)
+{
+    if (client->ignored != UINT16_MAX) {
+        ++client->ignored;
+    }
+}
+
+/* The answer to the first request. Anything but the one expected is left over from an earlier transfer, and ignored: if
+ * the right one does not come, time runs out. */
+static void first_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    bool upload = client->transfer == (uint8_t)TUMBLE_SDO_UPLOAD;
+    uint8_t command = frame->data[0] & TUMBLE_SDO_COMMAND_MASK;
+
+    if (!names_object(client, frame)) {
+        ignore(client);
+    } else if (upload && (command == TUMBLE_SDO_UPLOAD_ANSWER)) {
+        upload_begun(client, frame);
+    } else if (!upload && (command == TUMBLE_SDO_DOWNLOAD_ANSWER)) {
+        download_acknowledged(client);
+    } else {
+        ignore(client);
+    }
+}
+
+static void segment_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    bool upload = client->transfer == (uint8_t)TUMBLE_SDO_UPLOAD;
+    uint8_t expected = upload ? TUMBLE_SDO_UPLOAD_SEGMENT_ANSWER : TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER;
+
+    if ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) != expected) {
+        refuse(client, TUMBLE_ABORT_COMMAND);
+    } else if ((frame->data[0] & TUMBLE_SDO_TOGGLE) != client->toggle) {
+        refuse(client, TUMBLE_ABORT_TOGGLE);
+    } else if (upload) {
+        upload_segment(client, frame);
+    } else {
+        download_acknowledged(client);
+    }
+}
+
+/* An abort of the first request must name its object, or it belongs to an earlier one. */
+static void aborted(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    if ((client->phase == PHASE_FIRST) && !names_object(client, frame)) {
+        ignore(client);
+    } else {
+        end_transfer(client, TUMBLE_E_SDO_ABORTED, tumble_get_u32(&frame->data[4]));
+    }
+}
+
+void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
+{
+    if (frame->id != (TUMBLE_SDO_RESPONSE_ID + client->node)) {
+        return;
+    }
+    if ((frame->length != TUMBLE_CAN_MAX_BYTES) || (client->result != TUMBLE_E_SDO_BUSY) || client->request_due) {
+        ignore(client);
+    } else if ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_ABORT) {
+        aborted(client, frame);
+    } else if (client->phase == PHASE_FIRST) {
+        first_answer(client, frame);
+    } else {
+        segment_answer(client, frame);
+    }
+}
+
+/* Time runs from the first offer to the port, and anew from the moment that the port takes the frame. */
+static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint64_t now_us)
+{
+    tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_SDO_REQUEST_ID + client->node), .length = 8};
+    bool busy = client->result == TUMBLE_E_SDO_BUSY;
+
+    (void)memcpy(frame.data, client->request, sizeof frame.data);
+    client->request_due = tumble_link_send(link, &frame) != TUMBLE_OK;
+    if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
+        client->deadline_us = now_us + TUMBLE_SDO_CLIENT_TIMEOUT_US;
+    }
+}
+
+void tumble_sdo_client_step(tumble_sdo_client_t *client, tumble_link_t *link, uint64_t now_us)
+{
+    if (now_us >= client->deadline_us) {
+        abort_transfer(client, TUMBLE_E_SDO_TIMEOUT, TUMBLE_ABORT_TIMEOUT);
+    }
+    if (client->request_due) {
+        send_request(client, link, now_us);
+    }
+}
+
+tumble_status_t tumble_sdo_client_result(const tumble_sdo_client_t *client)
+{
+    return client->result;
+}
+
+const uint8_t *tumble_sdo_client_data(const tumble_sdo_client_t *client, uint8_t *size)
+{
+    *size = client->done;
+    return (client->sink != NULL) ? client->sink : client->value;
+}
+
+uint32_t tumble_sdo_client_u32(const tumble_sdo_client_t *client)
+{
+    uint8_t size;
+    const uint8_t *data = tumble_sdo_client_data(client, &size);
+    uint32_t value = 0;
+
+    if ((client->result == TUMBLE_OK) && (size <= TUMBLE_SDO_EXPEDITED)) {
+        for (uint8_t i = 0; i < size; ++i) {
+            value |= (uint32_t)data[i] << (8U * (uint32_t)i);
+        }
+    }
+    return value;
+}
+
+uint64_t tumble_sdo_client_next_us(const tumble_sdo_client_t *client)
+{
+    return client->request_due ? 0U : client->deadline_us;
+}

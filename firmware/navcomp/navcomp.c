@@ -1,0 +1,328 @@
+#include "navcomp/navcomp.h"
+
+#include "navcomp/navcomp_internal.h"
+
+#include <stddef.h>
+
+#define US_PER_MS 1000U
+#define RETRY_US 1000U /* after the port had no room or was off the bus */
+#define MAX_NODE 127U
+#define STATE_PDO 2U /* the first two belong to the drive */
+
+/* Getting ready. */
+
+static bool nodes_are_distinct(const tumble_navcomp_config_t *config)
+{
+    const bool drive = (config->drive == NULL) || (config->drive_node != config->node);
+    const bool block = (config->source != NULL) || (config->block_node != config->node);
+    const bool both = (config->drive == NULL) || (config->source != NULL) || (config->drive_node != config->block_node);
+    return drive && block && both;
+}
+
+static bool is_node(uint8_t node)
+{
+    return (node >= 1U) && (node <= MAX_NODE);
+}
+
+static bool is_usable(const tumble_navcomp_config_t *config)
+{
+    return (config != NULL) && (config->port != NULL) && (config->procedure != NULL) &&
+           ((config->drive == NULL) || is_node(config->drive_node)) &&
+           ((config->source != NULL) || is_node(config->block_node)) && nodes_are_distinct(config) &&
+           (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
+}
+
+/* What the configuration says instead of the dictionary's power-on values. A node that is watched twice for a moment
+ * would be refused: so nobody first. */
+static void set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    const tumble_navcomp_config_t *config = navcomp->config;
+    tumble_nmt_t *nmt = &navcomp->node.nmt;
+    tumble_nmt_set_producer(nmt, config->heartbeat_ms, now_us);
+    for (uint8_t subindex = 1; subindex <= TUMBLE_MAX_CONSUMERS; subindex++) {
+        (void)tumble_nmt_set_consumer(nmt, subindex, 0);
+    }
+    if (tumble_has_drive(navcomp)) {
+        (void)tumble_nmt_set_consumer(nmt, 1, ((uint32_t)config->drive_node << 16) | config->heartbeat_timeout_ms);
+    }
+    if (tumble_has_block(navcomp)) {
+        (void)tumble_nmt_set_consumer(nmt, 2, ((uint32_t)config->block_node << 16) | config->heartbeat_timeout_ms);
+    }
+}
+
+static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
+{
+    const tumble_navcomp_config_t *config = navcomp->config;
+    tumble_status_t status;
+    if (tumble_has_drive(navcomp)) {
+        status = tumble_drive402_init(&navcomp->axis.drive, config->drive, &navcomp->node, &navcomp->mirror,
+                                      config->drive_node);
+        navcomp->stand = tumble_drive402_stand(&navcomp->axis.drive);
+    } else {
+        status = tumble_operator_init(&navcomp->axis.person, config->person);
+        navcomp->stand = tumble_operator_stand(&navcomp->axis.person);
+    }
+    return status;
+}
+
+/* All that a fresh node needs, at power-on and after an NMT reset. */
+static tumble_status_t join_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    set_heartbeats(navcomp, now_us);
+    tumble_node_set_state(&navcomp->node, TUMBLE_NMT_OPERATIONAL);
+    tumble_block_receiver_restart(&navcomp->block);
+    navcomp->block_start_us = 0;
+    return init_axis(navcomp);
+}
+
+static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
+{
+    navcomp->procedure_config = *navcomp->config->procedure;
+    navcomp->objects = tumble_navcomp_objects_initial;
+    const tumble_status_t status =
+        tumble_procedure_init(&navcomp->procedure, &navcomp->procedure_config, &navcomp->stand);
+    tumble_tell_block_alive(navcomp);
+    return status;
+}
+
+static tumble_status_t init_node(tumble_navcomp_t *navcomp)
+{
+    navcomp->node_config = (tumble_node_config_t){
+        .table = &tumble_navcomp_table,
+        .defaults = &tumble_navcomp_defaults,
+        .hooks = &tumble_navcomp_object_hooks,
+        .events = &tumble_navcomp_node_events,
+        .node = navcomp->config->node,
+    };
+    const tumble_node_binding_t binding = {
+        .port = navcomp->config->port,
+        .variables = &navcomp->objects,
+        .other = &navcomp->mirror,
+        .context = navcomp,
+    };
+    return tumble_node_init(&navcomp->node, &navcomp->node_config, &binding);
+}
+
+tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config)
+{
+    if ((navcomp == NULL) || !is_usable(config)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    *navcomp = (tumble_navcomp_t){.config = config};
+    tumble_status_t status = init_node(navcomp);
+    if (status == TUMBLE_OK) {
+        status = join_bus(navcomp, config->port->now_us(config->port->context));
+    }
+    return (status == TUMBLE_OK) ? init_procedure(navcomp) : status;
+}
+
+/* After an NMT reset, which has ended the run: the axis is brought up again from the start. */
+static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    const bool application = (navcomp->restart == RESTART_APPLICATION);
+    navcomp->restart = RESTART_NONE;
+    (void)join_bus(navcomp, now_us); /* as it passed at power-on */
+    if (application) {
+        (void)init_procedure(navcomp);
+    }
+}
+
+/* The step. */
+
+/* The state PDO goes when one of these has changed, and by its event timer. */
+static void show_state(tumble_navcomp_t *navcomp)
+{
+    const tumble_procedure_t *procedure = &navcomp->procedure;
+    const uint32_t shown = ((uint32_t)procedure->state << 16) | ((uint32_t)procedure->reason << 8) | procedure->index;
+    if (shown != navcomp->shown) {
+        navcomp->shown = shown;
+        tumble_pdo_trigger(&navcomp->node.pdos, STATE_PDO);
+    }
+}
+
+static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    if (tumble_has_drive(navcomp)) {
+        tumble_drive402_step(&navcomp->axis.drive, now_us);
+    } else {
+        tumble_operator_step(&navcomp->axis.person, now_us);
+    }
+    tumble_procedure_step(&navcomp->procedure, now_us);
+    show_state(navcomp);
+    tumble_node_step(&navcomp->node, now_us);
+}
+
+static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *sample)
+{
+    const tumble_navcomp_hooks_t *hooks = navcomp->config->hooks;
+    tumble_taken_t taken;
+    navcomp->temperature_half_c = sample->temperature_half_c;
+    if (tumble_procedure_sample(&navcomp->procedure, sample, &taken) && (hooks != NULL) &&
+        (hooks->on_sample_averaged != NULL)) {
+        hooks->on_sample_averaged(hooks->context, taken, sample);
+    }
+}
+
+/* False: the frame is not the block's. */
+static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
+{
+    const uint32_t lost_before = navcomp->block.counters.lost;
+    tumble_block_sample_t sample;
+    const tumble_block_event_t event = tumble_block_receive(&navcomp->block, frame, &sample);
+    if (event == TUMBLE_BLOCK_SAMPLE) {
+        const uint32_t lost = navcomp->block.counters.lost - lost_before;
+        if (lost != 0U) {
+            tumble_procedure_sample_faults(&navcomp->procedure, 0, (uint16_t)lost);
+        }
+        take_sample(navcomp, &sample);
+    } else if (event == TUMBLE_BLOCK_CORRUPTED) {
+        tumble_procedure_sample_faults(&navcomp->procedure, 1, 0);
+    } else {
+        /* half a sample, or one that came before: counted by the receiver */
+    }
+    return event != TUMBLE_BLOCK_OTHER;
+}
+
+/* Everything but samples is followed up at once, so that it does not matter how many frames wait when a step begins. */
+static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame, uint64_t now_us)
+{
+    if (tumble_has_block(navcomp) && take_block_frame(navcomp, frame)) {
+        return;
+    }
+    navcomp->woken = true;
+    if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
+        tumble_count(&navcomp->events.frames_ignored);
+        return;
+    }
+    if (navcomp->restart != RESTART_NONE) {
+        restart(navcomp, now_us);
+    }
+    advance(navcomp, now_us);
+}
+
+static void drain_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    tumble_can_frame_t frame;
+    for (int taken = 0; taken < TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP; taken++) {
+        const tumble_status_t status = tumble_link_receive(&navcomp->node.link, &frame);
+        if ((status != TUMBLE_OK) && (status != TUMBLE_E_FRAME)) {
+            return;
+        }
+        if (status == TUMBLE_OK) {
+            take_frame(navcomp, &frame, now_us);
+        }
+    }
+    navcomp->more = true;
+}
+
+static void drain_source(tumble_navcomp_t *navcomp)
+{
+    const tumble_sample_source_t *source = navcomp->config->source;
+    tumble_block_sample_t sample;
+    for (int taken = 0; taken < TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP; taken++) {
+        const tumble_status_t status = source->take(source->context, &sample);
+        if (status == TUMBLE_OK) {
+            take_sample(navcomp, &sample);
+        } else if ((status == TUMBLE_E_CRC) || (status == TUMBLE_E_FRAME)) {
+            tumble_count(&navcomp->events.source_corrupted);
+            tumble_procedure_sample_faults(&navcomp->procedure, 1, 0);
+        } else {
+            if (status != TUMBLE_E_PORT_EMPTY) {
+                tumble_count(&navcomp->events.source_faults);
+            }
+            return;
+        }
+    }
+    navcomp->more = true;
+}
+
+/* The block is known to be there and does not stream. */
+static bool block_waits(const tumble_navcomp_t *navcomp)
+{
+    const tumble_nmt_state_t state = tumble_nmt_state_of(&navcomp->node.nmt, navcomp->config->block_node);
+    return tumble_has_block(navcomp) && (state != TUMBLE_NMT_UNKNOWN) && (state != TUMBLE_NMT_OPERATIONAL);
+}
+
+/* The duties of the NMT master: itself and the block Operational (the drive's bring-up is the stand's). */
+static void keep_operational(tumble_navcomp_t *navcomp, uint64_t now_us)
+{
+    const tumble_nmt_state_t own = tumble_node_state(&navcomp->node);
+    if ((own != TUMBLE_NMT_INITIALISING) && (own != TUMBLE_NMT_OPERATIONAL)) {
+        tumble_node_set_state(&navcomp->node, TUMBLE_NMT_OPERATIONAL);
+    }
+    if (block_waits(navcomp) && (now_us >= navcomp->block_start_us)) {
+        (void)tumble_nmt_command(&navcomp->node.nmt, navcomp->config->block_node, TUMBLE_NMT_START);
+        tumble_count(&navcomp->events.starts);
+        navcomp->block_start_us = now_us + ((uint64_t)navcomp->config->heartbeat_timeout_ms * US_PER_MS);
+    }
+}
+
+static bool is_computing(const tumble_navcomp_t *navcomp)
+{
+    const tumble_state_t state = tumble_run_state(navcomp);
+    return (state == TUMBLE_STATE_SOLVE) || (state == TUMBLE_STATE_VERIFY) || (state == TUMBLE_STATE_PROPOSE);
+}
+
+static uint64_t later(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us > b_us) ? a_us : b_us;
+}
+
+static uint64_t earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
+/* The bus is off when the port says so in receiving, or in sending at the end of a step: what it would not take is
+ * offered again every time. A bus that is off is looked after until it is back. */
+static bool is_bus_off(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->node.link.last == TUMBLE_E_PORT_DOWN;
+}
+
+static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
+{
+    const tumble_status_t last = navcomp->node.link.last;
+    uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
+    due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
+    due_us = earlier(due_us, tumble_has_drive(navcomp) ? tumble_drive402_next_us(&navcomp->axis.drive)
+                                                       : tumble_operator_next_us(&navcomp->axis.person));
+    if (block_waits(navcomp)) {
+        due_us = earlier(due_us, navcomp->block_start_us);
+    }
+    if (navcomp->more || is_computing(navcomp)) {
+        due_us = 0;
+    }
+    const bool refused = (last == TUMBLE_E_PORT_BUSY) || (last == TUMBLE_E_PORT_DOWN);
+    return refused ? later(due_us, navcomp->stepped_us + RETRY_US) : due_us;
+}
+
+void tumble_navcomp_step(tumble_navcomp_t *navcomp)
+{
+    const tumble_port_t *port = navcomp->config->port;
+    const tumble_state_t before = tumble_run_state(navcomp);
+    const uint64_t now_us = later(port->now_us(port->context), navcomp->stepped_us);
+    navcomp->stepped_us = now_us;
+    navcomp->more = false;
+    navcomp->woken = (now_us >= navcomp->due_us);
+    drain_bus(navcomp, now_us);
+    if (!tumble_has_block(navcomp)) {
+        drain_source(navcomp);
+    }
+    if (!navcomp->woken && !navcomp->more && !is_bus_off(navcomp) && (tumble_run_state(navcomp) == before)) {
+        return; /* nothing but samples, and they changed nothing: so it is with most steps */
+    }
+    if (is_bus_off(navcomp)) {
+        tumble_procedure_set_bus_up(&navcomp->procedure, false);
+    }
+    keep_operational(navcomp, now_us);
+    advance(navcomp, now_us);
+    tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off(navcomp));
+    navcomp->more = navcomp->more || is_bus_off(navcomp);
+    navcomp->due_us = next_due_us(navcomp);
+}
+
+uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->due_us;
+}

@@ -1,0 +1,157 @@
+/* navcomp.h - the navigation computer: the one place where the parts meet, driven by one non-blocking step.
+ *
+ *     tumble_navcomp_init(&navcomp, &config);
+ *     for (;;) {
+ *         tumble_navcomp_step(&navcomp);
+ *         wait for a frame, but not beyond tumble_navcomp_next_deadline_us(&navcomp);
+ *     }
+ *
+ * One object, owned by the caller, holds everything; the configuration is const and must outlive it. Nothing is
+ * allocated, no function waits, nothing is global: two objects are two computers. Not re-entrant on one object.
+ *
+ * On the bus it is the NMT master: it starts the drive and the block, watches their heartbeats, stops the axis when
+ * something fails, and serves its own object dictionary (objects.h) to outsiders by SDO.
+ *
+ * Replay: what is averaged depends only on the frames received, their order, and the block's own counter and
+ * timestamps. The port's clock drives timeouts, heartbeats and pacing alone.
+ */
+#ifndef TUMBLE_NAVCOMP_NAVCOMP_H
+#define TUMBLE_NAVCOMP_NAVCOMP_H
+
+#include "canopen/cia402.h"
+#include "canopen/node.h"
+#include "navcomp/block_frames.h"
+#include "navcomp/commands.h"
+#include "navcomp/objects.h"
+#include "navcomp/sample_source.h"
+#include "port/port.h"
+#include "procedure/procedure.h"
+#include "stand/drive402.h"
+#include "stand/operator.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What a bench wants to record; may be null. */
+typedef struct {
+    void *context; /* handed back */
+
+    /* A sample went into the mean `taken.index`, as its number `taken.ordinal`. Ordinal 1: that position begins
+     * (again), and whatever was recorded for it before has been discarded. */
+    void (*on_sample_averaged)(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample);
+} tumble_navcomp_hooks_t;
+
+typedef struct {
+    const tumble_port_t *port;
+    const tumble_procedure_config_t *procedure; /* copied by init: some of its numbers can be written over CAN */
+    const tumble_drive_profile_t *drive;        /* null: an operator turns a dividing head and confirms */
+    const tumble_operator_config_t *person;     /* with `drive` null; else may be null */
+    const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
+    const tumble_navcomp_hooks_t *hooks;        /* may be null */
+    uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */
+    uint16_t heartbeat_timeout_ms; /* silence of drive or block that counts as its loss, above 0 */
+    uint8_t node;                  /* node numbers, 1 to 127, all different */
+    uint8_t drive_node;            /* ignored without a drive */
+    uint8_t block_node;            /* ignored with a sample source of the board's own */
+} tumble_navcomp_config_t;
+
+/* Kept by navcomp itself; monotonic since init, they stop at UINT32_MAX. */
+typedef struct {
+    uint32_t frames_ignored;    /* of no interest to this node */
+    uint32_t source_corrupted;  /* samples that a board's own source found spoilt */
+    uint32_t source_faults;     /* answers of such a source outside its list */
+    uint32_t commands_refused;
+    uint32_t heartbeats_lost;   /* of drive and block: from present to silent */
+    uint32_t boot_ups;          /* of drive and block */
+    uint32_t starts;            /* NMT start commands given to them */
+    uint32_t emergencies;       /* of drive and block, "no error" included */
+} tumble_navcomp_events_t;
+
+/* The object. Its fields are private: read them through the functions below. */
+typedef struct {
+    const tumble_navcomp_config_t *config;
+    tumble_procedure_config_t procedure_config;
+    tumble_node_config_t node_config;
+    tumble_node_t node;
+    tumble_stand_t stand;
+    union {
+        tumble_drive402_t drive;
+        tumble_operator_t person;
+    } axis;
+    tumble_drive_mirror_t mirror;
+    tumble_procedure_t procedure;
+    tumble_block_receiver_t block;
+    tumble_navcomp_events_t events;
+    uint64_t stepped_us;     /* clock of the last step */
+    uint64_t due_us;         /* of the next one if no frame comes */
+    uint64_t block_start_us; /* not before: the next NMT start for the block */
+    uint32_t shown;          /* what the state PDO told last */
+    tumble_navcomp_objects_t objects;
+    int8_t temperature_half_c;
+    uint8_t restart;         /* an NMT reset came: what of */
+    bool woken;              /* this step has more to do than to take samples */
+    bool more;               /* the next one has something to do at once */
+} tumble_navcomp_t;
+
+static_assert(sizeof(tumble_navcomp_t) <= ((sizeof(void *) == 4U) ? 4096U : 4608U), "4 kB of RAM is all there is");
+
+/* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
+ * is checked when a run starts. Returns TUMBLE_OK, or _ARGUMENT: a null pointer that may not be null, a time of 0, node
+ * numbers out of range or equal, a drive profile or operator configuration that its own room refuses. */
+tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config);
+
+/* One step: drain what was received, advance timers, stand and procedure, send what is due. Returns at once; the work
+ * is bounded by so many frames. Call it whenever a frame has come or the deadline is over; more often does no harm. */
+#define TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP 64
+void tumble_navcomp_step(tumble_navcomp_t *navcomp);
+
+/* The moment (port's clock) at which the next step is due if no frame comes; a moment that is over means at once.
+ * Never more than a heartbeat away: the procedure's timeouts are as sharp as that. */
+uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp);
+
+/* Give a command (commands.h); `argument` is what its comment says, else ignored. It takes effect at the next step at
+ * the latest. Returns TUMBLE_OK, TUMBLE_E_STATE (not allowed in this state), TUMBLE_E_ARGUMENT (no such command,
+ * position or mounting). Refusals are counted. */
+tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
+
+/* Where the calibration stands. */
+typedef struct {
+    tumble_progress_t run;
+    bool has_mean; /* the open mean holds two samples or more; else the two below are 0 */
+    double mean_v[TUMBLE_CHANNELS];
+    double standard_error_v[TUMBLE_CHANNELS];
+    tumble_stand_state_t stand;
+    double angle_deg;          /* actual, as last reported */
+    int8_t temperature_half_c; /* of the block's last sample */
+} tumble_navcomp_progress_t;
+
+void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress);
+
+/* The result, valid until the next command. Returns TUMBLE_OK, or TUMBLE_E_STATE when there is none. */
+tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_result_t *result);
+
+/* All counters in one copy. */
+typedef struct {
+    tumble_link_counters_t link;           /* frames sent and received, busy, down, malformed */
+    tumble_navcomp_events_t events;
+    tumble_block_counters_t block;         /* samples ok, lost, repeated, reordered, corrupted */
+    tumble_averaging_counters_t averaging; /* refused by the gates of an open position */
+    tumble_procedure_counters_t procedure;
+} tumble_navcomp_counters_t;
+
+void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters);
+
+/* With an operator for a stand: is an angle asked for, and which? False with a drive. */
+bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg);
+
+/* The same as TUMBLE_COMMAND_CONFIRM_ANGLE, but for the angle at which the head really stands. Returns TUMBLE_OK,
+ * TUMBLE_E_STATE (nothing is asked for), TUMBLE_E_ARGUMENT (too far from what is asked for). */
+tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg);
+
+/* What the drive refused of its configuration; zeros when nothing, or without a drive. */
+tumble_drive_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp);
+
+/* The procedure, to be read: finished means, closure. Valid as long as the object. */
+const tumble_procedure_t *tumble_navcomp_procedure(const tumble_navcomp_t *navcomp);
+
+#endif

@@ -1,0 +1,89 @@
+#include "navcomp/navcomp_internal.h"
+
+#include <stddef.h>
+
+void tumble_tell_block_alive(tumble_navcomp_t *navcomp)
+{
+    const uint8_t block_node = navcomp->config->block_node;
+    const bool alive = !tumble_has_block(navcomp) ||
+                       (tumble_nmt_state_of(&navcomp->node.nmt, block_node) == TUMBLE_NMT_OPERATIONAL);
+    tumble_procedure_set_block_alive(&navcomp->procedure, alive);
+}
+
+static bool is_drive(const tumble_navcomp_t *navcomp, uint8_t node)
+{
+    return tumble_has_drive(navcomp) && (node == navcomp->config->drive_node);
+}
+
+static bool is_block(const tumble_navcomp_t *navcomp, uint8_t node)
+{
+    return tumble_has_block(navcomp) && (node == navcomp->config->block_node);
+}
+
+/* A block that starts counting anew is not reordering. It is started (again) as soon as it is seen. */
+static void block_heartbeat(tumble_navcomp_t *navcomp, tumble_heartbeat_event_t event)
+{
+    if (event == TUMBLE_HEARTBEAT_BOOTED) {
+        tumble_block_receiver_restart(&navcomp->block);
+    }
+    navcomp->block_start_us = 0;
+    tumble_tell_block_alive(navcomp);
+}
+
+static void heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
+{
+    tumble_navcomp_t *navcomp = context;
+    if (is_drive(navcomp, node)) {
+        tumble_drive402_heartbeat(&navcomp->axis.drive, event, state);
+    } else if (is_block(navcomp, node)) {
+        block_heartbeat(navcomp, event);
+    } else {
+        return; /* somebody whom an outsider made us watch (1016h) */
+    }
+    if (event == TUMBLE_HEARTBEAT_LOST) {
+        tumble_count(&navcomp->events.heartbeats_lost);
+        navcomp->more = true; /* the procedure has not seen it yet */
+    } else if (event == TUMBLE_HEARTBEAT_BOOTED) {
+        tumble_count(&navcomp->events.boot_ups);
+    } else {
+        /* it lives */
+    }
+}
+
+static void emergency(void *context, uint8_t node, const tumble_emergency_t *message)
+{
+    tumble_navcomp_t *navcomp = context;
+    if (is_drive(navcomp, node)) {
+        tumble_drive402_emergency(&navcomp->axis.drive, message);
+    }
+    if (is_drive(navcomp, node) || is_block(navcomp, node)) {
+        tumble_count(&navcomp->events.emergencies);
+    }
+}
+
+static void pdo_received(void *context, uint8_t number)
+{
+    tumble_navcomp_t *navcomp = context;
+    if (tumble_has_drive(navcomp)) {
+        tumble_drive402_pdo_received(&navcomp->axis.drive, number);
+    }
+}
+
+static void reset(void *context, bool application)
+{
+    tumble_navcomp_t *navcomp = context;
+    tumble_node_t *node = &navcomp->node;
+    (void)tumble_procedure_abort(&navcomp->procedure); /* stops the table even when there is no run to abort */
+    if (tumble_node_state(node) == TUMBLE_NMT_OPERATIONAL) {
+        tumble_pdo_step(&node->pdos, &node->dictionary, &node->link, navcomp->stepped_us); /* before they are gone */
+    }
+    navcomp->restart = (uint8_t)(application ? RESTART_APPLICATION : RESTART_COMMUNICATION);
+}
+
+const tumble_node_events_t tumble_navcomp_node_events = {
+    .state_changed = NULL,
+    .reset = reset,
+    .heartbeat = heartbeat,
+    .emergency = emergency,
+    .pdo_received = pdo_received,
+};

@@ -1,0 +1,38 @@
+/* navcomp_internal.h - what the files of navcomp share (private to it).
+ *
+ *     navcomp.c          init, the step, deadlines
+ *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets
+ *     navcomp_objects.c  the object dictionary's values
+ *     navcomp_report.c   commands and the readable side
+ */
+#ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
+#define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
+
+#include "navcomp/navcomp.h"
+
+/* tumble_navcomp_t.restart */
+enum { RESTART_NONE = 0, RESTART_COMMUNICATION, RESTART_APPLICATION };
+
+extern const tumble_node_events_t tumble_navcomp_node_events;
+extern const tumble_object_hooks_t tumble_navcomp_object_hooks;
+
+static inline bool tumble_has_drive(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->config->drive != NULL;
+}
+
+static inline bool tumble_has_block(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->config->source == NULL;
+}
+
+/* Read directly, because every step asks several times. */
+static inline tumble_state_t tumble_run_state(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->procedure.state;
+}
+
+/* The block streams, or is none of our business. Tell the procedure. */
+void tumble_tell_block_alive(tumble_navcomp_t *navcomp);
+
+#endif

@@ -1,0 +1,171 @@
+#include "navcomp/navcomp_internal.h"
+
+#include "canopen/bytes.h"
+
+#include <stddef.h>
+
+/* Subindices that are more than a member of a struct. */
+#define COMMAND_COMMAND 2U
+#define FAILURE_STATE 1U
+#define FAILURE_STATUS 2U
+#define GRAVITY_LIMIT 3U
+#define CONFIGURATION_SAMPLES 1U
+#define CONFIGURATION_ESTIMATE 2U
+#define CONFIGURATION_SETTLE 3U
+#define CONFIGURATION_RETRIES 4U
+#define CONFIGURATION_GRAVITY_LIMIT 5U
+
+/* Reading. An entry's offset is the place of its member in the struct that the object stands for. */
+
+static tumble_abort_t member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
+    return TUMBLE_ABORT_NONE;
+}
+
+static tumble_abort_t one_byte(unsigned value, uint8_t *bytes)
+{
+    bytes[0] = (uint8_t)value;
+    return TUMBLE_ABORT_NONE;
+}
+
+static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
+                                    uint8_t *size)
+{
+    tumble_navcomp_progress_t progress;
+    tumble_navcomp_progress(navcomp, &progress);
+    const bool mean = (entry->index == TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN) ||
+                      (entry->index == TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR);
+    if (mean && !progress.has_mean) {
+        return TUMBLE_ABORT_NO_DATA;
+    }
+    if (entry->index == TUMBLE_NAVCOMP_INDEX_STATE) {
+        return one_byte((unsigned)progress.run.state, bytes);
+    }
+    if (entry->index == TUMBLE_NAVCOMP_INDEX_REASON) {
+        return one_byte((unsigned)progress.run.reason, bytes);
+    }
+    if ((entry->index == TUMBLE_NAVCOMP_INDEX_FAILURE) && (entry->subindex == FAILURE_STATE)) {
+        return one_byte((unsigned)progress.run.failed_in, bytes);
+    }
+    if ((entry->index == TUMBLE_NAVCOMP_INDEX_FAILURE) && (entry->subindex == FAILURE_STATUS)) {
+        return one_byte((unsigned)progress.run.status, bytes);
+    }
+    return member(&progress, entry, bytes, size);
+}
+
+static tumble_abort_t read_result(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
+                                  uint8_t *size)
+{
+    tumble_result_t result;
+    if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
+        return TUMBLE_ABORT_NO_DATA;
+    }
+    if (entry->index != TUMBLE_NAVCOMP_INDEX_GRAVITY_CHECK) {
+        return member(result.coefficients, entry, bytes, size);
+    }
+    return (entry->subindex == GRAVITY_LIMIT) ? member(&navcomp->procedure_config, entry, bytes, size)
+                                              : member(result.check, entry, bytes, size);
+}
+
+static tumble_abort_t read_configuration(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
+                                         uint8_t *size)
+{
+    if (entry->subindex == CONFIGURATION_ESTIMATE) {
+        return one_byte((unsigned)navcomp->procedure_config.estimate, bytes);
+    }
+    return member(&navcomp->procedure_config, entry, bytes, size);
+}
+
+static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumble_entry_t *entry, uint8_t *bytes,
+                                    uint8_t *size)
+{
+    tumble_navcomp_counters_t counters;
+    tumble_navcomp_counters(navcomp, &counters);
+    return member(&counters, entry, bytes, size);
+}
+
+static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    const tumble_navcomp_t *navcomp = context;
+    tumble_abort_t refusal;
+    switch (entry->index) {
+    case TUMBLE_NAVCOMP_INDEX_STATE:
+    case TUMBLE_NAVCOMP_INDEX_REASON:
+    case TUMBLE_NAVCOMP_INDEX_PROGRESS:
+    case TUMBLE_NAVCOMP_INDEX_FAILURE:
+    case TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN:
+    case TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR:
+        refusal = read_progress(navcomp, entry, bytes, size);
+        break;
+    case TUMBLE_NAVCOMP_INDEX_K:
+    case TUMBLE_NAVCOMP_INDEX_U0:
+    case TUMBLE_NAVCOMP_INDEX_GRAVITY_CHECK:
+        refusal = read_result(navcomp, entry, bytes, size);
+        break;
+    case TUMBLE_NAVCOMP_INDEX_CONFIGURATION:
+        refusal = read_configuration(navcomp, entry, bytes, size);
+        break;
+    default: /* the counters, 2030h to 2034h */
+        refusal = read_counters(navcomp, entry, bytes, size);
+        break;
+    }
+    return refusal;
+}
+
+/* Writing. Types, lengths and limits have been checked. */
+
+static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
+{
+    const tumble_status_t status =
+        tumble_navcomp_command(navcomp, (tumble_command_t)command, navcomp->objects.command_argument);
+    if (status == TUMBLE_E_STATE) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+}
+
+/* Between runs only: the means of one run are taken in one way. */
+static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, uint8_t subindex, const uint8_t *bytes)
+{
+    tumble_procedure_config_t *config = &navcomp->procedure_config;
+    const tumble_state_t state = tumble_run_state(navcomp);
+    if ((state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT)) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    switch (subindex) {
+    case CONFIGURATION_SAMPLES:
+        config->samples = tumble_get_u32(bytes);
+        break;
+    case CONFIGURATION_ESTIMATE:
+        config->estimate = (tumble_estimate_t)bytes[0];
+        break;
+    case CONFIGURATION_SETTLE:
+        config->settle_ms = tumble_get_u16(bytes);
+        break;
+    case CONFIGURATION_RETRIES:
+        config->retries = bytes[0];
+        break;
+    case CONFIGURATION_GRAVITY_LIMIT:
+        config->gravity_limit_g = tumble_get_f64(bytes);
+        break;
+    default:
+        return TUMBLE_ABORT_ACCESS;
+    }
+    return TUMBLE_ABORT_NONE;
+}
+
+static tumble_abort_t write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
+{
+    tumble_navcomp_t *navcomp = context;
+    (void)size;
+    if ((entry->index == TUMBLE_NAVCOMP_INDEX_COMMAND) && (entry->subindex == COMMAND_COMMAND)) {
+        return write_command(navcomp, bytes[0]);
+    }
+    if (entry->index == TUMBLE_NAVCOMP_INDEX_CONFIGURATION) {
+        return write_configuration(navcomp, entry->subindex, bytes);
+    }
+    return TUMBLE_ABORT_NONE; /* variables of the dictionary: the argument, and what the drive's PDOs write */
+}
+
+const tumble_object_hooks_t tumble_navcomp_object_hooks = {.read = read, .write = write};

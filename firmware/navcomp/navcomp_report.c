@@ -1,0 +1,120 @@
+#include "navcomp/navcomp_internal.h"
+
+#include <stddef.h>
+
+/* Commands. */
+
+static tumble_status_t confirm_angle_as_asked(tumble_navcomp_t *navcomp)
+{
+    double angle_deg = 0.0;
+    return tumble_navcomp_request(navcomp, &angle_deg) ? tumble_operator_confirm(&navcomp->axis.person, angle_deg)
+                                                       : TUMBLE_E_STATE;
+}
+
+/* A stand that is not in FAULT, or cannot leave it now, says so in its own words. */
+static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
+{
+    const tumble_status_t status = navcomp->stand.clear_fault(navcomp->stand.self);
+    return (status == TUMBLE_OK) ? TUMBLE_OK : TUMBLE_E_STATE;
+}
+
+static tumble_status_t obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
+{
+    tumble_procedure_t *procedure = &navcomp->procedure;
+    tumble_status_t status = TUMBLE_E_ARGUMENT;
+    switch (command) {
+    case TUMBLE_COMMAND_NONE:
+        status = TUMBLE_OK;
+        break;
+    case TUMBLE_COMMAND_START:
+        status = tumble_procedure_start(procedure);
+        break;
+    case TUMBLE_COMMAND_ABORT:
+        status = tumble_procedure_abort(procedure);
+        break;
+    case TUMBLE_COMMAND_CONFIRM_MOUNTING:
+        status = tumble_procedure_confirm_mounting(procedure, argument);
+        break;
+    case TUMBLE_COMMAND_CONFIRM_ANGLE:
+        status = confirm_angle_as_asked(navcomp);
+        break;
+    case TUMBLE_COMMAND_REPEAT_POSITION:
+        status = tumble_procedure_repeat_position(procedure, argument);
+        break;
+    case TUMBLE_COMMAND_REPEAT_MOUNTING:
+        status = tumble_procedure_repeat_mounting(procedure, argument);
+        break;
+    case TUMBLE_COMMAND_RESUME:
+        status = tumble_procedure_resume(procedure);
+        break;
+    case TUMBLE_COMMAND_CLEAR_FAULT:
+        status = clear_fault(navcomp);
+        break;
+    case TUMBLE_COMMAND_COUNT:
+    default:
+        break;
+    }
+    return status;
+}
+
+static tumble_status_t account(tumble_navcomp_t *navcomp, tumble_status_t status)
+{
+    if (status != TUMBLE_OK) {
+        tumble_count(&navcomp->events.commands_refused);
+    }
+    navcomp->due_us = 0; /* what it set going waits for a step */
+    return status;
+}
+
+tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
+{
+    return account(navcomp, obey(navcomp, command, argument));
+}
+
+tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg)
+{
+    const bool possible = !tumble_has_drive(navcomp);
+    return account(navcomp, possible ? tumble_operator_confirm(&navcomp->axis.person, angle_deg) : TUMBLE_E_STATE);
+}
+
+/* The readable side. */
+
+bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg)
+{
+    return !tumble_has_drive(navcomp) && tumble_operator_request(&navcomp->axis.person, angle_deg);
+}
+
+void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress)
+{
+    *progress = (tumble_navcomp_progress_t){0};
+    tumble_procedure_progress(&navcomp->procedure, &progress->run);
+    progress->has_mean = tumble_procedure_running(&navcomp->procedure, progress->mean_v,
+                                                  progress->standard_error_v) == TUMBLE_OK;
+    progress->stand = navcomp->stand.state(navcomp->stand.self);
+    progress->angle_deg = navcomp->stand.angle_deg(navcomp->stand.self);
+    progress->temperature_half_c = navcomp->temperature_half_c;
+}
+
+tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_result_t *result)
+{
+    return tumble_procedure_result(&navcomp->procedure, result);
+}
+
+void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters)
+{
+    counters->link = navcomp->node.link.counters;
+    counters->events = navcomp->events;
+    counters->block = navcomp->block.counters;
+    counters->averaging = tumble_procedure_averages(&navcomp->procedure)->counters;
+    counters->procedure = *tumble_procedure_counters(&navcomp->procedure);
+}
+
+tumble_drive_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp)
+{
+    return tumble_has_drive(navcomp) ? tumble_drive402_refusal(&navcomp->axis.drive) : (tumble_drive_refusal_t){0};
+}
+
+const tumble_procedure_t *tumble_navcomp_procedure(const tumble_navcomp_t *navcomp)
+{
+    return &navcomp->procedure;
+}

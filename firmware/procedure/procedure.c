@@ -1,0 +1,317 @@
+#include "procedure/procedure_internal.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* The engine. */
+
+static const tumble_row_t *row_of(const tumble_procedure_t *procedure)
+{
+    return &tumble_procedure_rows[procedure->state];
+}
+
+static outcome_t act(tumble_procedure_t *procedure, tumble_action_t action)
+{
+    return (action != NULL) ? action(procedure) : OUTCOME_STAY;
+}
+
+static outcome_t enter(tumble_procedure_t *procedure, tumble_state_t state)
+{
+    if (state == TUMBLE_STATE_FAULT) {
+        procedure->failed_in = procedure->state;
+    }
+    procedure->state = state;
+    procedure->restart_timer = true;
+    return act(procedure, row_of(procedure)->enter);
+}
+
+static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
+{
+    const tumble_row_t *row = row_of(procedure);
+    const uint8_t next[] = {
+        [OUTCOME_DONE] = row->done, [OUTCOME_OTHER] = row->other, [OUTCOME_FAULT] = TUMBLE_STATE_FAULT};
+    return enter(procedure, (tumble_state_t)next[outcome]);
+}
+
+static outcome_t watch(tumble_procedure_t *procedure)
+{
+    const unsigned watched = row_of(procedure)->watch;
+    if (((watched & WATCH_BUS) != 0U) && !procedure->bus_up) {
+        return tumble_fail(procedure, TUMBLE_REASON_BUS);
+    }
+    if ((watched & WATCH_STAND) != 0U) {
+        const tumble_stand_state_t stand = tumble_stand_state(procedure);
+        if (stand == TUMBLE_STAND_FAULT) {
+            return tumble_fail(procedure, tumble_stand_reason(procedure));
+        }
+        if (stand == TUMBLE_STAND_OFFLINE) {
+            return tumble_fail(procedure, TUMBLE_REASON_STAND_HEARTBEAT);
+        }
+    }
+    if (((watched & WATCH_BLOCK) != 0U) && !procedure->block_alive) {
+        return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
+    }
+    return OUTCOME_STAY;
+}
+
+static outcome_t look(tumble_procedure_t *procedure)
+{
+    const outcome_t outcome = watch(procedure);
+    return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
+}
+
+/* Follow the table until there is something to wait for. So it makes no difference how many steps lie between two
+ * samples. Ends: every way round the table waits for a sample or for the stand. */
+static void follow(tumble_procedure_t *procedure, outcome_t outcome)
+{
+    while (outcome != OUTCOME_STAY) {
+        outcome = leave(procedure, outcome);
+        if ((outcome == OUTCOME_STAY) && !row_of(procedure)->pauses) {
+            outcome = look(procedure);
+        }
+    }
+}
+
+static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
+{
+    const outcome_t outcome = enter(procedure, state);
+    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+}
+
+/* Time. */
+
+static uint32_t timeout_ms(const tumble_procedure_t *procedure, size_t offset)
+{
+    uint32_t ms;
+    memcpy(&ms, (const unsigned char *)procedure->config + offset, sizeof ms);
+    return ms;
+}
+
+static bool is_over(uint64_t now_us, uint64_t since_us, uint32_t ms)
+{
+    return (now_us - since_us) >= ((uint64_t)ms * 1000U);
+}
+
+/* Timers run from the first step after their cause, so that commands and samples need no clock. */
+static void read_clock(tumble_procedure_t *procedure, uint64_t now_us)
+{
+    procedure->now_us = (now_us > procedure->now_us) ? now_us : procedure->now_us;
+    if (procedure->restart_run) {
+        procedure->restart_run = false;
+        procedure->started_us = procedure->now_us;
+    }
+    if (procedure->restart_timer) {
+        procedure->entered_us = procedure->now_us;
+    }
+    if (procedure->restart_timer || procedure->heard) {
+        procedure->heard_us = procedure->now_us;
+    }
+    procedure->restart_timer = false;
+    procedure->heard = false;
+}
+
+static outcome_t end_late(tumble_procedure_t *procedure)
+{
+    const tumble_row_t *row = row_of(procedure);
+    const bool silent = ((row->watch & WATCH_SAMPLES) != 0U) &&
+                        is_over(procedure->now_us, procedure->heard_us, procedure->config->sample_timeout_ms);
+    const bool late = (row->timeout != 0U) &&
+                      is_over(procedure->now_us, procedure->entered_us, timeout_ms(procedure, row->timeout));
+    if (!silent && !late) {
+        return OUTCOME_STAY;
+    }
+    tumble_add_up(&procedure->counters.timeouts, 1U);
+    if (silent) {
+        return tumble_fail(procedure, TUMBLE_REASON_NO_SAMPLES);
+    }
+    return (row->late != NULL) ? row->late(procedure) : tumble_fail(procedure, (tumble_reason_t)row->late_reason);
+}
+
+void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
+{
+    follow(procedure, look(procedure));
+    read_clock(procedure, now_us);
+    follow(procedure, end_late(procedure));
+}
+
+/* Samples. */
+
+bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample, tumble_taken_t *taken)
+{
+    tumble_taken_t into = {0, 0};
+    tumble_add_up(&procedure->counters.samples, 1U);
+    procedure->heard = true;
+    if (row_of(procedure)->pauses) {
+        return false; /* work for a step */
+    }
+    follow(procedure, look(procedure));
+    const tumble_sample_action_t action = row_of(procedure)->sample;
+    if (action != NULL) {
+        const outcome_t outcome = action(procedure, sample, &into);
+        follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+    }
+    if ((into.ordinal != 0U) && (taken != NULL)) {
+        *taken = into;
+    }
+    return into.ordinal != 0U;
+}
+
+void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
+{
+    follow(procedure, look(procedure)); /* they come after whatever the stand did before */
+    const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
+    tumble_add_up(&procedure->counters.corrupted, corrupted);
+    tumble_add_up(&procedure->counters.lost, lost);
+    procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
+    follow(procedure, look(procedure));
+}
+
+void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)
+{
+    procedure->block_alive = alive;
+}
+
+void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up)
+{
+    procedure->bus_up = up;
+}
+
+/* Commands. */
+
+tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumble_procedure_config_t *config,
+                                      const tumble_stand_t *stand)
+{
+    if ((procedure == NULL) || (config == NULL) || (stand == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    memset(procedure, 0, sizeof *procedure);
+    procedure->config = config;
+    procedure->stand = stand;
+    procedure->mounted = TUMBLE_NOT_MOUNTED;
+    procedure->block_alive = true;
+    procedure->bus_up = true;
+    return TUMBLE_OK;
+}
+
+static tumble_status_t refuse_command(tumble_procedure_t *procedure, tumble_status_t status)
+{
+    tumble_add_up(&procedure->counters.commands_refused, 1U);
+    return status;
+}
+
+static bool allows(const tumble_procedure_t *procedure, unsigned command)
+{
+    return (row_of(procedure)->commands & command) != 0U;
+}
+
+tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure)
+{
+    if (!allows(procedure, COMMAND_START)) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    procedure->begun = false;
+    procedure->warm = false;
+    procedure->homed = false;
+    procedure->solved = false;
+    procedure->mounted = TUMBLE_NOT_MOUNTED;
+    procedure->index = 0;
+    procedure->attempt = 0;
+    procedure->restart_run = true;
+    memset(procedure->closure_g, 0, sizeof procedure->closure_g);
+    go_to(procedure, TUMBLE_STATE_PREFLIGHT);
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure)
+{
+    if (!allows(procedure, COMMAND_ABORT)) {
+        procedure->stand->stop(procedure->stand->self);
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    if (procedure->state != TUMBLE_STATE_FAULT) {
+        procedure->failed_in = procedure->state;
+    }
+    procedure->reason = TUMBLE_REASON_COMMAND;
+    go_to(procedure, TUMBLE_STATE_ABORT);
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure)
+{
+    if (!allows(procedure, COMMAND_RESUME)) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    tumble_add_up(&procedure->counters.resumes, 1U);
+    go_to(procedure, TUMBLE_STATE_PREFLIGHT);
+    return TUMBLE_OK;
+}
+
+static bool is_about_mounting(tumble_reason_t reason)
+{
+    return (reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED) || (reason == TUMBLE_REASON_WRONG_MOUNTING) ||
+           (reason == TUMBLE_REASON_SWAPPED_CHANNELS);
+}
+
+static void forget_mounting(tumble_procedure_t *procedure, uint8_t mounting_index)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        if (tumble_mounting_index(schedule, p) == mounting_index) {
+            tumble_forget_position(procedure, p);
+        }
+    }
+}
+
+tumble_status_t tumble_procedure_confirm_mounting(tumble_procedure_t *procedure, uint8_t mounting)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    const bool failed = (procedure->state == TUMBLE_STATE_FAULT);
+    if (!allows(procedure, COMMAND_CONFIRM) || (failed && !is_about_mounting(procedure->reason))) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    if (mounting != schedule->positions[procedure->index].mounting) {
+        return refuse_command(procedure, TUMBLE_E_ARGUMENT);
+    }
+    procedure->mounted = tumble_mounting_index(schedule, procedure->index);
+    forget_mounting(procedure, procedure->mounted); /* it sits a little differently now */
+    go_to(procedure, failed ? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_NEXT);
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_procedure_repeat_position(tumble_procedure_t *procedure, uint8_t index)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    if (!allows(procedure, COMMAND_REPEAT) || !procedure->begun) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    if (index >= schedule->position_count) {
+        return refuse_command(procedure, TUMBLE_E_ARGUMENT);
+    }
+    if (tumble_mounting_index(schedule, index) != procedure->mounted) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    tumble_forget_position(procedure, index);
+    go_to(procedure, TUMBLE_STATE_PREFLIGHT);
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, uint8_t mounting)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    if (!allows(procedure, COMMAND_REPEAT) || !procedure->begun) {
+        return refuse_command(procedure, TUMBLE_E_STATE);
+    }
+    uint8_t m = 0;
+    while ((m < schedule->mounting_count) && (schedule->mountings[m].number != mounting)) {
+        m++;
+    }
+    if (m == schedule->mounting_count) {
+        return refuse_command(procedure, TUMBLE_E_ARGUMENT);
+    }
+    forget_mounting(procedure, m);
+    if (procedure->mounted == m) {
+        procedure->mounted = TUMBLE_NOT_MOUNTED;
+    }
+    go_to(procedure, TUMBLE_STATE_PREFLIGHT);
+    return TUMBLE_OK;
+}

@@ -1,0 +1,255 @@
+/* procedure.h - the state machine that walks a schedule: mount, home, turn, settle, average, solve, verify, propose.
+ *
+ * It knows the core and the stand interface, no bus and no clock: time comes in as a parameter, samples are handed in.
+ * The caller owns the object and every configuration; nothing is allocated, no function waits. Not re-entrant.
+ *
+ * What decides about settling and averaging is only what arrives: the stand's report of being in position, then the
+ * block's samples with their own counters and timestamps. The time parameter drives timeouts alone, so a recorded run
+ * replays to the same bits anywhere. Every state that waits for something has a bounded time; IDLE, DONE, FAULT and
+ * ABORT wait for nothing and leave the table at rest.
+ *
+ * The way of a run (procedure_table.c): PREFLIGHT, WARM_UP, NEXT; for every position WAIT_MOUNTING (passed at once when
+ * the right mounting is confirmed), HOME (passed when the table is homed), MOVE, SETTLE, AVERAGE, NEXT; when nothing is
+ * left SOLVE, VERIFY, PROPOSE, DONE. A fault stops the table and keeps what was measured: `resume` goes through
+ * PREFLIGHT to NEXT again, which picks the first position without a mean, the current mounting's before others.
+ */
+#ifndef TUMBLE_PROCEDURE_PROCEDURE_H
+#define TUMBLE_PROCEDURE_PROCEDURE_H
+
+#include "core/averaging.h"
+#include "core/calibration.h"
+#include "core/estimator.h"
+#include "core/schedule.h"
+#include "core/verification.h"
+#include "procedure/states.h"
+#include "stand/stand.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum { TUMBLE_ESTIMATE_AVERAGED = 0, TUMBLE_ESTIMATE_REFINED, TUMBLE_ESTIMATE_LEAST_SQUARES } tumble_estimate_t;
+
+/* Status bits of a sample; 0: healthy. */
+enum {
+    TUMBLE_SAMPLE_SATURATED = 1,   /* a channel is at the end of its range */
+    TUMBLE_SAMPLE_SELF_TEST = 2,   /* the block's self-test failed */
+    TUMBLE_SAMPLE_CONVERTER = 4,   /* its converter is faulty */
+    TUMBLE_SAMPLE_TEMPERATURE = 8  /* it is too cold or too hot */
+};
+
+/* The block's timestamp counts milliseconds and wraps here. */
+#define TUMBLE_TIMESTAMP_PERIOD_MS 4096U
+
+/* One sample of the block, as it leaves the sample source (CAN frames or a board's own converter). */
+typedef struct {
+    tumble_sample_t raw;       /* counts and 16-bit sample counter */
+    uint16_t timestamp_ms;     /* the block's own clock, below TUMBLE_TIMESTAMP_PERIOD_MS (higher bits are ignored) */
+    uint8_t status;            /* TUMBLE_SAMPLE_... */
+    int8_t temperature_half_c; /* block temperature in half degrees Celsius */
+} tumble_block_sample_t;
+
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_averaging_config_t *averaging; /* min_samples there is the smallest; samples below is what is taken */
+    tumble_estimate_t estimate;
+    uint32_t samples;               /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES */
+    double v_per_count;             /* size of one count, V; finite, not 0 */
+    double nominal_scale_v_per_g;   /* signed, not 0; good to a tenth: for the checks of direction and closure */
+    double gravity_limit_g;         /* limit of the gravity check; above 0 */
+    double closure_limit_g;         /* |U9 - U1| over the nominal scale that calls a slip; above 0 */
+    double position_tolerance_deg;  /* actual against commanded angle that calls a slip; above 0 */
+    double approach_deg;            /* every angle is approached upwards, from at least this far below; 0: no matter */
+    double cable_min_deg;           /* the table may turn from here ... */
+    double cable_max_deg;           /* ... to here; the procedure turns back rather than go beyond */
+    uint16_t settle_ms;             /* by the block's timestamps, after the stand is in position; below 4096 */
+    uint16_t max_corrupted;         /* corrupted frames allowed per position */
+    uint8_t retries;                /* times that one position is repeated by itself before it is a fault */
+    int8_t warm_up_band_half_c;     /* temperature must stay within this band; 0 or more ... */
+    uint16_t warm_up_samples;       /* ... for so many samples in a row; 0: no warm-up */
+    uint32_t preflight_timeout_ms;  /* all timeouts: above 0 */
+    uint32_t warm_up_timeout_ms;
+    uint32_t mounting_timeout_ms;
+    uint32_t home_timeout_ms;
+    uint32_t move_timeout_ms;       /* of one move; reaching an angle from below may take two */
+    uint32_t settle_timeout_ms;     /* above settle_ms */
+    uint32_t average_timeout_ms;
+    uint32_t sample_timeout_ms;     /* silence of the block that is a fault, in states that need samples */
+} tumble_procedure_config_t;
+
+/* Monotonic since init, over all runs; they stop at UINT32_MAX. */
+typedef struct {
+    uint32_t samples;   /* handed in, whatever became of them */
+    uint32_t corrupted; /* frames, as reported by the sample source */
+    uint32_t lost;      /* samples, as reported by the sample source */
+    uint32_t averaged;  /* samples that went into a mean, kept or not */
+    uint32_t positions; /* means kept */
+    uint32_t refused;   /* positions refused by a gate or a check */
+    uint32_t retries;   /* of those, repeated without asking */
+    uint32_t timeouts;
+    uint32_t moves;     /* commands given to the stand */
+    uint32_t unwinds;   /* angles replaced by an equivalent one for the cable's sake */
+    uint32_t homings;
+    uint32_t faults;    /* entries into FAULT */
+    uint32_t resumes;
+    uint32_t commands_refused;
+} tumble_procedure_counters_t;
+
+/* The object. Its fields are private: read them through the functions below. */
+typedef struct {
+    const tumble_procedure_config_t *config;
+    const tumble_stand_t *stand;
+    tumble_averaging_t averaging;
+    union {
+        tumble_means_t means;         /* while a closure is checked, in SOLVE and in VERIFY */
+        tumble_gravity_check_t check; /* from PROPOSE on */
+    } work;
+    tumble_coefficients_t coefficients;
+    tumble_calibration_t calibration;
+    float closure_g[TUMBLE_MAX_MOUNTINGS]; /* 0 where there is none (yet) */
+    tumble_procedure_counters_t counters;
+    tumble_refusal_t refusal;
+    uint64_t now_us;
+    uint64_t started_us;
+    uint64_t entered_us;
+    uint64_t heard_us;
+    double target_deg;   /* where the position is measured */
+    uint32_t settled_ms; /* of the block's time since the table is in position */
+    uint16_t corrupted;  /* frames at this position */
+    uint16_t warm_run;   /* samples within the band */
+    uint16_t last_counter;
+    uint16_t last_timestamp_ms;
+    uint16_t drive_code;
+    int8_t coldest_half_c;
+    int8_t warmest_half_c;
+    tumble_state_t state;
+    tumble_state_t failed_in;
+    tumble_reason_t reason;
+    tumble_status_t status;
+    uint8_t index;
+    uint8_t attempt;
+    uint8_t mounted; /* index of the mounting that is confirmed */
+    uint8_t block_status; /* what keeps the block from passing PREFLIGHT */
+    bool restart_run;   /* the next step sets the start of the run, */
+    bool restart_timer; /* that of the state, */
+    bool heard;         /* and the time of the last sample */
+    bool marked;        /* the first sample of this state has come */
+    bool leading_in;    /* on the way to the point below the angle */
+    bool begun;         /* averaging is initialised for this run */
+    bool warm;
+    bool homed;
+    bool solved; /* there is a result */
+    bool block_alive;
+    bool bus_up;
+} tumble_procedure_t;
+
+/* Would a run with this configuration be refused at once? PREFLIGHT asks the same. `reason` (may be null) receives
+ * TUMBLE_REASON_NONE, _CONFIGURATION, _SCHEDULE or _CABLE_LIMIT. Returns TUMBLE_OK, _ARGUMENT (a number out of
+ * range, or a position with no table angle within the cable's limits), or what tumble_schedule_validate, _identify
+ * or (for the harmonic estimators) _harmonic says. */
+tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config, tumble_reason_t *reason);
+
+/* Get ready, in IDLE. Both are kept by reference. In IDLE, DONE and ABORT the numbers of the configuration may
+ * change, with `start` as the next command; the schedule and the pointers to it only before init. The configuration
+ * is checked when a run starts or goes on. Returns TUMBLE_OK, or _ARGUMENT (null). */
+tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumble_procedure_config_t *config,
+                                      const tumble_stand_t *stand);
+
+/* Let time pass: look at the stand, go on, watch the timeouts. `now_us` never goes back. It may be called as often as
+ * one likes; call it after every frame handed to the stand, so that a replay sees the stand in the same states. */
+void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us);
+
+/* Which mean a sample went into. Ordinal 1: the position begins (again), what it held before is forgotten. */
+typedef struct {
+    uint8_t index;    /* of the position in the schedule */
+    uint32_t ordinal; /* 1 to the number of samples per position */
+} tumble_taken_t;
+
+/* Hand in one sample, in the order of arrival. True: it went into a mean, and `taken` (may be null) tells which.
+ * What is refused or not wanted is counted and needs nothing from the caller. */
+bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                             tumble_taken_t *taken);
+
+/* What the sample source could not hand in, in the order of arrival with the samples: frames refused as corrupted and
+ * samples missing since the last call. Corrupted frames are judged per position; missing samples are only counted here,
+ * because the averaging follows the sample counter by itself. */
+void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost);
+
+/* Is the block's heartbeat there, is the bus up? Both count as true until told otherwise; telling again is harmless.
+ * The block may be silent while the operator handles it; a lost bus is a fault in every state of a run. */
+void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive);
+void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up);
+
+/* Commands. Each returns TUMBLE_OK, TUMBLE_E_STATE when the state does not allow it, or TUMBLE_E_ARGUMENT; refusals are
+ * counted. Which state allows what stands in procedure_table.c. */
+
+/* Begin a run; results of the last one are gone. IDLE, DONE, ABORT. */
+tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure);
+
+/* Stop the table and give up. Every state of a run, and FAULT. The table is stopped even when the command is
+ * refused. */
+tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure);
+
+/* The mounting with this number has been put on the table; its positions are (all) measured from now on. WAIT_MOUNTING,
+ * and FAULT when it came from the mounting (not confirmed, wrong, swapped channels): the run then goes on at once.
+ * _ARGUMENT: another mounting is wanted. */
+tumble_status_t tumble_procedure_confirm_mounting(tumble_procedure_t *procedure, uint8_t mounting);
+
+/* Go on at the failed position after a fault has been mended; a fault of the stand is cleared first. FAULT. */
+tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure);
+
+/* Measure one position anew. Only of the mounting that is on the table, because every mounting sits a little
+ * differently: TUMBLE_E_STATE otherwise. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
+tumble_status_t tumble_procedure_repeat_position(tumble_procedure_t *procedure, uint8_t index);
+
+/* Measure a mounting anew, from mounting it. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
+tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, uint8_t mounting);
+
+/* Where the run stands, and what an estimate of the remaining time needs. */
+typedef struct {
+    tumble_state_t state;
+    tumble_state_t failed_in; /* the state that FAULT or ABORT came from */
+    tumble_reason_t reason;   /* of FAULT, ABORT, or of a DONE that fails the gravity check; otherwise NONE */
+    tumble_status_t status;   /* what the core or the stand said of the last refusal; TUMBLE_OK: nothing */
+    uint16_t drive_code;      /* the drive's own error code behind a fault of the stand, 0 if none */
+    uint8_t index;            /* of the position in the schedule, 0 to count - 1 */
+    uint8_t count;            /* positions of the schedule */
+    uint8_t finished;         /* of those, with a mean */
+    uint8_t position;         /* numbers of that position and its mounting; in WAIT_MOUNTING the mounting asked for */
+    uint8_t mounting;
+    uint8_t attempt;          /* 0 at the first, 1 at the first repetition, ... */
+    uint32_t samples;         /* in the open mean */
+    uint32_t samples_wanted;
+    double target_deg;        /* table angle of the position; may be a whole number of turns off the schedule's */
+    uint64_t elapsed_us;      /* local clock since the run started; for display only */
+} tumble_progress_t;
+
+void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progress_t *progress);
+
+/* Mean of the open position so far and its standard error, in volts. Returns as tumble_averaging_running. */
+tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
+                                         double standard_error_v[TUMBLE_CHANNELS]);
+
+/* The finished means, as in core/averaging.h; valid as long as the object. */
+const tumble_averaging_t *tumble_procedure_averages(const tumble_procedure_t *procedure);
+
+/* What a run found. A result that fails the gravity check is a result all the same, with `pass` false. */
+typedef struct {
+    const tumble_coefficients_t *coefficients;
+    const tumble_calibration_t *calibration;
+    const tumble_gravity_check_t *check;
+    bool pass;
+} tumble_result_t;
+
+/* The result, valid until the next start or repetition. Returns TUMBLE_OK, or TUMBLE_E_STATE before PROPOSE. */
+tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tumble_result_t *result);
+
+/* Closure of a mounting (index in the schedule) as last found: the largest |U9 - U1| of its channels over the nominal
+ * scale, in g; 0 before it is complete, or when it has no such pair. */
+double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index);
+
+/* Which positions or coefficients made an estimator or a schedule be refused (core/estimator.h); zeros otherwise. */
+tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure);
+
+const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure);
+
+#endif

@@ -1,0 +1,118 @@
+#include "procedure/procedure_internal.h"
+
+#include <stddef.h>
+
+/* What a refusal of a position means, and whether measuring it again may help. The last row stands for any other. */
+typedef struct {
+    uint8_t status;
+    uint8_t reason;
+    bool mendable;
+} refusal_row_t;
+
+#define REFUSAL(status, reason, mendable) {(uint8_t)TUMBLE_E_##status, (uint8_t)TUMBLE_REASON_##reason, (mendable)}
+
+static const refusal_row_t refusals[] = {
+    REFUSAL(LOST, SAMPLES_LOST, true),
+    REFUSAL(TOO_FEW, SAMPLES_LOST, true),
+    REFUSAL(CRC, SAMPLES_CORRUPTED, true),
+    REFUSAL(NOT_STILL, NOT_STILL, true),
+    REFUSAL(DEVIATION, NOT_STILL, true),
+    REFUSAL(SATURATED, SATURATED, false),
+    REFUSAL(STUCK, STUCK, false),
+};
+
+#define REFUSAL_COUNT (sizeof refusals / sizeof refusals[0])
+
+outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status)
+{
+    size_t row = 0;
+    while ((row < (REFUSAL_COUNT - 1U)) && (refusals[row].status != (uint8_t)status)) {
+        row++;
+    }
+    procedure->status = status;
+    tumble_add_up(&procedure->counters.refused, 1U);
+    if (refusals[row].mendable && (procedure->attempt < procedure->config->retries)) {
+        procedure->attempt++;
+        tumble_add_up(&procedure->counters.retries, 1U);
+        return OUTCOME_OTHER;
+    }
+    return tumble_fail(procedure, (tumble_reason_t)refusals[row].reason);
+}
+
+outcome_t tumble_average_enter(tumble_procedure_t *procedure)
+{
+    procedure->closure_g[tumble_mounting_index(procedure->config->schedule, procedure->index)] = 0.0F;
+    (void)tumble_averaging_begin(&procedure->averaging, procedure->index);
+    return OUTCOME_STAY;
+}
+
+outcome_t tumble_average_poll(tumble_procedure_t *procedure)
+{
+    if (tumble_table_slipped(procedure)) {
+        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
+    }
+    if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
+        return tumble_refuse_position(procedure, TUMBLE_E_NOT_STILL);
+    }
+    if (procedure->corrupted > procedure->config->max_corrupted) {
+        return tumble_refuse_position(procedure, TUMBLE_E_CRC);
+    }
+    return OUTCOME_STAY;
+}
+
+/* Has the position slipped, or was it never what it should be? A mounting that is wrong must be confirmed anew. */
+static outcome_t check_position(tumble_procedure_t *procedure)
+{
+    tumble_reason_t reason = tumble_check_direction(procedure, procedure->index);
+    if (reason == TUMBLE_REASON_NONE) {
+        reason = tumble_check_closure(procedure, procedure->index);
+    }
+    if (reason == TUMBLE_REASON_NONE) {
+        tumble_add_up(&procedure->counters.positions, 1U);
+        return OUTCOME_DONE;
+    }
+    tumble_add_up(&procedure->counters.refused, 1U);
+    tumble_forget_position(procedure, procedure->index);
+    if (reason != TUMBLE_REASON_SLIP) {
+        procedure->mounted = TUMBLE_NOT_MOUNTED;
+    }
+    return tumble_fail(procedure, reason);
+}
+
+static outcome_t finish_position(tumble_procedure_t *procedure)
+{
+    const tumble_status_t status = tumble_averaging_finish(&procedure->averaging, procedure->config->averaging);
+    return (status == TUMBLE_OK) ? check_position(procedure) : tumble_refuse_position(procedure, status);
+}
+
+/* Is there more to wait for? A position that will be refused anyway is given up at once. */
+static bool is_complete(const tumble_procedure_t *procedure, tumble_status_t last)
+{
+    return (last == TUMBLE_E_SATURATED) || (last == TUMBLE_E_DEVIATION) ||
+           (procedure->averaging.open.lost > procedure->config->averaging->max_lost) ||
+           (tumble_averaging_samples(&procedure->averaging) >= procedure->config->samples);
+}
+
+outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                                tumble_taken_t *taken)
+{
+    if ((sample->status & TUMBLE_SAMPLE_SATURATED) != 0U) {
+        return tumble_refuse_position(procedure, TUMBLE_E_SATURATED);
+    }
+    if (sample->status != 0U) {
+        return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
+    }
+    const tumble_status_t status =
+        tumble_averaging_add(&procedure->averaging, procedure->config->averaging, &sample->raw);
+    if (status == TUMBLE_OK) {
+        tumble_add_up(&procedure->counters.averaged, 1U);
+        taken->index = procedure->index;
+        taken->ordinal = tumble_averaging_samples(&procedure->averaging);
+    }
+    return is_complete(procedure, status) ? finish_position(procedure) : OUTCOME_STAY;
+}
+
+outcome_t tumble_average_late(tumble_procedure_t *procedure)
+{
+    return tumble_refuse_position(procedure, TUMBLE_E_TOO_FEW);
+}

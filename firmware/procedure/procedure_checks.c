@@ -1,0 +1,289 @@
+#include "procedure/procedure_internal.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define MAX_TURNS 20
+#define TURN_DEG 360.0
+
+/* How far gravity over the nominal scale may lie from where it should, in g: at the first position of a mounting the
+ * bias is in it (some 0.3 g a channel), and two of the paper's attitudes lie sqrt 2 apart; between two positions of
+ * a mounting the bias is gone, and what is left is the error of the nominal scale over 2 g at most. */
+#define FIRST_LIMIT_G 0.7
+#define CHANGE_LIMIT_G 0.35
+
+/* The configuration: which signs a number may have, and where it stands. */
+
+enum { NEGATIVE = 1, ZERO = 2, POSITIVE = 4, ANY = NEGATIVE | ZERO | POSITIVE };
+
+typedef struct {
+    uint8_t offset;
+    uint8_t signs;
+} number_row_t;
+
+#define NUMBER(member, signs) {(uint8_t)offsetof(tumble_procedure_config_t, member), (signs)}
+
+static const number_row_t number_rows[] = {
+    NUMBER(v_per_count, NEGATIVE | POSITIVE),
+    NUMBER(nominal_scale_v_per_g, NEGATIVE | POSITIVE),
+    NUMBER(gravity_limit_g, POSITIVE),
+    NUMBER(closure_limit_g, POSITIVE),
+    NUMBER(position_tolerance_deg, POSITIVE),
+    NUMBER(approach_deg, ZERO | POSITIVE),
+    NUMBER(cable_min_deg, ANY),
+    NUMBER(cable_max_deg, ANY),
+};
+
+static unsigned sign_of(double x)
+{
+    return (x > 0.0) ? POSITIVE : (x < 0.0) ? NEGATIVE : ZERO;
+}
+
+static bool numbers_are_valid(const tumble_procedure_config_t *config)
+{
+    bool valid = true;
+    for (size_t i = 0; i < (sizeof number_rows / sizeof number_rows[0]); i++) {
+        double x;
+        memcpy(&x, (const unsigned char *)config + number_rows[i].offset, sizeof x);
+        valid = valid && tumble_is_finite(x) && ((sign_of(x) & number_rows[i].signs) != 0U);
+    }
+    return valid && (config->cable_min_deg < config->cable_max_deg);
+}
+
+static bool times_are_valid(const tumble_procedure_config_t *config)
+{
+    return (config->preflight_timeout_ms > 0U) && (config->warm_up_timeout_ms > 0U) &&
+           (config->mounting_timeout_ms > 0U) && (config->home_timeout_ms > 0U) && (config->move_timeout_ms > 0U) &&
+           (config->settle_timeout_ms > config->settle_ms) && (config->average_timeout_ms > 0U) &&
+           (config->sample_timeout_ms > 0U) && (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS);
+}
+
+static bool is_valid(const tumble_procedure_config_t *config)
+{
+    return (config->schedule != NULL) && (config->averaging != NULL) &&
+           ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_LEAST_SQUARES) &&
+           ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
+           (config->warm_up_band_half_c >= 0) && numbers_are_valid(config) && times_are_valid(config);
+}
+
+static tumble_status_t examine_schedule(const tumble_procedure_config_t *config, tumble_refusal_t *refusal)
+{
+    tumble_status_t status = tumble_schedule_validate(config->schedule, NULL);
+    if ((status == TUMBLE_OK) && (config->estimate == TUMBLE_ESTIMATE_LEAST_SQUARES)) {
+        status = tumble_schedule_identify(config->schedule, NULL, &refusal->unidentified);
+    } else if (status == TUMBLE_OK) {
+        tumble_harmonic_map_t map;
+        status = tumble_schedule_harmonic(config->schedule, NULL, &map, &refusal->missing);
+    }
+    return status;
+}
+
+static bool cable_reaches_all(const tumble_procedure_config_t *config)
+{
+    bool reaches = true;
+    for (uint8_t p = 0; p < config->schedule->position_count; p++) {
+        double unused;
+        reaches = reaches && tumble_choose_turn(config, config->schedule->positions[p].angle.deg, &unused);
+    }
+    return reaches;
+}
+
+tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,
+                               tumble_refusal_t *refusal)
+{
+    *refusal = (tumble_refusal_t){0};
+    if (!is_valid(config)) {
+        *reason = TUMBLE_REASON_CONFIGURATION;
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_status_t status = examine_schedule(config, refusal);
+    if (status != TUMBLE_OK) {
+        *reason = TUMBLE_REASON_SCHEDULE;
+        return status;
+    }
+    if (!cable_reaches_all(config)) {
+        *reason = TUMBLE_REASON_CABLE_LIMIT;
+        return TUMBLE_E_ARGUMENT;
+    }
+    *reason = TUMBLE_REASON_NONE;
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config, tumble_reason_t *reason)
+{
+    tumble_reason_t found = TUMBLE_REASON_CONFIGURATION;
+    tumble_refusal_t unused;
+    const tumble_status_t status = (config != NULL) ? tumble_examine(config, &found, &unused) : TUMBLE_E_ARGUMENT;
+    if (reason != NULL) {
+        *reason = found;
+    }
+    return status;
+}
+
+/* The cable. */
+
+static bool is_within_cable(const tumble_procedure_config_t *config, double angle_deg)
+{
+    return ((angle_deg - config->approach_deg) >= config->cable_min_deg) && (angle_deg <= config->cable_max_deg);
+}
+
+/* Itself, one turn back, one on, two back, ... */
+bool tumble_choose_turn(const tumble_procedure_config_t *config, double scheduled_deg, double *angle_deg)
+{
+    bool found = false;
+    for (int turns = 0; !found && (turns <= MAX_TURNS); turns = (turns < 0) ? -turns : (-turns - 1)) {
+        const double deg = scheduled_deg + (TURN_DEG * (double)turns);
+        if (is_within_cable(config, deg)) {
+            found = true;
+            *angle_deg = deg;
+        }
+    }
+    return found;
+}
+
+/* The direction of gravity. */
+
+static double distance_g(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS])
+{
+    double square = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return tumble_sqrt(square);
+}
+
+static void subtract(double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS])
+{
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        a[i] -= b[i];
+    }
+}
+
+/* The mean of a position over the nominal scale: specific force plus bias, in g. */
+static void seen_g(const tumble_procedure_t *procedure, uint8_t index, double seen[TUMBLE_CHANNELS])
+{
+    const double g_per_count = procedure->config->v_per_count / procedure->config->nominal_scale_v_per_g;
+    (void)tumble_averaging_mean(&procedure->averaging, index, seen, NULL);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        seen[i] *= g_per_count;
+    }
+}
+
+/* What the position at `index` would show in another mounting. */
+static void attitude_in(const tumble_schedule_t *schedule, uint8_t index, uint8_t mounting_index,
+                        double a_g[TUMBLE_CHANNELS])
+{
+    tumble_position_t position = schedule->positions[index];
+    position.mounting = schedule->mountings[mounting_index].number;
+    const tumble_schedule_t alone = {schedule->mountings, &position, schedule->mounting_count, 1};
+    tumble_schedule_attitude(&alone, 0, a_g);
+}
+
+/* What it would show there less what the position at `reference` would; the attitude itself without a reference. */
+static void expected_g(const tumble_schedule_t *schedule, uint8_t index, uint8_t reference, uint8_t mounting_index,
+                       double expected[TUMBLE_CHANNELS])
+{
+    attitude_in(schedule, index, mounting_index, expected);
+    if (reference != schedule->position_count) {
+        double earlier[TUMBLE_CHANNELS];
+        attitude_in(schedule, reference, mounting_index, earlier);
+        subtract(expected, earlier);
+    }
+}
+
+static void sort_sizes(const double v[TUMBLE_CHANNELS], double sorted[TUMBLE_CHANNELS])
+{
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double size = tumble_abs(v[i]);
+        int place = i;
+        for (; (place > 0) && (sorted[place - 1] > size); place--) {
+            sorted[place] = sorted[place - 1];
+        }
+        sorted[place] = size;
+    }
+}
+
+/* Sizes in order are all that is left when channels may change places and signs. */
+static bool is_permuted(const double seen[TUMBLE_CHANNELS], const double expected[TUMBLE_CHANNELS], double limit_g)
+{
+    double sizes_seen[TUMBLE_CHANNELS];
+    double sizes_expected[TUMBLE_CHANNELS];
+    sort_sizes(seen, sizes_seen);
+    sort_sizes(expected, sizes_expected);
+    return distance_g(sizes_seen, sizes_expected) <= limit_g;
+}
+
+static bool fits_another_mounting(const tumble_schedule_t *schedule, uint8_t index, uint8_t reference,
+                                  const double seen[TUMBLE_CHANNELS], double limit_g)
+{
+    bool fits = false;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        double expected[TUMBLE_CHANNELS];
+        expected_g(schedule, index, reference, m, expected);
+        fits = fits || (distance_g(seen, expected) <= limit_g);
+    }
+    return fits;
+}
+
+/* A measured position of the same mounting to compare with; position_count if this is its first. */
+static uint8_t find_reference(const tumble_procedure_t *procedure, uint8_t index)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    uint8_t p = 0;
+    while ((p < schedule->position_count) &&
+           ((p == index) || (schedule->positions[p].mounting != schedule->positions[index].mounting) ||
+            !tumble_is_measured(procedure, p))) {
+        p++;
+    }
+    return p;
+}
+
+tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint8_t index)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    const uint8_t reference = find_reference(procedure, index);
+    const bool is_first = (reference == schedule->position_count);
+    const double limit_g = is_first ? FIRST_LIMIT_G : CHANGE_LIMIT_G;
+    double seen[TUMBLE_CHANNELS];
+    seen_g(procedure, index, seen);
+    if (!is_first) {
+        double earlier[TUMBLE_CHANNELS];
+        seen_g(procedure, reference, earlier);
+        subtract(seen, earlier);
+    }
+    double expected[TUMBLE_CHANNELS];
+    expected_g(schedule, index, reference, tumble_mounting_index(schedule, index), expected);
+    if (distance_g(seen, expected) <= limit_g) {
+        return TUMBLE_REASON_NONE;
+    }
+    if (fits_another_mounting(schedule, index, reference, seen, limit_g)) {
+        return TUMBLE_REASON_WRONG_MOUNTING;
+    }
+    return (is_first || is_permuted(seen, expected, limit_g)) ? TUMBLE_REASON_SWAPPED_CHANNELS : TUMBLE_REASON_SLIP;
+}
+
+/* Closure. */
+
+tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t index)
+{
+    const tumble_procedure_config_t *config = procedure->config;
+    const uint8_t mounting = tumble_mounting_index(config->schedule, index);
+    double difference_v[TUMBLE_CHANNELS];
+    if (tumble_first_unmeasured(procedure, mounting) != config->schedule->position_count) {
+        return TUMBLE_REASON_NONE;
+    }
+    (void)tumble_averaging_means(&procedure->averaging, config->v_per_count, &procedure->work.means);
+    if (tumble_closure(config->schedule, &procedure->work.means, config->schedule->mountings[mounting].number,
+                       difference_v) != TUMBLE_OK) {
+        return TUMBLE_REASON_NONE;
+    }
+    double largest_g = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double size_g = tumble_abs(difference_v[i] / config->nominal_scale_v_per_g);
+        largest_g = (size_g > largest_g) ? size_g : largest_g;
+    }
+    procedure->closure_g[mounting] = (float)largest_g;
+    return (largest_g > config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
+}

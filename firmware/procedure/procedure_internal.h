@@ -1,0 +1,140 @@
+/* procedure_internal.h - what the files of the procedure share (private to it).
+ *
+ *     procedure_table.c       the table: every state, what it does, where it leads, how long it may last
+ *     procedure_states.c      what the rows of the table do: entry actions, polls, samples, late endings
+ *     procedure_average.c     the same for AVERAGE: taking samples, judging a position
+ *     procedure_solve.c       SOLVE, VERIFY, PROPOSE
+ *     procedure_checks.c      is the configuration usable, is the block mounted as it should be, did it slip
+ *     procedure.c             time, samples and commands; the engine that follows the table
+ *     procedure_report.c      the readable side
+ */
+#ifndef TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
+#define TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
+
+#include "procedure/procedure.h"
+
+#define TUMBLE_NOT_MOUNTED UINT8_MAX
+
+/* What a state has come to. */
+typedef enum {
+    OUTCOME_STAY = 0,
+    OUTCOME_DONE,  /* on to the row's `done` */
+    OUTCOME_OTHER, /* on to the row's `other` */
+    OUTCOME_FAULT  /* on to FAULT; the reason is noted */
+} outcome_t;
+
+/* tumble_row_t.watch: what makes a fault while the state lasts. */
+enum {
+    WATCH_BUS = 1,
+    WATCH_STAND = 2,
+    WATCH_BLOCK = 4,  /* its heartbeat */
+    WATCH_SAMPLES = 8 /* and its samples keep coming */
+};
+
+/* tumble_row_t.commands */
+enum {
+    COMMAND_START = 1,
+    COMMAND_ABORT = 2,
+    COMMAND_CONFIRM = 4,
+    COMMAND_RESUME = 8,
+    COMMAND_REPEAT = 16
+};
+
+typedef outcome_t (*tumble_action_t)(tumble_procedure_t *procedure);
+typedef outcome_t (*tumble_sample_action_t)(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                                            tumble_taken_t *taken);
+
+typedef struct {
+    tumble_action_t enter;         /* once, on the way in; may lead on at once */
+    tumble_action_t poll;          /* whenever time or a sample comes */
+    tumble_sample_action_t sample; /* for every sample */
+    tumble_action_t late;          /* at the timeout, when one reason for all is not enough; else null */
+    uint8_t timeout;               /* where its timeout stands in the configuration; 0: waits for nothing */
+    uint8_t late_reason;
+    uint8_t done;
+    uint8_t other;
+    uint8_t watch;
+    uint8_t commands;
+    bool pauses;                   /* its work waits for the next step, so that no step does two such works */
+} tumble_row_t;
+
+extern const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT];
+
+/* Entry actions, polls, sample actions, late endings, by the states that they belong to. */
+outcome_t tumble_preflight_enter(tumble_procedure_t *procedure);
+outcome_t tumble_preflight_poll(tumble_procedure_t *procedure);
+outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                                  tumble_taken_t *taken);
+outcome_t tumble_preflight_late(tumble_procedure_t *procedure);
+outcome_t tumble_warm_up_enter(tumble_procedure_t *procedure);
+outcome_t tumble_warm_up_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                                tumble_taken_t *taken);
+outcome_t tumble_next_enter(tumble_procedure_t *procedure);
+outcome_t tumble_wait_mounting_poll(tumble_procedure_t *procedure);
+outcome_t tumble_home_enter(tumble_procedure_t *procedure);
+outcome_t tumble_home_poll(tumble_procedure_t *procedure);
+outcome_t tumble_move_enter(tumble_procedure_t *procedure);
+outcome_t tumble_move_poll(tumble_procedure_t *procedure);
+outcome_t tumble_settle_enter(tumble_procedure_t *procedure);
+outcome_t tumble_settle_poll(tumble_procedure_t *procedure);
+outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                               tumble_taken_t *taken);
+outcome_t tumble_settle_late(tumble_procedure_t *procedure);
+outcome_t tumble_average_enter(tumble_procedure_t *procedure);
+outcome_t tumble_average_poll(tumble_procedure_t *procedure);
+outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
+                                tumble_taken_t *taken);
+outcome_t tumble_average_late(tumble_procedure_t *procedure);
+outcome_t tumble_solve_poll(tumble_procedure_t *procedure);
+outcome_t tumble_verify_poll(tumble_procedure_t *procedure);
+outcome_t tumble_propose_poll(tumble_procedure_t *procedure);
+outcome_t tumble_fault_enter(tumble_procedure_t *procedure);
+outcome_t tumble_fault_poll(tumble_procedure_t *procedure);
+outcome_t tumble_abort_enter(tumble_procedure_t *procedure);
+
+/* tumble_procedure_validate, with what the estimator lacks. */
+tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,
+                               tumble_refusal_t *refusal);
+
+/* Note why, and OUTCOME_FAULT. */
+outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason);
+
+/* The reason behind the stand's fault. */
+tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure);
+
+/* The stand's state. */
+tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure);
+
+/* Is the table, by its own report, off the angle where the position is measured? */
+bool tumble_table_slipped(const tumble_procedure_t *procedure);
+
+/* Has the position a mean? */
+bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index);
+
+/* Index of the mounting that the position at `index` belongs to. */
+uint8_t tumble_mounting_index(const tumble_schedule_t *schedule, uint8_t index);
+
+/* First position of a mounting (TUMBLE_NOT_MOUNTED: of any) without a mean; position_count if there is none. */
+uint8_t tumble_first_unmeasured(const tumble_procedure_t *procedure, uint8_t mounting_index);
+
+/* Drop the mean of a position, and with it what was concluded from it. */
+void tumble_forget_position(tumble_procedure_t *procedure, uint8_t index);
+
+/* The position is refused with this status: another attempt (OUTCOME_OTHER) if that may help and one is left. */
+outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status);
+
+/* Does gravity in the mean of the position point where it should? TUMBLE_REASON_NONE, _WRONG_MOUNTING,
+ * _SWAPPED_CHANNELS, _SLIP. */
+tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint8_t index);
+
+/* If the mounting of the position is complete, note its closure. TUMBLE_REASON_NONE, or _SLIP when it is too large. */
+tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t index);
+
+/* The table angle for a scheduled one: itself, or a whole number of turns off so that it and the way up to it lie
+ * within the cable's limits. False: there is none. */
+bool tumble_choose_turn(const tumble_procedure_config_t *config, double scheduled_deg, double *angle_deg);
+
+/* One more, or several, up to UINT32_MAX. */
+void tumble_add_up(uint32_t *counter, uint32_t by);
+
+#endif

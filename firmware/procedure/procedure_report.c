@@ -1,0 +1,123 @@
+#include "procedure/procedure_internal.h"
+
+#include <stddef.h>
+
+void tumble_add_up(uint32_t *counter, uint32_t by)
+{
+    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
+}
+
+uint8_t tumble_mounting_index(const tumble_schedule_t *schedule, uint8_t index)
+{
+    return (uint8_t)(tumble_schedule_mounting_of(schedule, index) - schedule->mountings);
+}
+
+bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index)
+{
+    return (procedure->averaging.averages[index].samples != 0U) && (procedure->averaging.open.index != index);
+}
+
+uint8_t tumble_first_unmeasured(const tumble_procedure_t *procedure, uint8_t mounting_index)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    uint8_t p = 0;
+    while ((p < schedule->position_count) &&
+           (tumble_is_measured(procedure, p) ||
+            ((mounting_index != TUMBLE_NOT_MOUNTED) && (tumble_mounting_index(schedule, p) != mounting_index)))) {
+        p++;
+    }
+    return p;
+}
+
+/* Opening a position forgets what it held, and an open one counts as not measured. */
+void tumble_forget_position(tumble_procedure_t *procedure, uint8_t index)
+{
+    (void)tumble_averaging_begin(&procedure->averaging, index);
+    procedure->solved = false;
+}
+
+static uint8_t count_finished(const tumble_procedure_t *procedure)
+{
+    uint8_t finished = 0;
+    for (uint8_t p = 0; procedure->begun && (p < procedure->config->schedule->position_count); p++) {
+        finished = (uint8_t)(finished + (tumble_is_measured(procedure, p) ? 1U : 0U));
+    }
+    return finished;
+}
+
+void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progress_t *progress)
+{
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    *progress = (tumble_progress_t){
+        .state = procedure->state,
+        .failed_in = procedure->failed_in,
+        .reason = procedure->reason,
+        .status = procedure->status,
+        .drive_code = procedure->drive_code,
+        .attempt = procedure->attempt,
+        .samples_wanted = procedure->config->samples,
+        .target_deg = procedure->target_deg,
+    };
+    if (!procedure->begun) {
+        return;
+    }
+    progress->index = procedure->index;
+    progress->count = schedule->position_count;
+    progress->finished = count_finished(procedure);
+    progress->position = schedule->positions[procedure->index].number;
+    progress->mounting = schedule->positions[procedure->index].mounting;
+    progress->samples = tumble_averaging_samples(&procedure->averaging);
+    progress->elapsed_us = procedure->restart_run ? 0U : (procedure->now_us - procedure->started_us);
+}
+
+tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
+                                         double standard_error_v[TUMBLE_CHANNELS])
+{
+    if (!procedure->begun) {
+        return TUMBLE_E_NOT_OPEN;
+    }
+    const tumble_status_t status = tumble_averaging_running(&procedure->averaging, mean_v, standard_error_v);
+    if (status == TUMBLE_OK) {
+        const double v_per_count = procedure->config->v_per_count;
+        const double size_v = (v_per_count < 0.0) ? -v_per_count : v_per_count;
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            mean_v[i] *= v_per_count;
+            standard_error_v[i] *= size_v;
+        }
+    }
+    return status;
+}
+
+const tumble_averaging_t *tumble_procedure_averages(const tumble_procedure_t *procedure)
+{
+    return &procedure->averaging;
+}
+
+tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tumble_result_t *result)
+{
+    if (!procedure->solved) {
+        return TUMBLE_E_STATE;
+    }
+    *result = (tumble_result_t){
+        .coefficients = &procedure->coefficients,
+        .calibration = &procedure->calibration,
+        .check = &procedure->work.check,
+        .pass = procedure->work.check.pass,
+    };
+    return TUMBLE_OK;
+}
+
+double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index)
+{
+    return (mounting_index < TUMBLE_MAX_MOUNTINGS) ? (double)procedure->closure_g[mounting_index] : 0.0;
+}
+
+tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure)
+{
+    return procedure->refusal;
+}
+
+const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure)
+{
+    return &procedure->counters;
+}

@@ -1,0 +1,56 @@
+#include "procedure/procedure_internal.h"
+
+typedef tumble_status_t (*estimator_t)(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                       tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+static const estimator_t estimators[] = {
+    [TUMBLE_ESTIMATE_AVERAGED] = tumble_estimate_averaged,
+    [TUMBLE_ESTIMATE_REFINED] = tumble_estimate_refined,
+    [TUMBLE_ESTIMATE_LEAST_SQUARES] = tumble_estimate_least_squares,
+};
+
+static outcome_t fail_to_solve(tumble_procedure_t *procedure, tumble_status_t status)
+{
+    procedure->status = status;
+    return tumble_fail(procedure, TUMBLE_REASON_SINGULAR);
+}
+
+static void make_means(tumble_procedure_t *procedure)
+{
+    (void)tumble_averaging_means(&procedure->averaging, procedure->config->v_per_count, &procedure->work.means);
+}
+
+outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
+{
+    const tumble_procedure_config_t *config = procedure->config;
+    make_means(procedure);
+    tumble_status_t status = estimators[config->estimate](config->schedule, &procedure->work.means,
+                                                          &procedure->coefficients, &procedure->refusal);
+    if (status == TUMBLE_OK) {
+        status = tumble_calibration_invert(&procedure->coefficients, &procedure->calibration);
+    }
+    return (status == TUMBLE_OK) ? OUTCOME_DONE : fail_to_solve(procedure, status);
+}
+
+/* The means make room for what is found with them; they can be made again from the averages. */
+outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
+{
+    tumble_gravity_check_t found;
+    make_means(procedure);
+    const tumble_status_t status =
+        tumble_gravity_check(procedure->config->schedule, &procedure->work.means, &procedure->calibration,
+                             procedure->config->gravity_limit_g, &found);
+    if (status != TUMBLE_OK) {
+        return fail_to_solve(procedure, status);
+    }
+    procedure->work.check = found;
+    return OUTCOME_DONE;
+}
+
+/* A result that fails the check is offered as what it is: readable, and not passing. */
+outcome_t tumble_propose_poll(tumble_procedure_t *procedure)
+{
+    procedure->solved = true;
+    procedure->reason = procedure->work.check.pass ? TUMBLE_REASON_NONE : TUMBLE_REASON_GRAVITY_CHECK;
+    return OUTCOME_DONE;
+}

@@ -1,0 +1,286 @@
+#include "stand/drive402_internal.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define US_PER_MS 1000U
+#define MAX_NODE 127U
+
+tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_drive_profile_t *profile,
+                                     tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node)
+{
+    if ((drive == NULL) || (node == NULL) || (mirror == NULL) || (drive_node == 0U) || (drive_node > MAX_NODE) ||
+        (tumble_drive402_validate(profile) != TUMBLE_OK)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    *drive = (tumble_drive402_t){
+        .profile = profile,
+        .node = node,
+        .mirror = mirror,
+        .drive_node = drive_node,
+        .wanted = (uint8_t)PHASE_IDLE,
+    };
+    *mirror = (tumble_drive_mirror_t){.mode = TUMBLE_402_MODE_PROFILE_POSITION};
+    return tumble_drive_map_own(drive) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+}
+
+/* What the node tells. */
+
+static void configure(tumble_drive402_t *drive)
+{
+    drive->wanted = (uint8_t)PHASE_IDLE;
+    tumble_drive_go(drive, PHASE_CONFIGURE);
+}
+
+/* What it had been told is gone with its power, and so is its position. */
+static void booted(tumble_drive402_t *drive)
+{
+    drive->present = true;
+    drive->homed = false;
+    if (drive->phase <= (uint8_t)PHASE_START) {
+        configure(drive);
+    } else if (drive->phase != (uint8_t)PHASE_FAULT) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_POWER);
+    } else {
+        /* clear_fault will configure it */
+    }
+}
+
+static void lost(tumble_drive402_t *drive)
+{
+    drive->present = false;
+    if ((drive->phase != (uint8_t)PHASE_ABSENT) && (drive->phase != (uint8_t)PHASE_FAULT)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HEARTBEAT);
+    }
+}
+
+void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
+{
+    const bool leads = (drive->phase >= (uint8_t)PHASE_POWER) && (drive->phase != (uint8_t)PHASE_FAULT);
+    if (event == TUMBLE_HEARTBEAT_BOOTED) {
+        booted(drive);
+    } else if (event == TUMBLE_HEARTBEAT_LOST) {
+        lost(drive);
+    } else if (event == TUMBLE_HEARTBEAT_BEGAN) {
+        drive->present = true;
+        if (drive->phase == (uint8_t)PHASE_ABSENT) {
+            configure(drive);
+        }
+    } else if ((event == TUMBLE_HEARTBEAT_CHANGED) && leads && (state != TUMBLE_NMT_OPERATIONAL)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL); /* somebody else has taken it out of operation */
+    } else {
+        /* nothing that matters here */
+    }
+}
+
+void tumble_drive402_emergency(tumble_drive402_t *drive, const tumble_emergency_t *emergency)
+{
+    if (emergency->code != TUMBLE_EMCY_NO_ERROR) {
+        drive->code = emergency->code;
+    }
+}
+
+static void take_position(tumble_drive402_t *drive)
+{
+    const int32_t raw = drive->mirror->actual_position;
+    const int64_t before = drive->actual_counts;
+    drive->actual_counts = drive->homed ? tumble_drive_unwrapped(drive->profile, raw, before) : raw;
+    if (drive->actual_counts != before) {
+        drive->still = 0;
+    } else if (drive->still < UINT8_MAX) {
+        drive->still++;
+    } else {
+        /* at rest for long */
+    }
+}
+
+void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number)
+{
+    if (number >= drive->profile->transmit_count) {
+        return;
+    }
+    const tumble_drive_pdo_t *pdo = &drive->profile->transmit[number];
+    if (tumble_drive_carries(pdo, TUMBLE_DRIVE_POSITION)) {
+        take_position(drive);
+    }
+    tumble_drive_look(drive, tumble_drive_carries(pdo, TUMBLE_DRIVE_STATUS));
+}
+
+/* Time. */
+
+static uint32_t timeout_ms(const tumble_drive402_t *drive)
+{
+    uint32_t ms;
+    memcpy(&ms, (const unsigned char *)drive->profile + tumble_drive_rows[drive->phase].timeout, sizeof ms);
+    return ms;
+}
+
+static uint64_t deadline_us(const tumble_drive402_t *drive)
+{
+    const bool limited = (tumble_drive_rows[drive->phase].timeout != 0U);
+    return limited ? (drive->entered_us + ((uint64_t)timeout_ms(drive) * US_PER_MS)) : TUMBLE_NEVER;
+}
+
+/* A drive that stays in its fault is no lack of power. */
+static void end_late(tumble_drive402_t *drive)
+{
+    const bool faulty = (drive->phase == (uint8_t)PHASE_POWER) && tumble_drive_is_faulty(drive);
+    const uint8_t late = tumble_drive_rows[drive->phase].late;
+    tumble_drive_fail(drive, faulty ? TUMBLE_STAND_FAULT_DRIVE : (tumble_stand_fault_t)late);
+}
+
+void tumble_drive402_step(tumble_drive402_t *drive, uint64_t now_us)
+{
+    tumble_drive_look(drive, false);
+    if (drive->restart_timer) {
+        drive->restart_timer = false;
+        drive->entered_us = now_us;
+    }
+    if (now_us >= deadline_us(drive)) {
+        end_late(drive);
+    }
+}
+
+uint64_t tumble_drive402_next_us(const tumble_drive402_t *drive)
+{
+    const bool free_to_go = drive->blocked && tumble_drive_is_sent(drive);
+    const bool by_sdo = (drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ);
+    const bool answered = by_sdo && (tumble_sdo_client_result(&drive->node->client) != TUMBLE_E_SDO_BUSY);
+    return (drive->restart_timer || free_to_go || answered) ? 0U : deadline_us(drive);
+}
+
+/* The stand. */
+
+static tumble_stand_state_t state(void *self)
+{
+    const tumble_drive402_t *drive = self;
+    if ((drive->phase == (uint8_t)PHASE_POWER) && (drive->wanted != (uint8_t)PHASE_IDLE)) {
+        return (drive->wanted == (uint8_t)PHASE_HOME_MODE) ? TUMBLE_STAND_HOMING : TUMBLE_STAND_MOVING;
+    }
+    const tumble_stand_state_t known = (tumble_stand_state_t)tumble_drive_rows[drive->phase].state;
+    if (known != TUMBLE_STAND_STOPPED) {
+        return known;
+    }
+    if (!drive->homed) {
+        return TUMBLE_STAND_READY;
+    }
+    if (!drive->arrived) {
+        return TUMBLE_STAND_STOPPED;
+    }
+    const bool off_again = drive->at_goal && !tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED);
+    return off_again ? TUMBLE_STAND_MOVING : TUMBLE_STAND_IN_POSITION;
+}
+
+/* Do this as soon as the drive is powered: at once, or after a stop by way of POWER. */
+static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
+{
+    drive->wanted = (uint8_t)action;
+    tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? action : PHASE_POWER);
+    return TUMBLE_OK;
+}
+
+static bool is_at_rest(const tumble_drive402_t *drive)
+{
+    return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
+}
+
+static tumble_status_t home(void *self)
+{
+    tumble_drive402_t *drive = self;
+    if (!is_at_rest(drive)) {
+        return TUMBLE_E_STAND_STATE;
+    }
+    drive->homed = false;
+    return begin(drive, PHASE_HOME_MODE);
+}
+
+static tumble_status_t move(void *self, double angle_deg)
+{
+    tumble_drive402_t *drive = self;
+    int64_t counts;
+    if (!tumble_drive_counts(drive->profile, angle_deg, &counts)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!is_at_rest(drive) || !drive->homed) {
+        return TUMBLE_E_STAND_STATE;
+    }
+    drive->goal_counts = counts;
+    return begin(drive, PHASE_TARGET);
+}
+
+/* Nothing moves before it is powered; from there on the axis is told, whatever it is thought to do. */
+static void stop(void *self)
+{
+    tumble_drive402_t *drive = self;
+    drive->wanted = (uint8_t)PHASE_IDLE;
+    if (drive->phase == (uint8_t)PHASE_FAULT) {
+        tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
+    } else if ((drive->phase > (uint8_t)PHASE_POWER) && (drive->phase < (uint8_t)PHASE_STOPPING)) {
+        tumble_drive_go(drive, PHASE_STOPPING);
+    } else {
+        /* absent, on its way up, or stopping already */
+    }
+}
+
+static tumble_status_t clear_fault(void *self)
+{
+    tumble_drive402_t *drive = self;
+    if (drive->phase != (uint8_t)PHASE_FAULT) {
+        return TUMBLE_E_STAND_STATE;
+    }
+    drive->fault = (uint8_t)TUMBLE_STAND_FAULT_NONE;
+    drive->code = 0;
+    drive->refusal = (tumble_drive_refusal_t){0, 0, TUMBLE_ABORT_NONE};
+    drive->may_reset = true;
+    if (drive->present) {
+        configure(drive);
+    } else {
+        tumble_drive_go(drive, PHASE_ABSENT);
+    }
+    return TUMBLE_OK;
+}
+
+/* A drive that faults over its following error says so in its emergency message, or in bit 13. */
+static tumble_stand_fault_t fault(void *self)
+{
+    const tumble_drive402_t *drive = self;
+    const bool bit_13 = (drive->mirror->mode == TUMBLE_402_MODE_PROFILE_POSITION) &&
+                        tumble_drive_has(drive, TUMBLE_402_STATUS_FOLLOWING_ERROR);
+    const bool stalled = bit_13 || (drive->code == TUMBLE_402_ERROR_FOLLOWING);
+    if ((drive->fault == (uint8_t)TUMBLE_STAND_FAULT_DRIVE) && stalled) {
+        return TUMBLE_STAND_FAULT_STALL;
+    }
+    return (tumble_stand_fault_t)drive->fault;
+}
+
+static uint16_t fault_code(void *self)
+{
+    const tumble_drive402_t *drive = self;
+    return drive->code;
+}
+
+static double angle(void *self)
+{
+    const tumble_drive402_t *drive = self;
+    return tumble_drive_angle_deg(drive->profile, drive->actual_counts);
+}
+
+tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive)
+{
+    return (tumble_stand_t){
+        .self = drive,
+        .home = home,
+        .move = move,
+        .stop = stop,
+        .clear_fault = clear_fault,
+        .state = state,
+        .fault = fault,
+        .fault_code = fault_code,
+        .angle_deg = angle,
+    };
+}
+
+tumble_drive_refusal_t tumble_drive402_refusal(const tumble_drive402_t *drive)
+{
+    return drive->refusal;
+}

@@ -1,0 +1,123 @@
+/* drive402_internal.h - what the files of drive402 share (private to it).
+ *
+ *     drive402.c          what the node tells, time, the stand's functions
+ *     drive402_phases.c   the table of phases: what each does, how long it may last, what it is for the stand
+ *     drive402_start.c    what the phases do up to Operation enabled
+ *     drive402_motion.c   what they do from there: homing, moving, stopping
+ *     drive402_profile.c  the profile: is it usable, what to write into the drive, our own PDOs, units
+ */
+#ifndef TUMBLE_STAND_DRIVE402_INTERNAL_H
+#define TUMBLE_STAND_DRIVE402_INTERNAL_H
+
+#include "stand/drive402.h"
+
+typedef enum {
+    PHASE_ABSENT = 0, /* no heartbeat */
+    PHASE_CONFIGURE,  /* objects are written by SDO */
+    PHASE_START,      /* NMT start; waiting for its first transmit PDO */
+    PHASE_POWER,      /* up to Operation enabled, then on to `wanted` */
+    PHASE_IDLE,       /* enabled, at rest */
+    PHASE_HOME_MODE,  /* changing to homing mode */
+    PHASE_HOMING,
+    PHASE_MOVE_MODE,  /* changing back to profile position mode */
+    PHASE_TARGET,     /* the target is sent, bit 4 low */
+    PHASE_SET_POINT,  /* bit 4 high, waiting for bit 12 */
+    PHASE_RELEASE,    /* bit 4 low again, waiting for bit 12 to fall */
+    PHASE_MOVING,     /* waiting for target reached */
+    PHASE_STOPPING,
+    PHASE_STOPPED,    /* at rest, maybe without power */
+    PHASE_FAULT,
+    PHASE_COUNT
+} tumble_drive_phase_t;
+
+/* tumble_drive402_t.asked */
+enum { ASKED_NOTHING = 0, ASKED_WRITE, ASKED_READ, ASKED_START };
+
+typedef struct {
+    void (*enter)(tumble_drive402_t *drive);
+    void (*look)(tumble_drive402_t *drive, bool fresh); /* fresh: a statusword has just come */
+    uint8_t timeout; /* where it stands in the profile; 0: none */
+    uint8_t late;    /* tumble_stand_fault_t at the timeout */
+    uint8_t state;   /* tumble_stand_state_t; of IDLE and POWER see tumble_drive_state */
+    bool powered;    /* leaving Operation enabled is a fault */
+    bool moves;      /* bit 13 is a following error */
+} tumble_drive_row_t;
+
+extern const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT];
+
+/* Enter a phase. */
+void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase);
+
+/* Stop and wait for clear_fault. */
+void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault);
+
+/* Follow the phases as far as they lead by themselves. */
+void tumble_drive_look(tumble_drive402_t *drive, bool fresh);
+
+/* Have all process data that were asked for been handed to the port? */
+bool tumble_drive_is_sent(const tumble_drive402_t *drive);
+
+/* Must they still go before there is anything to look at? Notes it, so that the next step comes as soon as they are
+ * gone. */
+bool tumble_drive_is_blocked(tumble_drive402_t *drive);
+
+/* Set the controlword and ask for the process data to go. */
+void tumble_drive_control(tumble_drive402_t *drive, unsigned word);
+
+/* Is one of these bits set in the last statusword? */
+bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits);
+
+/* Write the mode by SDO, then read its display until it shows it; then go on. */
+void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next);
+
+/* Give up what is under way by SDO or NMT. */
+void tumble_drive_leave_sdo(tumble_drive402_t *drive);
+
+/* What the phases do, by their names. */
+void tumble_drive_enter_configure(tumble_drive402_t *drive);
+void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_power(tumble_drive402_t *drive);
+void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_homing(tumble_drive402_t *drive);
+void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_target(tumble_drive402_t *drive);
+void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_set_point(tumble_drive402_t *drive);
+void tumble_drive_look_set_point(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_release(tumble_drive402_t *drive);
+void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_stopping(tumble_drive402_t *drive);
+void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh);
+void tumble_drive_enter_fault(tumble_drive402_t *drive);
+
+/* The state of the power state machine in the last statusword, one of TUMBLE_402_STATE_... */
+uint16_t tumble_drive_power_state(const tumble_drive402_t *drive);
+bool tumble_drive_is_faulty(const tumble_drive402_t *drive);
+
+/* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
+ * step. */
+bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write);
+
+/* Is this object (as in a mapping) in this PDO? */
+bool tumble_drive_carries(const tumble_drive_pdo_t *pdo, uint32_t object);
+#define TUMBLE_DRIVE_STATUS TUMBLE_MAP(TUMBLE_402_STATUSWORD, 0, 16)
+#define TUMBLE_DRIVE_POSITION TUMBLE_MAP(TUMBLE_402_POSITION_ACTUAL, 0, 32)
+
+/* Set up our own PDOs as the other end of the drive's. False: the dictionary cannot take them. */
+bool tumble_drive_map_own(const tumble_drive402_t *drive);
+
+/* Units. False: beyond what the drive can express. */
+bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts);
+double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts);
+
+/* A position as the drive writes it: itself, or within 0 to wrap_counts - 1. */
+int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts);
+
+/* The unwrapped position nearest to `before` that the drive reports as `raw`. */
+int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t raw, int64_t before);
+
+#endif

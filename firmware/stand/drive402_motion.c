@@ -1,0 +1,167 @@
+#include "stand/drive402_internal.h"
+
+/* Statuswords that are not believed when they show the end of homing right after its start. */
+#define STALE_STATUSWORDS 2U
+
+/* So many reports without a change are standstill: one or two may come at the same moment, for other reasons. */
+#define STILL_REPORTS 3U
+
+/* Homing. */
+
+void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    tumble_drive_look_mode(drive, TUMBLE_402_MODE_HOMING, PHASE_HOMING);
+}
+
+void tumble_drive_enter_homing(tumble_drive402_t *drive)
+{
+    drive->stale = STALE_STATUSWORDS;
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
+}
+
+void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
+{
+    if (tumble_drive_is_blocked(drive) || !fresh) {
+        return;
+    }
+    if (!tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)) {
+        drive->stale = 0;
+    } else if (drive->stale > 0U) {
+        drive->stale--;
+    } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ERROR)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
+    } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED)) {
+        tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
+        tumble_drive_go(drive, PHASE_MOVE_MODE);
+    } else {
+        /* attained, not yet at rest */
+    }
+}
+
+void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    tumble_drive_look_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION, PHASE_IDLE);
+    if (drive->phase == (uint8_t)PHASE_IDLE) {
+        drive->homed = true;
+        drive->arrived = true;
+        drive->at_goal = false;
+    }
+}
+
+/* Moving: target, then the edge of bit 4, its acknowledgement, its release, the way, and only then target reached. */
+
+/* A wrapping drive takes the shorter way, so a long way is gone in quarters of its circle. */
+void tumble_drive_enter_target(tumble_drive402_t *drive)
+{
+    const int64_t quarter = (int64_t)(drive->profile->wrap_counts / 4U);
+    const int64_t way = drive->goal_counts - drive->actual_counts;
+    drive->set_counts = drive->goal_counts;
+    if ((quarter != 0) && (way > quarter)) {
+        drive->set_counts = drive->actual_counts + quarter;
+    } else if ((quarter != 0) && (way < -quarter)) {
+        drive->set_counts = drive->actual_counts - quarter;
+    } else {
+        /* in one go */
+    }
+    drive->mirror->target_position = tumble_drive_wrapped(drive->profile, drive->set_counts);
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
+}
+
+void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (!tumble_drive_is_blocked(drive) && !tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
+        tumble_drive_go(drive, PHASE_SET_POINT);
+    }
+}
+
+void tumble_drive_enter_set_point(tumble_drive402_t *drive)
+{
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_NEW_SET_POINT);
+}
+
+void tumble_drive_look_set_point(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (!tumble_drive_is_blocked(drive) && tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
+        tumble_drive_go(drive, PHASE_RELEASE);
+    }
+}
+
+void tumble_drive_enter_release(tumble_drive402_t *drive)
+{
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
+}
+
+void tumble_drive_look_release(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (!tumble_drive_is_blocked(drive) && !tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
+        tumble_drive_go(drive, PHASE_MOVING);
+    }
+}
+
+static bool is_near(const tumble_drive402_t *drive)
+{
+    const int64_t off = drive->actual_counts - drive->set_counts;
+    const int64_t window = (int64_t)drive->profile->window_counts;
+    return (window == 0) || ((off <= window) && (off >= -window));
+}
+
+void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (!tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || !is_near(drive)) {
+        return;
+    }
+    if (drive->set_counts != drive->goal_counts) {
+        tumble_drive_go(drive, PHASE_TARGET);
+        return;
+    }
+    drive->arrived = true;
+    drive->at_goal = true;
+    tumble_drive_go(drive, PHASE_IDLE);
+}
+
+/* Stopping. */
+
+void tumble_drive_enter_stopping(tumble_drive402_t *drive)
+{
+    const bool by_halt = (drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT);
+    tumble_drive_leave_sdo(drive);
+    drive->arrived = false;
+    drive->still = 0;
+    tumble_drive_control(drive, by_halt ? (TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_HALT)
+                                        : TUMBLE_402_CONTROL_QUICK_STOP);
+}
+
+/* At rest: the drive says so, or has let go of the axis, or the position has not changed over some reports. */
+void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh)
+{
+    if (tumble_drive_is_blocked(drive) || !fresh) {
+        return;
+    }
+    const uint16_t state = tumble_drive_power_state(drive);
+    const bool by_halt = (drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT);
+    if (tumble_drive_is_faulty(drive)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_DRIVE);
+    } else if ((state == TUMBLE_402_STATE_OPERATION_ENABLED) && !by_halt) {
+        drive->still = 0; /* it has not begun */
+    } else if ((state == TUMBLE_402_STATE_OPERATION_ENABLED) || (state == TUMBLE_402_STATE_QUICK_STOP_ACTIVE)) {
+        if (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || (drive->still >= STILL_REPORTS)) {
+            tumble_drive_go(drive, PHASE_STOPPED);
+        }
+    } else {
+        tumble_drive_go(drive, PHASE_STOPPED);
+    }
+}
+
+/* Whatever the drive still does, it is told to stop; a silent one may hear us. */
+void tumble_drive_enter_fault(tumble_drive402_t *drive)
+{
+    tumble_drive_leave_sdo(drive);
+    drive->arrived = false;
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
+}

@@ -1,0 +1,126 @@
+#include "stand/drive402_internal.h"
+
+#include <stddef.h>
+
+/* Words. */
+
+bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits)
+{
+    return (drive->mirror->statusword & bits) != 0U;
+}
+
+uint16_t tumble_drive_power_state(const tumble_drive402_t *drive)
+{
+    const unsigned word = drive->mirror->statusword;
+    switch (word & TUMBLE_402_STATE_MASK_SHORT) {
+    case TUMBLE_402_STATE_NOT_READY:
+    case TUMBLE_402_STATE_SWITCH_ON_DISABLED:
+    case TUMBLE_402_STATE_FAULT_REACTION:
+    case TUMBLE_402_STATE_FAULT:
+        return (uint16_t)(word & TUMBLE_402_STATE_MASK_SHORT);
+    default:
+        return (uint16_t)(word & TUMBLE_402_STATE_MASK);
+    }
+}
+
+bool tumble_drive_is_faulty(const tumble_drive402_t *drive)
+{
+    const uint16_t state = tumble_drive_power_state(drive);
+    return (state == TUMBLE_402_STATE_FAULT) || (state == TUMBLE_402_STATE_FAULT_REACTION);
+}
+
+bool tumble_drive_is_sent(const tumble_drive402_t *drive)
+{
+    bool sent = true;
+    for (unsigned i = 0; i < drive->profile->receive_count; i++) {
+        sent = sent && !drive->node->pdos.transmit[i].pdo.due;
+    }
+    return sent;
+}
+
+void tumble_drive_control(tumble_drive402_t *drive, unsigned word)
+{
+    drive->mirror->controlword = (uint16_t)word;
+    for (uint8_t i = 0; i < drive->profile->receive_count; i++) {
+        tumble_pdo_trigger(&drive->node->pdos, i);
+    }
+}
+
+/* Must the process data still go before there is anything to look at? */
+bool tumble_drive_is_blocked(tumble_drive402_t *drive)
+{
+    drive->blocked = !tumble_drive_is_sent(drive);
+    return drive->blocked;
+}
+
+void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase)
+{
+    drive->phase = (uint8_t)phase;
+    drive->restart_timer = true;
+    drive->blocked = false;
+    if (tumble_drive_rows[phase].enter != NULL) {
+        tumble_drive_rows[phase].enter(drive);
+    }
+}
+
+void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault)
+{
+    drive->fault = (uint8_t)fault;
+    drive->homed = drive->homed && (fault != TUMBLE_STAND_FAULT_POWER);
+    tumble_drive_go(drive, PHASE_FAULT);
+}
+
+static bool is_watched_fault(tumble_drive402_t *drive)
+{
+    const tumble_drive_row_t *row = &tumble_drive_rows[drive->phase];
+    if (row->powered && (tumble_drive_power_state(drive) != TUMBLE_402_STATE_OPERATION_ENABLED)) {
+        tumble_drive_fail(drive, tumble_drive_is_faulty(drive) ? TUMBLE_STAND_FAULT_DRIVE : TUMBLE_STAND_FAULT_POWER);
+        return true;
+    }
+    if (row->moves && tumble_drive_has(drive, TUMBLE_402_STATUS_FOLLOWING_ERROR)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_STALL);
+        return true;
+    }
+    return false;
+}
+
+void tumble_drive_look(tumble_drive402_t *drive, bool fresh)
+{
+    uint8_t before = PHASE_COUNT;
+    while (before != drive->phase) {
+        before = drive->phase;
+        if (!is_watched_fault(drive) && (tumble_drive_rows[before].look != NULL)) {
+            tumble_drive_rows[before].look(drive, fresh);
+        }
+        fresh = false;
+    }
+}
+
+#define ENTER(name) tumble_drive_enter_##name
+#define LOOK(name) tumble_drive_look_##name
+#define FOR(member) (uint8_t)offsetof(tumble_drive_profile_t, member##_timeout_ms)
+#define OR(name) (uint8_t)TUMBLE_STAND_FAULT_##name
+#define IS(name) (uint8_t)TUMBLE_STAND_##name
+
+static_assert(sizeof(tumble_drive_profile_t) <= UINT8_MAX, "an offset into the profile is one byte");
+
+/* clang-format off */
+const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
+    /*                    enter             look             lasts           or else       to the stand  power, moves */
+    [PHASE_ABSENT]    = {NULL,             NULL,            0,              0,            IS(OFFLINE),  false, false},
+    [PHASE_CONFIGURE] = {ENTER(configure), LOOK(configure), 0,              0,            IS(OFFLINE),  false, false},
+    [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  false, false},
+    [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  false, false},
+    [PHASE_IDLE]      = {NULL,             NULL,            0,              0,            IS(STOPPED),  true,  false},
+    [PHASE_HOME_MODE] = {NULL,             LOOK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   true,  false},
+    [PHASE_HOMING]    = {ENTER(homing),    LOOK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   true,  false},
+    [PHASE_MOVE_MODE] = {NULL,             LOOK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   true,  false},
+    [PHASE_TARGET]    = {ENTER(target),    LOOK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
+    [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
+    [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
+    [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   true,  true},
+    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  FOR(stop),      OR(PROTOCOL), IS(MOVING),   false, false},
+    [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  false, false},
+    [PHASE_FAULT]     = {ENTER(fault),     NULL,            0,              0,            IS(FAULT),    false, false},
+};
+/* clang-format on */

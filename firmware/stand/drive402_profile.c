@@ -1,0 +1,394 @@
+#include "stand/drive402_internal.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define TURN_DEG 360.0
+#define MAX_WRAPPING_COUNTS 4503599627370496.0 /* 2^52: exact as a double, and far from the end of an int64 */
+
+/* Objects of the bus that are written here. */
+#define CONSUMER_HEARTBEAT 0x1016U
+#define PRODUCER_HEARTBEAT 0x1017U
+#define RECEIVE_COMMUNICATION 0x1400U
+#define TRANSMIT_COMMUNICATION 0x1800U
+#define MAPPING_AWAY 0x200U /* from there to 1600h, 1A00h */
+
+/* Units. */
+
+static int64_t rounded(double x)
+{
+    return (int64_t)((x < 0.0) ? (x - 0.5) : (x + 0.5));
+}
+
+bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts)
+{
+    const double exact = (double)profile->sign * angle_deg * profile->counts_per_revolution / TURN_DEG;
+    if (!tumble_within(exact, (profile->wrap_counts == 0U) ? (double)INT32_MAX : MAX_WRAPPING_COUNTS)) {
+        return false;
+    }
+    *counts = rounded(exact);
+    return true;
+}
+
+double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts)
+{
+    return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;
+}
+
+/* What is left of `counts`, with its sign, after whole circles. The quotient of doubles, exact below 2^53, is at most one
+ * off, and it saves the library's division of 64 bits. */
+static int64_t rest_of(int64_t counts, int64_t wrap)
+{
+    const int64_t circles = (int64_t)((double)counts / (double)wrap);
+    const int64_t rest = counts - (circles * wrap);
+    if ((counts >= 0) && (rest < 0)) {
+        return rest + wrap;
+    }
+    return ((counts < 0) && (rest > 0)) ? (rest - wrap) : rest;
+}
+
+int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts)
+{
+    const int64_t wrap = (int64_t)profile->wrap_counts;
+    if (wrap == 0) {
+        return (int32_t)counts;
+    }
+    const int64_t rest = rest_of(counts, wrap);
+    return (int32_t)((rest < 0) ? (rest + wrap) : rest);
+}
+
+int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t raw, int64_t before)
+{
+    const int64_t wrap = (int64_t)profile->wrap_counts;
+    if (wrap == 0) {
+        return raw;
+    }
+    int64_t change = rest_of((int64_t)raw - before, wrap);
+    if (change > (wrap / 2)) {
+        change -= wrap;
+    } else if (change < -(wrap / 2)) {
+        change += wrap;
+    } else {
+        /* the shorter way already */
+    }
+    return before + change;
+}
+
+/* What is written: further objects, these, then the PDOs. */
+
+typedef enum {
+    VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile */
+    VALUE_BYTE,
+    VALUE_WORD,
+    VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them */
+    VALUE_VELOCITY,     /* quantities: 0 is not written */
+    VALUE_ACCELERATION
+} value_kind_t;
+
+typedef struct {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t size;
+    uint8_t kind; /* value_kind_t */
+    uint8_t number;
+} object_row_t;
+
+#define AT(member) (uint8_t)offsetof(tumble_drive_profile_t, member)
+
+/* clang-format off */
+static const object_row_t object_rows[] = {
+    {CONSUMER_HEARTBEAT,                 1, 4, VALUE_CONSUMER,     AT(heartbeat_timeout_ms)},
+    {PRODUCER_HEARTBEAT,                 0, 2, VALUE_WORD,         AT(heartbeat_ms)},
+    {TUMBLE_402_MODE,                    0, 1, VALUE_CONSTANT,     TUMBLE_402_MODE_PROFILE_POSITION},
+    {TUMBLE_402_HOMING_METHOD,           0, 1, VALUE_BYTE,         AT(homing_method)},
+    {TUMBLE_402_PROFILE_VELOCITY,        0, 4, VALUE_VELOCITY,     AT(velocity_deg_s)},
+    {TUMBLE_402_PROFILE_ACCELERATION,    0, 4, VALUE_ACCELERATION, AT(acceleration_deg_s2)},
+    {TUMBLE_402_PROFILE_DECELERATION,    0, 4, VALUE_ACCELERATION, AT(deceleration_deg_s2)},
+    {TUMBLE_402_QUICK_STOP_DECELERATION, 0, 4, VALUE_ACCELERATION, AT(quick_stop_deg_s2)},
+    {TUMBLE_402_HOMING_SPEED,            1, 4, VALUE_VELOCITY,     AT(homing_fast_deg_s)},
+    {TUMBLE_402_HOMING_SPEED,            2, 4, VALUE_VELOCITY,     AT(homing_slow_deg_s)},
+    {TUMBLE_402_HOMING_ACCELERATION,     0, 4, VALUE_ACCELERATION, AT(homing_acceleration_deg_s2)},
+};
+/* clang-format on */
+
+#define OBJECT_COUNT (sizeof object_rows / sizeof object_rows[0])
+
+static bool is_quantity(const object_row_t *row)
+{
+    return row->kind >= (uint8_t)VALUE_VELOCITY;
+}
+
+/* A quantity in drive units. */
+static double units_of(const tumble_drive_profile_t *profile, const object_row_t *row)
+{
+    double quantity;
+    memcpy(&quantity, (const unsigned char *)profile + row->number, sizeof quantity);
+    const bool is_velocity = (row->kind == (uint8_t)VALUE_VELOCITY);
+    return quantity * (is_velocity ? profile->velocity_units_per_deg_s : profile->acceleration_units_per_deg_s2);
+}
+
+static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row)
+{
+    const unsigned char *at = (const unsigned char *)drive->profile + row->number;
+    uint16_t word;
+    memcpy(&word, at, sizeof word);
+    switch (row->kind) {
+    case VALUE_CONSTANT:
+        return row->number;
+    case VALUE_BYTE:
+        return *at;
+    case VALUE_WORD:
+        return word;
+    case VALUE_CONSUMER:
+        return (word != 0U) ? (((uint32_t)drive->node->config->node << 16) | word) : 0U;
+    default:
+        return (uint32_t)rounded(units_of(drive->profile, row));
+    }
+}
+
+static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_drive_write_t *write)
+{
+    const bool optional = is_quantity(row) || (row->kind == (uint8_t)VALUE_CONSUMER);
+    write->index = row->index;
+    write->subindex = row->subindex;
+    write->value = value_of(drive, row);
+    write->size = (optional && (write->value == 0U)) ? 0U : row->size;
+}
+
+/* One PDO, in the order of CiA 301: disable, no objects, the objects, their number, the rest, enable. */
+#define PDO_DISABLE 0U
+#define PDO_EMPTY 1U
+#define PDO_FIRST_OBJECT 2U
+#define PDO_COUNT (PDO_FIRST_OBJECT + TUMBLE_MAX_MAPPED)
+#define PDO_TYPE (PDO_COUNT + 1U)
+#define PDO_INHIBIT (PDO_COUNT + 2U)
+#define PDO_EVENT (PDO_COUNT + 3U)
+#define PDO_ENABLE (PDO_COUNT + 4U)
+#define PDO_STEPS (PDO_COUNT + 5U)
+
+/* The parameter of a step: its subindex, size and value; size 0: nothing to write. */
+static void write_parameter(const tumble_pdo_setup_t *setup, bool transmit, uint8_t step, tumble_drive_write_t *write)
+{
+    write->size = 4;
+    write->subindex = 1;
+    switch (step) {
+    case PDO_DISABLE:
+        write->value = setup->cob_id | TUMBLE_PDO_INVALID;
+        break;
+    case PDO_TYPE:
+        write->size = 1;
+        write->subindex = 2;
+        write->value = setup->type;
+        break;
+    case PDO_INHIBIT:
+        write->size = transmit ? 2U : 0U;
+        write->subindex = 3;
+        write->value = setup->inhibit_100us;
+        break;
+    case PDO_EVENT:
+        write->size = transmit ? 2U : 0U;
+        write->subindex = 5;
+        write->value = setup->event_ms;
+        break;
+    default:
+        write->value = setup->cob_id;
+        break;
+    }
+}
+
+static void write_mapping(const tumble_pdo_setup_t *setup, uint8_t step, tumble_drive_write_t *write)
+{
+    write->size = 1;
+    write->subindex = 0;
+    if (step == PDO_EMPTY) {
+        write->value = 0;
+    } else if (step == PDO_COUNT) {
+        write->value = setup->count;
+    } else {
+        const uint8_t object = (uint8_t)(step - PDO_FIRST_OBJECT);
+        write->size = (object < setup->count) ? 4U : 0U;
+        write->subindex = (uint8_t)(object + 1U);
+        write->value = setup->map[object];
+    }
+}
+
+static void write_pdo(const tumble_drive_pdo_t *pdo, bool transmit, uint8_t step, tumble_drive_write_t *write)
+{
+    const bool mapping = (step >= PDO_EMPTY) && (step <= PDO_COUNT);
+    write->index = (uint16_t)((transmit ? TRANSMIT_COMMUNICATION : RECEIVE_COMMUNICATION) + pdo->number +
+                              (mapping ? MAPPING_AWAY : 0U));
+    if (mapping) {
+        write_mapping(&pdo->setup, step, write);
+    } else {
+        write_parameter(&pdo->setup, transmit, step, write);
+    }
+}
+
+bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write)
+{
+    const tumble_drive_profile_t *profile = drive->profile;
+    unsigned at = step;
+    if (at < profile->write_count) {
+        *write = profile->writes[at];
+        return true;
+    }
+    at -= profile->write_count;
+    if (at < OBJECT_COUNT) {
+        write_object(drive, &object_rows[at], write);
+        return true;
+    }
+    at -= (unsigned)OBJECT_COUNT;
+    const unsigned pdo = at / PDO_STEPS;
+    const bool transmit = (pdo >= profile->receive_count);
+    if (pdo >= ((unsigned)profile->receive_count + profile->transmit_count)) {
+        return false;
+    }
+    write_pdo(transmit ? &profile->transmit[pdo - profile->receive_count] : &profile->receive[pdo], transmit,
+              (uint8_t)(at % PDO_STEPS), write);
+    return true;
+}
+
+/* Our own PDOs. */
+
+static_assert((TUMBLE_DRIVE402_PDOS <= TUMBLE_MAX_TRANSMIT_PDOS) && (TUMBLE_DRIVE402_PDOS <= TUMBLE_MAX_RECEIVE_PDOS),
+              "the node must have the PDOs that the drive may need");
+
+/* The drive's objects, in the order of the mirror's subindices, from 1. */
+static const uint16_t mirrored[] = {
+    TUMBLE_402_CONTROLWORD,  TUMBLE_402_TARGET_POSITION, TUMBLE_402_MODE,            TUMBLE_402_STATUSWORD,
+    TUMBLE_402_POSITION_ACTUAL, TUMBLE_402_MODE_DISPLAY, TUMBLE_402_VELOCITY_ACTUAL, TUMBLE_402_ERROR_CODE,
+};
+
+/* The object of ours that stands for one of the drive's; what we have no use for goes into CiA 301's dummies. */
+static uint32_t own_object(uint32_t object)
+{
+    const uint32_t bits = object & 0xFFU;
+    for (unsigned i = 0; i < (sizeof mirrored / sizeof mirrored[0]); i++) {
+        if (object == TUMBLE_MAP(mirrored[i], 0, bits)) {
+            return TUMBLE_MAP(TUMBLE_DRIVE402_MIRROR, i + 1U, bits);
+        }
+    }
+    const uint32_t longer = (bits == 16U) ? TUMBLE_TYPE_UNSIGNED16 : TUMBLE_TYPE_UNSIGNED32;
+    return TUMBLE_MAP((bits == 8U) ? TUMBLE_TYPE_UNSIGNED8 : longer, 0, bits);
+}
+
+static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direction, uint8_t number,
+                    const tumble_drive_pdo_t *pdo)
+{
+    tumble_pdo_setup_t setup = pdo->setup;
+    setup.cob_id &= TUMBLE_CAN_MAX_ID;
+    setup.type = TUMBLE_PDO_EVENT_PROFILE;
+    setup.inhibit_100us = 0;
+    setup.event_ms = 0;
+    for (uint8_t i = 0; i < setup.count; i++) {
+        setup.map[i] = own_object(setup.map[i]);
+    }
+    return tumble_pdo_configure(&drive->node->pdos, &drive->node->dictionary, direction, number, &setup) ==
+           TUMBLE_ABORT_NONE;
+}
+
+bool tumble_drive_map_own(const tumble_drive402_t *drive)
+{
+    const tumble_drive_profile_t *profile = drive->profile;
+    bool mapped = true;
+    for (uint8_t i = 0; i < profile->receive_count; i++) {
+        mapped = mapped && map_own(drive, TUMBLE_PDO_TRANSMIT, i, &profile->receive[i]);
+    }
+    for (uint8_t i = 0; i < profile->transmit_count; i++) {
+        mapped = mapped && map_own(drive, TUMBLE_PDO_RECEIVE, i, &profile->transmit[i]);
+    }
+    return mapped;
+}
+
+/* Is a profile usable? */
+
+static const uint8_t positive_numbers[] = {AT(counts_per_revolution), AT(velocity_units_per_deg_s),
+                                           AT(acceleration_units_per_deg_s2)};
+
+static const uint8_t times[] = {AT(start_timeout_ms), AT(power_timeout_ms), AT(handshake_timeout_ms),
+                                AT(home_timeout_ms),  AT(move_timeout_ms),  AT(stop_timeout_ms)};
+
+static bool numbers_are_valid(const tumble_drive_profile_t *profile)
+{
+    bool valid = true;
+    for (unsigned i = 0; i < sizeof positive_numbers; i++) {
+        double x;
+        memcpy(&x, (const unsigned char *)profile + positive_numbers[i], sizeof x);
+        valid = valid && (x > 0.0) && tumble_is_finite(x);
+    }
+    for (unsigned i = 0; i < sizeof times; i++) {
+        uint32_t ms;
+        memcpy(&ms, (const unsigned char *)profile + times[i], sizeof ms);
+        valid = valid && (ms > 0U);
+    }
+    return valid && (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&
+           (profile->wrap_counts <= (uint32_t)INT32_MAX) && (profile->stop <= (uint8_t)TUMBLE_STOP_BY_HALT);
+}
+
+static bool quantities_are_valid(const tumble_drive_profile_t *profile)
+{
+    bool valid = true;
+    for (unsigned i = 0; i < OBJECT_COUNT; i++) {
+        const double units = is_quantity(&object_rows[i]) ? units_of(profile, &object_rows[i]) : 0.0;
+        valid = valid && ((units == 0.0) || ((units >= 0.5) && (units <= (double)UINT32_MAX)));
+    }
+    return valid;
+}
+
+bool tumble_drive_carries(const tumble_drive_pdo_t *pdo, uint32_t object)
+{
+    bool carried = false;
+    for (uint8_t i = 0; (i < pdo->setup.count) && (i < TUMBLE_MAX_MAPPED); i++) {
+        carried = carried || (pdo->setup.map[i] == object);
+    }
+    return carried;
+}
+
+static bool carry(const tumble_drive_pdo_t *pdos, uint8_t pdo_count, uint32_t object)
+{
+    bool carried = false;
+    for (uint8_t p = 0; p < pdo_count; p++) {
+        carried = carried || tumble_drive_carries(&pdos[p], object);
+    }
+    return carried;
+}
+
+static bool counts_are_valid(const tumble_drive_pdo_t *pdos, uint8_t pdo_count)
+{
+    bool valid = (pdos != NULL) && (pdo_count <= TUMBLE_DRIVE402_PDOS);
+    for (uint8_t p = 0; valid && (p < pdo_count); p++) {
+        valid = (pdos[p].setup.count <= TUMBLE_MAX_MAPPED);
+    }
+    return valid;
+}
+
+static bool pdos_are_valid(const tumble_drive_profile_t *profile)
+{
+    return counts_are_valid(profile->receive, profile->receive_count) &&
+           counts_are_valid(profile->transmit, profile->transmit_count) &&
+           carry(profile->receive, profile->receive_count, TUMBLE_MAP(TUMBLE_402_CONTROLWORD, 0, 16)) &&
+           carry(profile->receive, profile->receive_count, TUMBLE_MAP(TUMBLE_402_TARGET_POSITION, 0, 32)) &&
+           carry(profile->transmit, profile->transmit_count, TUMBLE_DRIVE_STATUS) &&
+           carry(profile->transmit, profile->transmit_count, TUMBLE_DRIVE_POSITION);
+}
+
+static bool writes_are_valid(const tumble_drive_profile_t *profile)
+{
+    const unsigned steps = (unsigned)profile->write_count + (unsigned)OBJECT_COUNT +
+                           (((unsigned)profile->receive_count + profile->transmit_count) * PDO_STEPS);
+    bool valid = ((profile->write_count == 0U) || (profile->writes != NULL)) && (steps < UINT8_MAX);
+    for (uint8_t i = 0; valid && (i < profile->write_count); i++) {
+        const uint8_t size = profile->writes[i].size;
+        valid = (size == 1U) || (size == 2U) || (size == 4U);
+    }
+    return valid;
+}
+
+tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile)
+{
+    const bool valid = (profile != NULL) && numbers_are_valid(profile) && quantities_are_valid(profile) &&
+                       pdos_are_valid(profile) && writes_are_valid(profile);
+    return valid ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+}

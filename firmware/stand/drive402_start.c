@@ -1,0 +1,155 @@
+#include "stand/drive402_internal.h"
+
+/* CONFIGURE and the changes of mode: one SDO after the other. */
+
+void tumble_drive_leave_sdo(tumble_drive402_t *drive)
+{
+    if ((drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ)) {
+        tumble_sdo_client_cancel(&drive->node->client);
+    }
+    drive->asked = ASKED_NOTHING;
+}
+
+static void ask_write(tumble_drive402_t *drive, const tumble_drive_write_t *write)
+{
+    const tumble_status_t status = tumble_sdo_client_write(&drive->node->client, drive->drive_node, write->index,
+                                                           write->subindex, write->value, write->size);
+    drive->asked = (status == TUMBLE_OK) ? ASKED_WRITE : ASKED_NOTHING;
+}
+
+/* True when nothing is under way any more; a transfer that went wrong is a fault. */
+static bool is_answered(tumble_drive402_t *drive)
+{
+    const tumble_sdo_client_t *client = &drive->node->client;
+    const tumble_status_t result = tumble_sdo_client_result(client);
+    if (result == TUMBLE_E_SDO_BUSY) {
+        return false;
+    }
+    if ((drive->asked != ASKED_NOTHING) && (result != TUMBLE_OK)) {
+        drive->asked = ASKED_NOTHING;
+        drive->refusal = (tumble_drive_refusal_t){client->index, client->subindex, client->abort};
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
+        return false;
+    }
+    return true;
+}
+
+void tumble_drive_enter_configure(tumble_drive402_t *drive)
+{
+    tumble_drive_leave_sdo(drive);
+    drive->write = 0;
+}
+
+void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (!is_answered(drive)) {
+        return;
+    }
+    if (drive->asked != ASKED_NOTHING) {
+        drive->asked = ASKED_NOTHING;
+        drive->write++;
+    }
+    tumble_drive_write_t write = {0, 0, 0, 0};
+    while (tumble_drive_configuration(drive, drive->write, &write)) {
+        if (write.size != 0U) {
+            ask_write(drive, &write);
+            return;
+        }
+        drive->write++;
+    }
+    tumble_drive_go(drive, PHASE_START);
+}
+
+/* Write the mode, then read its display until it shows it. */
+void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next)
+{
+    if (!is_answered(drive)) {
+        return;
+    }
+    if (drive->asked == ASKED_NOTHING) {
+        const tumble_drive_write_t write = {TUMBLE_402_MODE, 0, 1, (uint32_t)mode};
+        drive->mirror->mode = mode; /* in case that process data carry it */
+        ask_write(drive, &write);
+        return;
+    }
+    if ((drive->asked == ASKED_READ) && (tumble_sdo_client_u32(&drive->node->client) == (uint32_t)mode)) {
+        drive->asked = ASKED_NOTHING;
+        tumble_drive_go(drive, next);
+        return;
+    }
+    drive->asked = ASKED_READ;
+    (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, TUMBLE_402_MODE_DISPLAY, 0);
+}
+
+/* START and POWER. */
+
+static void control_once(tumble_drive402_t *drive, unsigned word)
+{
+    if (drive->mirror->controlword != word) {
+        tumble_drive_control(drive, word);
+    }
+}
+
+void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh)
+{
+    if (drive->asked != ASKED_START) {
+        const bool taken = tumble_nmt_command(&drive->node->nmt, drive->drive_node, TUMBLE_NMT_START) == TUMBLE_OK;
+        drive->asked = taken ? ASKED_START : ASKED_NOTHING;
+    } else if (fresh) {
+        drive->asked = ASKED_NOTHING;
+        tumble_drive_go(drive, PHASE_POWER);
+    } else {
+        /* its first process data are on their way */
+    }
+}
+
+/* From the bottom, whatever the drive was doing: so no old set-point and no old Halt survives. */
+void tumble_drive_enter_power(tumble_drive402_t *drive)
+{
+    tumble_drive_control(drive, TUMBLE_402_CONTROL_DISABLE_VOLTAGE);
+}
+
+/* The reset acts on the rising edge of bit 7, which must have been seen low before. */
+static void look_power_fault(tumble_drive402_t *drive)
+{
+    const uint16_t word = drive->mirror->controlword;
+    if ((word == TUMBLE_402_CONTROL_DISABLE_VOLTAGE) && drive->may_reset) {
+        drive->may_reset = false;
+        tumble_drive_control(drive, TUMBLE_402_CONTROL_FAULT_RESET);
+    } else if (word != TUMBLE_402_CONTROL_FAULT_RESET) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_DRIVE);
+    } else {
+        /* the drive is leaving its fault, or the time will tell */
+    }
+}
+
+void tumble_drive_look_power(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    if (tumble_drive_is_blocked(drive)) {
+        return;
+    }
+    switch (tumble_drive_power_state(drive)) {
+    case TUMBLE_402_STATE_SWITCH_ON_DISABLED:
+        control_once(drive, TUMBLE_402_CONTROL_SHUTDOWN);
+        break;
+    case TUMBLE_402_STATE_READY_TO_SWITCH_ON:
+        control_once(drive, TUMBLE_402_CONTROL_SWITCH_ON);
+        break;
+    case TUMBLE_402_STATE_SWITCHED_ON:
+        control_once(drive, TUMBLE_402_CONTROL_ENABLE);
+        break;
+    case TUMBLE_402_STATE_OPERATION_ENABLED:
+        if (drive->mirror->controlword == TUMBLE_402_CONTROL_ENABLE) {
+            drive->may_reset = false;
+            tumble_drive_go(drive, (tumble_drive_phase_t)drive->wanted);
+        }
+        break;
+    case TUMBLE_402_STATE_FAULT:
+        look_power_fault(drive);
+        break;
+    default:
+        break; /* on its way */
+    }
+}

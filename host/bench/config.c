@@ -1,0 +1,222 @@
+#include "bench/config.h"
+
+#include "simulation/sensor.h"
+
+#include <math.h>
+#include <string.h>
+
+static void default_procedure(tumble_procedure_config_t *procedure)
+{
+    *procedure = (tumble_procedure_config_t){
+        .estimate = TUMBLE_ESTIMATE_REFINED,
+        .samples = 50,
+        .gravity_limit_g = 3e-4,
+        .position_tolerance_deg = 0.05,
+        .approach_deg = 5.0,
+        .cable_min_deg = -30.0,
+        .cable_max_deg = 400.0,
+        .settle_ms = 500,
+        .max_corrupted = 5,
+        .retries = 2,
+        .warm_up_band_half_c = 2,
+        .warm_up_samples = 50,
+        .preflight_timeout_ms = 10000,
+        .warm_up_timeout_ms = 600000,
+        .mounting_timeout_ms = 600000,
+        .home_timeout_ms = 60000,
+        .move_timeout_ms = 30000,
+        .settle_timeout_ms = 5000,
+        .sample_timeout_ms = 1000,
+    };
+}
+
+static void default_profile(tumble_drive_profile_t *profile)
+{
+    *profile = (tumble_drive_profile_t){
+        .homing_fast_deg_s = 45.0,
+        .homing_slow_deg_s = 4.5,
+        .homing_method = 34,
+        .heartbeat_ms = 100,
+        .heartbeat_timeout_ms = 500,
+        .start_timeout_ms = 3000,
+        .power_timeout_ms = 3000,
+        .handshake_timeout_ms = 1000,
+        .home_timeout_ms = 60000,
+        .move_timeout_ms = 30000,
+        .stop_timeout_ms = 5000,
+    };
+}
+
+void bench_config_defaults(bench_config_t *config)
+{
+    memset(config, 0, sizeof *config);
+    sim_scenario_defaults(&config->scenario);
+    config->present = (bench_present_t){true, true, true};
+    config->averaging.max_lost = 5;
+    config->averaging.stuck_run = 20;
+    default_procedure(&config->procedure);
+    default_profile(&config->profile);
+    config->person = (tumble_operator_config_t){.tolerance_deg = 0.1, .timeout_ms = 600000};
+    config->heartbeat_ms = 100;
+    config->heartbeat_timeout_ms = 500;
+    config->loop_us = 1000;
+    config->virtual_limit_s = 36000.0;
+}
+
+static void set_if_open(double *value, double otherwise)
+{
+    if (*value == 0.0) {
+        *value = otherwise;
+    }
+}
+
+/* The standard deviation that a limit of noise stands for. */
+static double noise_sigma(const sim_sensor_config_t *sensor)
+{
+    double largest = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        largest = (sensor->noise_v[i] > largest) ? sensor->noise_v[i] : largest;
+    }
+    switch (sensor->noise_law) {
+    case SIM_LAW_SIGMA3:
+        return largest / 3.0;
+    case SIM_LAW_UNIFORM:
+        return largest / sqrt(3.0);
+    default:
+        return largest;
+    }
+}
+
+/* A still block must not fail by chance: six standard deviations of a scatter found from n samples. */
+static float still_ratio(uint32_t samples)
+{
+    const double freedom = (samples > 1U) ? (double)samples - 1.0 : 1.0;
+    return (float)(1.0 + 6.0 / sqrt(2.0 * freedom));
+}
+
+static void complete_averaging(bench_config_t *config)
+{
+    const sim_sensor_config_t *const sensor = &config->scenario.block.sensor;
+    tumble_averaging_config_t *const averaging = &config->averaging;
+    const double noise_counts = noise_sigma(sensor) / sim_sensor_v_per_count(sensor);
+    averaging->saturation_counts = (int32_t)((1U << (sensor->converter_bits - 1U)) - 1U);
+    averaging->min_samples = config->procedure.samples;
+    if (averaging->noise_counts == 0.0F) {
+        averaging->noise_counts = (float)sqrt(noise_counts * noise_counts + 1.0 / 12.0);
+    }
+    if (averaging->stillness_ratio == 0.0F) {
+        averaging->stillness_ratio = still_ratio(config->procedure.samples);
+    }
+    if (noise_counts < 1.0) {
+        averaging->stuck_run = 0; /* with less noise than a count the same value may come for ever */
+    }
+}
+
+static void complete_procedure(bench_config_t *config)
+{
+    const sim_scenario_t *const scenario = &config->scenario;
+    tumble_procedure_config_t *const procedure = &config->procedure;
+    const double scale = fabs(scenario->block.scale_v_per_g);
+    const double noise_g = noise_sigma(&scenario->block.sensor) / (scale * sqrt((double)procedure->samples));
+    const double expected_g = sqrt(2.0) * (scenario->stand.angle_rad + noise_g);
+    procedure->schedule = &scenario->schedule;
+    procedure->averaging = &config->averaging;
+    procedure->v_per_count = sim_sensor_v_per_count(&scenario->block.sensor);
+    set_if_open(&procedure->nominal_scale_v_per_g, scenario->block.scale_v_per_g);
+    set_if_open(&procedure->closure_limit_g, (10.0 * expected_g > 2e-3) ? 10.0 * expected_g : 2e-3);
+    if (procedure->average_timeout_ms == 0U) {
+        const double expected_ms = procedure->samples * (scenario->block.sample_period_us * 1e-3);
+        const double allowed_ms = 10000.0 + 2.0 * expected_ms;
+        procedure->average_timeout_ms = (allowed_ms < 4e9) ? (uint32_t)allowed_ms : UINT32_MAX;
+    }
+}
+
+static const tumble_drive_pdo_t STANDARD_RECEIVE = {
+    .number = 0,
+    .setup = {.cob_id = 0x202,
+              .type = TUMBLE_PDO_EVENT_PROFILE,
+              .count = 2,
+              .map = {TUMBLE_MAP(0x6040, 0, 16), TUMBLE_MAP(0x607A, 0, 32)}},
+};
+
+static const tumble_drive_pdo_t STANDARD_TRANSMIT = {
+    .number = 0,
+    .setup = {.cob_id = 0x182,
+              .type = TUMBLE_PDO_EVENT_PROFILE,
+              .count = 2,
+              .inhibit_100us = 50,
+              .event_ms = 100,
+              .map = {TUMBLE_MAP(0x6041, 0, 16), TUMBLE_MAP(0x6064, 0, 32)}},
+};
+
+/* What the profile leaves open is as the simulated drive has it. */
+static void complete_profile(bench_config_t *config)
+{
+    const sim_drive_config_t *const drive = &config->scenario.drive;
+    tumble_drive_profile_t *const profile = &config->profile;
+    bench_profile_lists_t *const lists = &config->lists;
+    set_if_open(&profile->counts_per_revolution, (double)drive->counts_per_turn);
+    set_if_open(&profile->velocity_units_per_deg_s, drive->velocity_per_deg_s);
+    set_if_open(&profile->acceleration_units_per_deg_s2, drive->acceleration_per_deg_s2);
+    set_if_open(&profile->velocity_deg_s, drive->speed_deg_s);
+    set_if_open(&profile->acceleration_deg_s2, drive->acceleration_deg_s2);
+    set_if_open(&profile->deceleration_deg_s2, profile->acceleration_deg_s2);
+    set_if_open(&profile->quick_stop_deg_s2, profile->deceleration_deg_s2);
+    set_if_open(&profile->homing_acceleration_deg_s2, profile->acceleration_deg_s2);
+    if (profile->sign == 0) {
+        profile->sign = (int8_t)drive->sign;
+        profile->wrap_counts = drive->wrap_counts;
+    }
+    if (profile->receive_count == 0U) {
+        lists->receive[profile->receive_count++] = STANDARD_RECEIVE;
+    }
+    if (profile->transmit_count == 0U) {
+        lists->transmit[profile->transmit_count++] = STANDARD_TRANSMIT;
+    }
+    profile->stop = (uint8_t)config->stop;
+    profile->receive = lists->receive;
+    profile->transmit = lists->transmit;
+    profile->writes = lists->writes;
+}
+
+static void complete_schedule(sim_scenario_t *scenario)
+{
+    if (scenario->schedule.mountings != tumble_schedule_paper.mountings) {
+        scenario->schedule.mountings = scenario->mountings;
+        scenario->schedule.positions = scenario->positions;
+    }
+    scenario->drive.axis.resolution_deg = 360.0 / (double)scenario->drive.counts_per_turn;
+}
+
+static const char *check_faults(const sim_scenario_t *scenario)
+{
+    for (uint32_t i = 0; i < scenario->fault_count; i++) {
+        const sim_fault_t *const fault = &scenario->faults[i];
+        const uint8_t count = scenario->schedule.position_count;
+        if (!fault->at_time && tumble_schedule_find(&scenario->schedule, fault->mounting, fault->position) == count) {
+            return "a fault names a position that the schedule does not have";
+        }
+        if (fault->kind == SIM_FAULT_SWAPPED && fault->channels != 3U && fault->channels != 5U &&
+            fault->channels != 6U) {
+            return "a fault \"swapped\" needs two channels";
+        }
+    }
+    return NULL;
+}
+
+const char *bench_config_complete(bench_config_t *config)
+{
+    const sim_scenario_t *const scenario = &config->scenario;
+    sim_wire_init(&config->wire);
+    complete_schedule(&config->scenario);
+    if (tumble_schedule_validate(&scenario->schedule, NULL) != TUMBLE_OK) {
+        return tumble_status_sentence(tumble_schedule_validate(&scenario->schedule, NULL));
+    }
+    complete_averaging(config);
+    complete_procedure(config);
+    complete_profile(config);
+    if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile) != TUMBLE_OK) {
+        return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry";
+    }
+    return check_faults(scenario);
+}

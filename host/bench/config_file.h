@@ -1,0 +1,33 @@
+/* config_file.h - scenario files: one `key = value` a line.
+ *
+ *     # comment, empty lines
+ *     stand.angle_rad = 4e-5
+ *     block.u0 = 0.1 -0.02 0.03
+ *     fault = stall at=1.3 phase=move duration=2
+ *
+ * Keys are those of bench_config_keys (tumble-bench --keys prints them with their ranges), each at most once, and the
+ * lines that may repeat: mounting, position, fault, profile.receive_pdo, profile.transmit_pdo, profile.write. Numbers
+ * are decimal (0x... where whole), separated by blanks; nothing else may stand on a line. Reading stops at the first
+ * mistake.
+ */
+#ifndef TUMBLE_BENCH_CONFIG_FILE_H
+#define TUMBLE_BENCH_CONFIG_FILE_H
+
+#include "bench/config.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* What is wrong, for one line to the user. */
+typedef struct {
+    unsigned line; /* 0: not of one line */
+    char what[200];
+} bench_mistake_t;
+
+/* Read lines into `config`, which holds the defaults. */
+bool bench_config_read(bench_config_t *config, FILE *file, bench_mistake_t *mistake);
+
+/* All keys, as a table for people. */
+void bench_config_print_keys(FILE *out);
+
+#endif

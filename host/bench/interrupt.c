@@ -1,0 +1,29 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "bench/interrupt.h"
+
+#include <signal.h>
+#include <stddef.h>
+
+static volatile sig_atomic_t interrupted;
+
+static void note(int signal_number)
+{
+    (void)signal_number;
+    interrupted = 1;
+}
+
+void bench_interrupt_watch(void)
+{
+    struct sigaction action = {.sa_handler = note}; /* no SA_RESTART */
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
+    action.sa_handler = SIG_IGN;
+    (void)sigaction(SIGPIPE, &action, NULL);
+}
+
+bool bench_interrupted(void)
+{
+    return interrupted != 0;
+}

@@ -1,0 +1,13 @@
+/* interrupt.h - Ctrl-C: noted, and acted upon between two events. */
+#ifndef TUMBLE_BENCH_INTERRUPT_H
+#define TUMBLE_BENCH_INTERRUPT_H
+
+#include <stdbool.h>
+
+/* Note SIGINT and SIGTERM from now on, instead of dying of them; system calls that wait return early. SIGPIPE is
+ * ignored: writing fails instead. */
+void bench_interrupt_watch(void);
+
+bool bench_interrupted(void);
+
+#endif

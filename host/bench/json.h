@@ -1,0 +1,31 @@
+/* json.h - writes one JSON document to a stream, on one line.
+ *
+ * Numbers get 17 digits, so that a reader has the same double; what is not finite becomes null. Names and texts are the
+ * program's own or are escaped. The writer knows only whether a comma is due.
+ */
+#ifndef TUMBLE_BENCH_JSON_H
+#define TUMBLE_BENCH_JSON_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef struct {
+    FILE *out;
+    bool comma;
+} bench_json_t;
+
+/* `name` is null within a list and for the document itself. */
+void bench_json_open(bench_json_t *json, const char *name, char bracket);
+void bench_json_close(bench_json_t *json, char bracket);
+void bench_json_number(bench_json_t *json, const char *name, double value);
+void bench_json_whole(bench_json_t *json, const char *name, uint64_t value);
+void bench_json_flag(bench_json_t *json, const char *name, bool value);
+void bench_json_text(bench_json_t *json, const char *name, const char *value);
+void bench_json_null(bench_json_t *json, const char *name);
+
+/* A list of numbers; a 3 x 3 matrix as a list of its rows. */
+void bench_json_vector(bench_json_t *json, const char *name, const double *values, uint32_t count);
+void bench_json_matrix(bench_json_t *json, const char *name, const double matrix[3][3]);
+
+#endif

@@ -1,0 +1,32 @@
+/* options.h - the command line of tumble-bench. */
+#ifndef TUMBLE_BENCH_OPTIONS_H
+#define TUMBLE_BENCH_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define BENCH_MAX_JOBS 64
+
+typedef struct {
+    const char *scenario; /* file, "-" for standard input, null for the defaults */
+    const char *out;      /* run folder, or null */
+    const char *listen;   /* path of a socket for guests, or null */
+    uint64_t seed;
+    uint64_t runs; /* 0: one run with its document; else a campaign */
+    uint32_t jobs;
+    uint32_t guests; /* wait for so many before time begins */
+    int progress_fd; /* -1: none */
+    double pace;     /* virtual seconds per second; 0: as fast as it goes */
+    bool means;
+    bool summary;
+    bool interactive;
+    bool keys;
+    bool help;
+} bench_options_t;
+
+/* Read the arguments. False: `wrong` (room for 200 characters) says what does not fit. */
+bool bench_options_read(bench_options_t *options, int count, char *const arguments[], char wrong[200]);
+
+extern const char bench_options_help[];
+
+#endif

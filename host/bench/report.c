@@ -1,0 +1,189 @@
+#include "bench/report.h"
+
+#include "bench/json.h"
+#include "bench/report_counters.h"
+
+int bench_exit_code(const bench_world_t *world)
+{
+    tumble_result_t result;
+    if (world->end == BENCH_INTERRUPTED) {
+        return BENCH_EXIT_INTERRUPTED;
+    }
+    if (world->end == BENCH_LEFT) {
+        return BENCH_EXIT_PASS;
+    }
+    if (world->end != BENCH_DONE || tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {
+        return BENCH_EXIT_FAULT;
+    }
+    return result.pass ? BENCH_EXIT_PASS : BENCH_EXIT_LIMITS;
+}
+
+const char *bench_end_name(bench_end_t end)
+{
+    static const char *const NAMES[] = {"running", "done", "fault", "interrupted", "too long", "left"};
+    return NAMES[end];
+}
+
+static void put_outcome(const bench_world_t *world, bench_json_t *json)
+{
+    const tumble_progress_t *const progress = &world->progress;
+    const tumble_drive_refusal_t refusal = tumble_navcomp_drive_refusal(&world->navcomp);
+    bench_json_whole(json, "seed", world->seed);
+    bench_json_text(json, "end", bench_end_name(world->end));
+    bench_json_whole(json, "exit", (uint64_t)bench_exit_code(world));
+    bench_json_text(json, "state", tumble_state_name(progress->state));
+    bench_json_text(json, "failed_in", tumble_state_name(progress->failed_in));
+    bench_json_text(json, "reason", tumble_reason_name(progress->reason));
+    bench_json_whole(json, "reason_number", (uint64_t)progress->reason);
+    bench_json_text(json, "reason_sentence", tumble_reason_sentence(progress->reason));
+    bench_json_text(json, "status", tumble_status_name(progress->status));
+    bench_json_whole(json, "drive_code", progress->drive_code);
+    if (refusal.index == 0U) {
+        bench_json_null(json, "drive_refusal");
+        return;
+    }
+    bench_json_open(json, "drive_refusal", '{');
+    bench_json_whole(json, "index", refusal.index);
+    bench_json_whole(json, "subindex", refusal.subindex);
+    bench_json_whole(json, "abort", refusal.abort);
+    bench_json_close(json, '}');
+}
+
+double bench_largest_delta_g(const tumble_gravity_check_t *check)
+{
+    return (check->max_abs_fit_g > check->max_abs_check_g) ? check->max_abs_fit_g : check->max_abs_check_g;
+}
+
+static void put_check(const bench_world_t *world, const tumble_gravity_check_t *check, bench_json_t *json)
+{
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    bench_json_open(json, "verification", '{');
+    bench_json_open(json, "delta_g_g", '[');
+    for (uint32_t i = 0; i < schedule->position_count; i++) {
+        const tumble_position_t *const position = &schedule->positions[i];
+        bench_json_open(json, NULL, '{');
+        bench_json_whole(json, "mounting", position->mounting);
+        bench_json_whole(json, "position", position->number);
+        bench_json_text(json, "use", (position->use == TUMBLE_USE_FIT) ? "fit" : "check");
+        bench_json_number(json, "delta_g_g", check->delta_g_g[i]);
+        bench_json_close(json, '}');
+    }
+    bench_json_close(json, ']');
+    bench_json_number(json, "max_abs_delta_g_g", bench_largest_delta_g(check));
+    bench_json_number(json, "max_abs_fit_g", check->max_abs_fit_g);
+    bench_json_number(json, "max_abs_check_g", check->max_abs_check_g);
+    bench_json_number(json, "limit_g", world->config->procedure.gravity_limit_g);
+    bench_json_flag(json, "pass", check->pass);
+    bench_json_close(json, '}');
+}
+
+static void put_result(const bench_world_t *world, bench_json_t *json)
+{
+    static const char *const ESTIMATORS[] = {"averaged", "refined", "least_squares"};
+    tumble_result_t result;
+    bench_json_text(json, "estimator", ESTIMATORS[world->config->procedure.estimate]);
+    if (tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {
+        bench_json_null(json, "K");
+        bench_json_null(json, "U0");
+        bench_json_null(json, "verification");
+        bench_json_null(json, "closure_g");
+        return;
+    }
+    const uint8_t mountings = world->config->scenario.schedule.mounting_count;
+    const tumble_procedure_t *const procedure = tumble_navcomp_procedure(&world->navcomp);
+    bench_json_matrix(json, "K", result.coefficients->k_v_per_g);
+    bench_json_vector(json, "U0", result.coefficients->u0_v, TUMBLE_CHANNELS);
+    put_check(world, result.check, json);
+    bench_json_open(json, "closure_g", '[');
+    for (uint8_t m = 0; m < mountings; m++) {
+        bench_json_number(json, NULL, tumble_procedure_closure_g(procedure, m));
+    }
+    bench_json_close(json, ']');
+}
+
+bool bench_mean(const bench_world_t *world, uint8_t index, double mean_v[TUMBLE_CHANNELS],
+                double error_v[TUMBLE_CHANNELS])
+{
+    const tumble_averaging_t *const averages = tumble_procedure_averages(tumble_navcomp_procedure(&world->navcomp));
+    const double step_v = world->config->procedure.v_per_count;
+    if (tumble_averaging_mean(averages, index, mean_v, error_v) != TUMBLE_OK) {
+        return false;
+    }
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        mean_v[i] *= step_v;
+        error_v[i] *= step_v;
+    }
+    return true;
+}
+
+static void put_means(const bench_world_t *world, bench_json_t *json)
+{
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    const tumble_averaging_t *const averages = tumble_procedure_averages(tumble_navcomp_procedure(&world->navcomp));
+    bench_json_open(json, "means", '[');
+    for (uint8_t i = 0; i < schedule->position_count; i++) {
+        double mean_v[TUMBLE_CHANNELS];
+        double error_v[TUMBLE_CHANNELS];
+        if (bench_mean(world, i, mean_v, error_v)) {
+            bench_json_open(json, NULL, '{');
+            bench_json_whole(json, "mounting", schedule->positions[i].mounting);
+            bench_json_whole(json, "position", schedule->positions[i].number);
+            bench_json_whole(json, "samples", averages->averages[i].samples);
+            bench_json_vector(json, "u_v", mean_v, TUMBLE_CHANNELS);
+            bench_json_vector(json, "standard_error_v", error_v, TUMBLE_CHANNELS);
+            bench_json_close(json, '}');
+        }
+    }
+    bench_json_close(json, ']');
+}
+
+static void put_truth(const bench_world_t *world, bench_json_t *json)
+{
+    const sim_truth_t *const truth = &world->truth;
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    bench_json_open(json, "truth", '{');
+    bench_json_matrix(json, "K", truth->block.k_v_per_g);
+    bench_json_vector(json, "U0", truth->block.u0_v, TUMBLE_CHANNELS);
+    bench_json_number(json, "alpha1_rad", truth->alpha1_rad);
+    bench_json_number(json, "alpha2_rad", truth->alpha2_rad);
+    bench_json_vector(json, "alpha3_rad", truth->alpha3_rad, schedule->mounting_count);
+    bench_json_vector(json, "alpha4_rad", truth->alpha4_rad, schedule->position_count);
+    bench_json_close(json, '}');
+}
+
+/* Which faults have come, and how often: one that never did was set up wrongly. */
+static void put_faults(const bench_world_t *world, bench_json_t *json)
+{
+#define FAULT_WORD(name, word, sentence) word,
+    static const char *const WORDS[] = {SIM_FAULT_LIST(FAULT_WORD)};
+#undef FAULT_WORD
+    bench_json_open(json, "faults", '[');
+    for (uint32_t i = 0; i < world->config->scenario.fault_count; i++) {
+        bench_json_open(json, NULL, '{');
+        bench_json_text(json, "kind", WORDS[world->config->scenario.faults[i].kind]);
+        bench_json_whole(json, "times", world->script.states[i].times);
+        bench_json_close(json, '}');
+    }
+    bench_json_close(json, ']');
+}
+
+void bench_report_document(const bench_world_t *world, FILE *out)
+{
+    bench_json_t json = {.out = out};
+    bench_json_open(&json, NULL, '{');
+    bench_json_text(&json, "schema", "tumble.bench/1");
+    put_outcome(world, &json);
+    put_result(world, &json);
+    put_means(world, &json);
+    bench_report_counters(world, &json);
+    put_truth(world, &json);
+    put_faults(world, &json);
+    bench_json_number(&json, "virtual_s", (double)world->clock.now_us * 1e-6);
+    bench_json_open(&json, "table", '{');
+    bench_json_flag(&json, "at_rest", bench_world_is_at_rest(world));
+    bench_json_number(&json, "lowest_deg", world->axis->lowest_deg);
+    bench_json_number(&json, "highest_deg", world->axis->highest_deg);
+    bench_json_close(&json, '}');
+    bench_json_close(&json, '}');
+    (void)fputc('\n', out);
+}

@@ -1,0 +1,47 @@
+/* report.h - what a run has found, as JSON.
+ *
+ * The document, schema "tumble.bench/1":
+ *     seed; end: "done" | "fault" | "interrupted" | "too long" | "left"; exit: the exit code that a program with this
+ * run has; state, failed_in, reason, status: names of the firmware's lists; reason_number, reason_sentence; drive_code;
+ *     drive_refusal {index, subindex, abort} or null
+ *     estimator; K (3 x 3, V/g), U0 (3, V), verification {delta_g_g: list of {mounting, position, use, delta_g_g},
+ *     max_abs_delta_g_g, max_abs_fit_g, max_abs_check_g, limit_g, pass}; closure_g: by mounting; all null without a
+ * result means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished counters
+ * {name: integer}: the firmware's, the bus's, the simulation's truth {K, U0, alpha1_rad, alpha2_rad, alpha3_rad (by
+ * mounting), alpha4_rad (by position)} faults: list of {kind, times}: those of the scenario, and how often each has
+ * come virtual_s; table {at_rest, lowest_deg, highest_deg}: how far the table was told to turn
+ */
+#ifndef TUMBLE_BENCH_REPORT_H
+#define TUMBLE_BENCH_REPORT_H
+
+#include "bench/world.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Exit codes of the product. */
+enum {
+    BENCH_EXIT_PASS = 0,
+    BENCH_EXIT_LIMITS = 1,
+    BENCH_EXIT_USAGE = 2,
+    BENCH_EXIT_FAULT = 3,
+    BENCH_EXIT_INTERRUPTED = 130
+};
+
+/* The exit code of a run that has ended. */
+int bench_exit_code(const bench_world_t *world);
+
+/* The document, with a newline. */
+void bench_report_document(const bench_world_t *world, FILE *out);
+
+/* Mean (V) of the position at `index` and its standard error. False: not finished. */
+bool bench_mean(const bench_world_t *world, uint8_t index, double mean_v[TUMBLE_CHANNELS],
+                double error_v[TUMBLE_CHANNELS]);
+
+/* The larger of what a gravity check found on fit and on check positions. */
+double bench_largest_delta_g(const tumble_gravity_check_t *check);
+
+/* "done", "fault", "interrupted", "too long", "left". */
+const char *bench_end_name(bench_end_t end);
+
+#endif

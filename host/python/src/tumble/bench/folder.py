@@ -1,0 +1,110 @@
+"""Run folders: run.csv, bus.log, result.json and inputs/, all of them or none.
+
+A run that ends in a fault leaves run.csv (the positions that were finished), bus.log, inputs/ and fault.json: what the
+bench says of it.
+"""
+
+from __future__ import annotations
+
+import datetime
+import os
+import shutil
+from pathlib import Path
+
+from tumble.errors import BadInput
+from tumble.files import read_bytes, reason
+
+DEFAULT_PARENT = "runs"
+
+
+def default_path(seed: int) -> str:
+    """A new folder's path: runs/<UTC time>-<seed>."""
+    now = datetime.datetime.now(datetime.timezone.utc).strftime("%Y%m%dT%H%M%SZ")
+    path = os.path.join(DEFAULT_PARENT, f"{now}-{seed}")
+    number = 2
+    while os.path.lexists(path):
+        path = os.path.join(DEFAULT_PARENT, f"{now}-{seed}-{number}")
+        number += 1
+    return path
+
+
+class RunFolder:
+    """A folder in the making: everything goes into `stage`, a hidden folder in or beside it, until `keep`.
+
+    Used with `with`: what was not kept is removed. Raises BadInput where the folder cannot be made or is not empty.
+    """
+
+    def __init__(self, path: str, *, may_make_parent: bool = False):
+        self.path = path
+        self._target = Path(os.path.realpath(_checked(path)))
+        self._made_parent = False
+        try:
+            self._existed = self._target.is_dir()
+            if self._existed and any(self._target.iterdir()):
+                raise BadInput("is there already and is not an empty folder", path)
+            if not self._existed and os.path.lexists(self._target):
+                raise BadInput("is there already and is not a folder", path)
+            self.stage = (self._target if self._existed else self._target.parent) / f".{self._target.name}.part"
+            if may_make_parent and not self._target.parent.exists():
+                self._target.parent.mkdir()
+                self._made_parent = True
+            self.stage.mkdir()
+        except OSError as error:
+            raise BadInput(f"the folder cannot be made: {reason(error)}", path) from None
+
+    def __enter__(self) -> RunFolder:
+        return self
+
+    def __exit__(self, *_) -> None:
+        if self.stage.exists():
+            shutil.rmtree(self.stage, ignore_errors=True)
+            if self._made_parent:
+                _remove_if_empty(self._target.parent)
+
+    def add_inputs(self, files: list[str], scenario: str) -> Path:
+        """Copies of the given files and the scenario, in inputs/. Returns the scenario's path."""
+        inputs = self.stage / "inputs"
+        contents = [(os.path.basename(file), read_bytes(file)) for file in files]
+        try:
+            inputs.mkdir()
+            for number, (name, data) in enumerate(contents, start=1):
+                free = not (inputs / name).exists() and name != "scenario.txt"
+                (inputs / (name if free else f"{number}-{name}")).write_bytes(data)
+            (inputs / "scenario.txt").write_text(scenario, encoding="ascii")
+        except OSError as error:
+            raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
+        return inputs / "scenario.txt"
+
+    def keep(self, unwanted: str, *, renamed: str | None = None, **texts: str) -> None:
+        """Give the folder its name. The file `unwanted` goes, or is `renamed`; `texts` become files NAME.json."""
+        try:
+            for name, text in texts.items():
+                (self.stage / f"{name}.json").write_text(text, encoding="utf-8")
+            if renamed is None:
+                (self.stage / unwanted).unlink()
+            else:
+                (self.stage / unwanted).rename(self.stage / renamed)
+            self._publish()
+        except OSError as error:
+            raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
+
+    def _publish(self) -> None:
+        if not self._existed:
+            self.stage.rename(self._target)
+            return
+        for entry in sorted(self.stage.iterdir()):
+            entry.rename(self._target / entry.name)
+        self.stage.rmdir()
+
+
+def _checked(path: str) -> str:
+    if not path or "\0" in path:
+        raise BadInput("not a folder name", path)
+    return path
+
+
+def _remove_if_empty(folder: Path) -> None:
+    try:
+        folder.rmdir()
+    except OSError:
+        pass

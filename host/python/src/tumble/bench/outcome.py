@@ -1,0 +1,104 @@
+"""What the firmware found on the bench, confirmed: from the program's document and run.csv to a solution with truth."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tumble import reference
+from tumble.bench.setup import Setup
+from tumble.crosscheck import RELATIVE_LIMIT
+from tumble.errors import BadInput, BenchFault, Disagreement
+from tumble.runfile import Run, read_run
+from tumble.solution import Solution, Truth, solve
+
+DOCUMENT = "bench.json"
+
+
+def read_document(stage: Path) -> dict[str, Any] | None:
+    """What the program wrote of the run; None if it did not get so far."""
+    path = stage / DOCUMENT
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+def require_done(document: dict[str, Any]) -> None:
+    """Raise BenchFault, one line that says what went wrong and where, unless the firmware has finished."""
+    if document["end"] == "done" and document["K"] is not None:
+        return
+    if document["end"] == "too long":
+        raise BenchFault(f"no end after {document['virtual_s']:.0f} s of virtual time, in {_plain(document['state'])}")
+    where = f"in state {_plain(document['failed_in'])}, positions finished: {len(document['means'])}"
+    code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
+    rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
+    name = document["reason"].removeprefix("TUMBLE_REASON_")
+    raise BenchFault(f"the run failed: {document['reason_sentence']} ({name}, {where}{code}){rest}")
+
+
+def _plain(state: str) -> str:
+    return state.removeprefix("TUMBLE_STATE_").lower().replace("_", " ")
+
+
+def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
+    """The firmware's result as a solution, if three computations agree; else raises Disagreement.
+
+    The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
+    confirm it within 1e-12 of max|K|, once from these means and once from the samples in run.csv, averaged anew.
+    """
+    recorded = read_run(str(stage / "run.csv"), setup.schedule.data)
+    run = _as_averaged(recorded, document)
+    try:
+        solution = solve(run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv")
+    except BadInput as error:
+        raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
+    _require_same_bits(solution, document)
+    k, u0 = reference.estimate(setup.schedule.data, recorded.means, setup.estimator)
+    _require_close("K", solution.found.k, k, np.abs(k).max())
+    _require_close("U0", solution.found.u0, u0, np.abs(k).max())
+    return dataclasses.replace(solution, truth=_truth(document["truth"]))
+
+
+def _as_averaged(recorded: Run, document: dict[str, Any]) -> Run:
+    """The run with the firmware's means: those of the recorded samples but for rounding. All positions have one."""
+    means = np.array([mean["u_v"] for mean in document["means"]])
+    samples = [mean["samples"] for mean in document["means"]]
+    if means.shape != recorded.means.shape or recorded.samples.tolist() != samples:
+        raise Disagreement("the firmware averaged other samples than were recorded; no result is given")
+    _require_close("a mean", means, recorded.means, np.abs(recorded.means).max())
+    return dataclasses.replace(recorded, means=means, counters={**recorded.counters, **document["counters"]})
+
+
+def _require_same_bits(solution: Solution, document: dict[str, Any]) -> None:
+    found, check = solution.found, document["verification"]
+    pairs = {
+        "K": (found.k, document["K"]),
+        "U0": (found.u0, document["U0"]),
+        "delta_g": (found.gravity.delta_g, [row["delta_g_g"] for row in check["delta_g_g"]]),
+        "pass": (found.gravity.passed, check["pass"]),
+    }
+    for name, (core, firmware) in pairs.items():
+        if not np.array_equal(np.asarray(core), np.asarray(firmware)):
+            raise Disagreement(f"the firmware's {name} is not what the core makes of its means; no result is given")
+
+
+def _require_close(name: str, firmware: np.ndarray, witness: np.ndarray, scale: float) -> None:
+    difference = np.abs(firmware - witness).max()
+    if not difference <= RELATIVE_LIMIT * scale:
+        raise Disagreement(
+            f"the firmware and numpy disagree: {name} differs by {difference:.2g},"
+            f" allowed is {RELATIVE_LIMIT * scale:.2g}; no result is given"
+        )
+
+
+def _truth(truth: dict[str, Any]) -> Truth:
+    return Truth(
+        k=np.array(truth["K"]).reshape(3, 3),
+        u0=np.array(truth["U0"]),
+        alpha1=truth["alpha1_rad"],
+        alpha2=truth["alpha2_rad"],
+        alpha3=tuple(truth["alpha3_rad"]),
+        alpha4=tuple(truth["alpha4_rad"]),
+    )

@@ -1,0 +1,91 @@
+"""Progress of a bench run, told to a person on stderr; and the questions that only a person can answer."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+
+from tumble.schedule import Mounting, Schedule
+
+_AXES = ("h (horizontal, across the axis)", "n (along the axis)", "v (up at table angle 0)")
+_HELP = "Enter: done; abort: stop here"
+_HELP_FAULT = "Enter: mended, go on; repeat position INDEX; repeat mounting NUMBER; leave; abort"
+
+
+def mounting_text(mounting: Mounting) -> str:
+    """How the block has to sit, as nearly as the axes of the table can tell."""
+    parts = []
+    for name, row in zip("xyz", np.array(mounting.matrix)):
+        axis = int(np.argmax(np.abs(row)))
+        nearly = "" if abs(row[axis]) > 0.999 else "nearly "
+        parts.append(f"{name} {nearly}along {'-' if row[axis] < 0 else '+'}{_AXES[axis]}")
+    return "; ".join(parts)
+
+
+class Progress:
+    """Told every event of a run; one line on stderr whenever another mounting begins. Base of the live display."""
+
+    def __init__(self, schedule: Schedule, interactive: bool):
+        self._schedule = schedule
+        self._interactive = interactive
+        self._mounting = 0
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_) -> None:
+        pass
+
+    def __call__(self, event: dict[str, Any]) -> str | None:
+        """Take an event. Returns the answer if it is a question for a person."""
+        kind = event["event"]
+        if kind == "state":
+            self.on_state(event)
+        elif kind == "average":
+            self.on_average(event)
+        elif kind == "question" and self._interactive:
+            return self.ask(event)
+        elif kind == "refused":
+            self.say(f"not accepted: {event['what']}")
+            return self.read_answer()
+        return None
+
+    def on_state(self, event: dict[str, Any]) -> None:
+        """The procedure is in another state."""
+        if event["state"] == "TUMBLE_STATE_AVERAGE" and event["mounting"] != self._mounting:
+            self._mounting = event["mounting"]
+            place = f"position {event['finished'] + 1} of {event['count']}"
+            self.say(f"mounting {self._mounting}: {place}, {event['virtual_s']:.0f} s")
+
+    def on_average(self, event: dict[str, Any]) -> None:
+        """A position's running mean."""
+
+    def say(self, line: str) -> None:
+        """One line."""
+        print(line, file=sys.stderr, flush=True)
+
+    def ask(self, event: dict[str, Any]) -> str:
+        """Put a question, return the answer as the program takes it."""
+        if event["kind"] == "mounting":
+            mounting = next(m for m in self._schedule.mountings if m.number == event["mounting"])
+            self.say(f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}.  [{_HELP}]")
+        elif event["kind"] == "angle":
+            self.say(f"Turn the table to {event['angle_deg']:g} degrees.  [{_HELP}]")
+        else:
+            self.say(f"Fault: {event['sentence']}.  [{_HELP_FAULT}]")
+        return self.read_answer()
+
+    def read_answer(self) -> str:
+        """A line of standard input; its end is an abort."""
+        line = sys.stdin.readline()
+        return "abort" if not line else line.strip() or "done"
+
+
+def volts(event: dict[str, Any]) -> str:
+    """The running mean and its standard error, V."""
+    if event["mean_v"] is None:
+        return ""
+    means = zip("xyz", event["mean_v"], event["standard_error_v"])
+    return "  ".join(f"{axis} {mean:+.5f}({error:.0e})" for axis, mean, error in means) + " V"

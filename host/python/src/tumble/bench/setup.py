@@ -1,0 +1,148 @@
+"""What a bench run is to be, and the scenario file that tells tumble-bench so.
+
+A scenario has one `key = value` a line; `tumble-bench --keys` lists them. What a stand file leaves out is left to the
+program's own defaults.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from tumble.core import CoreSchedule, sine_cosine
+from tumble.errors import BadInput
+from tumble.schedule import Mounting, Position
+from tumble.stand import Stand
+
+_MOST_BITS = 24
+_RATES_HZ = (1.0, 1000.0)
+_MOTION = {  # by key of [motion]: key of the scenario, least, most
+    "velocity_deg_per_s": ("motion.speed_deg_s", 0.1, 1e4),
+    "acceleration_deg_per_s2": ("motion.acceleration_deg_s2", 0.1, 1e5),
+    "settling_s": ("motion.settling_s", 0.0, 60.0),
+}
+_USUAL_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "settling_s": 0.5}
+_USUAL_CABLE_DEG = (-30.0, 400.0)
+_CABLE_SLACK_DEG = 30.0
+_LONGEST_MS = 2**32 - 1
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
+    `stand_file` are named in complaints. `limit_g`: of the gravity check, g."""
+
+    seed: int
+    stand: Stand
+    block: dict[str, Any] | None
+    truth: dict[str, Any] | None
+    motion: dict[str, float] | None
+    schedule: CoreSchedule
+    samples: int
+    estimator: str
+    limit_g: float
+    stand_file: str = ""
+    block_file: str = ""
+
+
+def scenario_text(setup: Setup) -> str:
+    """The scenario file. Raises BadInput for what can be declared but not simulated."""
+    lines = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
+    return "".join(f"{key} = {value}\n" for key, value in lines)
+
+
+def _numbers(*values: float) -> str:
+    """With as many digits as it takes to read back the same bits."""
+    return " ".join(map(repr, map(float, values)))
+
+
+def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
+    for key in ("axis_tilt", "level", "remount", "angle"):
+        yield f"stand.{key}_rad", _numbers(getattr(stand, key))
+    yield "stand.limits", stand.limits
+    yield "stand.remount", stand.remounting
+    yield "block.noise_v", _numbers(stand.noise, stand.noise, stand.noise)
+    yield "block.noise_limits", stand.limits
+
+
+def _block(setup: Setup) -> Iterator[tuple[str, str]]:
+    block = setup.block
+    if block is not None:
+        yield "block.scale_v_per_g", _numbers(block["scale_v_per_g"])
+        yield "block.misalignment_rad", _numbers(block["misalignment_rad"])
+        if block["converter_bits"] is not None:
+            _require(block["converter_bits"], 8, _MOST_BITS, "[block] converter_bits", setup.block_file)
+            yield "block.converter_bits", str(block["converter_bits"])
+        if block["range_v"] is not None:
+            yield "block.range_v", _numbers(block["range_v"])
+        if block["sample_rate_hz"] is not None:
+            _require(block["sample_rate_hz"], *_RATES_HZ, "[block] sample_rate_hz", setup.block_file)
+            yield "block.sample_period_us", str(round(1e6 / block["sample_rate_hz"]))
+    if setup.truth is not None:
+        yield "block.k", _numbers(*(element for row in setup.truth["K"] for element in row))
+        yield "block.u0", _numbers(*setup.truth["U0"])
+
+
+def _require(value: float, low: float, high: float, name: str, file: str) -> None:
+    if not low <= value <= high:
+        raise BadInput(f"{name} must be {low:g} to {high:g} on the bench, not {value:g}", file)
+
+
+def _motion(setup: Setup) -> Iterator[tuple[str, str]]:
+    """How the table moves, how far its cable reaches, and how long that may take."""
+    motion = {**_USUAL_MOTION, **(setup.motion or {})}
+    for name, (key, low, high) in _MOTION.items():
+        _require(motion[name], low, high, f"[motion] {name}", setup.stand_file)
+        yield key, _numbers(motion[name])
+    angles = [position.angle_deg for position in setup.schedule.data.positions]
+    lowest = min(_USUAL_CABLE_DEG[0], min(angles) - _CABLE_SLACK_DEG)
+    highest = max(_USUAL_CABLE_DEG[1], max(angles) + _CABLE_SLACK_DEG)
+    yield "procedure.cable_min_deg", _numbers(lowest)
+    yield "procedure.cable_max_deg", _numbers(highest)
+
+    speed = motion["velocity_deg_per_s"]
+    slow = min(45.0, speed)
+    move_s = (highest - lowest) / speed + speed / motion["acceleration_deg_per_s2"] + motion["settling_s"]
+    home_s = move_s + (highest - lowest) / slow + 60.0 / (slow / 10.0)
+    yield "profile.homing_fast_deg_s", _numbers(slow)
+    yield "profile.homing_slow_deg_s", _numbers(slow / 10.0)
+    for room in ("procedure", "profile"):
+        yield f"{room}.move_timeout_ms", _milliseconds(max(30.0, 2.0 * move_s))
+        yield f"{room}.home_timeout_ms", _milliseconds(max(60.0, 2.0 * home_s))
+    yield "profile.stop_timeout_ms", _milliseconds(max(5.0, 2.0 * speed / motion["acceleration_deg_per_s2"]))
+    yield "procedure.settle_ms", _milliseconds(motion["settling_s"])
+    yield "procedure.settle_timeout_ms", _milliseconds(5.0 + 2.0 * motion["settling_s"])
+
+
+def _milliseconds(seconds: float) -> str:
+    return str(min(_LONGEST_MS, math.ceil(1e3 * seconds)))
+
+
+def _procedure(setup: Setup) -> Iterator[tuple[str, str]]:
+    rate_hz = (setup.block or {}).get("sample_rate_hz") or 100.0
+    yield "procedure.estimator", setup.estimator
+    yield "procedure.samples", str(setup.samples)
+    yield "procedure.gravity_limit_g", _numbers(setup.limit_g)
+    yield "limit.virtual_s", _numbers(36000.0 + 4.0 * len(setup.schedule) * setup.samples / rate_hz)
+
+
+def _schedule(schedule: CoreSchedule) -> Iterator[tuple[str, str]]:
+    for mounting in schedule.data.mountings:
+        yield "mounting", _mounting(mounting)
+    for position in schedule.data.positions:
+        yield "position", _position(position)
+
+
+def _mounting(mounting: Mounting) -> str:
+    elements = (element for row in mounting.matrix for element in row)
+    return f"{mounting.number} {_angle(mounting.tilt_deg)} {_numbers(*elements)}"
+
+
+def _position(position: Position) -> str:
+    return f"{position.mounting} {position.number} {position.use} {_angle(position.angle_deg)}"
+
+
+def _angle(angle_deg: float) -> str:
+    return _numbers(angle_deg, *sine_cosine(angle_deg))

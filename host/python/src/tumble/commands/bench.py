@@ -1,0 +1,168 @@
+"""`tumble bench`: the firmware calibrates a block on a simulated stand; numpy confirms; the truth stands beside it."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+
+from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, parse_limit, print_solution
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, BenchFault, Interrupted, UsageError, quoted
+
+BUSES = ("inprocess",)
+FIRMWARES = ("host",)
+_LARGEST_SEED = 2**64 - 1
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "bench",
+        help="calibrate on a simulated stand: the firmware itself, in virtual time",
+        description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
+        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
+        " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
+        " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 130 interrupted, the table stopped.",
+    )
+    parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; replays a run exactly; default: 1")
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
+    parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
+    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+    parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
+    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument("--bus", choices=BUSES, default=BUSES[0], help="default: inprocess")
+    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
+    parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
+    parser.add_argument(
+        "--limit",
+        metavar="G",
+        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
+    )
+    parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
+    from tumble.bench import folder, outcome, setup
+
+    wanted, stand_file = _read_setup(arguments)
+    scenario = setup.scenario_text(wanted)
+    given = [file for file in (arguments.stand, arguments.block, arguments.schedule) if file is not None]
+    path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
+    with folder.RunFolder(path, may_make_parent=arguments.out is None) as made:
+        scenario_path = made.add_inputs(given, scenario)
+        document = _simulate(arguments, wanted, scenario_path, made)
+        try:
+            outcome.require_done(document)
+            solution = outcome.confirm(document, made.stage, wanted)
+        except BenchFault:
+            made.keep(outcome.DOCUMENT, renamed="fault.json")
+            raise
+        text = _result_text(solution, wanted, arguments, stand_file)
+        made.keep(outcome.DOCUMENT, result=text)
+    print(f"run folder: {path}", file=sys.stderr)
+    print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
+    return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
+
+
+def _read_setup(arguments: argparse.Namespace):
+    """Everything that the files and options say: the setup, and the stand file or None."""
+    seed = _parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
+    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+
+    from dataclasses import replace
+
+    from tumble import standfile
+    from tumble.bench.setup import Setup
+    from tumble.core_averaging import MAX_SAMPLES
+    from tumble.stand import PAPER_STAND
+
+    samples = None if arguments.samples is None else _parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    schedule = _read_schedule(arguments)
+    file = None if arguments.stand is None else standfile.read_stand(arguments.stand)
+    stand = PAPER_STAND if file is None else file.stand
+    block, truth = (None, None) if file is None else (file.block, file.truth)
+    if arguments.block is not None:
+        block, truth = standfile.read_block(arguments.block)
+    if limit_g is None:
+        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+    samples = stand.samples if samples is None else samples
+    return Setup(
+        seed=seed,
+        stand=replace(stand, samples=samples),
+        block=block,
+        truth=truth,
+        motion=None if file is None else file.motion,
+        schedule=schedule,
+        samples=samples,
+        estimator=arguments.estimator,
+        limit_g=limit_g,
+        stand_file=arguments.stand or "",
+        block_file=arguments.block or arguments.stand or "",
+    ), file
+
+
+def _parse_whole(text: str, option: str, low: int, high: int) -> int:
+    if re.fullmatch(r"[0-9]{1,20}", text, re.ASCII) and low <= int(text) <= high:
+        return int(text)
+    raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
+
+
+def _read_schedule(arguments: argparse.Namespace):
+    """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
+    from tumble.core import CoreRefusal, CoreSchedule, paper_schedule
+    from tumble.schedulefile import read_schedule
+
+    if arguments.schedule is None:
+        return CoreSchedule(paper_schedule())
+    schedule = read_schedule(arguments.schedule)
+    try:
+        if arguments.estimator != "least_squares":
+            schedule.harmonic()
+        return schedule
+    except CoreRefusal:
+        message = f"lacks positions that {arguments.estimator} needs; least_squares solves any schedule"
+        raise BadInput(message, arguments.schedule) from None
+
+
+def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
+    """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
+    from tumble.bench import outcome, program
+
+    options = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
+    with _progress(wanted.schedule.data, arguments.interactive) as progress:
+        ended = program.run(options, progress, arguments.interactive)
+    document = outcome.read_document(made.stage / "bench")
+    if ended.interrupted or ended.code == Interrupted.exit_code:
+        at_rest = document is not None and document["table"]["at_rest"]
+        raise Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+    complaint = ended.complaint.replace(str(scenario_path), "scenario")
+    if ended.code == BadInput.exit_code:
+        raise UsageError(f"this cannot be simulated: {complaint}")
+    if document is None:
+        raise BenchFault(f"tumble-bench failed ({ended.code}): {complaint or 'it says nothing'}")
+    for file in (made.stage / "bench").iterdir():
+        file.rename(made.stage / file.name)
+    (made.stage / "bench").rmdir()
+    return document
+
+
+def _progress(schedule, interactive: bool):
+    if sys.stderr.isatty():
+        from tumble.bench.live import LiveProgress
+
+        return LiveProgress(schedule, interactive)
+    from tumble.bench.progress import Progress
+
+    return Progress(schedule, interactive)
+
+
+def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) -> str:
+    from tumble import result
+
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+    document = result.document(solution, item, environment)
+    origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
+    return result.to_json({**document, **origin, "truth": result.truth(solution.truth)})

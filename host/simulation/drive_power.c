@@ -1,0 +1,107 @@
+#include "simulation/drive_internal.h"
+
+/* 605Ah */
+#define QUICK_STOP_BY_ITS_OWN_RAMP 2
+
+static double quick_deceleration(const sim_drive_t *drive)
+{
+    const bool own = drive->objects.quick_stop_option_code == QUICK_STOP_BY_ITS_OWN_RAMP;
+    return sim_drive_acceleration(drive,
+                                  own ? drive->objects.quick_stop_deceleration : drive->objects.profile_deceleration);
+}
+
+void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
+{
+    const sim_power_t before = drive->power;
+    if (power == before) {
+        return;
+    }
+    drive->power = power;
+    if (power == SIM_POWER_OPERATION_ENABLED) {
+        drive->target_deg = drive->axis.motion.end_position;
+        drive->reached = true;
+        drive->halted = false;
+        drive->acknowledged = false;
+    } else if (before == SIM_POWER_OPERATION_ENABLED) {
+        const bool quick = power == SIM_POWER_QUICK_STOP_ACTIVE || power == SIM_POWER_FAULT_REACTION;
+        sim_drive_stop_axis(drive, quick ? quick_deceleration(drive) : sim_drive_dynamics(drive).deceleration_deg_s2);
+    }
+    if (before == SIM_POWER_FAULT && power == SIM_POWER_SWITCH_ON_DISABLED) {
+        drive->objects.error_code = 0;
+        tumble_emcy_clear(&drive->node.emcy, TUMBLE_ERROR_MANUFACTURER);
+    }
+}
+
+static void obey_mode_selection(sim_drive_t *drive)
+{
+    if (drive->objects.modes_of_operation == drive->mode || drive->halted) {
+        return;
+    }
+    drive->mode = drive->objects.modes_of_operation;
+    drive->acknowledged = false;
+    drive->buffered = false;
+}
+
+void sim_drive_obey(sim_drive_t *drive)
+{
+    const uint16_t controlword = drive->objects.controlword;
+    const uint16_t before = drive->seen_controlword;
+    const int32_t target_before = drive->seen_target;
+    const bool cause_gone = !drive->fault.drive && !tumble_nmt_any_lost(&drive->node.nmt);
+    drive->seen_controlword = controlword;
+    drive->seen_target = drive->objects.target_position;
+    sim_drive_enter(drive, sim_power_next(drive->power, controlword, before, cause_gone));
+    obey_mode_selection(drive);
+    sim_drive_obey_mode(drive, (uint16_t)(controlword & ~before), (uint16_t)(before & ~controlword), target_before);
+}
+
+static uint16_t profile_position_status(const sim_drive_t *drive)
+{
+    double velocity = 0.0;
+    if (drive->halted) {
+        (void)sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
+    }
+    const bool reached = drive->halted ? velocity == 0.0 : drive->reached;
+    return (
+        uint16_t)((reached ? TUMBLE_402_STATUS_TARGET_REACHED : 0U) |
+                  (drive->acknowledged ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
+                  ((drive->objects.error_code == TUMBLE_402_ERROR_FOLLOWING) ? TUMBLE_402_STATUS_FOLLOWING_ERROR : 0U));
+}
+
+static uint16_t homing_status(const sim_drive_t *drive)
+{
+    switch (drive->homing) {
+    case SIM_HOMING_ATTAINED:
+        return TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_TARGET_REACHED;
+    case SIM_HOMING_ERROR:
+        return TUMBLE_402_STATUS_HOMING_ERROR | TUMBLE_402_STATUS_TARGET_REACHED;
+    case SIM_HOMING_NONE:
+        return TUMBLE_402_STATUS_TARGET_REACHED; /* interrupted or not started */
+    default:
+        return 0;
+    }
+}
+
+uint16_t sim_drive_status(const sim_drive_t *drive)
+{
+    uint16_t status = sim_power_status(drive->power) | TUMBLE_402_STATUS_REMOTE;
+    if (drive->mode == TUMBLE_402_MODE_PROFILE_POSITION) {
+        status |= profile_position_status(drive);
+    } else if (drive->mode == TUMBLE_402_MODE_HOMING) {
+        status |= homing_status(drive);
+    }
+    return status;
+}
+
+/* Quick stop and fault reaction end when the axis rests. */
+void sim_drive_finish_stop(sim_drive_t *drive)
+{
+    if (drive->clock->now_us < sim_axis_end_us(&drive->axis)) {
+        return;
+    }
+    if (drive->power == SIM_POWER_QUICK_STOP_ACTIVE) {
+        sim_drive_enter(drive, SIM_POWER_SWITCH_ON_DISABLED);
+    } else if (drive->power == SIM_POWER_FAULT_REACTION) {
+        sim_drive_enter(drive, SIM_POWER_FAULT);
+    }
+}

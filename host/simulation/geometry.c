@@ -1,0 +1,38 @@
+#include "simulation/geometry.h"
+
+#include "simulation/maths.h"
+
+void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, double alpha1_rad,
+                       double alpha2_rad, double alpha3_rad)
+{
+    double sin_t;
+    double cos_t;
+    double sin_3;
+    double cos_3;
+    sim_sincos_deg(mounting->tilt.deg + alpha1_rad * SIM_DEG_PER_RAD, &sin_t, &cos_t);
+    sim_sincos_deg(alpha3_rad * SIM_DEG_PER_RAD, &sin_3, &cos_3);
+    const double turned[3][3] = {
+        /* of sin p, of cos p, of 1 */
+        {cos_t * cos_3, 0.0, sin_t * sin_3},  /* h' */
+        {-cos_t * sin_3, 0.0, sin_t * cos_3}, /* n' */
+        {0.0, cos_t, 0.0},                    /* v' */
+    };
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            const double(*const m)[3] = mounting->matrix;
+            geometry->a[i][j] = m[i][0] * turned[0][j] + m[i][1] * turned[1][j] + m[i][2] * turned[2][j];
+        }
+    }
+    geometry->level_deg = alpha2_rad * SIM_DEG_PER_RAD;
+}
+
+void sim_geometry_force(const sim_geometry_t *geometry, double actual_deg, double a_g[3])
+{
+    double sine;
+    double cosine;
+    sim_sincos_deg(actual_deg + geometry->level_deg, &sine, &cosine);
+    for (int i = 0; i < 3; i++) {
+        const double *const a = geometry->a[i];
+        a_g[i] = a[0] * sine + a[1] * cosine + a[2];
+    }
+}

@@ -1,0 +1,27 @@
+/* geometry.h - the exact geometry of a block on a stand that is not quite level (docs/method.md, "Stand, mountings").
+ *
+ * In the table frame (h horizontal across the axis, n along the axis, v up at table angle 0) the specific force is
+ *     f = (cos t sin p, sin t, cos t cos p),   p = table angle + alpha2 + delta,   t = known tilt + alpha1;
+ * the block's yaw alpha3 turns it about v,
+ *     h' = h cos alpha3 + n sin alpha3,  n' = -h sin alpha3 + n cos alpha3,  v' = v;
+ * the mounting's matrix M brings it to the block's axes: a = M (h', n', v'). All of it is linear in (sin p, cos p, 1),
+ * so a mounting is one 3 x 3 matrix, worked out once.
+ */
+#ifndef TUMBLE_SIMULATION_GEOMETRY_H
+#define TUMBLE_SIMULATION_GEOMETRY_H
+
+#include "core/schedule.h"
+
+typedef struct {
+    double a[3][3];   /* block axes x, y, z over (sin p, cos p, 1) */
+    double level_deg; /* alpha2 */
+} sim_geometry_t;
+
+/* The block in `mounting` with yaw alpha3, on a stand with alpha1 and alpha2; radians. */
+void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, double alpha1_rad,
+                       double alpha2_rad, double alpha3_rad);
+
+/* Specific force (g) on the block's axes with the table at `actual_deg` (its own error delta included). */
+void sim_geometry_force(const sim_geometry_t *geometry, double actual_deg, double a_g[3]);
+
+#endif

@@ -1,0 +1,150 @@
+/* scenario.h - everything that a simulated run is made of, but for the seed: plain structs, no behaviour.
+ *
+ * The stand and the block are described by the limits of their errors, out of which a seed draws one real stand, one
+ * real block and one course of events (truth.h).
+ */
+#ifndef TUMBLE_SIMULATION_SCENARIO_H
+#define TUMBLE_SIMULATION_SCENARIO_H
+
+#include "core/schedule.h"
+#include "simulation/axis.h"
+#include "simulation/law.h"
+#include "simulation/sensor.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Does every mounting draw its own yaw, or is there one for all? */
+typedef enum { SIM_REMOUNT_INDEPENDENT = 0, SIM_REMOUNT_COMMON } sim_remount_t;
+
+/* Limits of the stand's errors, read by `law`. */
+typedef struct {
+    double axis_tilt_rad; /* alpha1 */
+    double level_rad;     /* alpha2 */
+    double remount_rad;   /* alpha3 */
+    double angle_rad;     /* alpha4 */
+    sim_law_t law;
+    sim_remount_t remount;
+} sim_stand_t;
+
+/* The block. Either its K and U0 are given (sensor.k_v_per_g, sensor.u0_v), or they are drawn: scale factors within
+ * scale_spread of the nominal, cross terms within misalignment_rad of it, biases within bias_v, all uniform. */
+typedef struct {
+    sim_sensor_config_t sensor;
+    bool given;
+    double scale_v_per_g; /* nominal, signed */
+    double scale_spread;  /* relative */
+    double misalignment_rad;
+    double bias_v;
+    uint32_t sample_period_us;
+    uint32_t first_sample_us; /* from the moment it becomes Operational */
+    uint16_t first_counter;
+    uint16_t first_timestamp_ms;
+} sim_block_config_t;
+
+/* The drive's own habits, which its master must cope with. */
+typedef struct {
+    sim_axis_config_t axis;
+    uint32_t counts_per_turn;
+    int32_t sign;              /* 1, or -1: its counts fall when the table turns upwards */
+    uint32_t wrap_counts;      /* positions count modulo this and moves take the shorter way; 0: they do not wrap */
+    double velocity_per_deg_s; /* its unit of velocity, counted along the table's degrees */
+    double acceleration_per_deg_s2;
+    double speed_deg_s; /* the most it can do, whatever it is told */
+    double acceleration_deg_s2;
+    double power_on_deg;       /* it wakes up at most this far from the home mark, either way */
+    uint32_t reaction_us;      /* from a command to the statusword that shows it */
+    uint32_t report_us;        /* its control cycle while it moves */
+    bool latches_stale_target; /* at the rising edge of bit 4 it takes the target it had before that frame */
+} sim_drive_config_t;
+
+/* What can go wrong. The word in quotes is the name in a scenario file. */
+#define SIM_FAULT_LIST(X)                                                                                              \
+    X(SIM_FAULT_DRIVE_FAULT, "drive_fault", "the drive reports an error and stops; value: its code")                   \
+    X(SIM_FAULT_STALL, "stall", "the table jams")                                                                      \
+    X(SIM_FAULT_DRIVE_SILENT, "drive_silent", "the drive is off the bus")                                              \
+    X(SIM_FAULT_DRIVE_POWER_CYCLE, "drive_power_cycle", "the drive loses power and comes back")                        \
+    X(SIM_FAULT_NEVER_REACHED, "never_reached", "the table stops short of its target; value: by how many degrees")     \
+    X(SIM_FAULT_SLIP, "slip", "the table slips on its shaft; value: degrees; count 1: the encoder sees it")            \
+    X(SIM_FAULT_HOMING_FAILS, "homing_fails", "the home mark is not found")                                            \
+    X(SIM_FAULT_HOMING_ENDLESS, "homing_endless", "homing never ends")                                                 \
+    X(SIM_FAULT_SATURATED, "saturated", "channels beyond their range")                                                 \
+    X(SIM_FAULT_STUCK, "stuck", "channels repeat one value")                                                           \
+    X(SIM_FAULT_NOISY, "noisy", "channels with more noise; value: standard deviation, V")                              \
+    X(SIM_FAULT_SWAPPED, "swapped", "two channels have changed places")                                                \
+    X(SIM_FAULT_INVERTED, "inverted", "channels with the wrong sign")                                                  \
+    X(SIM_FAULT_STEP, "step", "a step of channels' outputs; value: V")                                                 \
+    X(SIM_FAULT_BLOCK_SILENT, "block_silent", "the block is off the bus")                                              \
+    X(SIM_FAULT_BLOCK_POWER_CYCLE, "block_power_cycle", "the block loses power and comes back")                        \
+    X(SIM_FAULT_NO_SAMPLES, "no_samples", "the block's heartbeat goes on, its samples do not")                         \
+    X(SIM_FAULT_LOST_SAMPLES, "lost_samples", "samples are counted but not sent; count: how many")                     \
+    X(SIM_FAULT_REPEATED_SAMPLES, "repeated_samples", "samples are sent twice; count: how many")                       \
+    X(SIM_FAULT_REORDERED_SAMPLES, "reordered_samples", "samples are sent one behind the next; count: how many")       \
+    X(SIM_FAULT_WRONG_CRC, "wrong_crc", "samples with a wrong checksum; count: how many")                              \
+    X(SIM_FAULT_STATUS, "status", "status bits are set; value: the bits")                                              \
+    X(SIM_FAULT_WARM, "warm", "the block's temperature is off; value: degrees")                                        \
+    X(SIM_FAULT_BUS_OFF, "bus_off", "the navigation computer's controller is off the bus")                             \
+    X(SIM_FAULT_FRAME_DROP, "frame_drop", "frames are lost; id, mask, count, probability")                             \
+    X(SIM_FAULT_FRAME_CORRUPT, "frame_corrupt", "frames with a bit flipped; id, mask, count, probability")             \
+    X(SIM_FAULT_FRAME_TRUNCATE, "frame_truncate", "frames with the last byte missing; id, mask, count, probability")   \
+    X(SIM_FAULT_FRAME_DELAY, "frame_delay", "frames come late; value: s; id, mask, count, probability")                \
+    X(SIM_FAULT_FRAME_DUPLICATE, "frame_duplicate", "frames come twice; id, mask, count, probability")                 \
+    X(SIM_FAULT_FRAME_REORDER, "frame_reorder", "frames come behind the next one; id, mask, count, probability")
+
+typedef enum {
+#define SIM_FAULT_ENUM(name, word, sentence) name,
+    SIM_FAULT_LIST(SIM_FAULT_ENUM)
+#undef SIM_FAULT_ENUM
+        SIM_FAULT_KINDS
+} sim_fault_kind_t;
+
+/* When a fault begins: at a time, or when a position gets to a phase, plus a delay. */
+typedef enum { SIM_PHASE_MOUNT = 0, SIM_PHASE_HOME, SIM_PHASE_MOVE, SIM_PHASE_SETTLE, SIM_PHASE_AVERAGE } sim_phase_t;
+
+typedef struct {
+    sim_fault_kind_t kind;
+    bool at_time;
+    double time_s;    /* since power-on */
+    uint8_t mounting; /* else: numbers of the position ... */
+    uint8_t position;
+    sim_phase_t phase; /* ... and what is being done there */
+    double delay_s;
+    double duration_s; /* 0: for good */
+    uint32_t times;    /* how often: 1 the first time only, 2 again when the position is repeated, ... */
+    uint8_t channels;  /* one bit per channel */
+    double value;
+    uint32_t count; /* UINT32_MAX: without end */
+    double probability;
+    uint16_t id;
+    uint16_t mask;
+} sim_fault_t;
+
+#define SIM_MAX_FAULTS 16
+
+/* The person at the stand. */
+typedef struct {
+    double mount_s;          /* needed to mount the block and confirm; below 0: never confirms */
+    double turn_s;           /* needed to turn a dividing head and confirm */
+    uint8_t wrong_mounting;  /* 0: none; else when this mounting is asked for, ... */
+    uint8_t mounted_instead; /* ... this one is put on the table the first time */
+    double mend_s;           /* needed to mend a fault and tell the firmware to go on; below 0: does not */
+    uint32_t mends;          /* how many faults it will mend */
+} sim_operator_config_t;
+
+typedef struct {
+    sim_stand_t stand;
+    sim_block_config_t block;
+    sim_drive_config_t drive;
+    sim_operator_config_t person;
+    uint32_t bits_per_second;
+    sim_fault_t faults[SIM_MAX_FAULTS];
+    uint32_t fault_count;
+    tumble_schedule_t schedule; /* points to the two below, or to constant data */
+    tumble_mounting_t mountings[TUMBLE_MAX_MOUNTINGS];
+    tumble_position_t positions[TUMBLE_MAX_POSITIONS];
+} sim_scenario_t;
+
+/* The paper's stand and schedule, an unknown block of -2 V/g, the default motion, no faults, a quick operator. */
+void sim_scenario_defaults(sim_scenario_t *scenario);
+
+#endif

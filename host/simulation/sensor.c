@@ -1,0 +1,139 @@
+#include "simulation/sensor.h"
+
+#include "simulation/maths.h"
+
+#include <math.h> /* fabs, ldexp: exact */
+#include <string.h>
+
+void sim_sensor_init(sim_sensor_t *sensor, const sim_sensor_config_t *config, uint64_t seed)
+{
+    memset(sensor, 0, sizeof *sensor);
+    sensor->config = config;
+    sensor->used = SIM_NOISE_AHEAD;
+    sensor->counts_per_v = 1.0 / sim_sensor_v_per_count(config);
+    sensor->full_scale = (double)((1U << (config->converter_bits - 1U)) - 1U);
+    for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
+        sim_random_open(&sensor->noise[i], seed, SIM_CAUSE_NOISE, i);
+        sim_random_open(&sensor->fault_noise[i], seed, SIM_CAUSE_FAULT_NOISE, i);
+    }
+}
+
+double sim_sensor_v_per_count(const sim_sensor_config_t *config)
+{
+    return ldexp(config->range_v, 1 - config->converter_bits);
+}
+
+double sim_sensor_temperature_c(const sim_sensor_t *sensor, double time_s)
+{
+    const sim_temperature_t *const t = &sensor->config->temperature;
+    const double gone = (t->tau_s > 0.0) ? sim_exp(-time_s / t->tau_s) : 0.0;
+    return t->end_c + (t->start_c - t->end_c) * gone + sensor->fault.temperature_c;
+}
+
+static void draw_ahead(sim_sensor_t *sensor)
+{
+    const sim_sensor_config_t *const config = sensor->config;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        double *const ahead = sensor->ahead[i];
+        if (config->noise_law == SIM_LAW_UNIFORM) {
+            for (int n = 0; n < SIM_NOISE_AHEAD; n++) {
+                ahead[n] = config->noise_v[i] * sim_random_symmetric(&sensor->noise[i]);
+            }
+            continue;
+        }
+        const double sigma = (config->noise_law == SIM_LAW_SIGMA3) ? config->noise_v[i] / 3.0 : config->noise_v[i];
+        sim_random_normals(&sensor->noise[i], ahead, SIM_NOISE_AHEAD);
+        for (int n = 0; n < SIM_NOISE_AHEAD; n++) {
+            ahead[n] *= sigma;
+        }
+    }
+    sensor->used = 0;
+}
+
+static double output_v(const sim_sensor_t *sensor, int channel, const double a_g[TUMBLE_CHANNELS], double time_s,
+                       double above_reference_c)
+{
+    const sim_sensor_config_t *const config = sensor->config;
+    const double *const k = config->k_v_per_g[channel];
+    const double response = k[0] * a_g[0] + k[1] * a_g[1] + k[2] * a_g[2];
+    const double scale = 1.0 + config->temperature.scale_per_c[channel] * above_reference_c;
+    const double bias = config->u0_v[channel] + config->drift_v_per_h[channel] * (time_s / 3600.0) +
+                        config->temperature.bias_v_per_c[channel] * above_reference_c;
+    return bias + response * scale;
+}
+
+/* To the nearest count, not beyond the range. */
+static int32_t convert(const sim_sensor_t *sensor, double u_v)
+{
+    const double counts = u_v * sensor->counts_per_v;
+    const double below = (counts < sensor->full_scale) ? counts : sensor->full_scale;
+    return sim_nearest((below > -sensor->full_scale) ? below : -sensor->full_scale);
+}
+
+static bool has(uint8_t mask, uint32_t channel)
+{
+    const uint32_t bits = mask;
+    return (bits >> channel & 1U) != 0U;
+}
+
+static void apply_analogue_faults(sim_sensor_t *sensor, double u_v[TUMBLE_CHANNELS])
+{
+    const sim_sensor_fault_t *const fault = &sensor->fault;
+    for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
+        u_v[i] += fault->offset_v[i];
+        if (fault->noise_v[i] > 0.0) {
+            u_v[i] += fault->noise_v[i] * sim_random_normal(&sensor->fault_noise[i]);
+        }
+        if (has(fault->inverted, i)) {
+            u_v[i] = -u_v[i];
+        }
+        if (has(fault->saturated, i)) {
+            u_v[i] = 2.0 * sensor->config->range_v;
+        }
+    }
+}
+
+static void swap_channels(uint8_t mask, int32_t counts[TUMBLE_CHANNELS])
+{
+    const int first = ((mask & 1U) != 0U) ? 0 : 1;
+    const int second = ((mask & 4U) != 0U) ? 2 : 1;
+    const int32_t kept = counts[first];
+    counts[first] = counts[second];
+    counts[second] = kept;
+}
+
+static void apply_digital_faults(sim_sensor_t *sensor, int32_t counts[TUMBLE_CHANNELS])
+{
+    for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
+        if (has(sensor->fault.stuck, i)) {
+            counts[i] = sensor->last[i];
+        }
+        sensor->last[i] = counts[i];
+    }
+    if (sensor->fault.swapped != 0U) {
+        swap_channels(sensor->fault.swapped, counts);
+    }
+}
+
+bool sim_sensor_sample(sim_sensor_t *sensor, const double a_g[TUMBLE_CHANNELS], double time_s,
+                       int32_t counts[TUMBLE_CHANNELS])
+{
+    const sim_sensor_config_t *const config = sensor->config;
+    if (sensor->used == SIM_NOISE_AHEAD) {
+        draw_ahead(sensor);
+    }
+    const double above_c = sim_sensor_temperature_c(sensor, time_s) - config->temperature.reference_c;
+    double u_v[TUMBLE_CHANNELS];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        u_v[i] = output_v(sensor, i, a_g, time_s, above_c) + sensor->ahead[i][sensor->used];
+    }
+    sensor->used++;
+    apply_analogue_faults(sensor, u_v);
+    bool at_end = false;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        counts[i] = convert(sensor, u_v[i]);
+        at_end = at_end || fabs((double)counts[i]) == sensor->full_scale;
+    }
+    apply_digital_faults(sensor, counts);
+    return at_end;
+}

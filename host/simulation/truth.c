@@ -1,0 +1,58 @@
+#include "simulation/truth.h"
+
+#include <string.h>
+
+static double draw_once(const sim_stand_t *stand, double limit, uint64_t seed, sim_cause_t cause)
+{
+    sim_random_t stream;
+    sim_random_open(&stream, seed, cause, 0);
+    return sim_law_draw(stand->law, limit, &stream);
+}
+
+static double draw_coefficient(uint64_t seed, uint32_t number, double middle, double half_width)
+{
+    sim_random_t stream;
+    sim_random_open(&stream, seed, SIM_CAUSE_BLOCK, number);
+    return middle + half_width * sim_random_symmetric(&stream);
+}
+
+static void draw_block(tumble_coefficients_t *block, const sim_block_config_t *config, uint64_t seed)
+{
+    const double scale = config->scale_v_per_g;
+    for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
+        for (uint32_t j = 0; j < TUMBLE_CHANNELS; j++) {
+            const bool own = i == j;
+            block->k_v_per_g[i][j] = draw_coefficient(seed, TUMBLE_CHANNELS * i + j, own ? scale : 0.0,
+                                                      scale * (own ? config->scale_spread : config->misalignment_rad));
+        }
+        block->u0_v[i] = draw_coefficient(seed, TUMBLE_CHANNELS * TUMBLE_CHANNELS + i, 0.0, config->bias_v);
+    }
+}
+
+void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed)
+{
+    const sim_stand_t *const stand = &scenario->stand;
+    memset(truth, 0, sizeof *truth);
+    truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, seed, SIM_CAUSE_AXIS_TILT);
+    truth->alpha2_rad = draw_once(stand, stand->level_rad, seed, SIM_CAUSE_LEVEL);
+    if (scenario->block.given) {
+        memcpy(truth->block.k_v_per_g, scenario->block.sensor.k_v_per_g, sizeof truth->block.k_v_per_g);
+        memcpy(truth->block.u0_v, scenario->block.sensor.u0_v, sizeof truth->block.u0_v);
+    } else {
+        draw_block(&truth->block, &scenario->block, seed);
+    }
+    for (uint8_t m = 0; m < scenario->schedule.mounting_count; m++) {
+        const uint32_t index = (stand->remount == SIM_REMOUNT_COMMON) ? 0U : scenario->schedule.mountings[m].number;
+        sim_random_open(&truth->remount[m], seed, SIM_CAUSE_REMOUNT, index);
+        truth->alpha3_rad[m] = sim_law_draw(stand->law, stand->remount_rad, &truth->remount[m]);
+    }
+}
+
+void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index)
+{
+    const sim_stand_t *const stand = &scenario->stand;
+    if (stand->remount == SIM_REMOUNT_INDEPENDENT) {
+        truth->alpha3_rad[mounting_index] =
+            sim_law_draw(stand->law, stand->remount_rad, &truth->remount[mounting_index]);
+    }
+}

@@ -1,0 +1,25 @@
+/* truth.h - the one stand and block that a seed makes of a scenario. */
+#ifndef TUMBLE_SIMULATION_TRUTH_H
+#define TUMBLE_SIMULATION_TRUTH_H
+
+#include "core/estimator.h"
+#include "simulation/scenario.h"
+
+#include <stdint.h>
+
+typedef struct {
+    tumble_coefficients_t block;
+    double alpha1_rad;
+    double alpha2_rad;
+    double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* by mounting of the schedule; of its last mounting */
+    double alpha4_rad[TUMBLE_MAX_POSITIONS]; /* by position of the schedule; when it was last averaged */
+    sim_random_t remount[TUMBLE_MAX_MOUNTINGS];
+} sim_truth_t;
+
+/* Draw what is fixed for a run: K, U0, alpha1, alpha2, and the first yaw of every mounting. */
+void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed);
+
+/* The block has been mounted again: a new yaw for this mounting (index in the schedule), unless one serves all. */
+void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index);
+
+#endif

@@ -1,0 +1,185 @@
+"""Thousands of calibrations on the example stands: the firmware against numpy, the truth, and the stand's prediction.
+
+    python tests/benchmark/campaign.py [--runs N] [--jobs N] [STAND...]
+
+For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u
+by coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry
+in numpy predicts; calibrations and frames per second. Needs the package to be importable, as in the tests.
+"""
+
+import argparse
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tumble import core, reference
+from tumble.bench import program
+from tumble.bench.setup import Setup, scenario_text
+from tumble.standfile import StandFile, read_stand
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+STANDS = ("paper_stand", "angle_stand", "lab_stand")
+NAMES = [f"K_{row}{column}" for row in "xyz" for column in "xyz"] + [f"U0_{row}" for row in "xyz"]
+ESTIMATOR = "refined"
+RELATIVE_LIMIT = 1e-12
+DRAWS = 20_000
+
+
+@dataclass
+class Campaign:
+    """What a campaign showed. `errors` (runs, 12): (estimate - truth)/u; `passed`, `predicted`: shares of runs."""
+
+    runs: int
+    finished: int
+    disagreements: int
+    largest_difference: float
+    errors: np.ndarray
+    passed: float
+    predicted: float
+
+
+def setup_of(name: str, seed: int = 1) -> tuple[Setup, StandFile]:
+    """An example stand as `tumble bench --stand` takes it."""
+    file = read_stand(str(EXAMPLES / f"{name}.toml"))
+    schedule = core.CoreSchedule(core.paper_schedule())
+    limit_g = file.delta_g_limit_g or 3e-4
+    setup = Setup(
+        seed, file.stand, file.block, file.truth, file.motion, schedule, file.stand.samples, ESTIMATOR, limit_g
+    )
+    return setup, file
+
+
+def run_program(setup: Setup, *options: str) -> list[dict]:
+    """The lines of a campaign of tumble-bench."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scenario.txt"
+        path.write_text(scenario_text(setup))
+        done = subprocess.run([program.find(), path, *options], capture_output=True, text=True)
+    if done.returncode not in (0, 1):
+        raise SystemExit(f"tumble-bench: exit {done.returncode}: {done.stderr or done.stdout[-300:]}")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def measure(name: str, runs: int, first_seed: int = 1, jobs: int = 0) -> Campaign:
+    """Run a campaign on an example stand and judge it."""
+    setup, _ = setup_of(name)
+    options = ["--runs", str(runs), "--means", "--seed", str(first_seed), *(["--jobs", str(jobs)] if jobs else [])]
+    lines = run_program(setup, *options)
+    finished = [line for line in lines if line["K"] is not None]
+    found, truth = coefficients(finished), coefficients([line["truth"] for line in finished])
+    means = np.array([line["means"] for line in finished]).reshape(len(finished), -1, 3)
+    disagreements, largest = compare(finished, found, means, setup.limit_g)
+    return Campaign(
+        runs=len(lines),
+        finished=len(finished),
+        disagreements=disagreements,
+        largest_difference=largest,
+        errors=(found - truth) / uncertainties(setup, found),
+        passed=sum(line["pass"] for line in lines) / len(lines),
+        predicted=predicted_share(setup),
+    )
+
+
+def coefficients(lines: list[dict]) -> np.ndarray:
+    """K and U0 of every line: (lines, 12)."""
+    return np.array([line["K"] + line["U0"] for line in lines])
+
+
+def witness(means: np.ndarray) -> np.ndarray:
+    """What numpy makes of means (runs, positions, 3): (runs, 12)."""
+    k, u0 = reference.estimate(reference.paper_schedule(), means, ESTIMATOR)
+    return np.concatenate([k.reshape(-1, 9), u0], axis=1)
+
+
+def largest_delta_g(found: np.ndarray, means: np.ndarray) -> np.ndarray:
+    """Largest gravity error of every run, g."""
+    inverse = np.linalg.inv(found[:, :9].reshape(-1, 3, 3))
+    force = np.einsum("rij,rpj->rpi", inverse, means - found[:, None, 9:])
+    return np.abs((force**2).sum(axis=2) - 1.0).max(axis=1) / 2.0
+
+
+def compare(lines: list[dict], found: np.ndarray, means: np.ndarray, limit_g: float) -> tuple[int, float]:
+    """Runs whose coefficients or verdict numpy does not confirm, and the largest difference over max|K|."""
+    confirmed = witness(means)
+    difference = np.abs(found - confirmed).max(axis=1) / np.abs(confirmed[:, :9]).max(axis=1)
+    delta_g = largest_delta_g(confirmed, means)
+    told = np.array([line["max_abs_delta_g_g"] for line in lines])
+    verdicts = np.array([line["pass"] for line in lines])
+    wrong = (difference > RELATIVE_LIMIT) | (np.abs(delta_g - told) > 1e-11) | ((delta_g <= limit_g) != verdicts)
+    return int(wrong.sum()), float(difference.max())
+
+
+def uncertainties(setup: Setup, found: np.ndarray) -> np.ndarray:
+    """Standard uncertainties of every run, propagated with the coefficients it found: (runs, 12)."""
+    schedule = reference.paper_schedule()
+    samples = np.full(len(schedule.positions), setup.samples)
+    parts = [
+        reference.standard_uncertainties(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR)
+        for row in found
+    ]
+    return np.array([np.concatenate([u_k.ravel(), u_u0]) for u_k, u_u0 in parts])
+
+
+def predicted_share(setup: Setup, draws: int = DRAWS, seed: int = 2026) -> float:
+    """Share of passed gravity checks by Monte Carlo: the exact geometry, normal errors, the stand file's block."""
+    rng, stand = np.random.default_rng(seed), setup.stand
+    geometry = reference.Geometry(reference.paper_schedule())
+    k, u0 = np.array(setup.truth["K"]), np.array(setup.truth["U0"])
+    angle = {name: stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")}
+    means = np.array([
+        geometry.outputs(
+            k,
+            u0,
+            alpha1=rng.normal() * angle["axis_tilt"],
+            alpha2=rng.normal() * angle["level"],
+            alpha3=rng.normal(size=2) * angle["remount"],
+            delta=rng.normal(size=18) * angle["angle"],
+        )
+        for _ in range(draws)
+    ])
+    means += rng.normal(size=means.shape) * stand.sigma("noise") / np.sqrt(setup.samples)
+    return float((largest_delta_g(witness(means), means) <= setup.limit_g).mean())
+
+
+def show(name: str, campaign: Campaign) -> None:
+    """Print one campaign."""
+    print(f"{name}: {campaign.runs} runs, {campaign.finished} finished")
+    print(f"  disagreements with numpy: {campaign.disagreements}")
+    print(f"  largest difference from numpy, over max|K|: {campaign.largest_difference:.1e}")
+    print(f"  gravity check passed: {campaign.passed:.1%}, predicted {campaign.predicted:.1%}")
+    print(f"  {'(estimate - truth)/u':>20}  {'mean':>6}  {'rms':>6}")
+    mean, rms = campaign.errors.mean(axis=0), np.sqrt((campaign.errors**2).mean(axis=0))
+    for row, coefficient in enumerate(NAMES):
+        print(f"  {coefficient:>20}  {mean[row]:+6.3f}  {rms[row]:6.3f}")
+    print(f"  largest |error| {np.abs(campaign.errors).max():.2f} u")
+
+
+def show_speed(runs: int) -> None:
+    """Print how fast one core is, by the program's own clock."""
+    setup, _ = setup_of(STANDS[0])
+    summary = run_program(setup, "--runs", str(runs), "--summary", "--jobs", "1")[0]
+    print(
+        f"one core: {summary['calibrations_per_s']:.0f} calibrations/s,"
+        f" {summary['frames_per_s'] / 1e6:.2f} million frames/s"
+        f" (of processor time: {summary['calibrations_per_cpu_s']:.0f}, {summary['frames_per_cpu_s'] / 1e6:.2f})"
+    )
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description="Campaigns of tumble-bench on the example stands.")
+    parser.add_argument("stands", nargs="*", default=STANDS, metavar="STAND", help=f"default: {' '.join(STANDS)}")
+    parser.add_argument("--runs", type=int, default=1000)
+    parser.add_argument("--jobs", type=int, default=0, help="processes; default: all processors")
+    arguments = parser.parse_args()
+    for name in arguments.stands:
+        show(name, measure(name, arguments.runs, jobs=arguments.jobs))
+    show_speed(arguments.runs)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,86 @@
+/* Fuzzing the receiver of the block's frames: any frames in any order. Build as fuzz_navcomp.c says, with this file and
+ * firmware/navcomp/block_frames.c alone; likewise once as it is and once with TUMBLE_FUZZ_REPAIR_CRC.
+ */
+#include "navcomp/block_frames.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define RECORD_BYTES 9U
+
+static void require(bool holds, const char *what)
+{
+    if (!holds) {
+        (void)fprintf(stderr, "violated: %s\n", what);
+        abort();
+    }
+}
+
+/* The first byte: which identifier, and seldom another length. */
+static tumble_can_frame_t frame_of(const uint8_t *record)
+{
+    static const uint16_t ids[] = {TUMBLE_BLOCK_ID_XY, TUMBLE_BLOCK_ID_Z, TUMBLE_BLOCK_ID_XY, 0x684};
+    tumble_can_frame_t frame = {.id = ids[record[0] % 4U], .length = (record[0] < 240U) ? 8U : (record[0] % 16U)};
+    for (int i = 0; i < TUMBLE_CAN_MAX_BYTES; i++) {
+        frame.data[i] = record[1 + i];
+    }
+#ifdef TUMBLE_FUZZ_REPAIR_CRC
+    frame.data[7] = tumble_block_frame_crc(&frame);
+#endif
+    return frame;
+}
+
+/* What a frame turned out to be and what was counted must agree, and a sample is what its two frames say. */
+static void check(const tumble_block_counters_t *before, const tumble_block_counters_t *after,
+                  tumble_block_event_t event)
+{
+    const uint32_t corrupted = (after->wrong_length - before->wrong_length) + (after->wrong_crc - before->wrong_crc) +
+                               (after->wrong_pair - before->wrong_pair);
+    require((after->samples - before->samples) == ((event == TUMBLE_BLOCK_SAMPLE) ? 1U : 0U), "samples");
+    require((after->repeated - before->repeated) == ((event == TUMBLE_BLOCK_REPEATED) ? 1U : 0U), "repeated");
+    require((after->reordered - before->reordered) == ((event == TUMBLE_BLOCK_REORDERED) ? 1U : 0U), "reordered");
+    require(corrupted == ((event == TUMBLE_BLOCK_CORRUPTED) ? 1U : 0U), "corrupted");
+    require((after->lost - before->lost) <= 126U, "lost");
+    require((after->lost == before->lost) || (event == TUMBLE_BLOCK_SAMPLE), "only a sample shows a loss");
+    require((after->lone_halves - before->lone_halves) <= ((event == TUMBLE_BLOCK_HALF) ? 1U : 0U), "lone halves");
+}
+
+/* Sent again, the sample is the same two frames: nothing of it was lost or made up. */
+static void check_sample(const tumble_block_sample_t *sample, const tumble_can_frame_t *xy, const tumble_can_frame_t *z)
+{
+    tumble_can_frame_t again_xy;
+    tumble_can_frame_t again_z;
+    require(tumble_block_encode(sample, &again_xy, &again_z) == TUMBLE_OK, "a received sample can be sent");
+    for (int i = 0; i < TUMBLE_CAN_MAX_BYTES; i++) {
+        require(again_xy.data[i] == xy->data[i], "first half");
+        require(again_z.data[i] == z->data[i], "second half");
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    tumble_block_receiver_t receiver;
+    tumble_can_frame_t first = {0};
+    uint16_t counter = 0;
+    tumble_block_receiver_init(&receiver);
+    for (size_t at = 0; (at + RECORD_BYTES) <= size; at += RECORD_BYTES) {
+        const tumble_can_frame_t frame = frame_of(&data[at]);
+        const tumble_block_counters_t before = receiver.counters;
+        tumble_block_sample_t sample;
+        const tumble_block_event_t event = tumble_block_receive(&receiver, &frame, &sample);
+        check(&before, &receiver.counters, event);
+        if ((event == TUMBLE_BLOCK_HALF) && (frame.id == TUMBLE_BLOCK_ID_XY)) {
+            first = frame;
+        }
+        if (event == TUMBLE_BLOCK_SAMPLE) {
+            const uint16_t lost = (uint16_t)(receiver.counters.lost - before.lost);
+            check_sample(&sample, &first, &frame);
+            const uint16_t next = (uint16_t)(counter + 1U + lost);
+            require((before.samples == 0U) || (sample.raw.counter == next), "widened counter");
+            counter = sample.raw.counter;
+        }
+    }
+    return 0;
+}

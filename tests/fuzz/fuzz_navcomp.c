@@ -1,0 +1,327 @@
+/* Fuzzing the navigation computer: any frames, commands, moods of the port and jumps of the clock, in any order, with a
+ * drive and a block that behave in between, so that every state of a run is reached.
+ *
+ *     clang -std=c11 -ffp-contract=off -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+ *         -I firmware -I tests/unit [-D TUMBLE_FUZZ_REPAIR_CRC] tests/fuzz/fuzz_navcomp.c SOURCES -lm
+ *
+ * with the sources of core, canopen, stand, procedure and navcomp. Once as it is, and once with TUMBLE_FUZZ_REPAIR_CRC,
+ * where the harness makes the checksum of every block frame right: behind an unrepaired checksum hardly a byte of the
+ * input would be looked at. What is checked beside the sanitizers: the invariants in `check`.
+ */
+#define FAKE_PORT_QUEUE 128U
+
+#include "fake_port.h"
+#include "navcomp/navcomp.h"
+#include "scripted_block.h"
+#include "scripted_drive.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    const uint8_t *data;
+    size_t left;
+} input_t;
+
+typedef struct {
+    fake_port_t fake;
+    scripted_drive_t drive;
+    scripted_block_t block;
+    tumble_navcomp_t navcomp;
+    tumble_navcomp_counters_t before;
+    uint32_t averaged;
+} world_t;
+
+static world_t world;
+
+static const tumble_averaging_config_t averaging = {.saturation_counts = 8000000,
+                                                    .min_samples = 2,
+                                                    .max_lost = 2,
+                                                    .stuck_run = 8,
+                                                    .noise_counts = 3.0F,
+                                                    .stillness_ratio = 5.0F};
+static const tumble_procedure_config_t procedure = {.schedule = &tumble_schedule_paper,
+                                                    .averaging = &averaging,
+                                                    .estimate = TUMBLE_ESTIMATE_LEAST_SQUARES,
+                                                    .samples = 2,
+                                                    .v_per_count = 1e-6,
+                                                    .nominal_scale_v_per_g = -2.0,
+                                                    .gravity_limit_g = 3e-4,
+                                                    .closure_limit_g = 1e-3,
+                                                    .position_tolerance_deg = 0.1,
+                                                    .approach_deg = 5.0,
+                                                    .cable_min_deg = -20.0,
+                                                    .cable_max_deg = 380.0,
+                                                    .settle_ms = 20,
+                                                    .max_corrupted = 3,
+                                                    .retries = 3,
+                                                    .preflight_timeout_ms = 5000,
+                                                    .warm_up_timeout_ms = 60000,
+                                                    .mounting_timeout_ms = 600000,
+                                                    .home_timeout_ms = 40000,
+                                                    .move_timeout_ms = 20000,
+                                                    .settle_timeout_ms = 5000,
+                                                    .average_timeout_ms = 10000,
+                                                    .sample_timeout_ms = 500};
+
+static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
+{
+    world_t *at = context;
+    if ((taken.index >= tumble_schedule_paper.position_count) || (taken.ordinal < 1U) || (taken.ordinal > 0x100000U) ||
+        (sample == NULL)) {
+        abort();
+    }
+    at->averaged++;
+}
+
+static const tumble_navcomp_hooks_t hooks = {.context = &world, .on_sample_averaged = on_sample_averaged};
+
+static const tumble_navcomp_config_t config = {.port = &world.fake.port,
+                                               .procedure = &procedure,
+                                               .drive = &scripted_drive_profile,
+                                               .hooks = &hooks,
+                                               .heartbeat_ms = 100,
+                                               .heartbeat_timeout_ms = 500,
+                                               .node = 1,
+                                               .drive_node = SCRIPTED_DRIVE_NODE,
+                                               .block_node = SCRIPTED_BLOCK_NODE};
+
+static void require(bool holds, const char *what)
+{
+    if (!holds) {
+        (void)fprintf(stderr, "violated: %s\n", what);
+        abort();
+    }
+}
+
+/* Every number of the counters, which are all 32 bits wide, only grows. */
+static void check_counters(void)
+{
+    tumble_navcomp_counters_t now;
+    tumble_navcomp_counters(&world.navcomp, &now);
+    const uint32_t *after = (const uint32_t *)&now;
+    const uint32_t *before = (const uint32_t *)&world.before;
+    for (size_t i = 0; i < (sizeof now / sizeof *after); i++) {
+        const bool of_a_run = (&after[i] >= (const uint32_t *)&now.averaging); /* these two begin anew with a run */
+        require(of_a_run || (after[i] >= before[i]), "counters only grow");
+    }
+    world.before = now;
+}
+
+static void check(void)
+{
+    tumble_navcomp_progress_t progress;
+    tumble_result_t result;
+    tumble_navcomp_progress(&world.navcomp, &progress);
+    require((unsigned)progress.run.state < (unsigned)TUMBLE_STATE_COUNT, "the state is in the list");
+    require((unsigned)progress.run.reason < (unsigned)TUMBLE_REASON_COUNT, "the reason is in the list");
+    require(progress.run.index < tumble_schedule_paper.position_count, "the position is in the schedule");
+    require(progress.run.finished <= tumble_schedule_paper.position_count, "no more positions than there are");
+    require((progress.run.state != TUMBLE_STATE_FAULT) || (progress.run.reason != TUMBLE_REASON_NONE),
+            "a fault has a reason");
+    if (tumble_navcomp_result(&world.navcomp, &result) == TUMBLE_OK) {
+        require(progress.run.finished == tumble_schedule_paper.position_count, "a result rests on every position");
+    }
+    check_counters();
+}
+
+static void deliver(void)
+{
+    tumble_can_frame_t frame;
+    while (fake_port_take(&world.fake, &frame)) {
+        require((frame.id <= TUMBLE_CAN_MAX_ID) && (frame.length <= TUMBLE_CAN_MAX_BYTES), "a frame is well formed");
+        scripted_drive_hear(&world.drive, &world.fake, &frame);
+        scripted_block_hear(&world.block, &world.fake, &frame);
+    }
+}
+
+/* Step for as long as something is due at once, which must come to an end. */
+static void step(void)
+{
+    int steps = 0;
+    do {
+        tumble_navcomp_step(&world.navcomp);
+        deliver();
+        require(++steps < 1000, "a step comes to an end");
+    } while (tumble_navcomp_next_deadline_us(&world.navcomp) <= world.fake.now_us);
+}
+
+static uint64_t earliest(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
+/* Let the well-behaved world go on for a while. */
+static void pass(uint64_t us)
+{
+    const uint64_t end_us = world.fake.now_us + us;
+    while (world.fake.now_us < end_us) {
+        scripted_drive_step(&world.drive, &world.fake);
+        scripted_block_step(&world.block, &world.fake, scripted_drive_angle_deg(&world.drive));
+        step();
+        uint64_t next_us = tumble_navcomp_next_deadline_us(&world.navcomp);
+        next_us = earliest(next_us, scripted_drive_next_us(&world.drive));
+        next_us = earliest(next_us, scripted_block_next_us(&world.block));
+        world.fake.now_us = (next_us > world.fake.now_us) ? earliest(next_us, end_us) : (world.fake.now_us + 1U);
+    }
+}
+
+static uint8_t byte(input_t *input)
+{
+    if (input->left == 0U) {
+        return 0;
+    }
+    input->left--;
+    return *input->data++;
+}
+
+/* Mostly identifiers that somebody listens to. */
+static void give_frame(input_t *input)
+{
+    static const uint16_t ids[] = {0x000, 0x082, 0x083, 0x182, 0x282, 0x582, 0x601, 0x683, 0x693, 0x702, 0x703};
+    const uint8_t choice = byte(input);
+    tumble_can_frame_t frame = {.id = ids[choice % (sizeof ids / sizeof ids[0])], .length = 8};
+    if (choice >= 240U) {
+        frame.id = (uint16_t)((byte(input) << 8U) | byte(input));
+        frame.length = byte(input);
+    } else if (choice >= 200U) {
+        frame.length = byte(input) % 9U;
+    } else if (frame.id >= 0x700U) {
+        frame.length = 1;
+    } else if (frame.id == 0U) {
+        frame.length = 2;
+    } else {
+        /* eight bytes */
+    }
+    for (unsigned i = 0; (i < frame.length) && (i < TUMBLE_CAN_MAX_BYTES); i++) {
+        frame.data[i] = byte(input);
+    }
+#ifdef TUMBLE_FUZZ_REPAIR_CRC
+    frame.data[7] = ((frame.id & 0x7EFU) == TUMBLE_BLOCK_ID_XY) ? tumble_block_frame_crc(&frame) : frame.data[7];
+#endif
+    fake_port_give(&world.fake, &frame);
+}
+
+static void change_the_world(input_t *input)
+{
+    const uint8_t what = byte(input);
+    world.drive.jammed = (what & 1U) != 0U;
+    world.drive.dead = (what & 2U) != 0U;
+    world.block.dead = (what & 4U) != 0U;
+    world.block.status = (what >> 3U) & 3U;
+    world.block.mounting = &tumble_schedule_paper.mountings[(what >> 5U) & 1U];
+    if ((what & 0x40U) != 0U) {
+        scripted_drive_boot(&world.drive, &world.fake);
+    }
+    if ((what & 0x80U) != 0U) {
+        scripted_block_boot(&world.block, &world.fake);
+    }
+}
+
+static void change_the_port(input_t *input)
+{
+    static const tumble_status_t sending[] = {TUMBLE_OK, TUMBLE_OK, TUMBLE_E_PORT_BUSY, TUMBLE_E_PORT_DOWN,
+                                              TUMBLE_E_RANK};
+    static const tumble_status_t receiving[] = {TUMBLE_OK, TUMBLE_OK, TUMBLE_OK, TUMBLE_E_PORT_DOWN, TUMBLE_E_RANK};
+    const uint8_t what = byte(input);
+    world.fake.send_status = sending[what % 5U];
+    world.fake.receive_status = receiving[(what / 5U) % 5U];
+    world.fake.send_room = ((what & 0x80U) != 0U) ? (what & 3U) : SIZE_MAX;
+}
+
+/* The operator who does what is asked. */
+static void confirm(void)
+{
+    tumble_navcomp_progress_t progress;
+    tumble_navcomp_progress(&world.navcomp, &progress);
+    if (progress.run.state == TUMBLE_STATE_WAIT_MOUNTING) {
+        world.block.mounting = &tumble_schedule_paper.mountings[progress.run.mounting - 1U];
+        (void)tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_CONFIRM_MOUNTING, progress.run.mounting);
+    }
+}
+
+static void act(input_t *input)
+{
+    switch (byte(input) % 10U) {
+    case 0:
+    case 1:
+    case 2:
+        give_frame(input);
+        break;
+    case 3:
+        step();
+        break;
+    case 4:
+        pass(UINT64_C(1000) << (byte(input) % 8U));
+        break;
+    case 5:
+        (void)tumble_navcomp_command(&world.navcomp, (tumble_command_t)(byte(input) % 12U), byte(input) % 20U);
+        break;
+    case 6:
+        confirm();
+        break;
+    case 7:
+        change_the_world(input);
+        break;
+    case 8:
+        change_the_port(input);
+        break;
+    default: { /* the clock jumps */
+        const unsigned exponent = byte(input) % 40U;
+        world.fake.now_us += UINT64_C(1) << exponent;
+        break;
+    }
+    }
+}
+
+/* Where an input may begin: power-on, a run just started, waiting for the first mounting, in the first mean, waiting
+ * for the second mounting, and done. Prepared once, because the way there is long. */
+#define BEGINNINGS 6
+static world_t beginnings[BEGINNINGS];
+
+static void run_to(tumble_state_t state)
+{
+    tumble_navcomp_progress_t progress;
+    do {
+        pass(10000);
+        tumble_navcomp_progress(&world.navcomp, &progress);
+    } while (progress.run.state != state);
+}
+
+static void prepare(void)
+{
+    fake_port_init(&world.fake);
+    scripted_drive_init(&world.drive, &world.fake);
+    scripted_block_init(&world.block, &world.fake, &tumble_schedule_paper.mountings[0]);
+    require(tumble_navcomp_init(&world.navcomp, &config) == TUMBLE_OK, "the configuration is good");
+    beginnings[0] = world;
+    (void)tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0);
+    beginnings[1] = world;
+    run_to(TUMBLE_STATE_WAIT_MOUNTING);
+    beginnings[2] = world;
+    confirm();
+    run_to(TUMBLE_STATE_AVERAGE);
+    beginnings[3] = world;
+    run_to(TUMBLE_STATE_WAIT_MOUNTING);
+    beginnings[4] = world;
+    confirm();
+    run_to(TUMBLE_STATE_DONE);
+    beginnings[5] = world;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input_t input = {data, (size < 512U) ? size : 512U};
+    if (beginnings[0].navcomp.config == NULL) {
+        prepare();
+    }
+    world = beginnings[byte(&input) % BEGINNINGS];
+    while (input.left > 0U) {
+        act(&input);
+        check();
+    }
+    return 0;
+}

@@ -1,0 +1,58 @@
+"""tumble-bench for the tests: where it is, scenarios for it, and a run of it with guests on its bus."""
+
+import json
+import subprocess
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+from tumble.bench import program
+
+
+def scenario(folder, name="scenario.txt", **keys):
+    """A scenario file; `__` in a name stands for the point, a list repeats its key."""
+    lines = []
+    for key, values in keys.items():
+        for value in values if isinstance(values, list) else [values]:
+            lines.append(f"{key.replace('__', '.')} = {value}\n")
+    path = Path(folder) / name
+    path.write_text("".join(lines))
+    return path
+
+
+class Served:
+    """A run that others take part in. `document`: what it found, once it has ended."""
+
+    def __init__(self, command):
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.document = None
+
+    def wait(self, timeout=60):
+        """Until the run has ended. Returns its exit code."""
+        out, err = self.process.communicate(timeout=timeout)
+        assert self.process.returncode != 2 and out, err
+        self.document = json.loads(out)
+        return self.process.returncode
+
+
+@contextmanager
+def served(scenario_path, *options, guests=1):
+    """Start tumble-bench and give (run, path of its socket)."""
+    with tempfile.TemporaryDirectory() as folder:  # short: a socket's path has little room
+        socket = f"{folder}/s"
+        command = [program.find(), scenario_path, "--listen", socket, "--guests", guests, *options]
+        run = Served(list(map(str, command)))
+        try:
+            yield run, socket
+        finally:
+            run.process.kill()
+            run.process.wait()
+
+
+def wait_until(condition, timeout=20.0):
+    """Look again and again. Fails when it takes too long."""
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, "not in time"
+        time.sleep(0.002)

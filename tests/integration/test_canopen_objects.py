@@ -1,0 +1,138 @@
+"""The object table's generator: its files are up to date, it notices what is not, and refuses mistakes in one line."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+GENERATE = ROOT / "tools" / "objects" / "generate"
+PRODUCTS = (
+    "firmware/navcomp/objects.h", "firmware/navcomp/objects.c", "docs/eds/tumble_navcomp.eds",
+    "host/simulation/drive_objects.h", "host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds",
+    "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
+    "docs/canopen.md",
+)  # fmt: skip
+LISTS = ("firmware/procedure/states.h", "firmware/navcomp/commands.h")
+
+
+def generate(*arguments):
+    return subprocess.run([sys.executable, GENERATE, *arguments], text=True, capture_output=True)
+
+
+@pytest.fixture
+def tables(tmp_path):
+    """A copy of the tables, to be spoilt."""
+    folder = tmp_path / "tables"
+    folder.mkdir()
+    for table in GENERATE.parent.glob("*.toml"):
+        shutil.copy(table, folder)
+    return folder
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A source tree with the products and what the generator reads."""
+    for name in (*PRODUCTS, *LISTS):
+        (tmp_path / "tree" / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / "tree" / name)
+    return tmp_path / "tree"
+
+
+def change(path, old, new):
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) >= 1, f"{old!r} is not in {path.name}"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def test_what_is_checked_in_is_what_the_tables_say():
+    done = generate("--check")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_a_change_of_a_table_is_noticed(tables):
+    """The canary of the gate: nobody ran the generator after this."""
+    change(tables / "drive.toml", "value = 2000\n", "value = 2001\n")
+    done = generate("--check", "--tables", tables)
+    assert done.returncode == 1
+    named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
+    assert named == ["host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds", "docs/canopen.md"]
+
+
+@pytest.mark.parametrize("product", PRODUCTS)
+def test_a_change_of_a_product_by_hand_is_noticed(tree, product):
+    with (tree / product).open("a", encoding="utf-8") as file:
+        file.write("\n")
+    done = generate("--check", "--root", tree)
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [f"generate: {product} is not what the tables say; run tools/objects/generate"]
+
+
+def test_a_missing_product_is_noticed_and_written(tree):
+    (tree / "docs/eds/tumble_block.eds").unlink()
+    assert generate("--check", "--root", tree).returncode == 1
+    assert not (tree / "docs/eds/tumble_block.eds").exists()
+    assert generate("--root", tree).stdout == "docs/eds/tumble_block.eds\n"
+    for name in PRODUCTS:
+        assert (tree / name).read_bytes() == (ROOT / name).read_bytes()
+    assert generate("--root", tree).stdout == ""
+
+
+def test_a_renumbered_list_makes_the_page_stale(tree):
+    change(tree / "firmware/procedure/states.h", "X(TUMBLE_STATE_IDLE", "X(TUMBLE_STATE_ASLEEP")
+    done = generate("--check", "--root", tree)
+    assert done.returncode == 1 and "docs/canopen.md" in done.stderr
+
+
+MISTAKES = [
+    ("drive.toml", "index = 0x6007\n", "index = 0x6040\n", "drive.toml: object 6040h is there twice"),
+    ("drive.toml", "index = 0x6007\n", "index = 0x16007\n", "drive.toml: object 16007h: index is out of range"),
+    ("drive.toml", 'type = "i16"', 'type = "i15"', "drive.toml: object 6007h:0: type is not one of"),
+    ("drive.toml", 'access = "rw"', 'access = "rx"', "drive.toml: object 6007h:0: access is not one of"),
+    ("drive.toml", "value = 1\n", "value = 4\n", "drive.toml: object 6007h:0: its value is outside its limits"),
+    ("drive.toml", "high = 3\n", "", "drive.toml: object 6007h:0: needs both low and high"),
+    ("drive.toml", "low = 0\n", "low = 40000\n", "drive.toml: object 6007h:0: low is above high"),
+    ("drive.toml", "high = 3\n", "high = 32768\n", "drive.toml: object 6007h:0: 32768 is not INTEGER16"),
+    ("drive.toml", "high = 3\n", "hihg = 3\n", "drive.toml: object 6007h: unknown key hihg"),
+    ("drive.toml", 'name = "Controlword"', 'name = "Statusword"', "drive.toml: the name Statusword is there twice"),
+    ("drive.toml", "map = [0x6040_00]", "map = [0x6041_00]", "drive.toml: receive PDO 1: may not map 6041h:0"),
+    ("drive.toml", "map = [0x6040_00]", "map = [0x6042_00]", "drive.toml: receive PDO 1: maps 6042h:0, which does not"),
+    ("drive.toml", "type = 255\n", "type = 1\n", "drive.toml: [[receive_pdo]]: type is neither 254 nor 255"),
+    ("drive.toml", "id = 2\n", "id = 128\n", "drive.toml: [node]: id is not within 1 to 127"),
+    ("drive.toml", "serial = 2\n", "", "drive.toml: [node]: lacks serial"),
+    ("drive.toml", 'home = "value"', 'home = "heaven"', "drive.toml: object 6502h:0: home is not one of"),
+    ("drive.toml", "value = 0x21\n", "", "drive.toml: object 6502h:0: home value without a value"),
+    ("drive.toml", "index = 0x6007\n", 'index = "6007"\n', "drive.toml: an object: index has a value of"),
+    ("drive.toml", "index = 0x6007\n", "", "drive.toml: an object: needs index and name"),
+    ("drive.toml", "low = 0\n", 'low = "0"\n', "drive.toml: object 6007h: low has a value of the wrong type"),
+    ("drive.toml", "consumers = [[1, 500]]", "consumers = [1]", "drive.toml: [node]: a consumer is not [node, mill"),
+    ("drive.toml", "map = [0x6040_00]", 'map = ["6040"]', "drive.toml: [[receive_pdo]]: maps what is not a number"),
+    ("block.toml", '{ name = "Bits", type', "{ type", "block.toml: object 2004h:1: needs a name"),
+    ("drive.toml", "[[object]]", "[[object]", "drive.toml: "),
+    ("common.toml", '"$device_type"', '"$divice_type"', "object 1000h:0: no setting divice_type in [node]"),
+    ("block.toml", "size = 32\n", "size = 65\n", "block.toml: object 2005h:0: its size is not within 1 to 64 bytes"),
+    ("block.toml", 'value = ""\n', f'value = "{33 * "x"}"\n', "block.toml: object 2005h:0: its text is too long"),
+    ("block.toml", 'size = 32\n', 'size = 32\nmap = "transmit"\n', "block.toml: object 2005h:0: cannot be mapped"),
+    ("navcomp.toml", "map = [0x2000_00, 0x2001_00, 0x2003_01,", "map = [0x2003_07, 0x2003_07, 0x2000_00,", "8 bytes"),
+    ("navcomp.toml", '"firmware/procedure/states.h"', '"firmware/procedure/stakes.h"', "No such file"),
+    ("navcomp.toml", 'TUMBLE_STATE = "firmware', 'TUMBLE_STOAT = "firmware', "no list TUMBLE_STOAT_LIST"),
+]
+
+
+@pytest.mark.parametrize("table, old, new, message", MISTAKES, ids=[f"{row[0]}-{row[2]!r:.40}" for row in MISTAKES])
+def test_a_mistake_is_one_line_and_exit_2(tables, tree, table, old, new, message):
+    before = {name: (tree / name).read_bytes() for name in PRODUCTS}
+    change(tables / table, old, new)
+    done = generate("--tables", tables, "--root", tree)
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1 and done.stderr.startswith("generate: "), done.stderr
+    assert message in done.stderr
+    assert {name: (tree / name).read_bytes() for name in PRODUCTS} == before
+
+
+def test_bad_usage_is_exit_2():
+    assert generate("--chek").returncode == 2

@@ -1,0 +1,229 @@
+"""Others on the simulated bus: python-canopen as a master, a drive that is not ours, cantools on the bus log."""
+
+import re
+import signal
+
+import numpy as np
+import pytest
+from bench_program import scenario, served, wait_until
+from conftest import ROOT
+
+can = pytest.importorskip("can", reason="python-can is not installed")
+canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
+cantools = pytest.importorskip("cantools", reason="cantools is not installed")
+
+from bench_guests import connected, disconnect  # noqa: E402
+
+from tumble.canbus import TumbleBus  # noqa: E402
+
+EDS = ROOT / "docs/eds"
+COUNTS_PER_DEG = 1000.0
+
+
+@pytest.fixture
+def network():
+    """Connect python-canopen to a bench; disconnected in the end."""
+    opened = []
+
+    def connect(socket):
+        made = connected(TumbleBus(socket))
+        opened.append(made)
+        return made
+
+    yield connect
+    for made in opened:
+        disconnect(made)
+
+
+def variables(node):
+    """Every object of a node's EDS file that can be read."""
+    for item in node.object_dictionary.values():
+        entries = [item] if isinstance(item, canopen.objectdictionary.ODVariable) else item.values()
+        yield from (entry for entry in entries if entry.readable and entry.index >= 0x1000)
+
+
+def read_all(node):
+    """How many objects answered with a value; no answer but "no data available" is allowed instead."""
+    values = 0
+    for entry in variables(node):
+        try:
+            data = node.sdo.upload(entry.index, entry.subindex)
+        except canopen.SdoAbortedError as refusal:
+            assert refusal.code == 0x08000024, entry
+            continue
+        values += 1
+        if entry.data_type in canopen.objectdictionary.datatypes.NUMBER_TYPES:
+            assert len(data) == len(entry) // 8, entry
+    return values
+
+
+def test_python_canopen_homes_and_moves_the_axis_and_reads_every_object(tmp_path, network):
+    """BaseNode402 leads the simulated drive; our firmware is not there."""
+    path = scenario(tmp_path, present__navcomp="no", motion__settling_s=0.1)
+    with served(path, "--seed", 3) as (run, socket):
+        net = network(socket)
+        drive = net.add_node(canopen.BaseNode402(2, str(EDS / "tumble_drive.eds")))
+        drive.sdo.RESPONSE_TIMEOUT = 5.0
+        assert read_all(drive) > 70
+        heartbeat = net.send_periodic(0x701, [5], 0.1)
+        configure(drive)
+        drive.nmt.state = "OPERATIONAL"
+        drive.setup_402_state_machine(read_pdos=False)
+        drive.state = "OPERATION ENABLED"
+        assert drive.homing(timeout=20)
+        drive.op_mode = "PROFILED POSITION"
+        for target_deg in (90.0, -45.0, 12.345):
+            move(drive, round(target_deg * COUNTS_PER_DEG))
+        heartbeat.stop()
+        wait_until(lambda: drive.sdo[0x6041].raw & 0x4F == 0x08)  # a fault: nobody is its master any more
+        disconnect(net)
+        assert run.wait() == 0
+    assert (run.document["end"], run.document["table"]["at_rest"]) == ("left", True)
+    assert run.document["table"]["highest_deg"] > 89.99 and run.document["table"]["lowest_deg"] < -44.99
+
+
+def configure(drive):
+    """Process data with all that a master wants to see, written by SDO; the master's heartbeat; speeds."""
+    drive.pdo.read()
+    maps = {drive.rpdo[1]: (0x6040, 0x6060, 0x607A), drive.tpdo[1]: (0x6041, 0x6061, 0x6064)}
+    for pdo, objects in maps.items():
+        pdo.clear()
+        for index in objects:
+            pdo.add_variable(index)
+        pdo.enabled = True
+        pdo.event_timer = None if pdo is drive.rpdo[1] else 50
+        pdo.save()
+    drive.sdo[0x1016][1].raw = 1 << 16 | 500
+    drive.sdo[0x6098].raw = 34
+    drive.sdo[0x6081].raw = round(360 * COUNTS_PER_DEG)
+    drive.sdo[0x6083].raw = drive.sdo[0x6084].raw = round(1000 * COUNTS_PER_DEG)
+    drive.sdo[0x6099][1].raw = round(45 * COUNTS_PER_DEG)
+    drive.sdo[0x6099][2].raw = round(20 * COUNTS_PER_DEG)
+
+
+def move(drive, counts):
+    """One set-point with its handshake; arrived within a hundredth of a degree when the drive says so."""
+    pdo = drive.rpdo[1]
+    pdo["Target position"].raw = counts
+    drive.controlword = 0x0F
+    drive.controlword = 0x1F
+    wait_until(lambda: drive.statusword & 0x1000)
+    drive.controlword = 0x0F
+    wait_until(lambda: not drive.statusword & 0x1000)
+    wait_until(lambda: drive.statusword & 0x0400)
+    assert abs(drive.sdo[0x6064].raw - counts) <= 10
+
+
+def test_python_canopen_reads_every_object_of_the_navigation_computer_while_it_calibrates(tmp_path, network):
+    with served(scenario(tmp_path), "--seed", 4) as (run, socket):
+        net = network(socket)
+        ours = net.add_node(1, str(EDS / "tumble_navcomp.eds"))
+        ours.sdo.RESPONSE_TIMEOUT = 5.0
+        wait_until(lambda: ours.sdo["State"].raw not in (0, 1), timeout=10)
+        assert read_all(ours) > 150
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 130
+    assert run.document["table"]["at_rest"]
+
+
+def drive_profile(**others):
+    """How our firmware is told of the python drive."""
+    import python_drive as d
+
+    return {
+        "present__drive": "no",
+        "motion__settling_s": 0.05,
+        "motion__speed_deg_s": 720,
+        "motion__acceleration_deg_s2": 7200,
+        "profile__counts_per_turn": d.COUNTS_PER_TURN,
+        "profile__sign": d.SIGN,
+        "profile__velocity_per_deg_s": d.UNITS_PER_DEG_S,
+        "profile__acceleration_per_deg_s2": d.UNITS_PER_DEG_S,
+        "profile__receive_pdo": "2 0x302 607A:0:32 6040:0:16 6060:0:8",
+        "profile__transmit_pdo": "1 0x282 0 50 6061:0:8 6064:0:32 6041:0:16",
+        "profile__write": "0x2100 0 1 1",
+        "procedure__settle_ms": 100,
+        "procedure__samples": 10,
+        "operator__mount_s": 0.1,
+        **others,
+    }
+
+
+def test_a_drive_that_is_not_ours_with_other_units_and_another_pdo_map(tmp_path):
+    import python_drive as d
+
+    path = scenario(tmp_path, **drive_profile())
+    with served(path, "--seed", 5) as (run, socket):
+        drive = d.PythonDrive(TumbleBus(socket))
+        try:
+            code = run.wait(timeout=90)
+        finally:
+            drive.close()
+    document = run.document
+    assert (code, document["end"], document["reason"]) == (0, "done", "TUMBLE_REASON_NONE"), document
+    assert np.abs(np.array(document["K"]) - np.reshape(document["truth"]["K"], (3, 3))).max() < 1e-3
+    assert drive.events[0] == "home"
+    angles = [event for event in drive.events[1:] if isinstance(event, float)]
+    assert {45.0 * number for number in range(9)} <= set(angles)
+    assert (drive.get(0x1602, 1), drive.get(0x1A01, 2)) == (0x607A0020, 0x60640020)
+
+
+def test_a_drive_that_is_not_ours_and_goes_away_is_a_fault(tmp_path):
+    import python_drive as d
+
+    path = scenario(tmp_path, **drive_profile())
+    with served(path, "--seed", 5) as (run, socket):
+        drive = d.PythonDrive(TumbleBus(socket))
+        try:
+            wait_until(lambda: 45.0 in drive.events)
+            drive.silent = True
+            code = run.wait(timeout=60)
+        finally:
+            drive.close()
+    assert (code, run.document["end"]) == (3, "fault")
+    assert run.document["reason"] == "TUMBLE_REASON_STAND_HEARTBEAT", run.document["reason"]
+
+
+def test_cantools_decodes_the_block_from_the_bus_log(tmp_path, tumble):
+    """The DBC file alone, against what run.csv says: counts, counters, timestamps."""
+    out = tmp_path / "run"
+    assert tumble("bench", "--seed", 6, "--samples", 20, "--out", out).returncode == 0
+    bus = cantools.database.load_file(ROOT / "docs/bus/block.dbc")
+    decoded, half = {}, None
+    for frame in can.CanutilsLogReader(str(out / "bus.log")):
+        if frame.arbitration_id == 0x683:
+            half = bus.decode_message(0x683, bytes(frame.data))
+        elif frame.arbitration_id == 0x693:
+            other = bus.decode_message(0x693, bytes(frame.data))
+            assert other["frame_counter"] == (2 * half["sample_counter"] + 1) % 256
+            key = half["sample_counter"], other["timestamp"]
+            decoded.setdefault(key, []).append((half["x"], half["y"], other["z"]))
+            assert other["saturated"] in (0, "no") and other["temperature"] == 25.0
+    rows = np.loadtxt(out / "run.csv", delimiter=",", skiprows=1)
+    assert len(rows) == 18 * 20
+    for _, _, ux, uy, uz, cx, cy, cz, counter, timestamp in rows:
+        assert (cx, cy, cz) in decoded[int(counter) % 256, int(timestamp)]
+        assert np.array_equal(np.array([ux, uy, uz]) * 2**23 / 10, [cx, cy, cz])
+
+
+def test_the_bus_says_what_it_cannot_do(tmp_path):
+    with pytest.raises(can.CanInitializationError, match="No such file"):
+        TumbleBus(str(tmp_path / "nobody"), patience_s=0.1)
+    path = scenario(tmp_path, present__navcomp="no")
+    with served(path) as (run, socket):
+        bus = TumbleBus(socket)
+        for wrong in ({"is_extended_id": True}, {"is_extended_id": False, "is_remote_frame": True}):
+            with pytest.raises(can.CanOperationError, match="only classic"):
+                bus.send(can.Message(arbitration_id=0x100, **wrong))
+        assert bus.recv(timeout=5.0) is not None
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 130
+        with pytest.raises(can.CanOperationError, match="ended|gone"):
+            for _ in range(10000):
+                bus.recv(timeout=0.1)
+        bus.shutdown()
+
+
+def test_python_can_finds_the_bus_by_its_name():
+    project = (ROOT / "host/python/pyproject.toml").read_text()
+    assert re.search(r'\[project\.entry-points\."can\.interface"\]\ntumble = "tumble\.canbus:TumbleBus"\n', project)

@@ -1,0 +1,221 @@
+/* The CiA 402 master with a drive that keeps it waiting: every wait ends. */
+#include "drive_bench.h"
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void clear(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
+}
+
+static void start_move(void)
+{
+    bring_home(&common);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    TEST_ASSERT_TRUE(played.moving);
+}
+
+static void assert_moves_again(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 30.0));
+    run_to(TUMBLE_STAND_IN_POSITION, 1000);
+}
+
+static void test_an_unanswered_configuration(void)
+{
+    bench_setup(&common);
+    played.sdo_is_deaf = true;
+    played_boot();
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX32(0x05040000, tumble_drive402_refusal(&bench.drive).abort);
+    TEST_ASSERT_EQUAL_HEX16(0x1016, tumble_drive402_refusal(&bench.drive).index);
+}
+
+/* It runs this far, and then this habit makes it wait in vain. */
+static void expect_late(tumble_stand_fault_t fault, unsigned least_ms, unsigned most_ms)
+{
+    run_ms(least_ms);
+    TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_FAULT, stand_state());
+    run_ms(most_ms - least_ms);
+    assert_fault(fault);
+}
+
+static void test_no_process_data_after_the_start(void)
+{
+    bench_setup(&common);
+    played.event_only = true;
+    played_boot();
+    while (played.write_count < 24U) {
+        run_ms(1);
+    }
+    played.transmit[0].cob_id = 0x80000000U;
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 190, 220);
+}
+
+static void test_power_that_does_not_come_up(void)
+{
+    bench_setup(&common);
+    played.stays_in_switched_on = true;
+    played_boot();
+    run_ms(40);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    expect_late(TUMBLE_STAND_FAULT_POWER, 200, 320);
+}
+
+static void test_a_fault_that_stays(void)
+{
+    start_move();
+    played_fault(0x4210);
+    run_ms(5);
+    played.resets_nothing = true;
+    clear();
+    run_ms(400);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
+}
+
+static void test_a_set_point_never_acknowledged(void)
+{
+    bring_home(&common);
+    played.never_acknowledges = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+}
+
+static void test_an_acknowledgement_that_stays(void)
+{
+    bring_home(&common);
+    played.keeps_acknowledging = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_an_acknowledgement_left_over(void)
+{
+    bring_home(&common);
+    played.bits |= 0x1000U;
+    played.keeps_acknowledging = true;
+    run_ms(15);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    const unsigned before = played.control_count;
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    for (unsigned i = before; i < played.control_count; i++) {
+        TEST_ASSERT_EQUAL_HEX16(0, played.controls[i].control & 0x0010U); /* bit 4 never rose */
+    }
+}
+
+static void test_a_target_never_reached(void)
+{
+    bring_home(&common);
+    played.never_reaches = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
+    TEST_ASSERT_FALSE(played.moving);
+    played.never_reaches = false;
+    clear();
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    assert_moves_again();
+}
+
+static void test_target_reached_somewhere_else(void)
+{
+    bring_home(&common);
+    played.reached_lingers = true;
+    played.never_reaches = true;
+    played.bits |= 0x0400U;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    played.moving = false; /* stands still a few degrees on and says that it is there */
+    run_ms(1520);
+    assert_fault(TUMBLE_STAND_FAULT_TIMEOUT);
+}
+
+static void test_homing_that_never_ends(void)
+{
+    bring_up(&common);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    expect_late(TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
+    TEST_ASSERT_FALSE(played.homing);
+}
+
+static void test_a_mode_that_does_not_change(void)
+{
+    bring_up(&common);
+    played.mode_sticks = true;
+    played.event_only = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    TEST_ASSERT_FALSE(played.homing);
+}
+
+static void test_a_stop_that_is_ignored(void)
+{
+    start_move();
+    played.ignores_stop = true;
+    played.never_reaches = true;
+    bench.stand.stop(bench.stand.self);
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 390, 420);
+}
+
+/* Whatever comes from the bus, no wait is without an end: where it waits by itself, it says until when. */
+static void test_nonsense_from_the_bus(void)
+{
+    dice_t dice = {42};
+    bring_home(&common);
+    for (unsigned i = 0; i < 60000U; i++) {
+        uint8_t data[8];
+        const uint64_t random = dice_u64(&dice);
+        memcpy(data, &random, sizeof data);
+        static const uint16_t ids[] = {0x182, 0x182, 0x182, 0x082, 0x702, 0x582};
+        if (dice_below(&dice, 4) == 0U) {
+            played_send(ids[dice_below(&dice, COUNT_OF(ids))], (uint8_t)dice_below(&dice, 9), data);
+        }
+        switch (dice_below(&dice, 40)) {
+        case 0:
+            (void)bench.stand.home(bench.stand.self);
+            break;
+        case 1:
+            (void)bench.stand.move(bench.stand.self, 100.0 * dice_signed_unit(&dice));
+            break;
+        case 2:
+            bench.stand.stop(bench.stand.self);
+            break;
+        case 3:
+            (void)bench.stand.clear_fault(bench.stand.self);
+            break;
+        default:
+            break;
+        }
+        played.control_count = 0;
+        played.write_count = 0;
+        run_ms(1 + dice_below(&dice, 3));
+        const bool waits = (stand_state() == TUMBLE_STAND_HOMING) || (bench.drive.entered_us > port.now_us);
+        TEST_ASSERT_TRUE(!waits || (tumble_drive402_next_us(&bench.drive) != TUMBLE_NEVER));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_an_unanswered_configuration);
+    RUN_TEST(test_no_process_data_after_the_start);
+    RUN_TEST(test_power_that_does_not_come_up);
+    RUN_TEST(test_a_fault_that_stays);
+    RUN_TEST(test_a_set_point_never_acknowledged);
+    RUN_TEST(test_an_acknowledgement_that_stays);
+    RUN_TEST(test_an_acknowledgement_left_over);
+    RUN_TEST(test_a_target_never_reached);
+    RUN_TEST(test_target_reached_somewhere_else);
+    RUN_TEST(test_homing_that_never_ends);
+    RUN_TEST(test_a_mode_that_does_not_change);
+    RUN_TEST(test_a_stop_that_is_ignored);
+    RUN_TEST(test_nonsense_from_the_bus);
+    return UNITY_END();
+}

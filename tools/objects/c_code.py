@@ -1,0 +1,238 @@
+"""From a node of the object table to its C header and source."""
+
+from __future__ import annotations
+
+import re
+
+from model import MAX_CONSUMERS, Entry, Node, Pdo, slug
+
+NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."
+HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
+LIMIT_OF_U16 = 0xFFFF
+
+
+def macro(name: str) -> str:
+    return slug(name).upper()
+
+
+def integer(value: int) -> str:
+    """A C constant of any integer value."""
+    if value == -(1 << 31):
+        return "(-2147483647 - 1)"
+    return f"{value}U" if value > 0x7FFFFFFF else str(value)
+
+
+def real(value: float) -> str:
+    text = repr(float(value))
+    return text if re.search(r"[.e]", text) else text + ".0"
+
+
+def literal(entry: Entry) -> str:
+    if entry.type.is_text:
+        return '"' + str(entry.value or "").replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if entry.type.key == "bool":
+        return "true" if entry.value else "false"
+    if entry.type.is_real:
+        return real(entry.value or 0.0)
+    return integer(int(entry.value or 0))
+
+
+def is_immediate(entry: Entry) -> bool:
+    return entry.home == "value" and entry.type.is_integer and 0 <= int(entry.value) <= LIMIT_OF_U16
+
+
+def declaration(entry: Entry, name: str, extra: int = 0) -> str:
+    if entry.type.is_text:
+        return f"char {name}[{entry.size + extra}];"
+    return f"{entry.type.c_type} {name};"
+
+
+def variables(node: Node) -> list[Entry]:
+    """In the order of falling size, so that the struct has no holes."""
+    mine = [entry for entry in node.entries if entry.home == "variable"]
+    return sorted(mine, key=lambda entry: (entry.type.is_text, -entry.type.size, entry.key))
+
+
+def comment(entry: Entry) -> str:
+    unit = f", {entry.unit}" if entry.unit else ""
+    return f"/* {entry.where}{unit} */"
+
+
+def header(node: Node) -> str:
+    prefix = node.prefix
+    guard = macro(node.settings["include"].replace(".h", "_h"))
+    name = node.settings["include"].split("/")[-1]
+    lines = [
+        f"/* {name} - the object dictionary of node {node.id}, {node.settings['name']}.",
+        " *",
+        f" * {NOTICE.format(file=node.path.name)}",
+        " */",
+        f"#ifndef TUMBLE_{guard}",
+        f"#define TUMBLE_{guard}",
+        "",
+        '#include "canopen/node.h"',
+        "",
+        "#include <stdbool.h>",
+        "#include <stdint.h>",
+        "",
+        f"#define {prefix.upper()}_NODE {node.id}U",
+        "",
+        "/* Indices of the objects of its own. */",
+        *(f"#define {prefix.upper()}_INDEX_{macro(item.name)} 0x{item.index:04X}U" for item in node.objects
+          if item.index >= 0x2000),
+    ]
+    if variables(node):
+        lines += [
+            "",
+            "/* The variables: TUMBLE_HOME_VARIABLES. */",
+            "typedef struct {",
+            *(f"    {declaration(entry, entry.member)} {comment(entry)}" for entry in variables(node)),
+            f"}} {prefix}_objects_t;",
+            "",
+            "/* Their power-on values. */",
+            f"extern const {prefix}_objects_t {prefix}_objects_initial;",
+        ]
+    lines += [
+        "",
+        f"extern const tumble_object_table_t {prefix}_table;",
+        f"extern const tumble_node_defaults_t {prefix}_defaults;",
+        "",
+        "#endif",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+class Source:
+    """The C source, section by section."""
+
+    def __init__(self, node: Node):
+        self.node = node
+        self.prefix = node.prefix
+        self.constants = [entry for entry in node.entries if entry.home == "value" and not is_immediate(entry)]
+        self.limits = sorted({(entry.low, entry.high) for entry in node.entries if entry.low is not None})
+
+    def text(self) -> str:
+        settings = self.node.settings
+        includes = [f'#include "{settings["include"]}"', ""]
+        includes += [f'#include "{name}"' for name in settings.get("includes", [])]
+        includes += [""] if settings.get("includes") else []
+        notice = f"/* {NOTICE.format(file=self.node.path.name)} */"
+        parts = [
+            [notice, *includes, "#include <assert.h>", "#include <stddef.h>"],
+            self.initial_values(),
+            self.constant_values(),
+            self.limit_table(),
+            self.size_checks(),
+            self.entry_table(),
+            self.table(),
+            self.pdo_setups("receive", self.node.receive),
+            self.pdo_setups("transmit", self.node.transmit),
+            self.defaults(),
+        ]
+        return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+    def initial_values(self) -> list[str]:
+        mine = variables(self.node)
+        if not mine:
+            return []
+        lines = [f"    .{entry.member} = {literal(entry)}," for entry in mine if entry.value is not None]
+        return [f"const {self.prefix}_objects_t {self.prefix}_objects_initial = {{", *(lines or ["    0,"]), "};"]
+
+    @staticmethod
+    def constant_name(entry: Entry) -> str:
+        return f"value_{entry.index:04x}_{entry.subindex}"
+
+    def constant_values(self) -> list[str]:
+        if not self.constants:
+            return []
+        declared = [f"    {declaration(entry, self.constant_name(entry), 1)}" for entry in self.constants]
+        given = [f"    .{self.constant_name(entry)} = {literal(entry)}," for entry in self.constants]
+        struct = ["typedef struct {", *declared, "} constants_t;"]
+        return [*struct, "", "static const constants_t constants = {", *given, "};"]
+
+    def limit_table(self) -> list[str]:
+        if not self.limits:
+            return []
+        rows = [f"    {{{real(low)}, {real(high)}}}," for low, high in self.limits]
+        return ["static const tumble_limit_t limits[] = {", *rows, "};"]
+
+    def size_checks(self) -> list[str]:
+        """The entries must agree with the structs that they point into, which others write."""
+        mine = [entry for entry in self.node.entries if entry.member and entry.home in ("other", "computed")]
+        return [
+            f"static_assert(sizeof(((const {entry.struct} *)NULL)->{entry.member}) == {entry.size}, \"{entry.where}\");"
+            for entry in mine
+        ]
+
+    def entry_table(self) -> list[str]:
+        rows = []
+        for item in self.node.objects:
+            rows.append(f"    /* {item.name} */")
+            rows += [self.row(entry) for entry in item.entries]
+        return ["static const tumble_entry_t entries[] = {", *rows, "};"]
+
+    def row(self, entry: Entry) -> str:
+        home, offset = self.home(entry)
+        limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
+        return (
+            f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {access(entry)},\n"
+            f"     TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}}},"
+        )
+
+    def home(self, entry: Entry) -> tuple[str, str]:
+        if is_immediate(entry):
+            return "IMMEDIATE", f"{int(entry.value)}U"
+        if entry.home == "value":
+            return "CONSTANT", f"offsetof(constants_t, {self.constant_name(entry)})"
+        offset = f"offsetof({entry.struct}, {entry.member})" if entry.member else "0U"
+        return HOMES[entry.home], offset
+
+    def table(self) -> list[str]:
+        return [
+            f"const tumble_object_table_t {self.prefix}_table = {{",
+            "    .entries = entries,",
+            f"    .limits = {'limits' if self.limits else 'NULL'},",
+            f"    .constants = {'&constants' if self.constants else 'NULL'},",
+            "    .count = sizeof entries / sizeof entries[0],",
+            "};",
+        ]
+
+    def pdo_setups(self, name: str, pdos: list[Pdo]) -> list[str]:
+        if not pdos:
+            return []
+        lines = [f"static const tumble_pdo_setup_t {name}[] = {{"]
+        for pdo in pdos:
+            maps = ", ".join(f"0x{entry.map_value:08X}U" for entry in pdo.map)
+            lines += [
+                f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U,",
+                f"     .inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
+                f"     .map = {{{maps or '0U'}}}}},",
+            ]
+        most = f"TUMBLE_MAX_{name.upper()}_PDOS"
+        return [*lines, "};", f"static_assert(sizeof {name} / sizeof {name}[0] <= {most}, \"{name}\");"]
+
+    def defaults(self) -> list[str]:
+        settings = self.node.settings
+        consumers = ", ".join(f"0x{settings[f'consumer{i + 1}']:08X}U" for i in range(MAX_CONSUMERS))
+        return [
+            f"const tumble_node_defaults_t {self.prefix}_defaults = {{",
+            f"    .receive = {'receive' if self.node.receive else 'NULL'},",
+            f"    .transmit = {'transmit' if self.node.transmit else 'NULL'},",
+            f"    .receive_count = {len(self.node.receive)}U,",
+            f"    .transmit_count = {len(self.node.transmit)}U,",
+            f"    .heartbeat_ms = {settings['heartbeat_ms']}U,",
+            f"    .consumers = {{{consumers}}},",
+            f"    .on_error = {settings['on_error']}U,",
+            "};",
+        ]
+
+
+def access(entry: Entry) -> str:
+    bits = {"ro": ["READ"], "const": ["READ"], "rw": ["READ", "WRITE"], "wo": ["WRITE"]}[entry.access]
+    bits = bits + {None: [], "receive": ["MAP_RECEIVE"], "transmit": ["MAP_TRANSMIT"],
+                   "both": ["MAP_RECEIVE", "MAP_TRANSMIT"]}[entry.map]
+    return " | ".join(f"TUMBLE_ACCESS_{bit}" for bit in bits)
+
+
+def source(node: Node) -> str:
+    return Source(node).text()
