@@ -67,6 +67,10 @@ static void test_a_late_step_sends_one_heartbeat_and_keeps_the_period(void)
     expect_nothing();
     pass(1 * MS);
     expect(0x705, "7F");
+    pass(200 * MS); /* one is missed */
+    expect(0x705, "7F");
+    step();
+    expect_nothing();
 }
 
 static void test_a_heartbeat_waits_for_the_port(void)
@@ -215,8 +219,8 @@ static void test_consumer_times_by_sdo(void)
     ask("23 16 10 03 F4 01 80 00", "80 16 10 03 30 00 09 06"); /* node 128 */
     ask("23 16 10 03 F4 01 00 00", "80 16 10 03 30 00 09 06"); /* node 0 */
     ask("23 16 10 03 F4 01 04 01", "80 16 10 03 30 00 09 06"); /* reserved bits */
-    ask("23 16 10 04 F4 01 09 00", "60 16 10 04 00 00 00 00"); /* the last one */
-    ask("40 16 10 04 00 00 00 00", "43 16 10 04 F4 01 09 00");
+    ask("23 16 10 04 F4 01 7F 00", "60 16 10 04 00 00 00 00"); /* the last entry, the last node */
+    ask("40 16 10 04 00 00 00 00", "43 16 10 04 F4 01 7F 00");
     ask("40 16 10 06 00 00 00 00", "80 16 10 06 11 00 09 06");
     ask("40 16 10 05 00 00 00 00", "80 16 10 05 24 00 00 08"); /* more in the table than canopen has */
     ask("23 16 10 05 F4 01 04 00", "80 16 10 05 30 00 09 06");
@@ -227,6 +231,9 @@ static void test_consumer_times_by_sdo(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_NMT_OPERATIONAL, tumble_nmt_state_of(&at.node.nmt, 3));
     ask("23 16 10 02 F4 01 03 00", "60 16 10 02 00 00 00 00"); /* writing starts afresh */
     TEST_ASSERT_EQUAL_INT(TUMBLE_NMT_UNKNOWN, tumble_nmt_state_of(&at.node.nmt, 3));
+    at.heartbeats = 0;
+    pass(5000 * MS);
+    TEST_ASSERT_EQUAL_UINT(0, at.heartbeats); /* not heard since, so not missed */
 }
 
 static void test_no_longer_watching_a_silent_node_ends_its_error(void)

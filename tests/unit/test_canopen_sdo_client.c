@@ -76,7 +76,7 @@ static void test_segmented_read_of_an_unannounced_and_of_no_size(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(client, 2, 0x2008, 0));
     expect_request("40 08 20 00 00 00 00 00");
-    give(0x582, "40 08 20 00 00 00 00 00");
+    give(0x582, "40 08 20 00 FF FF FF FF"); /* the bytes of the size mean nothing */
     expect(0x602, "60 00 00 00 00 00 00 00");
     give(0x582, "09 01 02 03 00 00 00 00"); /* three bytes, last */
     expect_end(TUMBLE_OK, 0);
