@@ -1,25 +1,18 @@
 /* Fuzzing a node: any frames, moods of the port, uses of the application's side and jumps of the clock, in any order.
  *
- *     clang -std=c11 -ffp-contract=off -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
- *         -I firmware -I host tests/fuzz/fuzz_canopen.c firmware/canopen/[a-z]*.c firmware/core/status.c \
- *         host/simulation/drive_objects.c host/simulation/block_objects.c
- *
  * The first byte of the input chooses the drive's or the block's dictionary. Then come records of an opcode byte and
  * its operands. What is checked beside the sanitizers: the invariants in `check`, `check_frame` and `check_rest`.
  */
 #include "canopen/bytes.h"
 #include "canopen/node.h"
+#include "fuzz_input.h"
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-typedef struct {
-    const uint8_t *data;
-    size_t left;
-} input_t;
+const size_t fuzz_header_bytes = 1;
+const size_t fuzz_record_bytes = 11; /* an opcode, and a frame with what kind it is */
 
 typedef struct {
     tumble_node_t node;
@@ -33,26 +26,6 @@ typedef struct {
     bool down;
     uint8_t upload[40];  /* the client's memory, with a border behind the part that it may use */
 } world_t;
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        (void)fprintf(stderr, "violated: %s\n", what);
-        abort();
-    }
-}
-
-static uint8_t take(input_t *input)
-{
-    uint8_t byte = 0;
-
-    if (input->left > 0U) {
-        byte = *input->data;
-        input->data++;
-        input->left--;
-    }
-    return byte;
-}
 
 static uint64_t now_us(void *context)
 {
@@ -279,8 +252,6 @@ static void act(input_t *input, world_t *world)
     require(world->answers <= 1U, "one answer to one request");
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static world_t world;
@@ -289,7 +260,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     power_on(&world, &port, (take(&input) & 1U) != 0U);
     while (input.left > 0U) {
-        act(&input, &world);
+        input_t record = cut(&input, fuzz_record_bytes);
+        act(&record, &world);
         check(&world);
     }
     check_rest(&world);

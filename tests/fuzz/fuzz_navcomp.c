@@ -1,28 +1,23 @@
 /* Fuzzing the navigation computer: any frames, commands, moods of the port and jumps of the clock, in any order, with a
  * drive and a block that behave in between, so that every state of a run is reached.
  *
- *     clang -std=c11 -ffp-contract=off -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
- *         -I firmware -I tests/unit [-D TUMBLE_FUZZ_REPAIR_CRC] tests/fuzz/fuzz_navcomp.c SOURCES -lm
- *
- * with the sources of core, canopen, stand, procedure and navcomp. Once as it is, and once with TUMBLE_FUZZ_REPAIR_CRC,
- * where the harness makes the checksum of every block frame right: behind an unrepaired checksum hardly a byte of the
- * input would be looked at. What is checked beside the sanitizers: the invariants in `check`.
+ * The first byte of the input chooses where in a run it begins; then come records of an opcode byte and its operands.
+ * The harness makes the checksum of most block frames right, and can give both frames of a sample that comes next in
+ * order: behind an unrepaired checksum, and without the counters' order, hardly a byte of the input would be looked at.
+ * What is checked beside the sanitizers: the invariants in `check`.
  */
 #define FAKE_PORT_QUEUE 128U
 
 #include "fake_port.h"
+#include "fuzz_input.h"
 #include "navcomp/navcomp.h"
 #include "scripted_block.h"
 #include "scripted_drive.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+const size_t fuzz_header_bytes = 1;
+const size_t fuzz_record_bytes = 13; /* an opcode, and a frame of any identifier and length with what kind it is */
 
-typedef struct {
-    const uint8_t *data;
-    size_t left;
-} input_t;
+#define MAX_RECORDS 24U /* longer inputs are slow, and reach nothing that shorter ones do not */
 
 typedef struct {
     fake_port_t fake;
@@ -35,7 +30,7 @@ typedef struct {
 
 static world_t world;
 
-static const tumble_averaging_config_t averaging = {.saturation_counts = 8000000,
+static const tumble_averaging_config_t averaging = {.saturation_counts = TUMBLE_BLOCK_MAX_COUNTS,
                                                     .min_samples = 2,
                                                     .max_lost = 2,
                                                     .stuck_run = 8,
@@ -44,7 +39,7 @@ static const tumble_averaging_config_t averaging = {.saturation_counts = 8000000
 static const tumble_procedure_config_t procedure = {.schedule = &tumble_schedule_paper,
                                                     .averaging = &averaging,
                                                     .estimate = TUMBLE_ESTIMATE_LEAST_SQUARES,
-                                                    .samples = 2,
+                                                    .samples = 4,
                                                     .v_per_count = 1e-6,
                                                     .nominal_scale_v_per_g = -2.0,
                                                     .gravity_limit_g = 3e-4,
@@ -81,19 +76,12 @@ static const tumble_navcomp_config_t config = {.port = &world.fake.port,
                                                .procedure = &procedure,
                                                .drive = &scripted_drive_profile,
                                                .hooks = &hooks,
+                                               .block_period_us = 10000,
                                                .heartbeat_ms = 100,
                                                .heartbeat_timeout_ms = 500,
                                                .node = 1,
                                                .drive_node = SCRIPTED_DRIVE_NODE,
                                                .block_node = SCRIPTED_BLOCK_NODE};
-
-static void require(bool holds, const char *what)
-{
-    if (!holds) {
-        (void)fprintf(stderr, "violated: %s\n", what);
-        abort();
-    }
-}
 
 /* Every number of the counters, which are all 32 bits wide, only grows. */
 static void check_counters(void)
@@ -167,26 +155,18 @@ static void pass(uint64_t us)
     }
 }
 
-static uint8_t byte(input_t *input)
-{
-    if (input->left == 0U) {
-        return 0;
-    }
-    input->left--;
-    return *input->data++;
-}
-
 /* Mostly identifiers that somebody listens to. */
 static void give_frame(input_t *input)
 {
     static const uint16_t ids[] = {0x000, 0x082, 0x083, 0x182, 0x282, 0x582, 0x601, 0x683, 0x693, 0x702, 0x703};
-    const uint8_t choice = byte(input);
+    const uint8_t choice = take(input);
     tumble_can_frame_t frame = {.id = ids[choice % (sizeof ids / sizeof ids[0])], .length = 8};
     if (choice >= 240U) {
-        frame.id = (uint16_t)((byte(input) << 8U) | byte(input));
-        frame.length = byte(input);
+        frame.id = (uint16_t)(take(input) << 8U);
+        frame.id = (uint16_t)(frame.id | take(input));
+        frame.length = take(input);
     } else if (choice >= 200U) {
-        frame.length = byte(input) % 9U;
+        frame.length = take(input) % 9U;
     } else if (frame.id >= 0x700U) {
         frame.length = 1;
     } else if (frame.id == 0U) {
@@ -195,17 +175,56 @@ static void give_frame(input_t *input)
         /* eight bytes */
     }
     for (unsigned i = 0; (i < frame.length) && (i < TUMBLE_CAN_MAX_BYTES); i++) {
-        frame.data[i] = byte(input);
+        frame.data[i] = take(input);
     }
-#ifdef TUMBLE_FUZZ_REPAIR_CRC
-    frame.data[7] = ((frame.id & 0x7EFU) == TUMBLE_BLOCK_ID_XY) ? tumble_block_frame_crc(&frame) : frame.data[7];
-#endif
+    if (((frame.id & 0x7EFU) == (TUMBLE_BLOCK_ID_XY & 0x7EFU)) && ((choice % 4U) != 0U)) {
+        frame.data[7] = tumble_block_frame_crc(&frame);
+    }
     fake_port_give(&world.fake, &frame);
+}
+
+static int32_t take_int24(input_t *input)
+{
+    uint32_t bits = take(input);
+    bits |= (uint32_t)take(input) << 8U;
+    bits |= (uint32_t)take(input) << 16U;
+    return (int32_t)(bits ^ 0x800000U) - 0x800000;
+}
+
+/* Any values as the block's next sample but for a few that are missing, whole or in part. */
+static void give_sample(input_t *input)
+{
+    enum { OFFSET = 0x80, NO_FIRST = 0x40, NO_SECOND = 0x20, SICK = 0x10, MISSING = 0x03 };
+    const uint8_t how = take(input);
+    tumble_can_frame_t xy;
+    tumble_can_frame_t z;
+    tumble_block_sample_t sample = {.timestamp_ms = (uint16_t)((world.fake.now_us / 1000U) % 4096U),
+                                    .temperature_half_c = (int8_t)take(input)};
+    const uint8_t status = take(input);
+    sample.status = ((how & SICK) != 0U) ? (status & 0x0FU) : 0U;
+    const tumble_procedure_t *procedure_now = tumble_navcomp_procedure(&world.navcomp);
+    const tumble_open_position_t *open = &tumble_procedure_averages(procedure_now)->open;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const int32_t last = ((how & OFFSET) != 0U) ? open->last[i] : 0;
+        const int32_t counts = last + (take_int24(input) >> ((last != 0) ? 8 : 0));
+        sample.raw.counts[i] = (counts > TUMBLE_BLOCK_MAX_COUNTS)   ? TUMBLE_BLOCK_MAX_COUNTS
+                               : (counts < TUMBLE_BLOCK_MIN_COUNTS) ? TUMBLE_BLOCK_MIN_COUNTS
+                                                                    : counts;
+    }
+    world.block.counter = (uint16_t)(world.block.counter + (how & MISSING));
+    sample.raw.counter = world.block.counter++;
+    require(tumble_block_encode(&sample, &xy, &z) == TUMBLE_OK, "the sample can be sent");
+    if ((how & NO_FIRST) == 0U) {
+        fake_port_give(&world.fake, &xy);
+    }
+    if ((how & NO_SECOND) == 0U) {
+        fake_port_give(&world.fake, &z);
+    }
 }
 
 static void change_the_world(input_t *input)
 {
-    const uint8_t what = byte(input);
+    const uint8_t what = take(input);
     world.drive.jammed = (what & 1U) != 0U;
     world.drive.dead = (what & 2U) != 0U;
     world.block.dead = (what & 4U) != 0U;
@@ -224,7 +243,7 @@ static void change_the_port(input_t *input)
     static const tumble_status_t sending[] = {TUMBLE_OK, TUMBLE_OK, TUMBLE_E_PORT_BUSY, TUMBLE_E_PORT_DOWN,
                                               TUMBLE_E_RANK};
     static const tumble_status_t receiving[] = {TUMBLE_OK, TUMBLE_OK, TUMBLE_OK, TUMBLE_E_PORT_DOWN, TUMBLE_E_RANK};
-    const uint8_t what = byte(input);
+    const uint8_t what = take(input);
     world.fake.send_status = sending[what % 5U];
     world.fake.receive_status = receiving[(what / 5U) % 5U];
     world.fake.send_room = ((what & 0x80U) != 0U) ? (what & 3U) : SIZE_MAX;
@@ -241,9 +260,15 @@ static void confirm(void)
     }
 }
 
+static void command(input_t *input)
+{
+    const tumble_command_t given = (tumble_command_t)(take(input) % 12U);
+    (void)tumble_navcomp_command(&world.navcomp, given, take(input) % 20U);
+}
+
 static void act(input_t *input)
 {
-    switch (byte(input) % 10U) {
+    switch (take(input) % 14U) {
     case 0:
     case 1:
     case 2:
@@ -252,11 +277,17 @@ static void act(input_t *input)
     case 3:
         step();
         break;
+    case 10:
+    case 11:
+    case 12:
+        give_sample(input);
+        step();
+        break;
     case 4:
-        pass(UINT64_C(1000) << (byte(input) % 8U));
+        pass(UINT64_C(1000) << (take(input) % 8U));
         break;
     case 5:
-        (void)tumble_navcomp_command(&world.navcomp, (tumble_command_t)(byte(input) % 12U), byte(input) % 20U);
+        command(input);
         break;
     case 6:
         confirm();
@@ -268,7 +299,7 @@ static void act(input_t *input)
         change_the_port(input);
         break;
     default: { /* the clock jumps */
-        const unsigned exponent = byte(input) % 40U;
+        const unsigned exponent = take(input) % 40U;
         world.fake.now_us += UINT64_C(1) << exponent;
         break;
     }
@@ -284,7 +315,7 @@ static void run_to(tumble_state_t state)
 {
     tumble_navcomp_progress_t progress;
     do {
-        pass(10000);
+        pass(1000); /* so finely that an open mean holds nothing yet */
         tumble_navcomp_progress(&world.navcomp, &progress);
     } while (progress.run.state != state);
 }
@@ -310,17 +341,17 @@ static void prepare(void)
     beginnings[5] = world;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    input_t input = {data, (size < 512U) ? size : 512U};
+    const size_t longest = fuzz_header_bytes + (MAX_RECORDS * fuzz_record_bytes);
+    input_t input = {data, (size < longest) ? size : longest};
     if (beginnings[0].navcomp.config == NULL) {
         prepare();
     }
-    world = beginnings[byte(&input) % BEGINNINGS];
+    world = beginnings[take(&input) % BEGINNINGS];
     while (input.left > 0U) {
-        act(&input);
+        input_t record = cut(&input, fuzz_record_bytes);
+        act(&record);
         check();
     }
     return 0;
