@@ -32,6 +32,11 @@
 #define TUMBLE_BLOCK_MAX_COUNTS 8388607 /* int24 */
 #define TUMBLE_BLOCK_MIN_COUNTS (-8388608)
 
+/* How many bits the CRC takes at one time: 4, by a table of 16 bytes, or 8, by one of 256 in half the time. */
+#ifndef TUMBLE_BLOCK_CRC_BITS
+#define TUMBLE_BLOCK_CRC_BITS 4
+#endif
+
 /* CRC of `length` bytes, continuing from `crc`: start with TUMBLE_BLOCK_CRC_INIT, end by xor with TUMBLE_BLOCK_CRC_XOR.
  */
 #define TUMBLE_BLOCK_CRC_INIT 0xFFU
@@ -84,9 +89,11 @@ void tumble_block_receiver_init(tumble_block_receiver_t *receiver);
  * reordering. The counters stay. */
 void tumble_block_receiver_restart(tumble_block_receiver_t *receiver);
 
+#define TUMBLE_BLOCK_MAX_GAP 127U
+
 /* Take one frame. `sample` is written on TUMBLE_BLOCK_SAMPLE only: counts as sent, the sample counter widened to 16
- * bits (gaps of 1 to 127 samples advance it by what is missing; a longer gap cannot be told from reordering or from a
- * shorter one by eight bits, so silence that long must be caught by a timeout). */
+ * bits (steps of 1 to TUMBLE_BLOCK_MAX_GAP advance it by what is missing; a longer one cannot be told from reordering or
+ * from a shorter one by eight bits, so silence that long must be caught by a timeout). */
 tumble_block_event_t tumble_block_receive(tumble_block_receiver_t *receiver, const tumble_can_frame_t *frame,
                                           tumble_block_sample_t *sample);
 

@@ -26,7 +26,6 @@ static void default_procedure(tumble_procedure_config_t *procedure)
         .home_timeout_ms = 60000,
         .move_timeout_ms = 30000,
         .settle_timeout_ms = 5000,
-        .sample_timeout_ms = 1000,
     };
 }
 
@@ -131,6 +130,23 @@ static void complete_procedure(bench_config_t *config)
     }
 }
 
+/* Silence of the block that is a fault: by default a hundred samples, never more than its eight-bit counter tells from a
+ * step back. */
+static const char *complete_sample_timeout(bench_config_t *config)
+{
+    uint32_t *const timeout_ms = &config->procedure.sample_timeout_ms;
+    const double period_ms = config->scenario.block.sample_period_us * 1e-3;
+    const double most_ms = floor(TUMBLE_BLOCK_MAX_GAP * period_ms) - config->heartbeat_ms;
+    if (*timeout_ms == 0U && most_ms >= 1.0) {
+        *timeout_ms = (uint32_t)((100.0 * period_ms < most_ms) ? 100.0 * period_ms : most_ms);
+    }
+    if (*timeout_ms == 0U || (double)*timeout_ms > most_ms) {
+        return "procedure.sample_timeout_ms and firmware.heartbeat_ms together may last 127 samples of the block at most: "
+               "beyond that its eight-bit counter does not tell how many were lost";
+    }
+    return NULL;
+}
+
 static const tumble_drive_pdo_t STANDARD_RECEIVE = {
     .number = 0,
     .setup = {.cob_id = 0x202,
@@ -218,5 +234,6 @@ const char *bench_config_complete(bench_config_t *config)
     if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile) != TUMBLE_OK) {
         return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry";
     }
-    return check_faults(scenario);
+    const char *const silence = complete_sample_timeout(config);
+    return (silence != NULL) ? silence : check_faults(scenario);
 }

@@ -121,7 +121,7 @@ const bench_key_t bench_config_keys[] = {
     {"procedure.settle_timeout_ms", BENCH_U32, 1, AT(procedure.settle_timeout_ms), 0, WHOLE_32, "ms"},
     {"procedure.average_timeout_ms", BENCH_U32, 1, AT(procedure.average_timeout_ms), 0, WHOLE_32,
      "ms; 0: from the samples"},
-    {"procedure.sample_timeout_ms", BENCH_U32, 1, AT(procedure.sample_timeout_ms), 0, WHOLE_32, "ms"},
+    {"procedure.sample_timeout_ms", BENCH_U32, 1, AT(procedure.sample_timeout_ms), 0, WHOLE_32, "ms; 0: 100 samples"},
     {"averaging.max_lost", BENCH_U16, 1, AT(averaging.max_lost), 0, 65535, "samples per position"},
     {"averaging.stuck_run", BENCH_U16, 1, AT(averaging.stuck_run), 0, 65535, "equal values in a row; 0: off"},
     {"averaging.noise_counts", BENCH_FLOAT, 1, AT(averaging.noise_counts), 0, BIG, "declared noise; 0: the block's"},

@@ -89,6 +89,7 @@ static tumble_status_t init_navcomp(bench_world_t *world)
         .drive = (config->stand == BENCH_STAND_DRIVE) ? &config->profile : NULL,
         .person = &config->person,
         .hooks = &world->hooks,
+        .block_period_us = config->scenario.block.sample_period_us,
         .heartbeat_ms = config->heartbeat_ms,
         .heartbeat_timeout_ms = config->heartbeat_timeout_ms,
         .node = 1,
@@ -185,18 +186,11 @@ void bench_world_turn(bench_world_t *world, double angle_deg, double speed_deg_s
     sim_block_disturb(&world->block);
 }
 
-/* A look that costs nothing, to see whether a proper one is worth while. */
-static uint32_t mark_of(const tumble_procedure_t *procedure)
-{
-    return (uint32_t)procedure->state << 24 | (uint32_t)procedure->index << 16 | (uint32_t)procedure->attempt << 8 |
-           (uint32_t)procedure->reason;
-}
-
 /* True: it has moved on. */
 static bool look_at_procedure(bench_world_t *world)
 {
     const tumble_procedure_t *const procedure = tumble_navcomp_procedure(&world->navcomp);
-    const uint32_t mark = mark_of(procedure);
+    const uint32_t mark = tumble_procedure_mark(procedure);
     if (mark == world->mark) {
         return false;
     }
@@ -281,7 +275,7 @@ static bool has_ended(bench_world_t *world)
     return true;
 }
 
-static inline bool advance(bench_world_t *world)
+bool bench_world_advance(bench_world_t *world)
 {
     sim_actor_t actor;
     if (has_ended(world)) {
@@ -295,13 +289,8 @@ static inline bool advance(bench_world_t *world)
     return true;
 }
 
-bool bench_world_advance(bench_world_t *world)
-{
-    return advance(world);
-}
-
 void bench_world_run(bench_world_t *world)
 {
-    while (advance(world)) {
+    while (bench_world_advance(world)) {
     }
 }

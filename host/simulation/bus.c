@@ -241,13 +241,14 @@ static void begin_frame(sim_bus_t *bus, uint64_t start_us)
 {
     bus->sender = arbitrate(bus);
     sim_bus_node_t *const node = &bus->nodes[bus->sender];
-    bus->flying = node->tx[node->tx_first];
+    const tumble_can_frame_t *const frame = &node->tx[node->tx_first];
+    const uint32_t bits = sim_frame_bits(bus->wire, frame); /* of the original: to read a fresh copy takes longer */
+    bus->flying = *frame;
     node->tx_first = (node->tx_first + 1U) & (SIM_BUS_TX_DEPTH - 1U);
     node->tx_count--;
     if (node->tx_count == 0U) {
         bus->waiting &= ~(1U << bus->sender);
     }
-    const uint32_t bits = sim_frame_bits(bus->wire, &bus->flying);
     const uint64_t end_us = start_us + (uint64_t)(bits - SIM_INTERFRAME_BITS) * bus->bit_us;
     bus->free_from_us = end_us + (uint64_t)SIM_INTERFRAME_BITS * bus->bit_us;
     bus->load.frames++;

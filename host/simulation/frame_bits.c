@@ -4,6 +4,8 @@
 #define CRC_BITS 15
 #define TRAILER_BITS 10 /* CRC delimiter, acknowledge slot and delimiter, 7 bits end of frame */
 
+#define AFTER_START 0U /* state after one 0, the start of frame */
+
 #define CRC_POLYNOMIAL 0x4599U
 #define CRC_TOP 0x4000U
 #define CRC_MASK 0x7FFFU
@@ -26,14 +28,14 @@ static void init_crc(sim_wire_t *wire)
     }
 }
 
-/* Send a byte, highest bit first, from a state. */
-static void init_stuffing(sim_wire_t *wire, uint32_t state, uint32_t byte)
+/* Send the low `count` bits, highest first, from *state. Returns the stuff bits. */
+static uint32_t send_bits(uint32_t *state, uint32_t bits, uint32_t count)
 {
-    uint32_t last = state & 1U;
-    uint32_t run = (state >> 1) + 1U;
+    uint32_t last = *state & 1U;
+    uint32_t run = (*state >> 1) + 1U;
     uint32_t stuffed = 0;
-    for (int i = 7; i >= 0; i--) {
-        const uint32_t bit = byte >> i & 1U;
+    for (uint32_t left = count; left > 0U; left--) {
+        const uint32_t bit = bits >> (left - 1U) & 1U;
         run = (bit == last) ? run + 1U : 1U;
         last = bit;
         if (run == 5U) {
@@ -42,8 +44,40 @@ static void init_stuffing(sim_wire_t *wire, uint32_t state, uint32_t byte)
             run = 1;
         }
     }
-    wire->next[state << 8 | byte] = (uint16_t)((last | (run - 1U) << 1) << 8);
-    wire->stuffed[state << 8 | byte] = (uint8_t)stuffed;
+    *state = last | (run - 1U) << 1;
+    return stuffed;
+}
+
+static void init_stuffing(sim_wire_t *wire, uint32_t state, uint32_t byte)
+{
+    uint32_t next = state;
+    wire->stuffed[state << 8 | byte] = (uint8_t)send_bits(&next, byte, 8);
+    wire->next[state << 8 | byte] = (uint16_t)(next << 8);
+}
+
+/* Start of frame, RTR, IDE and r0 are dominant (0). */
+static uint32_t header_of(uint32_t id, uint32_t length)
+{
+    return id << 7 | length;
+}
+
+/* Zeros before the header change nothing: the CRC starts at 0. */
+static uint32_t header_crc(const sim_wire_t *wire, uint32_t header, uint32_t length)
+{
+    return (uint32_t)wire->crc[length + 2U][header >> 16] ^ wire->crc[length + 1U][header >> 8 & 0xFFU] ^
+           wire->crc[length][header & 0xFFU];
+}
+
+static void init_headers(sim_wire_t *wire)
+{
+    for (uint32_t id = 0; id <= TUMBLE_CAN_MAX_ID; id++) {
+        const uint32_t header = header_of(id, TUMBLE_CAN_MAX_BYTES);
+        uint32_t state = AFTER_START;
+        sim_wire_header_t *const full = &wire->full[id];
+        full->crc = (uint16_t)header_crc(wire, header, TUMBLE_CAN_MAX_BYTES);
+        full->stuffed = (uint8_t)send_bits(&state, header >> 1, HEADER_BITS - 2);
+        full->state = (uint16_t)(state << 8);
+    }
 }
 
 void sim_wire_init(sim_wire_t *wire)
@@ -54,12 +88,7 @@ void sim_wire_init(sim_wire_t *wire)
             init_stuffing(wire, state, byte);
         }
     }
-}
-
-/* Start of frame, RTR, IDE and r0 are dominant (0). */
-static uint32_t header_of(const tumble_can_frame_t *frame)
-{
-    return ((uint32_t)frame->id << 7) | frame->length;
+    init_headers(wire);
 }
 
 /* The data bytes as one number, the first one highest. */
@@ -71,11 +100,9 @@ static uint64_t data_of(const tumble_can_frame_t *frame)
     return (frame->length == 0U) ? 0U : all >> (8U * (TUMBLE_CAN_MAX_BYTES - frame->length));
 }
 
-static inline uint32_t crc_of(const sim_wire_t *wire, uint32_t header, uint64_t data, uint32_t length)
+static inline uint32_t data_crc(const sim_wire_t *wire, uint64_t data, uint32_t length)
 {
-    /* Zeros before the header change nothing: the CRC starts at 0. */
-    uint32_t crc = (uint32_t)wire->crc[length + 2U][header >> 16] ^ wire->crc[length + 1U][header >> 8 & 0xFFU] ^
-                   wire->crc[length][header & 0xFFU];
+    uint32_t crc = 0;
     for (uint32_t i = 0; i < length; i++) {
         crc ^= wire->crc[i][data >> 8U * i & 0xFFU];
     }
@@ -84,7 +111,8 @@ static inline uint32_t crc_of(const sim_wire_t *wire, uint32_t header, uint64_t 
 
 uint16_t sim_frame_crc15(const sim_wire_t *wire, const tumble_can_frame_t *frame)
 {
-    return (uint16_t)crc_of(wire, header_of(frame), data_of(frame), frame->length);
+    return (uint16_t)(header_crc(wire, header_of(frame->id, frame->length), frame->length) ^
+                      data_crc(wire, data_of(frame), frame->length));
 }
 
 /* Send the low `count` bytes of `bits`, the highest first, from *state (x 256). Returns the stuff bits. */
@@ -110,23 +138,33 @@ static uint32_t first_after_header(uint64_t data, uint32_t crc, uint32_t length)
 
 /* After start of frame (0) and the first bit of the identifier, whole bytes are left to send: 17 bits of header, data,
  * 15 bits of CRC; four bytes, then as many as there are data. */
-static inline uint32_t stuff_bits_of(const sim_wire_t *wire, const tumble_can_frame_t *frame, uint32_t length)
+static uint32_t stuff_bits_of(const sim_wire_t *wire, const tumble_can_frame_t *frame)
 {
-    const uint32_t header = header_of(frame);
+    const uint32_t length = frame->length;
+    const uint32_t header = header_of(frame->id, length);
     const uint64_t data = data_of(frame);
-    const uint32_t crc = crc_of(wire, header, data, length);
+    const uint32_t crc = header_crc(wire, header, length) ^ data_crc(wire, data, length);
     uint32_t state = ((header >> 17 & 1U) != 0U) ? 1U << 8 /* one 1 */ : 2U << 8 /* two 0s */;
     const uint32_t first = (header & 0x1FFFFU) << CRC_BITS | first_after_header(data, crc, length);
     const uint32_t stuffed = send_bytes(wire, &state, first, 4);
     return stuffed + send_bytes(wire, &state, data << CRC_BITS | crc, length);
 }
 
+/* The same for eight bytes of data: all of the header is known beforehand but for its last bit, which is 0; that one,
+ * 64 bits of data and 15 of CRC are ten bytes. */
+static uint32_t stuff_bits_of_full(const sim_wire_t *wire, const tumble_can_frame_t *frame)
+{
+    const sim_wire_header_t *const header = &wire->full[frame->id];
+    const uint64_t data = data_of(frame);
+    const uint32_t crc = header->crc ^ data_crc(wire, data, TUMBLE_CAN_MAX_BYTES);
+    uint32_t state = header->state;
+    const uint32_t stuffed = header->stuffed + send_bytes(wire, &state, data >> 49, 2);
+    return stuffed + send_bytes(wire, &state, data << CRC_BITS | crc, 8);
+}
+
 uint32_t sim_frame_stuff_bits(const sim_wire_t *wire, const tumble_can_frame_t *frame)
 {
-    if (frame->length == TUMBLE_CAN_MAX_BYTES) { /* nearly all frames: unrolled */
-        return stuff_bits_of(wire, frame, TUMBLE_CAN_MAX_BYTES);
-    }
-    return stuff_bits_of(wire, frame, frame->length);
+    return (frame->length == TUMBLE_CAN_MAX_BYTES) ? stuff_bits_of_full(wire, frame) : stuff_bits_of(wire, frame);
 }
 
 uint32_t sim_frame_bits(const sim_wire_t *wire, const tumble_can_frame_t *frame)

@@ -14,6 +14,13 @@
 #define SIM_INTERFRAME_BITS 3
 #define SIM_HEADER_BYTES 3 /* the 19 bits before the data, right-aligned */
 
+/* What the header of a frame of eight bytes does. */
+typedef struct {
+    uint16_t crc;    /* its share of the CRC */
+    uint16_t state;  /* before its last bit, x 256 */
+    uint8_t stuffed; /* stuff bits sent until then */
+} sim_wire_header_t;
+
 typedef struct {
     /* What a byte does to the CRC when so many bytes follow it. */
     uint16_t crc[SIM_HEADER_BYTES + TUMBLE_CAN_MAX_BYTES][256];
@@ -22,6 +29,8 @@ typedef struct {
      * which nothing can shorten, is one look-up a byte. */
     uint16_t next[8 * 256];
     uint8_t stuffed[8 * 256];
+    /* By identifier: nearly all frames have eight bytes. */
+    sim_wire_header_t full[TUMBLE_CAN_MAX_ID + 1];
 } sim_wire_t;
 
 void sim_wire_init(sim_wire_t *wire);

@@ -33,26 +33,11 @@ void sim_sincos_deg(double angle_deg, double *sine, double *cosine)
 {
     const int32_t quarters = sim_nearest(angle_deg * (1.0 / 90.0));
     const double x = (angle_deg - 90.0 * (double)quarters) * RAD_PER_DEG; /* the subtraction is exact */
-    const double s = short_sine(x);
-    const double c = short_cosine(x);
-    switch (quarters & 3) {
-    case 0:
-        *sine = s;
-        *cosine = c;
-        break;
-    case 1:
-        *sine = c;
-        *cosine = -s;
-        break;
-    case 2:
-        *sine = -s;
-        *cosine = -c;
-        break;
-    default:
-        *sine = -c;
-        *cosine = s;
-        break;
-    }
+    const double both[2] = {short_sine(x), short_cosine(x)};
+    static const double SIGN[5] = {1.0, 1.0, -1.0, -1.0, 1.0}; /* of the sine, and a quarter on of the cosine */
+    const uint32_t quarter = (uint32_t)quarters & 3U;
+    *sine = SIGN[quarter] * both[quarter & 1U];
+    *cosine = SIGN[quarter + 1U] * both[~quarter & 1U];
 }
 
 /* ln 2 in two parts: the first has trailing zeros, so that its product with an exponent is exact. */

@@ -3,7 +3,8 @@
  * The generator is xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2021). Every
  * cause of randomness has streams of its own, named by (seed, cause, index), so one draw more or less anywhere shifts
  * no number anywhere else. A stream's state is four outputs of splitmix64 (Steele, Lea, Flood, 2014), started at a
- * value into which seed, cause and index have been mixed by splitmix64's own finalizer.
+ * value into which seed, cause and index have been mixed by splitmix64's own finalizer. So seeds may be small and next
+ * to each other: 1, 2, 3 and so on give streams that have nothing to do with one another.
  *
  * Normal deviates come from the inverse distribution function: one uniform draw gives one normal deviate, always, and
  * the function uses + - x / and the square root alone, so neither rejection nor a library's logarithm can make two

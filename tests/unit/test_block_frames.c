@@ -50,7 +50,7 @@ static void assert_same_sample(const tumble_block_sample_t *expected, const tumb
     TEST_ASSERT_EQUAL_INT8(expected->temperature_half_c, actual->temperature_half_c);
 }
 
-/* The CRC bit by bit, straight from its definition: the oracle for the nibble table. */
+/* The CRC bit by bit, straight from its definition: the oracle for the tables. */
 static uint8_t slow_crc8(uint8_t crc, const uint8_t *bytes, size_t length)
 {
     for (size_t i = 0; i < length; i++) {
