@@ -1,8 +1,22 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
+# The sources of a library once more, for a link that optimises the whole.
+function(tumble_for_the_whole library)
+  if(NOT TARGET ${library}_for_the_whole)
+    get_target_property(sources ${library} SOURCES)
+    get_target_property(directory ${library} SOURCE_DIR)
+    list(TRANSFORM sources PREPEND ${directory}/ REGEX "^[^/]")
+    add_library(${library}_for_the_whole OBJECT EXCLUDE_FROM_ALL ${sources})
+    target_include_directories(${library}_for_the_whole PRIVATE ${PROJECT_SOURCE_DIR}/firmware)
+    target_compile_options(${library}_for_the_whole PRIVATE -flto)
+    target_link_libraries(${library}_for_the_whole PRIVATE tumble_flags)
+  endif()
+endfunction()
+
 # Hold libraries to a row of boards/budget.csv, as part of the build: they are linked with what they keep in RAM, and
 # measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where indirect calls lead
-# (tools/footprint/calls.py); without it there must be none. The target is budget_<name>.
+# (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole, and what it makes of
+# the objects is measured. The target is budget_<name>.
 #
 #   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ROOTS <symbols>]
 #                 [CALLS <file>] [ON_DEMAND])
@@ -14,21 +28,33 @@ function(tumble_budget name)
   endif()
 
   set(objects)
+  set(linked_objects)
   foreach(library IN LISTS arg_LIBRARIES)
     list(APPEND objects $<TARGET_OBJECTS:${library}>)
+    if(arg_ROOTS)
+      tumble_for_the_whole(${library})
+      list(APPEND linked_objects $<TARGET_OBJECTS:${library}_for_the_whole>)
+    else()
+      list(APPEND linked_objects $<TARGET_OBJECTS:${library}>)
+    endif()
   endforeach()
   set(object_list ${CMAKE_CURRENT_BINARY_DIR}/${name}.objects)
   file(GENERATE OUTPUT ${object_list} CONTENT "$<JOIN:${objects},\n>\n")
 
   set(image footprint_${name})
-  add_executable(${image} EXCLUDE_FROM_ALL ${objects} ${arg_RESIDENT})
+  add_executable(${image} EXCLUDE_FROM_ALL ${linked_objects} ${arg_RESIDENT})
   target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/firmware)
-  target_link_options(${image} PRIVATE -nostdlib LINKER:--entry=0 LINKER:-Map=$<TARGET_FILE:${image}>.map)
+  target_link_options(${image} PRIVATE -nostdlib LINKER:--entry=0 LINKER:-Map=$<TARGET_FILE:${image}>.map
+    LINKER:--sort-section=alignment)
   target_link_libraries(${image} PRIVATE tumble_flags -Wl,--start-group gcc c m nosys -Wl,--end-group)
 
+  set(linked)
   if(arg_ROOTS)
     list(TRANSFORM arg_ROOTS PREPEND LINKER:--require-defined= OUTPUT_VARIABLE roots)
-    target_link_options(${image} PRIVATE LINKER:--gc-sections ${roots})
+    target_link_options(${image} PRIVATE LINKER:--gc-sections ${roots}
+      -flto -flto-partition=one -save-temps ${TUMBLE_FRAMES} ${TUMBLE_SMALL})
+    add_dependencies(${image} ${arg_LIBRARIES}) # whose objects say what is imported
+    set(linked --linked $<TARGET_FILE:${image}>.ltrans0.ltrans.o)
   endif()
   set(calls)
   if(arg_CALLS)
@@ -39,7 +65,7 @@ function(tumble_budget name)
   add_custom_target(budget_${name} ${all}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/budget
       --limits ${PROJECT_SOURCE_DIR}/boards/budget.csv --target ${CMAKE_SYSTEM_PROCESSOR} --part ${arg_ROW}
-      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map ${calls}
+      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map ${calls} ${linked}
       --out ${CMAKE_CURRENT_BINARY_DIR}/budget_${name}.csv @${object_list}
     DEPENDS ${image} ${arg_CALLS} VERBATIM)
 endfunction()

@@ -35,7 +35,7 @@
     X(TUMBLE_ABORT_NO_DATA, 0x08000024, "no data available")
 
 typedef enum {
-#define TUMBLE_ABORT_ENUM(name, code, sentence) name = code,
+#define TUMBLE_ABORT_ENUM(name, code, sentence) name = (code),
     TUMBLE_ABORT_LIST(TUMBLE_ABORT_ENUM)
 #undef TUMBLE_ABORT_ENUM
 } tumble_abort_t;

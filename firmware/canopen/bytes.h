@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <string.h>
 
-static_assert(sizeof(float) == 4 && sizeof(double) == 8, "REAL32 and REAL64 are IEEE 754 single and double");
+static_assert((sizeof(float) == 4U) && (sizeof(double) == 8U), "REAL32 and REAL64 are IEEE 754 single and double");
 
 static inline void tumble_put_u16(uint8_t *at, uint16_t value)
 {

@@ -6,53 +6,59 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Index and subindex as one number that sorts as the table does. */
-static uint32_t key_of(uint16_t index, uint8_t subindex)
-{
-    return ((uint32_t)index << 8) | subindex;
-}
-
-/* Place of the first entry that is not below the key. */
-static uint16_t lower_bound(const tumble_object_table_t *table, uint32_t key)
-{
-    uint16_t low = 0;
-    uint16_t high = table->count;
-
-    while (low < high) {
-        uint16_t middle = (uint16_t)(low + ((high - low) / 2));
-        const tumble_entry_t *entry = &table->entries[middle];
-
-        if (key_of(entry->index, entry->subindex) < key) {
-            low = (uint16_t)(middle + 1);
-        } else {
-            high = middle;
-        }
-    }
-    return low;
-}
-
-const tumble_entry_t *tumble_dictionary_find(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
-                                             tumble_abort_t *refusal)
+tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
+                                       uint8_t *place)
 {
     const tumble_object_table_t *table = dictionary->table;
-    uint16_t place = lower_bound(table, key_of(index, subindex));
-    const tumble_entry_t *found = NULL;
-    bool object = (place > 0U) && (table->entries[place - 1U].index == index);
+    tumble_abort_t refusal = TUMBLE_ABORT_NO_OBJECT;
 
-    if ((place < table->count) && (table->entries[place].index == index)) {
-        object = true;
-        if (table->entries[place].subindex == subindex) {
-            found = &table->entries[place];
+    for (uint8_t i = 0; i < table->count; ++i) {
+        const tumble_entry_t *entry = &table->entries[i];
+
+        if ((index >= entry->index) && ((index - entry->index) <= entry->more_objects)) {
+            *place = i;
+            if ((subindex >= entry->subindex) && ((subindex - entry->subindex) <= entry->more_subindices)) {
+                return TUMBLE_ABORT_NONE;
+            }
+            refusal = TUMBLE_ABORT_NO_SUBINDEX;
         }
     }
-    if (refusal != NULL) {
-        if (found != NULL) {
-            *refusal = TUMBLE_ABORT_NONE;
-        } else {
-            *refusal = object ? TUMBLE_ABORT_NO_SUBINDEX : TUMBLE_ABORT_NO_OBJECT;
-        }
+    /* The number of entries, which the object's last entry tells. */
+    return ((refusal == TUMBLE_ABORT_NO_SUBINDEX) && (subindex == 0U)) ? TUMBLE_ABORT_NONE : refusal;
+}
+
+tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, uint8_t place, uint16_t index,
+                                       uint8_t subindex)
+{
+    tumble_entry_t entry = dictionary->table->entries[place];
+
+    if (subindex < entry.subindex) {
+        const uint8_t highest = (uint8_t)(entry.subindex + entry.more_subindices);
+
+        entry.type = TUMBLE_TYPE_UNSIGNED8;
+        entry.access = TUMBLE_ACCESS_READ;
+        entry.home = TUMBLE_HOME_IMMEDIATE;
+        entry.size = 1;
+        entry.limit = 0;
+        entry.offset = highest;
+    } else {
+        entry.offset = (uint16_t)(entry.offset + ((subindex - entry.subindex) * entry.size));
     }
-    return found;
+    entry.index = index;
+    entry.subindex = subindex;
+    return entry;
+}
+
+tumble_abort_t tumble_dictionary_find(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
+                                      tumble_entry_t *entry)
+{
+    uint8_t place;
+    const tumble_abort_t refusal = tumble_dictionary_place(dictionary, index, subindex, &place);
+
+    if (refusal == TUMBLE_ABORT_NONE) {
+        *entry = tumble_dictionary_entry(dictionary, place, index, subindex);
+    }
+    return refusal;
 }
 
 static bool is_string(const tumble_entry_t *entry)
@@ -169,32 +175,28 @@ tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, con
 /* A number of any type that can have limits. */
 static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
 {
+    uint32_t bits = 0;
+    uint32_t sign = 0;
     double number;
 
+    for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); ++i) { /* wider integers have no limits */
+        bits |= (uint32_t)bytes[i] << (8U * i);
+        sign = (uint32_t)0x80U << (8U * i);
+    }
     switch (entry->type) {
-    case TUMBLE_TYPE_INTEGER8:
-        number = tumble_get_i8(bytes);
-        break;
-    case TUMBLE_TYPE_INTEGER16:
-        number = tumble_get_i16(bytes);
-        break;
-    case TUMBLE_TYPE_INTEGER32:
-        number = tumble_get_i32(bytes);
-        break;
     case TUMBLE_TYPE_REAL32:
         number = (double)tumble_get_f32(bytes);
         break;
     case TUMBLE_TYPE_REAL64:
         number = tumble_get_f64(bytes);
         break;
-    case TUMBLE_TYPE_UNSIGNED16:
-        number = tumble_get_u16(bytes);
+    case TUMBLE_TYPE_INTEGER8:
+    case TUMBLE_TYPE_INTEGER16:
+    case TUMBLE_TYPE_INTEGER32: /* two's complement */
+        number = (double)(bits ^ sign) - (double)sign;
         break;
-    case TUMBLE_TYPE_UNSIGNED32:
-        number = tumble_get_u32(bytes);
-        break;
-    default: /* UNSIGNED8, BOOLEAN; wider integers have no limits */
-        number = bytes[0];
+    default:
+        number = (double)bits;
         break;
     }
     return number;

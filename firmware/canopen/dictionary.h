@@ -1,7 +1,7 @@
 /* dictionary.h - the object dictionary: a const table of entries, and the memory of its values.
  *
- * The table (written by tools/objects/generate) lies in read-only memory, sorted by index and subindex. A value has one
- * of the homes below; only TUMBLE_HOME_VARIABLES and TUMBLE_HOME_OTHER cost RAM, and that RAM is the caller's.
+ * The table (written by tools/objects/generate) lies in read-only memory. A value has one of the homes below; only
+ * TUMBLE_HOME_VARIABLES and TUMBLE_HOME_OTHER cost RAM, and that RAM is the caller's.
  * Values go in and out as little-endian bytes (bytes.h), whatever the machine.
  *
  * A write is checked in this order, and the first refusal counts: exists, access, length, limits, hook; then it is
@@ -46,6 +46,9 @@
 #define TUMBLE_HOME_COMPUTED 4U      /* nowhere: the application's hooks make and take it */
 #define TUMBLE_HOME_COMMUNICATION 5U /* inside canopen (1001h..1BFFh): the node's own hooks make and take it */
 
+/* One entry, or in a table a run of them that are alike: subindices one after the other, whose values lie one after the
+ * other in their home; objects one after the other of COMMUNICATION. Subindex 0 of an object with further ones needs no
+ * entry where it is what CiA 301 wants there: the highest subindex, read only. */
 typedef struct {
     uint16_t index;
     uint8_t subindex;
@@ -55,9 +58,11 @@ typedef struct {
     uint8_t size;    /* bytes; of a string: the most it may have. 1 to TUMBLE_MAX_OBJECT_BYTES */
     uint8_t limit;   /* 0: none; else 1 + place in the table's limits */
     uint16_t offset; /* bytes into its home; free for the hooks' use when COMPUTED or COMMUNICATION */
+    uint8_t more_subindices;
+    uint8_t more_objects;
 } tumble_entry_t;
 
-static_assert(sizeof(tumble_entry_t) == 10, "the dictionary table is the largest constant of a node");
+static_assert(sizeof(tumble_entry_t) == 12, "the dictionary table is the largest constant of a node");
 
 /* Limits of a number, both included. Types up to 32 bits and reals; not for 64-bit integers. */
 typedef struct {
@@ -66,10 +71,10 @@ typedef struct {
 } tumble_limit_t;
 
 typedef struct {
-    const tumble_entry_t *entries; /* sorted by index, then subindex, none twice */
+    const tumble_entry_t *entries; /* none twice; those of one object in the order of their subindices */
     const tumble_limit_t *limits;
     const void *constants;
-    uint16_t count;
+    uint8_t count;
 } tumble_object_table_t;
 
 /* The application's say. Every member may be null. `context` is the binding's. */
@@ -99,10 +104,18 @@ typedef struct {
     tumble_object_owner_t communication; /* set by the node */
 } tumble_dictionary_t;
 
-/* The entry of an object. Null when there is none; `refusal` (may be null) then says which: TUMBLE_ABORT_NO_OBJECT or
- * TUMBLE_ABORT_NO_SUBINDEX. Binary search. */
-const tumble_entry_t *tumble_dictionary_find(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
-                                             tumble_abort_t *refusal);
+/* Where in the table an object is described: `place`. Returns TUMBLE_ABORT_NONE, _NO_OBJECT or _NO_SUBINDEX. Looks
+ * through the whole table. */
+tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
+                                       uint8_t *place);
+
+/* The entry of the object that was found at `place`; its `more_` members mean nothing. No search. */
+tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, uint8_t place, uint16_t index,
+                                       uint8_t subindex);
+
+/* Both: on TUMBLE_ABORT_NONE `entry` is the object's, else it is left alone. */
+tumble_abort_t tumble_dictionary_find(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
+                                      tumble_entry_t *entry);
 
 /* Read the value of an entry into `bytes` (room for TUMBLE_MAX_OBJECT_BYTES) and its length into `size`. A string comes
  * without its padding and may be empty. Returns TUMBLE_ABORT_NONE, _WRITE_ONLY, or what a hook says. */

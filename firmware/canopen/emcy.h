@@ -39,13 +39,13 @@ typedef struct {
 } tumble_emergency_t;
 
 typedef struct {
-    uint32_t history[TUMBLE_EMCY_HISTORY]; /* newest first: code, and the first two info bytes above it */
-    tumble_emergency_t queue[TUMBLE_EMCY_QUEUE];
-    uint16_t overflow;                     /* messages that found the queue full */
     uint8_t node;
     uint8_t error_register;
     uint8_t recorded;                      /* entries of the history */
     uint8_t queued;
+    uint16_t overflow;                     /* messages that found the queue full */
+    uint32_t history[TUMBLE_EMCY_HISTORY]; /* newest first: code, and the first two info bytes above it */
+    tumble_emergency_t queue[TUMBLE_EMCY_QUEUE];
 } tumble_emcy_t;
 
 void tumble_emcy_init(tumble_emcy_t *emcy, uint8_t node);

@@ -44,22 +44,22 @@ typedef enum {
 } tumble_heartbeat_event_t;
 
 typedef struct {
-    uint64_t deadline_us; /* TUMBLE_NEVER: not heard yet, or lost, or not watched */
-    uint16_t time_ms;     /* 0: not watched */
     uint8_t node;
     uint8_t state;        /* tumble_nmt_state_t as last heard */
     bool lost;            /* was heard and fell silent */
+    uint16_t time_ms;     /* 0: not watched */
+    uint64_t deadline_us; /* TUMBLE_NEVER: not heard yet, or lost, or not watched */
 } tumble_consumer_t;
 
 typedef struct {
-    uint64_t heartbeat_us; /* next heartbeat; TUMBLE_NEVER: none */
-    tumble_consumer_t consumers[TUMBLE_MAX_CONSUMERS];
-    uint16_t producer_ms;  /* 1017h */
-    uint16_t ignored;      /* NMT commands malformed or unknown, master commands that found the queue full */
     uint8_t node;
     uint8_t state;         /* tumble_nmt_state_t */
     uint8_t next_state;    /* entered when the boot-up message is out */
     uint8_t queued;
+    uint16_t producer_ms;  /* 1017h */
+    uint16_t ignored;      /* NMT commands malformed or unknown, master commands that found the queue full */
+    uint64_t heartbeat_us; /* next heartbeat; TUMBLE_NEVER: none */
+    tumble_consumer_t consumers[TUMBLE_MAX_CONSUMERS];
     uint8_t queue[TUMBLE_NMT_QUEUE][2];
 } tumble_nmt_t;
 

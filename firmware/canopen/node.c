@@ -318,17 +318,17 @@ uint64_t tumble_node_next_us(const tumble_node_t *node)
 tumble_abort_t tumble_node_read(tumble_node_t *node, uint16_t index, uint8_t subindex,
                                 uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES], uint8_t *size)
 {
-    tumble_abort_t refusal;
-    const tumble_entry_t *entry = tumble_dictionary_find(&node->dictionary, index, subindex, &refusal);
+    tumble_entry_t entry;
+    const tumble_abort_t refusal = tumble_dictionary_find(&node->dictionary, index, subindex, &entry);
 
-    return (entry == NULL) ? refusal : tumble_dictionary_read(&node->dictionary, entry, bytes, size);
+    return (refusal != TUMBLE_ABORT_NONE) ? refusal : tumble_dictionary_read(&node->dictionary, &entry, bytes, size);
 }
 
 tumble_abort_t tumble_node_write(tumble_node_t *node, uint16_t index, uint8_t subindex, const uint8_t *bytes,
                                  uint8_t size)
 {
-    tumble_abort_t refusal;
-    const tumble_entry_t *entry = tumble_dictionary_find(&node->dictionary, index, subindex, &refusal);
+    tumble_entry_t entry;
+    const tumble_abort_t refusal = tumble_dictionary_find(&node->dictionary, index, subindex, &entry);
 
-    return (entry == NULL) ? refusal : tumble_dictionary_write(&node->dictionary, entry, bytes, size);
+    return (refusal != TUMBLE_ABORT_NONE) ? refusal : tumble_dictionary_write(&node->dictionary, &entry, bytes, size);
 }

@@ -64,12 +64,12 @@ static void unpack(tumble_pdos_t *pdos, const tumble_pdo_t *pdo, const tumble_di
     uint8_t at = 0;
 
     for (uint8_t i = 0; i < pdo->count; ++i) {
-        const tumble_entry_t *entry = &dictionary->table->entries[pdo->entry[i]];
+        const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, i);
 
-        if (tumble_dictionary_write(dictionary, entry, &data[at], entry->size) != TUMBLE_ABORT_NONE) {
+        if (tumble_dictionary_write(dictionary, &entry, &data[at], entry.size) != TUMBLE_ABORT_NONE) {
             count(&pdos->refused);
         }
-        at = (uint8_t)(at + entry->size);
+        at = (uint8_t)(at + entry.size);
     }
 }
 
@@ -107,14 +107,14 @@ static void pack(const tumble_pdo_t *pdo, const tumble_dictionary_t *dictionary,
     (void)memset(frame, 0, sizeof *frame);
     frame->id = (uint16_t)(pdo->cob_id & TUMBLE_CAN_MAX_ID);
     for (uint8_t i = 0; i < pdo->count; ++i) {
-        const tumble_entry_t *entry = &dictionary->table->entries[pdo->entry[i]];
+        const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, i);
         uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
         uint8_t size;
 
-        if (tumble_dictionary_read(dictionary, entry, bytes, &size) == TUMBLE_ABORT_NONE) {
+        if (tumble_dictionary_read(dictionary, &entry, bytes, &size) == TUMBLE_ABORT_NONE) {
             (void)memcpy(&frame->data[frame->length], bytes, size);
         }
-        frame->length = (uint8_t)(frame->length + entry->size);
+        frame->length = (uint8_t)(frame->length + entry.size);
     }
 }
 

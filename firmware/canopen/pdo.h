@@ -39,11 +39,12 @@ typedef struct {
     uint32_t map[TUMBLE_MAX_MAPPED];
 } tumble_pdo_setup_t;
 
-/* What both directions have. `entry` holds places in the dictionary's table; the bits of `written` say which of them
- * are set, in use or not. */
+/* What both directions have. `place` and `subindex` tell the mapped objects (tumble_dictionary_entry); the bits of
+ * `written` say which of them are set, in use or not. */
 typedef struct {
     uint32_t cob_id;
-    uint16_t entry[TUMBLE_MAX_MAPPED];
+    uint8_t place[TUMBLE_MAX_MAPPED];
+    uint8_t subindex[TUMBLE_MAX_MAPPED];
     uint8_t written;
     uint8_t count;  /* mapped objects in use; 0: mapping disabled */
     uint8_t length; /* bytes of the mapped objects */

@@ -10,4 +10,13 @@ static inline bool tumble_pdo_is_valid(const tumble_pdo_t *pdo)
     return (pdo->cob_id & TUMBLE_PDO_INVALID) == 0U;
 }
 
+/* The mapped object in a slot that is set. */
+static inline tumble_entry_t tumble_pdo_mapped(const tumble_dictionary_t *dictionary, const tumble_pdo_t *pdo,
+                                               uint32_t slot)
+{
+    const uint8_t place = pdo->place[slot];
+
+    return tumble_dictionary_entry(dictionary, place, dictionary->table->entries[place].index, pdo->subindex[slot]);
+}
+
 #endif

@@ -47,9 +47,9 @@ static uint32_t map_value(const tumble_dictionary_t *dictionary, const tumble_pd
     uint32_t value = 0;
 
     if ((pdo->written & (1U << slot)) != 0U) {
-        const tumble_entry_t *entry = &dictionary->table->entries[pdo->entry[slot]];
+        const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, slot);
 
-        value = TUMBLE_MAP(entry->index, entry->subindex, entry->size * MAP_BITS);
+        value = TUMBLE_MAP(entry.index, entry.subindex, entry.size * MAP_BITS);
     }
     return value;
 }
@@ -94,14 +94,15 @@ static tumble_abort_t read_communication(const tumble_pdo_t *pdo, const tumble_t
 tumble_abort_t tumble_pdo_read_parameter(const tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
                                          uint16_t index, uint8_t subindex, uint32_t *value)
 {
+    const bool outward = is_transmit(index);
     const tumble_transmit_pdo_t *transmit;
     const tumble_pdo_t *pdo;
 
     if (!exists(index)) {
         return TUMBLE_ABORT_NO_OBJECT;
     }
-    transmit = is_transmit(index) ? &pdos->transmit[number_of(index)] : NULL;
-    pdo = (transmit != NULL) ? &transmit->pdo : &pdos->receive[number_of(index)];
+    transmit = outward ? &pdos->transmit[number_of(index)] : NULL;
+    pdo = outward ? &transmit->pdo : &pdos->receive[number_of(index)];
     return is_mapping(index) ? read_mapping(pdo, dictionary, subindex, value)
                              : read_communication(pdo, transmit, subindex, value);
 }
@@ -184,12 +185,14 @@ static tumble_abort_t write_communication(tumble_pdo_t *pdo, tumble_transmit_pdo
     return refusal;
 }
 
-/* May this object be mapped, in this direction and with so many bits? */
-static bool is_mappable(const tumble_entry_t *entry, bool transmit, uint32_t bits)
+/* May the object at this place be mapped, in this direction and with the bits that the map value says? */
+static bool is_mappable(const tumble_dictionary_t *dictionary, uint8_t place, uint32_t value, bool transmit)
 {
     uint8_t needed = transmit ? TUMBLE_ACCESS_MAP_TRANSMIT : TUMBLE_ACCESS_MAP_RECEIVE;
+    tumble_entry_t entry =
+        tumble_dictionary_entry(dictionary, place, (uint16_t)(value >> 16), (uint8_t)((value >> 8) & 0xFFU));
 
-    return ((entry->access & needed) != 0U) && (bits == (entry->size * MAP_BITS));
+    return ((entry.access & needed) != 0U) && ((value & 0xFFU) == (entry.size * MAP_BITS));
 }
 
 static tumble_abort_t write_slot(tumble_pdo_t *pdo, const tumble_dictionary_t *dictionary, bool transmit, uint8_t slot,
@@ -201,15 +204,18 @@ static tumble_abort_t write_slot(tumble_pdo_t *pdo, const tumble_dictionary_t *d
     if (value == 0U) {
         pdo->written &= (uint8_t)~bit;
     } else {
-        const tumble_entry_t *entry = tumble_dictionary_find(dictionary, (uint16_t)(value >> 16),
-                                                             (uint8_t)((value >> 8) & 0xFFU), &refusal);
+        const uint16_t index = (uint16_t)(value >> 16);
+        const uint8_t subindex = (uint8_t)((value >> 8) & 0xFFU);
+        uint8_t place;
 
-        if (entry == NULL) {
-            /* refused */
-        } else if (!is_mappable(entry, transmit, value & 0xFFU)) {
+        refusal = tumble_dictionary_place(dictionary, index, subindex, &place);
+        if (refusal != TUMBLE_ABORT_NONE) {
+            /* no such object */
+        } else if (!is_mappable(dictionary, place, value, transmit)) {
             refusal = TUMBLE_ABORT_NOT_MAPPABLE;
         } else {
-            pdo->entry[slot] = (uint16_t)(entry - dictionary->table->entries);
+            pdo->place[slot] = place;
+            pdo->subindex[slot] = subindex;
             pdo->written |= bit;
         }
     }
@@ -224,11 +230,11 @@ static tumble_abort_t write_count(tumble_pdo_t *pdo, const tumble_dictionary_t *
     if (value > TUMBLE_MAX_MAPPED) {
         return TUMBLE_ABORT_VALUE;
     }
-    for (uint8_t slot = 0; slot < value; ++slot) {
+    for (uint32_t slot = 0; slot < value; ++slot) {
         if ((pdo->written & (1U << slot)) == 0U) {
             return TUMBLE_ABORT_NOT_MAPPABLE;
         }
-        length += dictionary->table->entries[pdo->entry[slot]].size;
+        length += dictionary->table->entries[pdo->place[slot]].size;
     }
     if (length > TUMBLE_CAN_MAX_BYTES) {
         return TUMBLE_ABORT_MAP_LENGTH;
@@ -258,15 +264,16 @@ static tumble_abort_t write_mapping(tumble_pdo_t *pdo, const tumble_dictionary_t
 tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
                                           uint8_t subindex, uint32_t value)
 {
+    const bool outward = is_transmit(index);
     tumble_transmit_pdo_t *transmit;
     tumble_pdo_t *pdo;
 
     if (!exists(index)) {
         return TUMBLE_ABORT_NO_OBJECT;
     }
-    transmit = is_transmit(index) ? &pdos->transmit[number_of(index)] : NULL;
-    pdo = (transmit != NULL) ? &transmit->pdo : &pdos->receive[number_of(index)];
-    return is_mapping(index) ? write_mapping(pdo, dictionary, transmit != NULL, subindex, value)
+    transmit = outward ? &pdos->transmit[number_of(index)] : NULL;
+    pdo = outward ? &transmit->pdo : &pdos->receive[number_of(index)];
+    return is_mapping(index) ? write_mapping(pdo, dictionary, outward, subindex, value)
                              : write_communication(pdo, transmit, subindex, value);
 }
 

@@ -23,11 +23,6 @@ typedef enum { TUMBLE_SDO_IDLE = 0, TUMBLE_SDO_UPLOAD, TUMBLE_SDO_DOWNLOAD } tum
 /* Server. A value is read whole when its upload starts and written whole when its download ends, so that neither is
  * torn. While an answer waits for the port, a further request (which no correct client sends) is dropped, counted. */
 typedef struct {
-    uint64_t deadline_us;     /* TUMBLE_NEVER: no transfer under way */
-    const tumble_entry_t *entry;
-    uint16_t dropped;         /* requests dropped: not eight bytes long, or sent before the last one was answered */
-    uint16_t aborted;         /* transfers refused or ended by an abort, either side's */
-    uint16_t index;           /* of the transfer, for aborts */
     uint8_t subindex;
     uint8_t transfer;         /* tumble_sdo_transfer_t */
     uint8_t size;             /* upload: bytes in all; download: bytes announced, 0 if none were */
@@ -35,6 +30,11 @@ typedef struct {
     uint8_t toggle;           /* 0x00 or 0x10: what the next segment must carry */
     uint8_t node;             /* 1 to 127 */
     bool answer_due;
+    uint16_t dropped;         /* requests dropped: not eight bytes long, or sent before the last one was answered */
+    uint16_t aborted;         /* transfers refused or ended by an abort, either side's */
+    uint16_t index;           /* of the transfer, for aborts */
+    uint64_t deadline_us;     /* TUMBLE_NEVER: no transfer under way */
+    tumble_entry_t entry;     /* download: of the object */
     uint8_t answer[TUMBLE_CAN_MAX_BYTES];
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
 } tumble_sdo_server_t;
@@ -57,13 +57,7 @@ uint64_t tumble_sdo_server_next_us(const tumble_sdo_server_t *server);
 /* Client. Ask with read or write, then look at `result` until it is no longer TUMBLE_E_SDO_BUSY. The server is reached
  * on its default identifiers. */
 typedef struct {
-    uint64_t deadline_us;     /* TUMBLE_NEVER: not waiting */
-    uint8_t *sink;            /* upload: the caller's memory; null: `value` below */
-    const uint8_t *source;    /* download: likewise */
-    uint32_t abort;           /* why the last transfer failed: the server's code or this end's; 0: it did not */
     tumble_status_t result;
-    uint16_t ignored;         /* answers that belong to no request: late, from before a timeout, malformed */
-    uint16_t index;
     uint8_t subindex;
     uint8_t node;             /* the server's */
     uint8_t transfer;         /* tumble_sdo_transfer_t */
@@ -73,6 +67,12 @@ typedef struct {
     uint8_t done;             /* bytes moved */
     uint8_t toggle;
     bool request_due;
+    uint16_t ignored;         /* answers that belong to no request: late, from before a timeout, malformed */
+    uint16_t index;
+    uint8_t *sink;            /* upload: the caller's memory; null: `value` below */
+    const uint8_t *source;    /* download: likewise */
+    uint32_t abort;           /* why the last transfer failed: the server's code or this end's; 0: it did not */
+    uint64_t deadline_us;     /* TUMBLE_NEVER: not waiting */
     uint8_t request[TUMBLE_CAN_MAX_BYTES];
     uint8_t value[8];
 } tumble_sdo_client_t;

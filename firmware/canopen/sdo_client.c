@@ -279,16 +279,14 @@ static void ignore(tumble_sdo_client_t *client)
 static void first_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
 {
     bool upload = client->transfer == (uint8_t)TUMBLE_SDO_UPLOAD;
-    uint8_t command = frame->data[0] & TUMBLE_SDO_COMMAND_MASK;
+    uint8_t expected = upload ? TUMBLE_SDO_UPLOAD_ANSWER : TUMBLE_SDO_DOWNLOAD_ANSWER;
 
-    if (!names_object(client, frame)) {
+    if (!names_object(client, frame) || ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) != expected)) {
         ignore(client);
-    } else if (upload && (command == TUMBLE_SDO_UPLOAD_ANSWER)) {
+    } else if (upload) {
         upload_begun(client, frame);
-    } else if (!upload && (command == TUMBLE_SDO_DOWNLOAD_ANSWER)) {
-        download_acknowledged(client);
     } else {
-        ignore(client);
+        download_acknowledged(client);
     }
 }
 

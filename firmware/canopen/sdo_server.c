@@ -78,11 +78,11 @@ static void answer_upload(tumble_sdo_server_t *server)
 
 static void begin_upload(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary)
 {
-    tumble_abort_t refusal;
-    const tumble_entry_t *entry = tumble_dictionary_find(dictionary, server->index, server->subindex, &refusal);
+    tumble_entry_t entry;
+    tumble_abort_t refusal = tumble_dictionary_find(dictionary, server->index, server->subindex, &entry);
 
-    if (entry != NULL) {
-        refusal = tumble_dictionary_read(dictionary, entry, server->bytes, &server->size);
+    if (refusal == TUMBLE_ABORT_NONE) {
+        refusal = tumble_dictionary_read(dictionary, &entry, server->bytes, &server->size);
     }
     if (refusal == TUMBLE_ABORT_NONE) {
         answer_upload(server);
@@ -109,7 +109,7 @@ static void send_segment(tumble_sdo_server_t *server)
 static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary, const uint8_t *bytes,
                         uint8_t size)
 {
-    tumble_abort_t refusal = tumble_dictionary_write(dictionary, server->entry, bytes, size);
+    tumble_abort_t refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
 
     if (refusal != TUMBLE_ABORT_NONE) {
         refuse(server, refusal);
@@ -125,8 +125,8 @@ static void download_expedited(tumble_sdo_server_t *server, const tumble_diction
 
     if ((command & TUMBLE_SDO_S) != 0U) {
         size = (uint8_t)(TUMBLE_SDO_EXPEDITED - ((command >> 2) & 3U));
-    } else if (server->entry->size < size) {
-        size = server->entry->size;
+    } else if (server->entry.size < size) {
+        size = server->entry.size;
     } else {
         /* all four */
     }
@@ -137,8 +137,8 @@ static void download_expedited(tumble_sdo_server_t *server, const tumble_diction
 static void begin_segmented_download(tumble_sdo_server_t *server, const tumble_can_frame_t *frame)
 {
     bool announced = (frame->data[0] & TUMBLE_SDO_S) != 0U;
-    uint32_t size = announced ? tumble_get_u32(&frame->data[4]) : server->entry->size;
-    tumble_abort_t refusal = tumble_dictionary_accepts(server->entry, size);
+    uint32_t size = announced ? tumble_get_u32(&frame->data[4]) : server->entry.size;
+    tumble_abort_t refusal = tumble_dictionary_accepts(&server->entry, size);
 
     if (refusal == TUMBLE_ABORT_NONE) {
         begin_segments(server, TUMBLE_SDO_DOWNLOAD);
@@ -152,10 +152,10 @@ static void begin_segmented_download(tumble_sdo_server_t *server, const tumble_c
 static void begin_download(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                            const tumble_can_frame_t *frame)
 {
-    tumble_abort_t refusal;
+    const tumble_abort_t refusal =
+        tumble_dictionary_find(dictionary, server->index, server->subindex, &server->entry);
 
-    server->entry = tumble_dictionary_find(dictionary, server->index, server->subindex, &refusal);
-    if (server->entry == NULL) {
+    if (refusal != TUMBLE_ABORT_NONE) {
         refuse(server, refusal);
     } else if ((frame->data[0] & TUMBLE_SDO_E) != 0U) {
         download_expedited(server, dictionary, frame);
@@ -179,7 +179,7 @@ static void take_segment(tumble_sdo_server_t *server, const tumble_dictionary_t 
 {
     uint8_t command = frame->data[0];
     uint8_t length = (uint8_t)(TUMBLE_SDO_SEGMENT - ((command >> 1) & 7U));
-    uint8_t room = (server->size != 0U) ? server->size : server->entry->size;
+    uint8_t room = (server->size != 0U) ? server->size : server->entry.size;
 
     if (length > (room - server->done)) {
         refuse(server, TUMBLE_ABORT_TOO_LONG);
@@ -256,12 +256,10 @@ static bool is_abort(const tumble_can_frame_t *frame)
 void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                                const tumble_can_frame_t *frame, uint64_t now_us)
 {
-    if (frame->length != TUMBLE_CAN_MAX_BYTES) {
+    if ((frame->length != TUMBLE_CAN_MAX_BYTES) || (server->answer_due && !is_abort(frame))) {
         count(&server->dropped);
     } else if (is_abort(frame)) {
         tumble_sdo_server_drop(server);
-    } else if (server->answer_due) {
-        count(&server->dropped);
     } else {
         serve(server, dictionary, frame);
         if (server->transfer != (uint8_t)TUMBLE_SDO_IDLE) {

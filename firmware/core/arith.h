@@ -1,33 +1,38 @@
-/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, a test for finite numbers.
+/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, and tests of one number.
  *
- * All three give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
- * firmware/core, because libraries differ in their last bit.
+ * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
+ * firmware/core, because libraries differ in their last bit. The tests are functions of their own: where comparing
+ * doubles is a call of the library, a place that asks then costs one call instead of several.
  */
 #ifndef TUMBLE_CORE_ARITH_H
 #define TUMBLE_CORE_ARITH_H
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 static inline double tumble_sqrt(double x)
 {
     return sqrt(x);
 }
 
+/* Clears the sign: of -0 it makes 0. */
 static inline double tumble_abs(double x)
 {
-    return (x < 0.0) ? -x : x;
+    uint64_t bits;
+    (void)memcpy(&bits, &x, sizeof bits);
+    bits &= ~(UINT64_C(1) << 63);
+    (void)memcpy(&x, &bits, sizeof x);
+    return x;
 }
 
-static inline bool tumble_is_finite(double x)
-{
-    return (x - x) == 0.0;
-}
+bool tumble_is_finite(double x);
+
+/* Above 0, and finite. */
+bool tumble_is_positive(double x);
 
 /* |x| <= bound, and false for a NaN: the comparison that validation wants. */
-static inline bool tumble_within(double x, double bound)
-{
-    return (x <= bound) && (x >= -bound);
-}
+bool tumble_within(double x, double bound);
 
 #endif

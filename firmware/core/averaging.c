@@ -34,7 +34,7 @@ static bool config_is_valid(const tumble_averaging_config_t *config)
     const double ratio = (double)config->stillness_ratio;
     const bool gates = (config->saturation_counts >= 1) && (config->stuck_run != 1U);
     const bool samples = (config->min_samples >= 1U) && ((int64_t)config->min_samples <= TUMBLE_MAX_SAMPLES);
-    const bool stillness = (noise >= 0.0) && tumble_is_finite(noise) && (ratio > 0.0) && tumble_is_finite(ratio);
+    const bool stillness = tumble_is_finite(noise) && !tumble_is_positive(-noise) && tumble_is_positive(ratio);
     return gates && samples && stillness;
 }
 
@@ -43,11 +43,7 @@ tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumbl
     if ((averaging == NULL) || (config == NULL) || !config_is_valid(config)) {
         return TUMBLE_E_ARGUMENT;
     }
-    for (int p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
-        averaging->averages[p] = (tumble_average_t){0};
-    }
-    averaging->open = (tumble_open_position_t){.index = NONE_OPEN};
-    averaging->counters = (tumble_averaging_counters_t){0};
+    *averaging = (tumble_averaging_t){.open.index = NONE_OPEN};
     return TUMBLE_OK;
 }
 

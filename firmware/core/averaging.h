@@ -5,8 +5,9 @@
  * accelerometers) and the constant configuration. Not re-entrant on one state; no other state is touched.
  *
  * Life of a position: begin, add (or accumulate) for every sample, finish. `finish` judges the gates; a position that
- * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted; one that
- * comes while no position is open, or when it is full, has its status alone.
+ * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted;
+ * one that comes while no position is open, or when it is full, is a mistake of the caller: the status tells, nothing
+ * counts it.
  */
 #ifndef TUMBLE_CORE_AVERAGING_H
 #define TUMBLE_CORE_AVERAGING_H
@@ -50,20 +51,20 @@ typedef struct {
 
 /* The open position. */
 typedef struct {
+    uint8_t index;
+    uint8_t faults; /* bits private to averaging.c */
+    uint16_t last_counter;
+    uint32_t lost;
     int64_t square_sum[TUMBLE_CHANNELS]; /* of deviations from `first` */
     int32_t first[TUMBLE_CHANNELS];
     int32_t last[TUMBLE_CHANNELS];
     uint16_t run[TUMBLE_CHANNELS]; /* how often `last` has come in a row */
-    uint16_t last_counter;
-    uint32_t lost;
-    uint8_t index;
-    uint8_t faults; /* bits private to averaging.c */
 } tumble_open_position_t;
 
 typedef struct {
-    tumble_average_t averages[TUMBLE_MAX_POSITIONS];
     tumble_open_position_t open;
     tumble_averaging_counters_t counters;
+    tumble_average_t averages[TUMBLE_MAX_POSITIONS];
 } tumble_averaging_t;
 
 static_assert(sizeof(tumble_averaging_t) <= 1536, "the averaging state of 36 positions must stay within 1.5 kB");

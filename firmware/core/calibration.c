@@ -1,21 +1,10 @@
 #include "core/calibration.h"
 
 #include "core/arith.h"
+#include "core/vector.h"
 
 #include <stdbool.h>
 #include <stddef.h>
-
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    c[0] = (a[1] * b[2]) - (a[2] * b[1]);
-    c[1] = (a[2] * b[0]) - (a[0] * b[2]);
-    c[2] = (a[0] * b[1]) - (a[1] * b[0]);
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return (a[0] * b[0]) + (a[1] * b[1]) + (a[2] * b[2]);
-}
 
 /* Lengths of the rows of K, each at least TUMBLE_MIN_ROW_RATIO of the longest. */
 static tumble_status_t row_lengths(const tumble_coefficients_t *coefficients, double length[TUMBLE_CHANNELS])
@@ -23,7 +12,7 @@ static tumble_status_t row_lengths(const tumble_coefficients_t *coefficients, do
     double longest = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *row = coefficients->k_v_per_g[i];
-        length[i] = tumble_sqrt(dot(row, row));
+        length[i] = tumble_sqrt(tumble_dot(row, row));
         if (!tumble_is_finite(length[i]) || !tumble_is_finite(coefficients->u0_v[i])) {
             return TUMBLE_E_NOT_FINITE;
         }
@@ -55,13 +44,13 @@ tumble_status_t tumble_calibration_invert(const tumble_coefficients_t *coefficie
         }
     }
     double column[3];
-    cross(unit[1], unit[2], column);
-    const double volume = dot(unit[0], column);
+    tumble_cross(unit[1], unit[2], column);
+    const double volume = tumble_dot(unit[0], column);
     if (tumble_within(volume, TUMBLE_MIN_ROW_VOLUME)) {
         return TUMBLE_E_SINGULAR;
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        cross(unit[(i + 1) % 3], unit[(i + 2) % 3], column);
+        tumble_cross(unit[(i + 1) % 3], unit[(i + 2) % 3], column);
         for (int j = 0; j < 3; j++) {
             calibration->k_inverse_g_per_v[j][i] = column[j] / (volume * length[i]);
         }
@@ -78,7 +67,7 @@ void tumble_calibration_apply(const tumble_calibration_t *calibration, const dou
         without_bias[i] = u_v[i] - calibration->u0_v[i];
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        a_g[i] = dot(calibration->k_inverse_g_per_v[i], without_bias);
+        a_g[i] = tumble_dot(calibration->k_inverse_g_per_v[i], without_bias);
     }
 }
 
@@ -105,9 +94,9 @@ tumble_status_t tumble_calibration_intrinsic(const tumble_coefficients_t *coeffi
     const double *x = coefficients->k_v_per_g[0];
     const double *y = coefficients->k_v_per_g[1];
     const double *z = coefficients->k_v_per_g[2];
-    intrinsic->cosine_xy = dot(x, y) / (length[0] * length[1]);
-    intrinsic->cosine_xz = dot(x, z) / (length[0] * length[2]);
-    intrinsic->cosine_yz = dot(y, z) / (length[1] * length[2]);
+    intrinsic->cosine_xy = tumble_dot(x, y) / (length[0] * length[1]);
+    intrinsic->cosine_xz = tumble_dot(x, z) / (length[0] * length[2]);
+    intrinsic->cosine_yz = tumble_dot(y, z) / (length[1] * length[2]);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         intrinsic->scale_v_per_g[i] = length[i];
         intrinsic->bias_g[i] = coefficients->u0_v[i] / length[i];

@@ -26,11 +26,15 @@ static harmonics_t harmonics(const tumble_means_t *means, const uint8_t index[9]
     for (int l = 1; l <= 9; l++) {
         u[l] = means->u_v[index[l - 1]][channel];
     }
-    const double d26 = u[2] - u[6];
-    const double d84 = u[8] - u[4];
-    const double c = ((u[1] - u[5]) + (u[9] - u[5])) + (SQRT2 * (d26 + d84));
-    const double s = (2.0 * (u[3] - u[7])) + (SQRT2 * (d26 - d84));
-    const double b = (((0.5 * (u[1] + u[9])) + u[5]) + (u[3] + u[7])) + ((u[2] + u[6]) + (u[4] + u[8]));
+    double difference[5]; /* of the positions l and l + 4, and their sum */
+    double sum[5];
+    for (int l = 1; l <= 4; l++) {
+        difference[l] = u[l] - u[l + 4];
+        sum[l] = u[l] + u[l + 4];
+    }
+    const double c = (difference[1] + (u[9] - u[5])) + (SQRT2 * (difference[2] - difference[4]));
+    const double s = (2.0 * difference[3]) + (SQRT2 * (difference[2] + difference[4]));
+    const double b = (((0.5 * (u[1] + u[9])) + u[5]) + sum[3]) + (sum[2] + sum[4]);
     return (harmonics_t){0.125 * c, 0.125 * s, 0.125 * b};
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/normal.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -9,18 +10,18 @@
 #define ANGLE_TOLERANCE 1e-12
 #define ROTATION_TOLERANCE 1e-9
 
-/* Taylor's series to x^17 and x^16: below 1e-16 of error up to 45 degrees. */
+/* Taylor's series to x^17 for the sine and x^18 for the cosine: below 1e-16 of error up to 45 degrees. */
 static void sine_cosine_of_small(double x, double *sine, double *cosine)
 {
     double term = 1.0;
-    *sine = 0.0;
-    *cosine = 1.0;
-    for (int k = 1; k <= 17; k += 2) {
+    double sums[2] = {1.0, 0.0}; /* of even and of odd powers */
+    for (unsigned k = 1; k <= 18U; k++) {
         term *= x / (double)k;
-        *sine += term;
-        term *= -x / (double)(k + 1);
-        *cosine += term;
+        sums[k % 2U] += term;
+        x = -x;
     }
+    *sine = sums[1];
+    *cosine = sums[0];
 }
 
 static bool angle_is_consistent(const tumble_angle_t *angle)
@@ -31,35 +32,29 @@ static bool angle_is_consistent(const tumble_angle_t *angle)
     const double quarters = (angle->deg / 90.0) + 40.5; /* 40 turns of a quarter make it positive, 0.5 rounds it */
     const int quarter = (int)quarters;
     const double rest_deg = angle->deg - (90.0 * (double)(quarter - 40));
-    double s;
-    double c;
-    sine_cosine_of_small(rest_deg * (3.14159265358979323846 / 180.0), &s, &c);
-    const double sines[4] = {s, c, -s, -c};
-    const double sine = sines[quarter & 3];
-    const double cosine = sines[(quarter + 1) & 3];
+    double sine;
+    double cosine;
+    sine_cosine_of_small(rest_deg * (3.14159265358979323846 / 180.0), &sine, &cosine);
+    for (int turn = quarter % 4; turn > 0; turn--) {
+        const double before = sine;
+        sine = cosine;
+        cosine = -before;
+    }
     return tumble_within(angle->sine - sine, ANGLE_TOLERANCE) && tumble_within(angle->cosine - cosine, ANGLE_TOLERANCE);
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return (a[0] * b[0]) + (a[1] * b[1]) + (a[2] * b[2]);
 }
 
 static bool is_proper_rotation(const double m[3][3])
 {
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j <= i; j++) {
-            if (!tumble_within(dot(m[i], m[j]) - ((i == j) ? 1.0 : 0.0), ROTATION_TOLERANCE)) {
+            if (!tumble_within(tumble_dot(m[i], m[j]) - ((i == j) ? 1.0 : 0.0), ROTATION_TOLERANCE)) {
                 return false;
             }
         }
     }
-    const double cross[3] = {
-        (m[0][1] * m[1][2]) - (m[0][2] * m[1][1]),
-        (m[0][2] * m[1][0]) - (m[0][0] * m[1][2]),
-        (m[0][0] * m[1][1]) - (m[0][1] * m[1][0]),
-    };
-    return dot(cross, m[2]) > 0.0;
+    double cross[3];
+    tumble_cross(m[0], m[1], cross);
+    return tumble_dot(cross, m[2]) > 0.0;
 }
 
 static uint8_t find_mounting(const tumble_schedule_t *schedule, uint8_t number)
@@ -149,7 +144,7 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
     const tumble_angle_t *angle = &schedule->positions[index].angle;
     const double f[3] = {mounting->tilt.cosine * angle->sine, mounting->tilt.sine, mounting->tilt.cosine * angle->cosine};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        a_g[i] = dot(mounting->matrix[i], f);
+        a_g[i] = tumble_dot(mounting->matrix[i], f);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/normal.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -17,7 +18,7 @@ static double gravity_error_g(const tumble_calibration_t *calibration, const dou
 {
     double a[TUMBLE_CHANNELS];
     tumble_calibration_apply(calibration, u_v, a);
-    return 0.5 * (((a[0] * a[0]) + (a[1] * a[1]) + (a[2] * a[2])) - 1.0);
+    return 0.5 * (tumble_dot(a, a) - 1.0);
 }
 
 static tumble_status_t judge_position(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -29,13 +30,11 @@ static tumble_status_t judge_position(const tumble_schedule_t *schedule, const t
         return TUMBLE_E_NOT_FINITE;
     }
     found->delta_g_g[p] = delta_g;
-    if (schedule->positions[p].use == TUMBLE_USE_FIT) {
-        found->max_abs_fit_g = larger(found->max_abs_fit_g, tumble_abs(delta_g));
-        found->fit_positions++;
-    } else {
-        found->max_abs_check_g = larger(found->max_abs_check_g, tumble_abs(delta_g));
-        found->check_positions++;
-    }
+    const bool fit = (schedule->positions[p].use == TUMBLE_USE_FIT);
+    double *const largest_g = fit ? &found->max_abs_fit_g : &found->max_abs_check_g;
+    uint8_t *const judged = fit ? &found->fit_positions : &found->check_positions;
+    *largest_g = larger(*largest_g, tumble_abs(delta_g));
+    *judged = (uint8_t)(*judged + 1U);
     return TUMBLE_OK;
 }
 
@@ -43,8 +42,8 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
                                      const tumble_calibration_t *calibration, double limit_g,
                                      tumble_gravity_check_t *check)
 {
-    if ((schedule == NULL) || (means == NULL) || (calibration == NULL) || (check == NULL) || !(limit_g > 0.0) ||
-        !tumble_is_finite(limit_g)) {
+    if ((schedule == NULL) || (means == NULL) || (calibration == NULL) || (check == NULL) ||
+        !tumble_is_positive(limit_g)) {
         return TUMBLE_E_ARGUMENT;
     }
     *check = (tumble_gravity_check_t){0};
@@ -58,7 +57,7 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
         }
     }
     const bool judged = (check->fit_positions > 0U) || (check->check_positions > 0U);
-    check->pass = judged && (check->max_abs_fit_g <= limit_g) && (check->max_abs_check_g <= limit_g);
+    check->pass = judged && (larger(check->max_abs_fit_g, check->max_abs_check_g) <= limit_g);
     return TUMBLE_OK;
 }
 

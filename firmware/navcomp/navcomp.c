@@ -24,12 +24,20 @@ static bool is_node(uint8_t node)
     return (node >= 1U) && (node <= MAX_NODE);
 }
 
+/* A silence that is no fault yet is shorter than the longest gap that eight bits tell from a step back. It is noticed
+ * up to a heartbeat late, for samples alone do not make a step look at the clock. */
+static bool counter_outlasts_silence(const tumble_navcomp_config_t *config)
+{
+    const uint64_t silence_ms = (uint64_t)config->procedure->sample_timeout_ms + config->heartbeat_ms;
+    return (silence_ms * US_PER_MS) <= ((uint64_t)TUMBLE_BLOCK_MAX_GAP * config->block_period_us);
+}
+
 static bool is_usable(const tumble_navcomp_config_t *config)
 {
     return (config != NULL) && (config->port != NULL) && (config->procedure != NULL) &&
            ((config->drive == NULL) || is_node(config->drive_node)) &&
-           ((config->source != NULL) || is_node(config->block_node)) && nodes_are_distinct(config) &&
-           (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
+           ((config->source != NULL) || (is_node(config->block_node) && counter_outlasts_silence(config))) &&
+           nodes_are_distinct(config) && (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
 }
 
 /* What the configuration says instead of the dictionary's power-on values. A node that is watched twice for a moment
@@ -132,8 +140,7 @@ static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 /* The state PDO goes when one of these has changed, and by its event timer. */
 static void show_state(tumble_navcomp_t *navcomp)
 {
-    const tumble_procedure_t *procedure = &navcomp->procedure;
-    const uint32_t shown = ((uint32_t)procedure->state << 16) | ((uint32_t)procedure->reason << 8) | procedure->index;
+    const uint32_t shown = tumble_procedure_mark(&navcomp->procedure);
     if (shown != navcomp->shown) {
         navcomp->shown = shown;
         tumble_pdo_trigger(&navcomp->node.pdos, STATE_PDO);
@@ -257,12 +264,6 @@ static void keep_operational(tumble_navcomp_t *navcomp, uint64_t now_us)
     }
 }
 
-static bool is_computing(const tumble_navcomp_t *navcomp)
-{
-    const tumble_state_t state = tumble_run_state(navcomp);
-    return (state == TUMBLE_STATE_SOLVE) || (state == TUMBLE_STATE_VERIFY) || (state == TUMBLE_STATE_PROPOSE);
-}
-
 static uint64_t later(uint64_t a_us, uint64_t b_us)
 {
     return (a_us > b_us) ? a_us : b_us;
@@ -285,12 +286,13 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
     const tumble_status_t last = navcomp->node.link.last;
     uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
     due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
+    due_us = earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
     due_us = earlier(due_us, tumble_has_drive(navcomp) ? tumble_drive402_next_us(&navcomp->axis.drive)
                                                        : tumble_operator_next_us(&navcomp->axis.person));
     if (block_waits(navcomp)) {
         due_us = earlier(due_us, navcomp->block_start_us);
     }
-    if (navcomp->more || is_computing(navcomp)) {
+    if (navcomp->more) {
         due_us = 0;
     }
     const bool refused = (last == TUMBLE_E_PORT_BUSY) || (last == TUMBLE_E_PORT_DOWN);

@@ -48,6 +48,8 @@ typedef struct {
     const tumble_operator_config_t *person;     /* with `drive` null; else may be null */
     const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
     const tumble_navcomp_hooks_t *hooks;        /* may be null */
+    uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
+                                    * heartbeat of ours together (block_frames.h); ignored with a source of one's own */
     uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */
     uint16_t heartbeat_timeout_ms; /* silence of drive or block that counts as its loss, above 0 */
     uint8_t node;                  /* node numbers, 1 to 127, all different */
@@ -69,11 +71,19 @@ typedef struct {
 
 /* The object. Its fields are private: read them through the functions below. */
 typedef struct {
+    int8_t temperature_half_c;
+    uint8_t restart;         /* an NMT reset came: what of */
+    bool woken;              /* this step has more to do than to take samples */
+    bool more;               /* the next one has something to do at once */
     const tumble_navcomp_config_t *config;
+    uint32_t shown;          /* what the state PDO told last */
+    uint64_t stepped_us;     /* clock of the last step */
+    uint64_t due_us;         /* of the next one if no frame comes */
+    uint64_t block_start_us; /* not before: the next NMT start for the block */
+    tumble_stand_t stand;
     tumble_procedure_config_t procedure_config;
     tumble_node_config_t node_config;
     tumble_node_t node;
-    tumble_stand_t stand;
     union {
         tumble_drive402_t drive;
         tumble_operator_t person;
@@ -82,22 +92,15 @@ typedef struct {
     tumble_procedure_t procedure;
     tumble_block_receiver_t block;
     tumble_navcomp_events_t events;
-    uint64_t stepped_us;     /* clock of the last step */
-    uint64_t due_us;         /* of the next one if no frame comes */
-    uint64_t block_start_us; /* not before: the next NMT start for the block */
-    uint32_t shown;          /* what the state PDO told last */
     tumble_navcomp_objects_t objects;
-    int8_t temperature_half_c;
-    uint8_t restart;         /* an NMT reset came: what of */
-    bool woken;              /* this step has more to do than to take samples */
-    bool more;               /* the next one has something to do at once */
 } tumble_navcomp_t;
 
 static_assert(sizeof(tumble_navcomp_t) <= ((sizeof(void *) == 4U) ? 4096U : 4608U), "4 kB of RAM is all there is");
 
 /* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
  * is checked when a run starts. Returns TUMBLE_OK, or _ARGUMENT: a null pointer that may not be null, a time of 0, node
- * numbers out of range or equal, a drive profile or operator configuration that its own room refuses. */
+ * numbers out of range or equal, a sample timeout too long for the block's counter, a drive profile or operator
+ * configuration that its own room refuses. */
 tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config);
 
 /* One step: drain what was received, advance timers, stand and procedure, send what is due. Returns at once; the work
@@ -106,7 +109,7 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
 void tumble_navcomp_step(tumble_navcomp_t *navcomp);
 
 /* The moment (port's clock) at which the next step is due if no frame comes; a moment that is over means at once.
- * Never more than a heartbeat away: the procedure's timeouts are as sharp as that. */
+ * Never more than a heartbeat away. Timeouts of the nodes, the stand and the procedure are deadlines too. */
 uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp);
 
 /* Give a command (commands.h); `argument` is what its comment says, else ignored. It takes effect at the next step at

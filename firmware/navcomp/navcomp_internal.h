@@ -26,10 +26,9 @@ static inline bool tumble_has_block(const tumble_navcomp_t *navcomp)
     return navcomp->config->source == NULL;
 }
 
-/* Read directly, because every step asks several times. */
 static inline tumble_state_t tumble_run_state(const tumble_navcomp_t *navcomp)
 {
-    return navcomp->procedure.state;
+    return tumble_procedure_state(&navcomp->procedure);
 }
 
 /* The block streams, or is none of our business. Tell the procedure. */

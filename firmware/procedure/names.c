@@ -5,21 +5,20 @@ typedef struct {
     const char *sentence;
 } entry_t;
 
-#define ENTRY(value, sentence) {#value, sentence},
-
-static const entry_t states[] = {TUMBLE_STATE_LIST(ENTRY)};
-static const entry_t reasons[] = {TUMBLE_REASON_LIST(ENTRY)};
-static const entry_t unknown_state = {"TUMBLE_STATE_UNKNOWN", "this state is not in the list"};
-static const entry_t unknown_reason = {"TUMBLE_REASON_UNKNOWN", "this reason is not in the list"};
+#define ENTRY(value, sentence) {#value, (sentence)},
 
 static const entry_t *state_entry(tumble_state_t state)
 {
+    static const entry_t states[] = {TUMBLE_STATE_LIST(ENTRY)};
+    static const entry_t unknown_state = {"TUMBLE_STATE_UNKNOWN", "this state is not in the list"};
     const unsigned index = (unsigned)state;
     return (index < (unsigned)TUMBLE_STATE_COUNT) ? &states[index] : &unknown_state;
 }
 
 static const entry_t *reason_entry(tumble_reason_t reason)
 {
+    static const entry_t reasons[] = {TUMBLE_REASON_LIST(ENTRY)};
+    static const entry_t unknown_reason = {"TUMBLE_REASON_UNKNOWN", "this reason is not in the list"};
     const unsigned index = (unsigned)reason;
     return (index < (unsigned)TUMBLE_REASON_COUNT) ? &reasons[index] : &unknown_reason;
 }

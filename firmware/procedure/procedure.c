@@ -3,6 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#define US_PER_MS 1000U
+
 /* The engine. */
 
 static const tumble_row_t *row_of(const tumble_procedure_t *procedure)
@@ -28,7 +30,7 @@ static outcome_t enter(tumble_procedure_t *procedure, tumble_state_t state)
 static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
 {
     const tumble_row_t *row = row_of(procedure);
-    const uint8_t next[] = {
+    const uint8_t next[OUTCOME_FAULT + 1] = {
         [OUTCOME_DONE] = row->done, [OUTCOME_OTHER] = row->other, [OUTCOME_FAULT] = TUMBLE_STATE_FAULT};
     return enter(procedure, (tumble_state_t)next[outcome]);
 }
@@ -83,13 +85,23 @@ static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
 static uint32_t timeout_ms(const tumble_procedure_t *procedure, size_t offset)
 {
     uint32_t ms;
-    memcpy(&ms, (const unsigned char *)procedure->config + offset, sizeof ms);
+    (void)memcpy(&ms, (const unsigned char *)procedure->config + offset, sizeof ms);
     return ms;
 }
 
-static bool is_over(uint64_t now_us, uint64_t since_us, uint32_t ms)
+/* When the state has lasted too long, and when the block has been silent for too long in it. */
+static uint64_t late_us(const tumble_procedure_t *procedure)
 {
-    return (now_us - since_us) >= ((uint64_t)ms * 1000U);
+    const size_t offset = row_of(procedure)->timeout;
+    const uint64_t lasts_us = (uint64_t)timeout_ms(procedure, offset) * US_PER_MS;
+    return (offset != 0U) ? (procedure->entered_us + lasts_us) : UINT64_MAX;
+}
+
+static uint64_t silent_us(const tumble_procedure_t *procedure)
+{
+    const bool watched = (row_of(procedure)->watch & WATCH_SAMPLES) != 0U;
+    const uint64_t lasts_us = (uint64_t)procedure->config->sample_timeout_ms * US_PER_MS;
+    return watched ? (procedure->heard_us + lasts_us) : UINT64_MAX;
 }
 
 /* Timers run from the first step after their cause, so that commands and samples need no clock. */
@@ -113,11 +125,8 @@ static void read_clock(tumble_procedure_t *procedure, uint64_t now_us)
 static outcome_t end_late(tumble_procedure_t *procedure)
 {
     const tumble_row_t *row = row_of(procedure);
-    const bool silent = ((row->watch & WATCH_SAMPLES) != 0U) &&
-                        is_over(procedure->now_us, procedure->heard_us, procedure->config->sample_timeout_ms);
-    const bool late = (row->timeout != 0U) &&
-                      is_over(procedure->now_us, procedure->entered_us, timeout_ms(procedure, row->timeout));
-    if (!silent && !late) {
+    const bool silent = (procedure->now_us >= silent_us(procedure));
+    if (!silent && (procedure->now_us < late_us(procedure))) {
         return OUTCOME_STAY;
     }
     tumble_add_up(&procedure->counters.timeouts, 1U);
@@ -132,6 +141,14 @@ void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
     follow(procedure, look(procedure));
     read_clock(procedure, now_us);
     follow(procedure, end_late(procedure));
+}
+
+uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure)
+{
+    const uint64_t a_us = late_us(procedure);
+    const uint64_t b_us = silent_us(procedure);
+    const uint64_t end_us = (a_us < b_us) ? a_us : b_us;
+    return (procedure->restart_timer || row_of(procedure)->pauses) ? 0U : end_us;
 }
 
 /* Samples. */
@@ -184,7 +201,7 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
     if ((procedure == NULL) || (config == NULL) || (stand == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    memset(procedure, 0, sizeof *procedure);
+    (void)memset(procedure, 0, sizeof *procedure);
     procedure->config = config;
     procedure->stand = stand;
     procedure->mounted = TUMBLE_NOT_MOUNTED;
@@ -217,7 +234,7 @@ tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure)
     procedure->index = 0;
     procedure->attempt = 0;
     procedure->restart_run = true;
-    memset(procedure->closure_g, 0, sizeof procedure->closure_g);
+    (void)memset(procedure->closure_g, 0, sizeof procedure->closure_g);
     go_to(procedure, TUMBLE_STATE_PREFLIGHT);
     return TUMBLE_OK;
 }

@@ -96,29 +96,6 @@ typedef struct {
 
 /* The object. Its fields are private: read them through the functions below. */
 typedef struct {
-    const tumble_procedure_config_t *config;
-    const tumble_stand_t *stand;
-    tumble_averaging_t averaging;
-    union {
-        tumble_means_t means;         /* while a closure is checked, in SOLVE and in VERIFY */
-        tumble_gravity_check_t check; /* from PROPOSE on */
-    } work;
-    tumble_coefficients_t coefficients;
-    tumble_calibration_t calibration;
-    float closure_g[TUMBLE_MAX_MOUNTINGS]; /* 0 where there is none (yet) */
-    tumble_procedure_counters_t counters;
-    tumble_refusal_t refusal;
-    uint64_t now_us;
-    uint64_t started_us;
-    uint64_t entered_us;
-    uint64_t heard_us;
-    double target_deg;   /* where the position is measured */
-    uint32_t settled_ms; /* of the block's time since the table is in position */
-    uint16_t corrupted;  /* frames at this position */
-    uint16_t warm_run;   /* samples within the band */
-    uint16_t last_counter;
-    uint16_t last_timestamp_ms;
-    uint16_t drive_code;
     int8_t coldest_half_c;
     int8_t warmest_half_c;
     tumble_state_t state;
@@ -140,6 +117,29 @@ typedef struct {
     bool solved; /* there is a result */
     bool block_alive;
     bool bus_up;
+    uint16_t corrupted;  /* frames at this position */
+    uint16_t warm_run;   /* samples within the band */
+    uint16_t last_counter;
+    uint16_t last_timestamp_ms;
+    uint16_t drive_code;
+    const tumble_procedure_config_t *config;
+    const tumble_stand_t *stand;
+    uint32_t settled_ms; /* of the block's time since the table is in position */
+    uint64_t now_us;
+    uint64_t started_us;
+    uint64_t entered_us;
+    uint64_t heard_us;
+    double target_deg;   /* where the position is measured */
+    tumble_refusal_t refusal;
+    tumble_averaging_t averaging;
+    union {
+        tumble_means_t means;         /* while a closure is checked, in SOLVE and in VERIFY */
+        tumble_gravity_check_t check; /* from PROPOSE on */
+    } work;
+    tumble_coefficients_t coefficients;
+    tumble_calibration_t calibration;
+    float closure_g[TUMBLE_MAX_MOUNTINGS]; /* 0 where there is none (yet) */
+    tumble_procedure_counters_t counters;
 } tumble_procedure_t;
 
 /* Would a run with this configuration be refused at once? PREFLIGHT asks the same. `reason` (may be null) receives
@@ -157,6 +157,10 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
 /* Let time pass: look at the stand, go on, watch the timeouts. `now_us` never goes back. It may be called as often as
  * one likes; call it after every frame handed to the stand, so that a replay sees the stand in the same states. */
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us);
+
+/* The moment at which step has something to do by itself, a timeout of the present state; 0: at once; UINT64_MAX: never.
+ * Silence of the block counts from the first step after its last sample. */
+uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure);
 
 /* Which mean a sample went into. Ordinal 1: the position begins (again), what it held before is forgotten. */
 typedef struct {
@@ -204,6 +208,19 @@ tumble_status_t tumble_procedure_repeat_position(tumble_procedure_t *procedure, 
 /* Measure a mounting anew, from mounting it. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
 tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, uint8_t mounting);
 
+/* Looks that cost nothing, for those who look at every step. The mark changes exactly when state, reason, position or
+ * attempt do; 0 before the first start. */
+static inline tumble_state_t tumble_procedure_state(const tumble_procedure_t *procedure)
+{
+    return procedure->state;
+}
+
+static inline uint32_t tumble_procedure_mark(const tumble_procedure_t *procedure)
+{
+    return ((uint32_t)procedure->state << 24) | ((uint32_t)procedure->reason << 16) |
+           ((uint32_t)procedure->index << 8) | procedure->attempt;
+}
+
 /* Where the run stands, and what an estimate of the remaining time needs. */
 typedef struct {
     tumble_state_t state;
@@ -214,8 +231,8 @@ typedef struct {
     uint8_t index;            /* of the position in the schedule, 0 to count - 1 */
     uint8_t count;            /* positions of the schedule */
     uint8_t finished;         /* of those, with a mean */
-    uint8_t position;         /* numbers of that position and its mounting; in WAIT_MOUNTING the mounting asked for */
-    uint8_t mounting;
+    uint8_t mounting;         /* numbers of that position's mounting (in WAIT_MOUNTING the one asked for) and its own */
+    uint8_t position;
     uint8_t attempt;          /* 0 at the first, 1 at the first repetition, ... */
     uint32_t samples;         /* in the open mean */
     uint32_t samples_wanted;

@@ -11,22 +11,20 @@ typedef struct {
 
 #define REFUSAL(status, reason, mendable) {(uint8_t)TUMBLE_E_##status, (uint8_t)TUMBLE_REASON_##reason, (mendable)}
 
-static const refusal_row_t refusals[] = {
-    REFUSAL(LOST, SAMPLES_LOST, true),
-    REFUSAL(TOO_FEW, SAMPLES_LOST, true),
-    REFUSAL(CRC, SAMPLES_CORRUPTED, true),
-    REFUSAL(NOT_STILL, NOT_STILL, true),
-    REFUSAL(DEVIATION, NOT_STILL, true),
-    REFUSAL(SATURATED, SATURATED, false),
-    REFUSAL(STUCK, STUCK, false),
-};
-
-#define REFUSAL_COUNT (sizeof refusals / sizeof refusals[0])
-
 outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status)
 {
+    static const refusal_row_t refusals[] = {
+        REFUSAL(LOST, SAMPLES_LOST, true),
+        REFUSAL(TOO_FEW, SAMPLES_LOST, true),
+        REFUSAL(CRC, SAMPLES_CORRUPTED, true),
+        REFUSAL(NOT_STILL, NOT_STILL, true),
+        REFUSAL(DEVIATION, NOT_STILL, true),
+        REFUSAL(SATURATED, SATURATED, false),
+        REFUSAL(STUCK, STUCK, false),
+    };
+    const size_t last = (sizeof refusals / sizeof refusals[0]) - 1U;
     size_t row = 0;
-    while ((row < (REFUSAL_COUNT - 1U)) && (refusals[row].status != (uint8_t)status)) {
+    while ((row < last) && (refusals[row].status != (uint8_t)status)) {
         row++;
     }
     procedure->status = status;

@@ -1,6 +1,7 @@
 #include "procedure/procedure_internal.h"
 
 #include "core/arith.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -25,17 +26,6 @@ typedef struct {
 
 #define NUMBER(member, signs) {(uint8_t)offsetof(tumble_procedure_config_t, member), (signs)}
 
-static const number_row_t number_rows[] = {
-    NUMBER(v_per_count, NEGATIVE | POSITIVE),
-    NUMBER(nominal_scale_v_per_g, NEGATIVE | POSITIVE),
-    NUMBER(gravity_limit_g, POSITIVE),
-    NUMBER(closure_limit_g, POSITIVE),
-    NUMBER(position_tolerance_deg, POSITIVE),
-    NUMBER(approach_deg, ZERO | POSITIVE),
-    NUMBER(cable_min_deg, ANY),
-    NUMBER(cable_max_deg, ANY),
-};
-
 static unsigned sign_of(double x)
 {
     return (x > 0.0) ? POSITIVE : (x < 0.0) ? NEGATIVE : ZERO;
@@ -43,10 +33,20 @@ static unsigned sign_of(double x)
 
 static bool numbers_are_valid(const tumble_procedure_config_t *config)
 {
+    static const number_row_t number_rows[] = {
+        NUMBER(v_per_count, NEGATIVE | POSITIVE),
+        NUMBER(nominal_scale_v_per_g, NEGATIVE | POSITIVE),
+        NUMBER(gravity_limit_g, POSITIVE),
+        NUMBER(closure_limit_g, POSITIVE),
+        NUMBER(position_tolerance_deg, POSITIVE),
+        NUMBER(approach_deg, ZERO | POSITIVE),
+        NUMBER(cable_min_deg, ANY),
+        NUMBER(cable_max_deg, ANY),
+    };
     bool valid = true;
     for (size_t i = 0; i < (sizeof number_rows / sizeof number_rows[0]); i++) {
         double x;
-        memcpy(&x, (const unsigned char *)config + number_rows[i].offset, sizeof x);
+        (void)memcpy(&x, (const unsigned char *)config + number_rows[i].offset, sizeof x);
         valid = valid && tumble_is_finite(x) && ((sign_of(x) & number_rows[i].signs) != 0U);
     }
     return valid && (config->cable_min_deg < config->cable_max_deg);
@@ -145,20 +145,19 @@ bool tumble_choose_turn(const tumble_procedure_config_t *config, double schedule
 
 /* The direction of gravity. */
 
-static double distance_g(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS])
+static void subtract(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS],
+                     double difference[TUMBLE_CHANNELS])
 {
-    double square = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        square += (a[i] - b[i]) * (a[i] - b[i]);
+        difference[i] = a[i] - b[i];
     }
-    return tumble_sqrt(square);
 }
 
-static void subtract(double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS])
+static double distance_g(const double a[TUMBLE_CHANNELS], const double b[TUMBLE_CHANNELS])
 {
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        a[i] -= b[i];
-    }
+    double difference[TUMBLE_CHANNELS];
+    subtract(a, b, difference);
+    return tumble_sqrt(tumble_dot(difference, difference));
 }
 
 /* The mean of a position over the nominal scale: specific force plus bias, in g. */
@@ -189,7 +188,7 @@ static void expected_g(const tumble_schedule_t *schedule, uint8_t index, uint8_t
     if (reference != schedule->position_count) {
         double earlier[TUMBLE_CHANNELS];
         attitude_in(schedule, reference, mounting_index, earlier);
-        subtract(expected, earlier);
+        subtract(expected, earlier, expected);
     }
 }
 
@@ -198,8 +197,9 @@ static void sort_sizes(const double v[TUMBLE_CHANNELS], double sorted[TUMBLE_CHA
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double size = tumble_abs(v[i]);
         int place = i;
-        for (; (place > 0) && (sorted[place - 1] > size); place--) {
+        while ((place > 0) && (sorted[place - 1] > size)) {
             sorted[place] = sorted[place - 1];
+            place--;
         }
         sorted[place] = size;
     }
@@ -251,7 +251,7 @@ tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint
     if (!is_first) {
         double earlier[TUMBLE_CHANNELS];
         seen_g(procedure, reference, earlier);
-        subtract(seen, earlier);
+        subtract(seen, earlier, seen);
     }
     double expected[TUMBLE_CHANNELS];
     expected_g(schedule, index, reference, tumble_mounting_index(schedule, index), expected);

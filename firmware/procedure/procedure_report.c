@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
+
 #include <stddef.h>
 
 void tumble_add_up(uint32_t *counter, uint32_t by)
@@ -79,7 +81,7 @@ tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, do
     const tumble_status_t status = tumble_averaging_running(&procedure->averaging, mean_v, standard_error_v);
     if (status == TUMBLE_OK) {
         const double v_per_count = procedure->config->v_per_count;
-        const double size_v = (v_per_count < 0.0) ? -v_per_count : v_per_count;
+        const double size_v = tumble_abs(v_per_count);
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             mean_v[i] *= v_per_count;
             standard_error_v[i] *= size_v;

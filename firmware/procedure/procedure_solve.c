@@ -3,12 +3,6 @@
 typedef tumble_status_t (*estimator_t)(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                        tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
-static const estimator_t estimators[] = {
-    [TUMBLE_ESTIMATE_AVERAGED] = tumble_estimate_averaged,
-    [TUMBLE_ESTIMATE_REFINED] = tumble_estimate_refined,
-    [TUMBLE_ESTIMATE_LEAST_SQUARES] = tumble_estimate_least_squares,
-};
-
 static outcome_t fail_to_solve(tumble_procedure_t *procedure, tumble_status_t status)
 {
     procedure->status = status;
@@ -22,6 +16,11 @@ static void make_means(tumble_procedure_t *procedure)
 
 outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
 {
+    static const estimator_t estimators[TUMBLE_ESTIMATE_LEAST_SQUARES + 1] = {
+        [TUMBLE_ESTIMATE_AVERAGED] = tumble_estimate_averaged,
+        [TUMBLE_ESTIMATE_REFINED] = tumble_estimate_refined,
+        [TUMBLE_ESTIMATE_LEAST_SQUARES] = tumble_estimate_least_squares,
+    };
     const tumble_procedure_config_t *config = procedure->config;
     make_means(procedure);
     tumble_status_t status = estimators[config->estimate](config->schedule, &procedure->work.means,

@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
+
 #define UNHEALTHY (TUMBLE_SAMPLE_SELF_TEST | TUMBLE_SAMPLE_CONVERTER)
 
 outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason)
@@ -15,7 +17,7 @@ tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
 
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
 {
-    static const uint8_t reasons[] = {
+    static const uint8_t reasons[TUMBLE_STAND_FAULT_TIMEOUT + 1] = {
         [TUMBLE_STAND_FAULT_NONE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_DRIVE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_STALL] = TUMBLE_REASON_STALL,
@@ -243,8 +245,7 @@ outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
 bool tumble_table_slipped(const tumble_procedure_t *procedure)
 {
     const double off_deg = procedure->stand->angle_deg(procedure->stand->self) - procedure->target_deg;
-    const double tolerance_deg = procedure->config->position_tolerance_deg;
-    return !((off_deg <= tolerance_deg) && (off_deg >= -tolerance_deg));
+    return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
 }
 
 outcome_t tumble_settle_poll(tumble_procedure_t *procedure)

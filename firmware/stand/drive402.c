@@ -111,7 +111,7 @@ void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number)
 static uint32_t timeout_ms(const tumble_drive402_t *drive)
 {
     uint32_t ms;
-    memcpy(&ms, (const unsigned char *)drive->profile + tumble_drive_rows[drive->phase].timeout, sizeof ms);
+    (void)memcpy(&ms, (const unsigned char *)drive->profile + tumble_drive_rows[drive->phase].timeout, sizeof ms);
     return ms;
 }
 

@@ -73,7 +73,7 @@ typedef struct {
 
     /* The bus. The drive's receive PDOs, one or two, must carry 6040h and 607Ah, and may carry 6060h; its transmit
      * PDOs, one or two, must carry 6041h and 6064h, and may carry what else they like (8, 16 or 32 bits each). Give
-     * the one with 6041h an event timer. */
+     * the one with 6041h an event timer. 607Ah is read back by SDO before every set-point. */
     const tumble_drive_pdo_t *receive;
     const tumble_drive_pdo_t *transmit;
     uint8_t receive_count;
@@ -101,15 +101,6 @@ typedef struct {
 
 /* The object; its fields are private. */
 typedef struct {
-    const tumble_drive_profile_t *profile;
-    tumble_node_t *node;
-    tumble_drive_mirror_t *mirror;
-    uint64_t entered_us;
-    int64_t actual_counts; /* unwrapped */
-    int64_t goal_counts;   /* of the move under way */
-    int64_t set_counts;    /* of its present set-point; the goal but for long ways of a wrapping drive */
-    tumble_drive_refusal_t refusal;
-    uint16_t code;         /* of the last emergency message */
     uint8_t drive_node;
     uint8_t phase;
     uint8_t write;         /* next step of the configuration */
@@ -125,6 +116,15 @@ typedef struct {
     bool homed;
     bool arrived;          /* at home or at the goal; */
     bool at_goal;          /* the latter, so that target reached must stay */
+    uint16_t code;         /* of the last emergency message */
+    const tumble_drive_profile_t *profile;
+    tumble_node_t *node;
+    tumble_drive_mirror_t *mirror;
+    uint64_t entered_us;
+    int64_t actual_counts; /* unwrapped */
+    int64_t goal_counts;   /* of the move under way */
+    int64_t set_counts;    /* of its present set-point; the goal but for long ways of a wrapping drive */
+    tumble_drive_refusal_t refusal;
 } tumble_drive402_t;
 
 /* Is a profile usable? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */

@@ -20,7 +20,7 @@ typedef enum {
     PHASE_HOME_MODE,  /* changing to homing mode */
     PHASE_HOMING,
     PHASE_MOVE_MODE,  /* changing back to profile position mode */
-    PHASE_TARGET,     /* the target is sent, bit 4 low */
+    PHASE_TARGET,     /* the target is sent and read back, bit 4 low */
     PHASE_SET_POINT,  /* bit 4 high, waiting for bit 12 */
     PHASE_RELEASE,    /* bit 4 low again, waiting for bit 12 to fall */
     PHASE_MOVING,     /* waiting for target reached */
@@ -69,6 +69,11 @@ bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits);
 
 /* Write the mode by SDO, then read its display until it shows it; then go on. */
 void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next);
+
+/* Start to read an object of the drive; and, true when nothing is under way any more (a transfer that went wrong is a
+ * fault). */
+void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index);
+bool tumble_drive_is_answered(tumble_drive402_t *drive);
 
 /* Give up what is under way by SDO or NMT. */
 void tumble_drive_leave_sdo(tumble_drive402_t *drive);

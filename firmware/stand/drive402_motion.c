@@ -69,11 +69,25 @@ void tumble_drive_enter_target(tumble_drive402_t *drive)
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
 }
 
+/* Process data are not acknowledged, and a drive that has missed its target would go to an old one at the edge: so the
+ * target is read back, and sent again until it is there. */
 void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_is_blocked(drive) && !tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE)) {
+    if (tumble_drive_is_blocked(drive) || tumble_drive_has(drive, TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE) ||
+        !tumble_drive_is_answered(drive)) {
+        return;
+    }
+    if (drive->asked == ASKED_NOTHING) {
+        tumble_drive_ask(drive, TUMBLE_402_TARGET_POSITION);
+        return;
+    }
+    drive->asked = ASKED_NOTHING;
+    if (tumble_sdo_client_u32(&drive->node->client) == (uint32_t)drive->mirror->target_position) {
         tumble_drive_go(drive, PHASE_SET_POINT);
+    } else {
+        tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
+        drive->blocked = true;
     }
 }
 

@@ -78,20 +78,21 @@ int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t ra
 
 /* What is written: further objects, these, then the PDOs. */
 
-typedef enum {
+/* object_row_t.kind */
+enum {
     VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile */
     VALUE_BYTE,
     VALUE_WORD,
     VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them */
     VALUE_VELOCITY,     /* quantities: 0 is not written */
     VALUE_ACCELERATION
-} value_kind_t;
+};
 
 typedef struct {
     uint16_t index;
     uint8_t subindex;
     uint8_t size;
-    uint8_t kind; /* value_kind_t */
+    uint8_t kind;
     uint8_t number;
 } object_row_t;
 
@@ -124,7 +125,7 @@ static bool is_quantity(const object_row_t *row)
 static double units_of(const tumble_drive_profile_t *profile, const object_row_t *row)
 {
     double quantity;
-    memcpy(&quantity, (const unsigned char *)profile + row->number, sizeof quantity);
+    (void)memcpy(&quantity, (const unsigned char *)profile + row->number, sizeof quantity);
     const bool is_velocity = (row->kind == (uint8_t)VALUE_VELOCITY);
     return quantity * (is_velocity ? profile->velocity_units_per_deg_s : profile->acceleration_units_per_deg_s2);
 }
@@ -133,7 +134,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
 {
     const unsigned char *at = (const unsigned char *)drive->profile + row->number;
     uint16_t word;
-    memcpy(&word, at, sizeof word);
+    (void)memcpy(&word, at, sizeof word);
     switch (row->kind) {
     case VALUE_CONSTANT:
         return row->number;
@@ -166,7 +167,7 @@ static void write_object(const tumble_drive402_t *drive, const object_row_t *row
 #define PDO_INHIBIT (PDO_COUNT + 2U)
 #define PDO_EVENT (PDO_COUNT + 3U)
 #define PDO_ENABLE (PDO_COUNT + 4U)
-#define PDO_STEPS (PDO_COUNT + 5U)
+#define PDO_STEPS (PDO_ENABLE + 1U)
 
 /* The parameter of a step: its subindex, size and value; size 0: nothing to write. */
 static void write_parameter(const tumble_pdo_setup_t *setup, bool transmit, uint8_t step, tumble_drive_write_t *write)
@@ -255,15 +256,14 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
 static_assert((TUMBLE_DRIVE402_PDOS <= TUMBLE_MAX_TRANSMIT_PDOS) && (TUMBLE_DRIVE402_PDOS <= TUMBLE_MAX_RECEIVE_PDOS),
               "the node must have the PDOs that the drive may need");
 
-/* The drive's objects, in the order of the mirror's subindices, from 1. */
-static const uint16_t mirrored[] = {
-    TUMBLE_402_CONTROLWORD,  TUMBLE_402_TARGET_POSITION, TUMBLE_402_MODE,            TUMBLE_402_STATUSWORD,
-    TUMBLE_402_POSITION_ACTUAL, TUMBLE_402_MODE_DISPLAY, TUMBLE_402_VELOCITY_ACTUAL, TUMBLE_402_ERROR_CODE,
-};
-
 /* The object of ours that stands for one of the drive's; what we have no use for goes into CiA 301's dummies. */
 static uint32_t own_object(uint32_t object)
 {
+    static const uint16_t mirrored[] = {
+        /* in the order of the mirror's subindices, from 1 */
+        TUMBLE_402_CONTROLWORD,     TUMBLE_402_TARGET_POSITION, TUMBLE_402_MODE,            TUMBLE_402_STATUSWORD,
+        TUMBLE_402_POSITION_ACTUAL, TUMBLE_402_MODE_DISPLAY,    TUMBLE_402_VELOCITY_ACTUAL, TUMBLE_402_ERROR_CODE,
+    };
     const uint32_t bits = object & 0xFFU;
     for (unsigned i = 0; i < (sizeof mirrored / sizeof mirrored[0]); i++) {
         if (object == TUMBLE_MAP(mirrored[i], 0, bits)) {
@@ -304,23 +304,21 @@ bool tumble_drive_map_own(const tumble_drive402_t *drive)
 
 /* Is a profile usable? */
 
-static const uint8_t positive_numbers[] = {AT(counts_per_revolution), AT(velocity_units_per_deg_s),
-                                           AT(acceleration_units_per_deg_s2)};
-
-static const uint8_t times[] = {AT(start_timeout_ms), AT(power_timeout_ms), AT(handshake_timeout_ms),
-                                AT(home_timeout_ms),  AT(move_timeout_ms),  AT(stop_timeout_ms)};
-
 static bool numbers_are_valid(const tumble_drive_profile_t *profile)
 {
+    static const uint8_t positive_numbers[] = {AT(counts_per_revolution), AT(velocity_units_per_deg_s),
+                                               AT(acceleration_units_per_deg_s2)};
+    static const uint8_t times[] = {AT(start_timeout_ms), AT(power_timeout_ms), AT(handshake_timeout_ms),
+                                    AT(home_timeout_ms),  AT(move_timeout_ms),  AT(stop_timeout_ms)};
     bool valid = true;
     for (unsigned i = 0; i < sizeof positive_numbers; i++) {
         double x;
-        memcpy(&x, (const unsigned char *)profile + positive_numbers[i], sizeof x);
-        valid = valid && (x > 0.0) && tumble_is_finite(x);
+        (void)memcpy(&x, (const unsigned char *)profile + positive_numbers[i], sizeof x);
+        valid = valid && tumble_is_positive(x);
     }
     for (unsigned i = 0; i < sizeof times; i++) {
         uint32_t ms;
-        memcpy(&ms, (const unsigned char *)profile + times[i], sizeof ms);
+        (void)memcpy(&ms, (const unsigned char *)profile + times[i], sizeof ms);
         valid = valid && (ms > 0U);
     }
     return valid && (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&

@@ -17,8 +17,7 @@ static void ask_write(tumble_drive402_t *drive, const tumble_drive_write_t *writ
     drive->asked = (status == TUMBLE_OK) ? ASKED_WRITE : ASKED_NOTHING;
 }
 
-/* True when nothing is under way any more; a transfer that went wrong is a fault. */
-static bool is_answered(tumble_drive402_t *drive)
+bool tumble_drive_is_answered(tumble_drive402_t *drive)
 {
     const tumble_sdo_client_t *client = &drive->node->client;
     const tumble_status_t result = tumble_sdo_client_result(client);
@@ -43,7 +42,7 @@ void tumble_drive_enter_configure(tumble_drive402_t *drive)
 void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!is_answered(drive)) {
+    if (!tumble_drive_is_answered(drive)) {
         return;
     }
     if (drive->asked != ASKED_NOTHING) {
@@ -61,10 +60,16 @@ void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
     tumble_drive_go(drive, PHASE_START);
 }
 
+void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index)
+{
+    drive->asked = ASKED_READ;
+    (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, index, 0);
+}
+
 /* Write the mode, then read its display until it shows it. */
 void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next)
 {
-    if (!is_answered(drive)) {
+    if (!tumble_drive_is_answered(drive)) {
         return;
     }
     if (drive->asked == ASKED_NOTHING) {
@@ -78,8 +83,7 @@ void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_
         tumble_drive_go(drive, next);
         return;
     }
-    drive->asked = ASKED_READ;
-    (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, TUMBLE_402_MODE_DISPLAY, 0);
+    tumble_drive_ask(drive, TUMBLE_402_MODE_DISPLAY);
 }
 
 /* START and POWER. */

@@ -94,6 +94,7 @@ static inline void bench_configure(bench_t *bench)
                                               .procedure = &bench->procedure,
                                               .drive = &scripted_drive_profile,
                                               .hooks = &bench->hooks,
+                                              .block_period_us = 10000,
                                               .heartbeat_ms = 100,
                                               .heartbeat_timeout_ms = 500,
                                               .node = 1,

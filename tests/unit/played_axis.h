@@ -64,6 +64,7 @@ typedef struct {
     int32_t wrap;               /* positions count modulo this, the shorter way is taken; 0: no */
     uint16_t refuse_index;      /* SDO abort 0602 0000h */
     bool sdo_is_deaf;
+    unsigned misses; /* so many of the next process data */
     bool mode_sticks;           /* 6061h never follows */
     bool never_acknowledges;
     bool keeps_acknowledging;

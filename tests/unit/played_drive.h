@@ -24,6 +24,8 @@ static inline uint32_t played_value(uint32_t object)
         return (uint32_t)d->actual;
     case 0x6061:
         return (uint8_t)d->mode_display;
+    case 0x607A:
+        return (uint32_t)d->target;
     default:
         return 0x5A5A5A5AU;
     }
@@ -151,8 +153,12 @@ static inline void played_sdo(const tumble_can_frame_t *frame)
         played_write(&write);
     } else {
         TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, r[3], "what is read has no subindices");
-        answer[0] = 0x4F;
-        answer[4] = (uint8_t)played_value((uint32_t)index << 16);
+        const uint32_t value = played_value((uint32_t)index << 16);
+        const unsigned size = (index == 0x607AU) ? 4U : 1U;
+        answer[0] = (uint8_t)(0x43U | ((4U - size) << 2U));
+        for (unsigned byte = 0; byte < size; byte++) {
+            answer[4U + byte] = (uint8_t)(value >> (8U * byte));
+        }
         played_send(0x580U + DRIVE_NODE, 8, answer);
     }
 }
@@ -171,6 +177,7 @@ static inline void played_control(const tumble_can_frame_t *frame, const played_
 {
     played_drive_t *d = &played;
     const uint16_t before = d->control;
+    const int32_t target = d->target;
     unsigned at = 0;
     for (unsigned i = 0; i < pdo->count; i++) {
         uint32_t value = 0;
@@ -181,6 +188,12 @@ static inline void played_control(const tumble_can_frame_t *frame, const played_
         d->control = ((pdo->map[i] >> 16) == 0x6040U) ? (uint16_t)value : d->control;
         d->target = ((pdo->map[i] >> 16) == 0x607AU) ? (int32_t)value : d->target;
         d->mode = ((pdo->map[i] >> 16) == 0x6060U) ? (int8_t)value : d->mode;
+    }
+    if (d->misses > 0U) {
+        d->misses--;
+        d->control = before;
+        d->target = target;
+        return;
     }
     TEST_ASSERT_TRUE_MESSAGE(d->control_count < MAX_CONTROLS, "too many controlwords");
     d->controls[d->control_count++] = (control_t){d->control, d->target};

@@ -140,8 +140,10 @@ static inline void scripted_drive_answer_sdo(scripted_drive_t *drive, fake_port_
         answer.data[i] = request[i];
     }
     if (request[0] == 0x40U) {
-        answer.data[0] = 0x4F; /* one byte */
-        answer.data[4] = (index == TUMBLE_402_MODE_DISPLAY) ? (uint8_t)drive->mode : 0U;
+        answer.data[0] = (index == TUMBLE_402_TARGET_POSITION) ? 0x43U : 0x4FU; /* four bytes or one */
+        tumble_put_i32(&answer.data[4], (index == TUMBLE_402_TARGET_POSITION) ? drive->target_counts
+                                        : (index == TUMBLE_402_MODE_DISPLAY)  ? (uint8_t)drive->mode
+                                                                              : 0);
     } else if ((request[0] & 0xE0U) != 0x20U) {
         return; /* an abort, or a kind of transfer that nobody should ask for */
     } else if ((drive->refused_index != 0U) && (index == drive->refused_index)) {

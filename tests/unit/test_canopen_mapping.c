@@ -259,7 +259,7 @@ static void test_random_writes_never_leave_a_broken_mapping(void)
 
             TEST_ASSERT_LESS_OR_EQUAL(TUMBLE_MAX_MAPPED, pdo->count);
             for (uint8_t slot = 0; slot < pdo->count; slot++) {
-                entry = &fixture_entries[pdo->entry[slot]];
+                entry = &fixture_entries[pdo->place[slot]];
                 bytes += entry->size;
                 TEST_ASSERT_TRUE(entry->access & (receive ? TUMBLE_ACCESS_MAP_RECEIVE : TUMBLE_ACCESS_MAP_TRANSMIT));
             }

@@ -201,6 +201,52 @@ static void test_nonsense_from_the_bus(void)
     }
 }
 
+/* Process data are not acknowledged: one that is lost must not send the axis to the target before. */
+static void test_a_target_that_gets_lost_is_sent_again(void)
+{
+    for (unsigned misses = 1; misses <= 3U; misses++) {
+        bring_home(&common);
+        played.misses = misses;
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+        run_to(TUMBLE_STAND_IN_POSITION, 1000);
+        TEST_ASSERT_EQUAL_UINT(0, played.misses);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.angle_deg(bench.stand.self));
+    }
+}
+
+static void test_targets_that_all_get_lost_are_a_broken_handshake(void)
+{
+    bring_home(&common);
+    played.misses = UINT32_MAX;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 80, 320);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_a_target_that_cannot_be_read_back_is_a_broken_handshake(void)
+{
+    bring_home(&common);
+    played.refuse_index = 0x607A;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(0x607A, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_a_stop_gives_up_reading_the_target(void)
+{
+    bring_home(&common);
+    played.sdo_is_deaf = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_STOPPED, 100);
+    played.sdo_is_deaf = false;
+    assert_moves_again();
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -217,5 +263,9 @@ int main(void)
     RUN_TEST(test_a_mode_that_does_not_change);
     RUN_TEST(test_a_stop_that_is_ignored);
     RUN_TEST(test_nonsense_from_the_bus);
+    RUN_TEST(test_a_target_that_gets_lost_is_sent_again);
+    RUN_TEST(test_targets_that_all_get_lost_are_a_broken_handshake);
+    RUN_TEST(test_a_target_that_cannot_be_read_back_is_a_broken_handshake);
+    RUN_TEST(test_a_stop_gives_up_reading_the_target);
     return UNITY_END();
 }

@@ -81,6 +81,7 @@ static void test_init_refuses_what_it_cannot_work_with(void)
     REFUSED(drive_node = 1);
     REFUSED(block_node = 1);
     REFUSED(block_node = 2);
+    REFUSED(block_period_us = 0);
 #undef REFUSED
     tumble_drive_profile_t profile = scripted_drive_profile;
     profile.counts_per_revolution = 0.0;

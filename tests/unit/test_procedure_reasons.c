@@ -72,15 +72,19 @@ static void test_every_state_that_waits_has_a_case_for_its_timeout(void)
     }
 }
 
-/* A state's time is over neither early nor late: at one microsecond less it still waits. */
+/* A state's time is over neither early nor late, and when it said: at one microsecond less it still waits. */
 static void expect_timeout(tumble_state_t state, uint32_t ms, tumble_reason_t reason)
 {
     TEST_ASSERT_EQUAL_STRING(tumble_state_name(state), tumble_state_name(bench_state_of(&bench)));
+    TEST_ASSERT_EQUAL_UINT64(0, tumble_procedure_next_us(&bench.procedure)); /* its time has not begun */
     tumble_procedure_step(&bench.procedure, bench.now_us);
+    TEST_ASSERT_EQUAL_UINT64(bench.now_us + ((uint64_t)ms * 1000U), tumble_procedure_next_us(&bench.procedure));
     tumble_procedure_step(&bench.procedure, bench.now_us + ((uint64_t)ms * 1000U) - 1U);
     TEST_ASSERT_EQUAL_STRING(tumble_state_name(state), tumble_state_name(bench_state_of(&bench)));
     tumble_procedure_step(&bench.procedure, bench.now_us + ((uint64_t)ms * 1000U));
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, reason);
+    tumble_procedure_step(&bench.procedure, bench.now_us + ((uint64_t)ms * 1000U));
+    TEST_ASSERT_EQUAL_UINT64(UINT64_MAX, tumble_procedure_next_us(&bench.procedure)); /* waits for nothing */
 }
 
 static void start_and_run_to(tumble_state_t state)

@@ -228,6 +228,34 @@ static void test_the_rest_follows(void)
     TEST_ASSERT_EQUAL_UINT16(0, config.averaging.stuck_run); /* a quiet block may repeat one value */
 }
 
+/* By itself it is a hundred samples; never so long that silence could hide a wrap of the block's counter. */
+static void test_the_sample_timeout_follows_from_the_rate(void)
+{
+    static const struct {
+        const char *lines;
+        uint32_t expected_ms; /* 0: refused */
+    } CASES[] = {
+        {"", 1000},
+        {"block.sample_period_us = 1000000\n", 100000},
+        {"block.sample_period_us = 1000\n", 27},
+        {"block.sample_period_us = 1000\nfirmware.heartbeat_ms = 126\n", 1},
+        {"block.sample_period_us = 1000\nfirmware.heartbeat_ms = 127\n", 0},
+        {"procedure.sample_timeout_ms = 1170\n", 1170},
+        {"procedure.sample_timeout_ms = 1171\n", 0},
+        {"procedure.sample_timeout_ms = 4294967295\n", 0},
+    };
+    for (size_t i = 0; i < COUNT_OF(CASES); i++) {
+        const char *const wrong = read_lines(CASES[i].lines);
+        if (CASES[i].expected_ms == 0U) {
+            TEST_ASSERT_NOT_NULL_MESSAGE(wrong, CASES[i].lines);
+            TEST_ASSERT_NOT_NULL_MESSAGE(strstr(wrong, "procedure.sample_timeout_ms"), wrong);
+        } else {
+            TEST_ASSERT_NULL_MESSAGE(wrong, CASES[i].lines);
+            TEST_ASSERT_EQUAL_UINT32(CASES[i].expected_ms, config.procedure.sample_timeout_ms);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -240,5 +268,6 @@ int main(void)
     RUN_TEST(test_a_fault_line_arrives);
     RUN_TEST(test_a_schedule_arrives);
     RUN_TEST(test_the_rest_follows);
+    RUN_TEST(test_the_sample_timeout_follows_from_the_rate);
     return UNITY_END();
 }

@@ -69,6 +69,8 @@ static const char *const MENDED[] = {
     "fault = frame_reorder time=3 id=0x683 mask=0x7EF count=2\n",
     "fault = frame_delay time=3 id=0x683 count=2 value=0.005\n",
     "fault = frame_drop time=3 id=0x182 count=3\n",
+    "fault = frame_drop at=1.3 phase=move delay=0.5 id=0x202 count=1\n", /* the target of the second leg */
+    "fault = frame_drop at=2.4 phase=move delay=0.5 id=0x202 count=3\n",
     "operator.wrong_mounting = 2\noperator.mounted_instead = 1\noperator.mend_s = 5\noperator.mends = 1\n",
     "operator.wrong_mounting = 1\noperator.mounted_instead = 2\noperator.mend_s = 5\noperator.mends = 1\n",
     "fault = drive_fault at=1.3 phase=move delay=0.3 value=8976\noperator.mend_s = 3\noperator.mends = 1\n",

@@ -7,6 +7,9 @@ blanks, are of three kinds:
     table+offset/row   the pointers in one column of a const table, read from the image (bytes to it, bytes per row)
     board              code of the board (port, hooks), whose stack is the board's own matter
 
+Names are those of the source: what the compiler appends to one (name.0, name.isra.0) does not count. A caller that is
+inlined is the function that it has become a part of.
+
 It cannot be forgotten. Linked with --emit-relocs, the image tells where it holds addresses: a function whose address is
 held, and which no entry names, is refused, and so is a call that has no entry, an entry without its call, a named
 target whose address nobody holds, and an address made in another way than as a whole word.
@@ -42,8 +45,8 @@ class Calls:
 
     def targets(self, caller):
         """Addresses of the functions that `caller` may call through a pointer; None if it has no entry."""
-        self._used.add(caller)
-        return self._targets.get(caller)
+        self._used.add(plain(caller))
+        return self._targets.get(plain(caller))
 
     def faults(self):
         """What is wrong with the list, after a walk has asked for all the calls that there are."""
@@ -78,14 +81,19 @@ class Calls:
         return {self._words[cell] & ~1 for cell in cells if cell in self._words}
 
 
+def plain(name):
+    """The name that a symbol has in the source."""
+    return name.split(".", 1)[0]
+
+
 def read_symbols(symbols_text):
     """Functions (name: addresses) and data (name: (address, size) pairs) of an image."""
     functions, tables = {}, {}
     for address, size, kind, name in re.findall(r"^([0-9a-f]+) ([0-9a-f]+) (\w) (\S+)$", symbols_text, re.MULTILINE):
         if kind in "tTW":
-            functions.setdefault(name, set()).add(int(address, 16) & ~1)
+            functions.setdefault(plain(name), set()).add(int(address, 16) & ~1)
         else:
-            tables.setdefault(name, set()).add((int(address, 16), int(size, 16)))
+            tables.setdefault(plain(name), set()).add((int(address, 16), int(size, 16)))
     return functions, tables
 
 

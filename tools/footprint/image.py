@@ -67,6 +67,14 @@ def functions(symbols_text):
     return [(name, int(address, 16) & ~1, int(size, 16)) for address, size, name in found]
 
 
+def by_address(functions):
+    """The same, those together that are one function under several names (identical ones are merged)."""
+    groups = {}
+    for entry in functions:
+        groups.setdefault(entry[1], []).append(entry)
+    return list(groups.values())
+
+
 def compiler_frames(ci_text):
     """What the compiler says of its frames, from -fcallgraph-info=su,da: Counter of (function, bytes), and the names
     of functions whose frame it calls dynamic."""

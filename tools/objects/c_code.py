@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from model import MAX_CONSUMERS, Entry, Node, Pdo, slug
+from model import MAX_CONSUMERS, Entry, Node, Object, Pdo, slug
+from standard import MAX_MAPPED
 
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
@@ -158,25 +159,28 @@ class Source:
 
     def size_checks(self) -> list[str]:
         """The entries must agree with the structs that they point into, which others write."""
-        mine = [entry for entry in self.node.entries if entry.member and entry.home in ("other", "computed")]
-        return [
-            f"static_assert(sizeof(((const {entry.struct} *)NULL)->{entry.member}) == {entry.size}, \"{entry.where}\");"
-            for entry in mine
-        ]
+        lines = []
+        for run in (run for item in self.node.objects for run in runs_of(item)):
+            for place, entry in enumerate(run):
+                if entry.member and entry.home in ("other", "computed"):
+                    lines += checks(run[0], entry, place)
+        return lines
 
     def entry_table(self) -> list[str]:
         rows = []
-        for item in self.node.objects:
-            rows.append(f"    /* {item.name} */")
-            rows += [self.row(entry) for entry in item.entries]
+        for alike in alike_objects(self.node.objects):
+            names = alike[0].name if len(alike) == 1 else f"{alike[0].name}, and {len(alike) - 1} more"
+            rows.append(f"    /* {names} */")
+            rows += [self.row(run, len(alike) - 1) for run in runs_of(alike[0])]
         return ["static const tumble_entry_t entries[] = {", *rows, "};"]
 
-    def row(self, entry: Entry) -> str:
+    def row(self, run: list[Entry], more_objects: int) -> str:
+        entry = run[0]
         home, offset = self.home(entry)
         limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
         return (
             f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {access(entry)},\n"
-            f"     TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}}},"
+            f"     TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}, {len(run) - 1}U, {more_objects}U}},"
         )
 
     def home(self, entry: Entry) -> tuple[str, str]:
@@ -202,14 +206,14 @@ class Source:
             return []
         lines = [f"static const tumble_pdo_setup_t {name}[] = {{"]
         for pdo in pdos:
-            maps = ", ".join(f"0x{entry.map_value:08X}U" for entry in pdo.map)
+            maps = [f"0x{entry.map_value:08X}U" for entry in pdo.map] + ["0U"] * (MAX_MAPPED - len(pdo.map))
             lines += [
                 f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U,",
                 f"     .inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
-                f"     .map = {{{maps or '0U'}}}}},",
+                f"     .map = {{{', '.join(maps)}}}}},",
             ]
         most = f"TUMBLE_MAX_{name.upper()}_PDOS"
-        return [*lines, "};", f"static_assert(sizeof {name} / sizeof {name}[0] <= {most}, \"{name}\");"]
+        return [*lines, "};", f"static_assert((sizeof {name} / sizeof {name}[0]) <= {most}, \"{name}\");"]
 
     def defaults(self) -> list[str]:
         settings = self.node.settings
@@ -225,6 +229,57 @@ class Source:
             f"    .on_error = {settings['on_error']}U,",
             "};",
         ]
+
+
+def runs_of(item: Object) -> list[list[Entry]]:
+    """The entries of an object, those together that share a row of the table. The highest subindex has none."""
+    runs: list[list[Entry]] = []
+    for entry in item.entries:
+        if not item.is_var and entry.subindex == 0 and entry.home == "value":
+            continue
+        if runs and continues(item, runs[-1][-1], entry):
+            runs[-1].append(entry)
+        else:
+            runs.append([entry])
+    return runs
+
+
+def continues(item: Object, last: Entry, entry: Entry) -> bool:
+    in_line = entry.home == "communication" or (item.runs and entry.home in ("other", "computed") and not entry.apart)
+    return in_line and entry.subindex == last.subindex + 1 and shape(entry) == shape(last)
+
+
+def shape(entry: Entry) -> tuple:
+    """What the entries of one row have in common."""
+    return entry.type, entry.access, entry.home, entry.size, entry.map, entry.low, entry.high, entry.struct
+
+
+def alike_objects(objects: list[Object]) -> list[list[Object]]:
+    """Objects one after the other of which the first one's rows tell all: PDO parameters, PDO mappings."""
+    groups: list[list[Object]] = []
+    for item in objects:
+        if groups and item.index == groups[-1][-1].index + 1 and layout(item) and layout(item) == layout(groups[-1][0]):
+            groups[-1].append(item)
+        else:
+            groups.append([item])
+    return groups
+
+
+def layout(item: Object) -> list[tuple]:
+    """What two objects must have in common to share their rows; nothing if they cannot."""
+    if item.is_var or any(entry.home != "communication" for entry in item.entries[1:]):
+        return []
+    return [(entry.subindex, shape(entry)) for entry in item.entries]
+
+
+def checks(first: Entry, entry: Entry, place: int) -> list[str]:
+    size = f"sizeof(((const {entry.struct} *)NULL)->{entry.member}) == {entry.size}U"
+    lines = [f"static_assert({size}, \"{entry.where}\");"]
+    if place > 0:
+        lines += [f"static_assert(offsetof({entry.struct}, {entry.member}) ==",
+                  f"              (offsetof({first.struct}, {first.member}) + {place * first.size}U), "
+                  f"\"{entry.where}\");"]
+    return lines
 
 
 def access(entry: Entry) -> str:

@@ -29,8 +29,8 @@ KINDS = ("var", "array", "record")
 
 # Keys of [[object]] that its subs inherit, and those that only one of the two may have.
 SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct"}
-OBJECT_KEYS = {"index", "name", "kind", "about", "subs", "count_access", "values"}
-ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size"}
+OBJECT_KEYS = {"index", "name", "kind", "about", "subs", "count_access", "values", "runs"}
+ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size", "apart"}
 NODE_KEYS = {
     "name", "id", "prefix", "header", "source", "include", "includes", "eds", "about", "device_name",
     "hardware_version", "software_version", "device_type", "vendor", "product", "revision", "serial", "heartbeat_ms",
@@ -44,7 +44,7 @@ KEY_TYPES = {
     "low": NUMBER, "high": NUMBER, "value": (int, float, str), "size": int, "id": int, "includes": list,
     "device_type": int, "vendor": int, "product": int, "revision": int, "serial": int, "heartbeat_ms": int,
     "consumers": list, "on_error": int, "dummies": bool, "cob_id": int, "inhibit_100us": int, "event_ms": int,
-    "map": (str, list), "type": (str, int),
+    "map": (str, list), "type": (str, int), "runs": bool, "apart": bool,
 }
 PDO_KEYS = {"cob_id", "type", "inhibit_100us", "event_ms", "map"}
 
@@ -68,6 +68,7 @@ class Entry:
     about: str = ""
     struct: str | None = None
     member: str | None = None
+    apart: bool = False  # does not follow the entry before it in the struct
 
     @property
     def key(self) -> int:
@@ -91,6 +92,7 @@ class Object:
     about: str
     values: str | None
     entries: list[Entry]
+    runs: bool = False  # entries of one type that follow each other do so in the struct as well
     common: bool = False  # of all nodes
 
     @property
@@ -220,7 +222,8 @@ class NodeReader:
         kind = table.get("kind", "var")
         check(kind in KINDS, where, f"kind is not one of {', '.join(KINDS)}")
         check(0 < table["index"] <= 0xFFFF, where, "index is out of range")
-        item = Object(table["index"], table["name"], kind, table.get("about", ""), table.get("values"), [])
+        item = Object(table["index"], table["name"], kind, table.get("about", ""), table.get("values"), [],
+                      table.get("runs", kind == "array"))
         if item.is_var:
             own = {key: value for key, value in table.items() if key in ENTRY_KEYS and key != "about"}
             item.entries.append(self.read_entry(own, item, 0))
@@ -262,7 +265,7 @@ class NodeReader:
             home=home,
             size=text_size(table, kind, value, home),
             value=value,
-            **{key: table[key] for key in ("map", "low", "high", "unit", "about", "struct", "member") if key in table},
+            **{key: table[key] for key in ("map", "low", "high", "unit", "about", "struct", "member", "apart") if key in table},
         )
         if entry.home == "variable":
             entry.struct = f"{self.settings['prefix']}_objects_t"
