@@ -1,6 +1,7 @@
 #include "core/estimator.h"
 
 #include "core/arith.h"
+#include "core/means.h"
 #include "core/normal.h"
 
 #include <stddef.h>
@@ -44,14 +45,7 @@ static tumble_status_t check_arguments(const tumble_schedule_t *schedule, const 
     if ((schedule == NULL) || (means == NULL) || (coefficients == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    for (uint8_t p = 0; p < schedule->position_count; p++) {
-        for (int i = 0; (i < TUMBLE_CHANNELS) && means->measured[p]; i++) {
-            if (!tumble_within(means->u_v[p][i], TUMBLE_MAX_MEAN_V)) {
-                return TUMBLE_E_NOT_FINITE;
-            }
-        }
-    }
-    return TUMBLE_OK;
+    return tumble_means_are_numbers(schedule, means) ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
 }
 
 static void report(tumble_refusal_t *refusal, uint32_t missing, uint8_t unidentified)
@@ -131,24 +125,12 @@ tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *schedule,
 
 static bool gains_fit(const tumble_gain_table_t *table, const tumble_schedule_t *schedule)
 {
-    size_t fit_positions = 0;
-    for (uint8_t p = 0; p < schedule->position_count; p++) {
-        fit_positions += (schedule->positions[p].use == TUMBLE_USE_FIT) ? 1U : 0U;
-    }
+    const size_t fit_positions = tumble_means_fit_positions(schedule);
     bool fits = (fit_positions == table->fit_positions);
     for (size_t g = 0; fits && (g < ((size_t)TUMBLE_COEFFICIENTS * TUMBLE_CHANNELS * fit_positions)); g++) {
         fits = tumble_within(table->gains[g], TUMBLE_MAX_GAIN);
     }
     return fits;
-}
-
-static bool all_fit_positions_measured(const tumble_schedule_t *schedule, const tumble_means_t *means)
-{
-    bool measured = true;
-    for (uint8_t p = 0; p < schedule->position_count; p++) {
-        measured = measured && (means->measured[p] || (schedule->positions[p].use != TUMBLE_USE_FIT));
-    }
-    return measured;
 }
 
 static double apply_gain_row(const double *gains, const tumble_schedule_t *schedule, const tumble_means_t *means)
@@ -175,7 +157,7 @@ tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *table, const tu
     if (!gains_fit(table, schedule)) {
         return TUMBLE_E_GAIN_TABLE;
     }
-    if (!all_fit_positions_measured(schedule, means)) {
+    if (!tumble_means_are_complete(schedule, means)) {
         return TUMBLE_E_MISSING_POSITION;
     }
     const size_t row_length = (size_t)table->fit_positions * TUMBLE_CHANNELS;

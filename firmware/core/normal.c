@@ -121,8 +121,7 @@ uint8_t tumble_normal_unidentified(const tumble_normal_t *normal)
     return (uint8_t)bits;
 }
 
-/* Solve N x = right side; the solution takes its place. */
-static void solve(const tumble_normal_t *normal, double right[N])
+void tumble_normal_solve(const tumble_normal_t *normal, double right[N])
 {
     double z[N];
     for (int i = 0; i < N; i++) { /* L */
@@ -167,7 +166,7 @@ void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *s
                 }
             }
         }
-        solve(normal, right);
+        tumble_normal_solve(normal, right);
         for (int j = 0; j < N; j++) {
             x[j] += right[j];
         }

@@ -31,6 +31,9 @@ void tumble_normal_build(tumble_normal_t *normal, const tumble_schedule_t *sched
 /* One bit per unknown that the null space of N touches; 0 at full rank. */
 uint8_t tumble_normal_unidentified(const tumble_normal_t *normal);
 
+/* Solve N x = right; the solution takes its place. Full rank only. */
+void tumble_normal_solve(const tumble_normal_t *normal, double right[TUMBLE_UNKNOWNS]);
+
 /* Least squares of one channel over the measured fit positions: x += N^-1 A^T (u - A x), twice (corrected seminormal
  * equations), so that the error grows with the condition of A and not with its square. Full rank only. */
 void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *schedule, const tumble_means_t *means,

@@ -27,7 +27,21 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum { TUMBLE_ESTIMATE_AVERAGED = 0, TUMBLE_ESTIMATE_REFINED, TUMBLE_ESTIMATE_LEAST_SQUARES } tumble_estimate_t;
+typedef enum {
+    TUMBLE_ESTIMATE_AVERAGED = 0,
+    TUMBLE_ESTIMATE_REFINED,
+    TUMBLE_ESTIMATE_LEAST_SQUARES,
+    TUMBLE_ESTIMATE_OPTIMAL
+} tumble_estimate_t;
+
+/* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own: a computer that does not use it need not hold it. Set
+ * to tumble_optimal_check and tumble_optimal_estimate of core/optimal.h, `source` to a tumble_optimal_source_t. */
+typedef struct {
+    tumble_status_t (*check)(const void *source, const tumble_schedule_t *schedule);
+    tumble_status_t (*estimate)(const void *source, const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                tumble_coefficients_t *coefficients);
+    const void *source;
+} tumble_weighted_t;
 
 /* Status bits of a sample; 0: healthy. */
 enum {
@@ -40,6 +54,9 @@ enum {
 /* The block's timestamp counts milliseconds and wraps here. */
 #define TUMBLE_TIMESTAMP_PERIOD_MS 4096U
 
+/* With an error budget: so many samples lie between one look at the standard error and the next. */
+#define TUMBLE_BUDGET_CHECK_SAMPLES 8U
+
 /* One sample of the block, as it leaves the sample source (CAN frames or a board's own converter). */
 typedef struct {
     tumble_sample_t raw;       /* counts and 16-bit sample counter */
@@ -50,9 +67,12 @@ typedef struct {
 
 typedef struct {
     const tumble_schedule_t *schedule;
-    const tumble_averaging_config_t *averaging; /* min_samples there is the smallest; samples below is what is taken */
+    const tumble_averaging_config_t *averaging; /* min_samples there is the smallest; samples below the largest */
     tumble_estimate_t estimate;
+    const tumble_weighted_t *weighted; /* of TUMBLE_ESTIMATE_OPTIMAL; else not looked at */
     uint32_t samples;               /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES */
+    double error_budget_v;          /* a position is finished before that once the standard error of every channel's
+                                       mean is at most this, V; if it never is, that is a fault; 0: always `samples` */
     double v_per_count;             /* size of one count, V; finite, not 0 */
     double nominal_scale_v_per_g;   /* signed, not 0; good to a tenth: for the checks of direction and closure */
     double gravity_limit_g;         /* limit of the gravity check; above 0 */

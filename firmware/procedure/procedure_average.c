@@ -20,6 +20,7 @@ outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t 
         REFUSAL(NOT_STILL, NOT_STILL, true),
         REFUSAL(DEVIATION, NOT_STILL, true),
         REFUSAL(SATURATED, SATURATED, false),
+        REFUSAL(UNCERTAIN, UNCERTAIN, true),
         REFUSAL(STUCK, STUCK, false),
     };
     const size_t last = (sizeof refusals / sizeof refusals[0]) - 1U;
@@ -77,18 +78,49 @@ static outcome_t check_position(tumble_procedure_t *procedure)
     return tumble_fail(procedure, reason);
 }
 
+/* Is the mean of every channel as certain as the budget asks? `fixed` where there is no budget. */
+static bool is_certain(const tumble_procedure_t *procedure, bool fixed)
+{
+    double mean_v[TUMBLE_CHANNELS];
+    double error_v[TUMBLE_CHANNELS];
+    const double budget_v = procedure->config->error_budget_v;
+    if (budget_v == 0.0) {
+        return fixed;
+    }
+    bool certain = (tumble_procedure_running(procedure, mean_v, error_v) == TUMBLE_OK);
+    for (int i = 0; certain && (i < TUMBLE_CHANNELS); i++) {
+        certain = error_v[i] <= budget_v;
+    }
+    return certain;
+}
+
 static outcome_t finish_position(tumble_procedure_t *procedure)
 {
-    const tumble_status_t status = tumble_averaging_finish(&procedure->averaging, procedure->config->averaging);
+    const bool certain = is_certain(procedure, true);
+    tumble_status_t status = tumble_averaging_finish(&procedure->averaging, procedure->config->averaging);
+    if ((status == TUMBLE_OK) && !certain) {
+        tumble_forget_position(procedure, procedure->index);
+        status = TUMBLE_E_UNCERTAIN;
+    }
     return (status == TUMBLE_OK) ? check_position(procedure) : tumble_refuse_position(procedure, status);
+}
+
+/* Now and then, from the smallest number of samples on: the more often one looks, the luckier the scatter one stops
+ * on. */
+static bool is_good_enough(const tumble_procedure_t *procedure, uint32_t taken)
+{
+    const uint32_t smallest = procedure->config->averaging->min_samples;
+    return (taken >= smallest) && (((taken - smallest) % TUMBLE_BUDGET_CHECK_SAMPLES) == 0U) &&
+           is_certain(procedure, false);
 }
 
 /* Is there more to wait for? A position that will be refused anyway is given up at once. */
 static bool is_complete(const tumble_procedure_t *procedure, tumble_status_t last)
 {
+    const uint32_t taken = tumble_averaging_samples(&procedure->averaging);
     return (last == TUMBLE_E_SATURATED) || (last == TUMBLE_E_DEVIATION) ||
            (procedure->averaging.open.lost > procedure->config->averaging->max_lost) ||
-           (tumble_averaging_samples(&procedure->averaging) >= procedure->config->samples);
+           (taken >= procedure->config->samples) || ((last == TUMBLE_OK) && is_good_enough(procedure, taken));
 }
 
 outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,

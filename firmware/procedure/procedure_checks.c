@@ -34,6 +34,7 @@ static unsigned sign_of(double x)
 static bool numbers_are_valid(const tumble_procedure_config_t *config)
 {
     static const number_row_t number_rows[] = {
+        NUMBER(error_budget_v, ZERO | POSITIVE),
         NUMBER(v_per_count, NEGATIVE | POSITIVE),
         NUMBER(nominal_scale_v_per_g, NEGATIVE | POSITIVE),
         NUMBER(gravity_limit_g, POSITIVE),
@@ -63,7 +64,8 @@ static bool times_are_valid(const tumble_procedure_config_t *config)
 static bool is_valid(const tumble_procedure_config_t *config)
 {
     return (config->schedule != NULL) && (config->averaging != NULL) &&
-           ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_LEAST_SQUARES) &&
+           ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_OPTIMAL) &&
+           ((config->estimate != TUMBLE_ESTIMATE_OPTIMAL) || (config->weighted != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
            (config->warm_up_band_half_c >= 0) && numbers_are_valid(config) && times_are_valid(config);
 }
@@ -73,7 +75,7 @@ static tumble_status_t examine_schedule(const tumble_procedure_config_t *config,
     tumble_status_t status = tumble_schedule_validate(config->schedule, NULL);
     if ((status == TUMBLE_OK) && (config->estimate == TUMBLE_ESTIMATE_LEAST_SQUARES)) {
         status = tumble_schedule_identify(config->schedule, NULL, &refusal->unidentified);
-    } else if (status == TUMBLE_OK) {
+    } else if ((status == TUMBLE_OK) && (config->estimate != TUMBLE_ESTIMATE_OPTIMAL)) {
         tumble_harmonic_map_t map;
         status = tumble_schedule_harmonic(config->schedule, NULL, &map, &refusal->missing);
     }
@@ -98,9 +100,16 @@ tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_r
         *reason = TUMBLE_REASON_CONFIGURATION;
         return TUMBLE_E_ARGUMENT;
     }
-    const tumble_status_t status = examine_schedule(config, refusal);
+    tumble_status_t status = examine_schedule(config, refusal);
     if (status != TUMBLE_OK) {
         *reason = TUMBLE_REASON_SCHEDULE;
+        return status;
+    }
+    if (config->estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+        status = config->weighted->check(config->weighted->source, config->schedule);
+    }
+    if (status != TUMBLE_OK) {
+        *reason = TUMBLE_REASON_CONFIGURATION;
         return status;
     }
     if (!cable_reaches_all(config)) {

@@ -23,8 +23,14 @@ outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
     };
     const tumble_procedure_config_t *config = procedure->config;
     make_means(procedure);
-    tumble_status_t status = estimators[config->estimate](config->schedule, &procedure->work.means,
-                                                          &procedure->coefficients, &procedure->refusal);
+    tumble_status_t status;
+    if (config->estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+        status = config->weighted->estimate(config->weighted->source, config->schedule, &procedure->work.means,
+                                            &procedure->coefficients);
+    } else {
+        status = estimators[config->estimate](config->schedule, &procedure->work.means, &procedure->coefficients,
+                                              &procedure->refusal);
+    }
     if (status == TUMBLE_OK) {
         status = tumble_calibration_invert(&procedure->coefficients, &procedure->calibration);
     }

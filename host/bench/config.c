@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+/* With an error budget, unless the configuration says otherwise: the scatter of so few samples is known to a fifth. */
+#define LEAST_SAMPLES 16U
+
 static void default_procedure(tumble_procedure_config_t *procedure)
 {
     *procedure = (tumble_procedure_config_t){
@@ -99,12 +102,15 @@ static void complete_averaging(bench_config_t *config)
     tumble_averaging_config_t *const averaging = &config->averaging;
     const double noise_counts = noise_sigma(sensor) / sim_sensor_v_per_count(sensor);
     averaging->saturation_counts = (int32_t)((1U << (sensor->converter_bits - 1U)) - 1U);
-    averaging->min_samples = config->procedure.samples;
+    if (averaging->min_samples == 0U) {
+        const bool all = config->procedure.error_budget_v == 0.0 || config->procedure.samples < LEAST_SAMPLES;
+        averaging->min_samples = all ? config->procedure.samples : LEAST_SAMPLES;
+    }
     if (averaging->noise_counts == 0.0F) {
         averaging->noise_counts = (float)sqrt(noise_counts * noise_counts + 1.0 / 12.0);
     }
     if (averaging->stillness_ratio == 0.0F) {
-        averaging->stillness_ratio = still_ratio(config->procedure.samples);
+        averaging->stillness_ratio = still_ratio(averaging->min_samples);
     }
     if (noise_counts < 1.0) {
         averaging->stuck_run = 0; /* with less noise than a count the same value may come for ever */
@@ -117,7 +123,9 @@ static void complete_procedure(bench_config_t *config)
     tumble_procedure_config_t *const procedure = &config->procedure;
     const double scale = fabs(scenario->block.scale_v_per_g);
     const double noise_g = noise_sigma(&scenario->block.sensor) / (scale * sqrt((double)procedure->samples));
-    const double expected_g = sqrt(2.0) * (scenario->stand.angle_rad + noise_g);
+    const double budget_g = procedure->error_budget_v / scale;
+    const double mean_g = (budget_g > noise_g) ? budget_g : noise_g;
+    const double expected_g = sqrt(2.0) * (scenario->stand.angle_rad + mean_g);
     procedure->schedule = &scenario->schedule;
     procedure->averaging = &config->averaging;
     procedure->v_per_count = sim_sensor_v_per_count(&scenario->block.sensor);
@@ -128,6 +136,22 @@ static void complete_procedure(bench_config_t *config)
         const double allowed_ms = 10000.0 + 2.0 * expected_ms;
         procedure->average_timeout_ms = (allowed_ms < 4e9) ? (uint32_t)allowed_ms : UINT32_MAX;
     }
+}
+
+/* How the firmware reaches the gains; null, or why it will not. */
+static const char *complete_gains(bench_config_t *config)
+{
+    config->gains.work = &config->optimal;
+    config->weighted = (tumble_weighted_t){tumble_optimal_check, tumble_optimal_estimate, &config->gains};
+    config->procedure.weighted = &config->weighted;
+    const bool needed = config->procedure.estimate == TUMBLE_ESTIMATE_OPTIMAL;
+    if (needed != (config->gains.record != NULL)) {
+        return needed ? "procedure.estimator = optimal needs --gain-record"
+                      : "--gain-record is for procedure.estimator = optimal alone";
+    }
+    const tumble_status_t status =
+        needed ? tumble_optimal_check(&config->gains, &config->scenario.schedule) : TUMBLE_OK;
+    return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
 }
 
 /* Silence of the block that is a fault: by default a hundred samples, never more than its eight-bit counter tells from a
@@ -234,6 +258,7 @@ const char *bench_config_complete(bench_config_t *config)
     if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile) != TUMBLE_OK) {
         return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry";
     }
-    const char *const silence = complete_sample_timeout(config);
-    return (silence != NULL) ? silence : check_faults(scenario);
+    const char *wrong = complete_sample_timeout(config);
+    wrong = (wrong != NULL) ? wrong : check_faults(scenario);
+    return (wrong != NULL) ? wrong : complete_gains(config);
 }

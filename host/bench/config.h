@@ -7,6 +7,7 @@
 #ifndef TUMBLE_BENCH_CONFIG_H
 #define TUMBLE_BENCH_CONFIG_H
 
+#include "core/optimal.h"
 #include "navcomp/navcomp.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
@@ -41,6 +42,9 @@ typedef struct {
 
     tumble_averaging_config_t averaging;
     tumble_procedure_config_t procedure;
+    tumble_optimal_source_t gains; /* of the estimator `optimal`; record null: none */
+    tumble_weighted_t weighted;
+    tumble_optimal_t optimal; /* its working memory */
     tumble_drive_profile_t profile;
     bench_profile_lists_t lists;
     tumble_operator_config_t person;

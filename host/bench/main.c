@@ -4,6 +4,7 @@
 #include "bench/campaign.h"
 #include "bench/config.h"
 #include "bench/config_file.h"
+#include "bench/gain_file.h"
 #include "bench/interrupt.h"
 #include "bench/options.h"
 #include "bench/report.h"
@@ -47,6 +48,12 @@ static bool prepare(bench_config_t *config, const bench_options_t *options)
 {
     bench_config_defaults(config);
     if (options->scenario != NULL && !read_scenario(config, options->scenario)) {
+        return false;
+    }
+    const char *const unread =
+        (options->gain_record != NULL) ? bench_gain_file_read(options->gain_record, &config->gains) : NULL;
+    if (unread != NULL) {
+        (void)fprintf(stderr, "tumble-bench: %s: %s\n", options->gain_record, unread);
         return false;
     }
     const char *const wrong = bench_config_complete(config);

@@ -19,6 +19,7 @@ const char bench_options_help[] =
     "\n"
     "  --seed N         whole number from 0 to 2^64 - 1; default 1. The same seed gives the same bytes\n"
     "  --out DIR        write run.csv, bus.log and bench.json into a folder that is new or empty\n"
+    "  --gain-record F  the gains of procedure.estimator = optimal (docs/gain-record.md)\n"
     "  --progress       one JSON line on standard error for every step of the procedure\n"
     "  --progress-fd N  the same on an open file descriptor\n"
     "  --interactive    ask for mountings and mended faults: questions go to the progress lines, answers come as\n"
@@ -177,6 +178,9 @@ static bool read_option(reader_t *reader, const char *name)
     }
     if (strcmp(name, "--listen") == 0) {
         return read_text(reader, name, &options->listen);
+    }
+    if (strcmp(name, "--gain-record") == 0) {
+        return read_text(reader, name, &options->gain_record);
     }
     return complain(reader, name, "no such option; see --help");
 }

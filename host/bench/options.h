@@ -11,6 +11,7 @@ typedef struct {
     const char *scenario; /* file, "-" for standard input, null for the defaults */
     const char *out;      /* run folder, or null */
     const char *listen;   /* path of a socket for guests, or null */
+    const char *gain_record; /* file, or null */
     uint64_t seed;
     uint64_t runs; /* 0: one run with its document; else a campaign */
     uint32_t jobs;

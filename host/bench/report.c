@@ -79,7 +79,7 @@ static void put_check(const bench_world_t *world, const tumble_gravity_check_t *
 
 static void put_result(const bench_world_t *world, bench_json_t *json)
 {
-    static const char *const ESTIMATORS[] = {"averaged", "refined", "least_squares"};
+    static const char *const ESTIMATORS[] = {"averaged", "refined", "least_squares", "optimal"};
     tumble_result_t result;
     bench_json_text(json, "estimator", ESTIMATORS[world->config->procedure.estimate]);
     if (tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {

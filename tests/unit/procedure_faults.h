@@ -215,6 +215,12 @@ static void restless(bench_t *b)
     b->block.noise_counts = 200;
 }
 
+/* Never as certain as it should be. */
+static void out_of_budget(bench_t *b)
+{
+    b->config.error_budget_v = 1e-9;
+}
+
 /* Farther from one sample to the next than the averaging can sum. */
 static void leaping(bench_t *b)
 {
@@ -372,6 +378,7 @@ static const fault_case_t fault_cases[] = {
     DURING(STUCK, AVERAGE, stuck, 3, MOVE),
     DURING(NOT_STILL, AVERAGE, restless, 3, MOVE),
     DURING(NOT_STILL, AVERAGE, leaping, 3, MOVE),
+    DURING(UNCERTAIN, AVERAGE, out_of_budget, 3, MOVE),
     LATE_DURING(TARGET_NOT_REACHED, SETTLE, never_content, 3, AVERAGE),
     DURING(STAND_HEARTBEAT, AVERAGE, heartbeat_of_stand, 3, AVERAGE),
     DURING(BUS, AVERAGE, bus_down, 3, AVERAGE),

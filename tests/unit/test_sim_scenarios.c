@@ -53,6 +53,7 @@ static const case_t FAULTS[] = {
     {TUMBLE_REASON_SWAPPED_CHANNELS, TUMBLE_STATE_AVERAGE, 10, "fault = swapped time=0 channels=xy\n"},
     {TUMBLE_REASON_SWAPPED_CHANNELS, TUMBLE_STATE_AVERAGE, 10, "fault = inverted time=0 channels=z\n"},
     {TUMBLE_REASON_SWAPPED_CHANNELS, TUMBLE_STATE_AVERAGE, 10, "fault = inverted time=0 channels=x\n"},
+    {TUMBLE_REASON_UNCERTAIN, TUMBLE_STATE_AVERAGE, 15, "procedure.error_budget_v = 1e-6\n"},
     {TUMBLE_REASON_BUS, TUMBLE_STATE_AVERAGE, 15, "fault = bus_off at=1.5\n"},
     {TUMBLE_REASON_BUS, TUMBLE_STATE_MOVE, 15, "fault = bus_off at=1.5 phase=move delay=0.3\n"},
 };

@@ -43,6 +43,9 @@ static void test_numbers_on_the_wire_never_change(void)
         TUMBLE_E_SDO_TIMEOUT,
         TUMBLE_E_FRAME,
         TUMBLE_E_CRC,
+        TUMBLE_E_GAIN_RECORD,
+        TUMBLE_E_STAND_ERROR,
+        TUMBLE_E_UNCERTAIN,
     };
     for (size_t i = 0; i < COUNT_OF(in_order); i++) {
         TEST_ASSERT_EQUAL_INT((int)i, (int)in_order[i]);

@@ -8,6 +8,7 @@ what Python has no use for. The module uses the limited API, so one build serves
 """
 
 import sys
+from pathlib import Path
 
 import cffi
 
@@ -15,8 +16,12 @@ HEADERS = """
 #include "core/averaging.h"
 #include "core/calibration.h"
 #include "core/estimator.h"
+#include "core/gain_record.h"
+#include "core/optimal.h"
 #include "core/schedule.h"
+#include "core/stand_seen.h"
 #include "core/status.h"
+#include "core/uncertainty.h"
 #include "core/verification.h"
 """
 
@@ -26,6 +31,7 @@ LIMITS = """
 #define TUMBLE_MAX_MOUNTINGS ...
 static const double TUMBLE_MIN_SENSITIVITY_G;
 static const double TUMBLE_MAX_MEAN_V;
+static const double TUMBLE_MAX_STAND_ERROR_RAD;
 static const double TUMBLE_MIN_ROW_RATIO;
 static const int64_t TUMBLE_MAX_SAMPLES;
 static const int64_t TUMBLE_MAX_DEVIATION_COUNTS;
@@ -144,11 +150,99 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *, const tumble_mean
 """
 
 
+OPTIMAL = """
+typedef struct {
+    uint8_t fit_positions;
+    uint8_t mountings;
+    uint8_t yaws;
+    uint32_t block_crc;
+    double k_v_per_g[3][3];
+    double sigma_rad[4];
+    double sigma_mean_v;
+    double u_k_v_per_g[3][3];
+    double u_u0_v[3];
+    ...;
+} tumble_gain_record_t;
+typedef struct { double alpha1_rad; double alpha2_rad; double alpha3_rad[...]; } tumble_stand_errors_t;
+typedef struct { tumble_stand_errors_t stand; ...; } tumble_optimal_t;
+
+tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *,
+                                        const tumble_gain_record_t **);
+const double *tumble_gain_record_gains(const tumble_gain_record_t *);
+const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *);
+uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *);
+tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *, const tumble_schedule_t *,
+                                        const tumble_means_t *, tumble_coefficients_t *, tumble_optimal_t *);
+"""
+
+STAND_SEEN = """
+typedef struct { double value; double u; bool known; } tumble_seen_t;
+typedef struct {
+    tumble_seen_t alpha1;
+    tumble_seen_t alpha2_plus_alpha3;
+    tumble_seen_t alpha3_difference;
+} tumble_seen_angles_t;
+typedef struct { double angle_rad; double mean_variance_v2[...]; } tumble_random_errors_t;
+typedef struct { ...; } tumble_fit_work_t;
+
+tumble_seen_t tumble_seen_noise(const uint32_t *samples, const double (*scatter)[3], uint8_t positions);
+tumble_status_t tumble_seen_angles(const tumble_schedule_t *, const tumble_means_t *, const tumble_calibration_t *,
+                                   const tumble_random_errors_t *, tumble_seen_angles_t *);
+tumble_status_t tumble_seen_fit(const tumble_schedule_t *, const tumble_means_t *, const tumble_coefficients_t *,
+                                const tumble_random_errors_t *, tumble_fit_work_t *, tumble_seen_angles_t *);
+tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *, const tumble_means_t *,
+                                        const tumble_coefficients_t *, const tumble_random_errors_t *,
+                                        tumble_fit_work_t *, tumble_seen_t *alpha4, double *freedom);
+tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *, const tumble_means_t *,
+                                              const tumble_coefficients_t *, const tumble_random_errors_t *,
+                                              tumble_fit_work_t *, double *chi_squared, uint8_t *freedom);
+"""
+
+UNCERTAINTY = """
+typedef struct {
+    double axis_tilt_rad;
+    double level_rad;
+    double remount_rad;
+    double angle_rad;
+    double noise_v;
+    double least_noise_v;
+    uint32_t samples;
+    bool common_yaw;
+} tumble_stand_record_t;
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_stand_record_t *stand;
+    const tumble_coefficients_t *coefficients;
+    const bool *measured;
+    const uint32_t *samples;
+} tumble_judged_run_t;
+typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
+
+tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
+tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
+tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *, tumble_uncertainty_t *,
+                                                 tumble_refusal_t *);
+tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumble_judged_run_t *,
+                                         tumble_uncertainty_t *);
+"""
+
+# Many runs in one call: a call from Python costs more than the estimate.
+BATCH = """
+typedef tumble_status_t batch_estimator_t(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
+                                          tumble_refusal_t *);
+tumble_status_t batch_estimate(batch_estimator_t *, const tumble_schedule_t *, size_t runs, const double *means_v,
+                               double *coefficients, size_t *where);
+tumble_status_t batch_optimal(const tumble_gain_record_t *, const tumble_schedule_t *, size_t runs,
+                              const double *means_v, double *coefficients, double *stand, size_t *where);
+"""
+
+
 def main(output: str) -> None:
     """Write the extension's C source to the file `output`."""
     ffi = cffi.FFI()
-    ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION)
-    ffi.set_source("_tumble_core", HEADERS)
+    ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION + OPTIMAL + STAND_SEEN
+             + UNCERTAINTY + BATCH)
+    ffi.set_source("_tumble_core", HEADERS + Path(__file__).with_name("batch.c").read_text(encoding="utf-8"))
     ffi.emit_c_code(output)
 
 

@@ -1,0 +1,11 @@
+/* resident_optimal.c - what a navigation computer with the stand-optimal estimator keeps besides, for the budget: the
+ * estimator's working memory, and how the procedure reaches it. The record is the board's own, in non-volatile memory.
+ */
+#include "core/optimal.h"
+#include "navcomp/navcomp.h"
+
+extern const tumble_weighted_t tumble_resident_weighted;
+
+static tumble_optimal_t work;
+static const tumble_optimal_source_t source = {NULL, 0, &work};
+const tumble_weighted_t tumble_resident_weighted = {tumble_optimal_check, tumble_optimal_estimate, &source};

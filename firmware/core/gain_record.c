@@ -1,0 +1,135 @@
+#include "core/gain_record.h"
+
+#include "core/crc32.h"
+#include "core/estimator.h"
+#include "core/means.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#define HEAD_BYTES sizeof(tumble_gain_record_t)
+#define TAIL_BYTES 8U /* a zero and the CRC, four bytes each */
+#define BYTES_BEFORE_NUMBERS offsetof(tumble_gain_record_t, k_v_per_g)
+
+static const void *at(const tumble_gain_record_t *record, size_t offset)
+{
+    return (const uint8_t *)record + offset;
+}
+
+static uint32_t word_at(const tumble_gain_record_t *record, size_t offset)
+{
+    const uint32_t *word = at(record, offset);
+    return *word;
+}
+
+static size_t row_bytes(const tumble_gain_record_t *record)
+{
+    return (size_t)record->fit_positions * TUMBLE_CHANNELS * sizeof(double);
+}
+
+const double *tumble_gain_record_gains(const tumble_gain_record_t *record)
+{
+    return at(record, HEAD_BYTES);
+}
+
+const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record)
+{
+    return at(record, HEAD_BYTES + (TUMBLE_COEFFICIENTS * row_bytes(record)));
+}
+
+static uint32_t crc32_of_double(uint32_t crc, double x)
+{
+    const double positive_zero = x + 0.0;
+    return tumble_crc32(crc, &positive_zero, sizeof positive_zero);
+}
+
+uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule)
+{
+    uint32_t crc = 0;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        const tumble_mounting_t *mounting = &schedule->mountings[m];
+        crc = tumble_crc32(crc, &mounting->number, 1);
+        for (int i = 0; i < (3 * 3); i++) {
+            crc = crc32_of_double(crc, mounting->matrix[i / 3][i % 3]);
+        }
+        crc = crc32_of_double(crc, mounting->tilt.deg);
+    }
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        const tumble_position_t *position = &schedule->positions[p];
+        if (position->use == TUMBLE_USE_FIT) {
+            crc = tumble_crc32(crc, &position->mounting, 1);
+            crc = tumble_crc32(crc, &position->number, 1);
+            crc = crc32_of_double(crc, position->angle.deg);
+        }
+    }
+    return crc;
+}
+
+/* The part that must hold before the CRC can be looked for. */
+static bool is_record(const tumble_gain_record_t *record, size_t memory_bytes)
+{
+    static const uint8_t magic[4] = {0x54, 0x47, 0x52, 0x31}; /* TGR1 */
+    return (memory_bytes >= (HEAD_BYTES + TAIL_BYTES)) && (memcmp(record->magic, magic, sizeof magic) == 0) &&
+           (record->schema == TUMBLE_GAIN_RECORD_SCHEMA) && (record->size_bytes >= (HEAD_BYTES + TAIL_BYTES)) &&
+           (record->size_bytes <= memory_bytes) && ((record->size_bytes % sizeof(double)) == 0U);
+}
+
+static bool is_well_formed(const tumble_gain_record_t *record)
+{
+    const size_t rows = (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws;
+    const size_t size = HEAD_BYTES + (rows * row_bytes(record)) + TAIL_BYTES;
+    const unsigned reserved = (unsigned)record->reserved[0] | record->reserved[1] | record->reserved[2];
+    return (record->size_bytes == size) && ((record->yaws == 1U) || (record->yaws == record->mountings)) &&
+           (reserved == 0U) && (word_at(record, size - TAIL_BYTES) == 0U);
+}
+
+static bool is_for(const tumble_gain_record_t *record, const tumble_schedule_t *schedule)
+{
+    return (record->fit_positions == tumble_means_fit_positions(schedule)) && (record->mountings == schedule->mounting_count) &&
+           (record->schedule_crc == tumble_gain_record_schedule_crc(schedule));
+}
+
+static bool all_within(const double *numbers, size_t count, double low, double high)
+{
+    bool within = true;
+    for (size_t i = 0; i < count; i++) {
+        within = within && (numbers[i] >= low) && (numbers[i] <= high);
+    }
+    return within;
+}
+
+static bool numbers_are_in_range(const tumble_gain_record_t *record)
+{
+    const size_t count = (record->size_bytes - BYTES_BEFORE_NUMBERS - TAIL_BYTES) / sizeof(double);
+    return all_within(at(record, BYTES_BEFORE_NUMBERS), count, -TUMBLE_MAX_GAIN, TUMBLE_MAX_GAIN) &&
+           all_within(record->sigma_rad, 4, 0.0, TUMBLE_MAX_SIGMA_RAD) && (record->sigma_mean_v > 0.0) &&
+           all_within(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN) &&
+           all_within(record->u_u0_v, TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN);
+}
+
+tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *schedule,
+                                        const tumble_gain_record_t **record)
+{
+    if ((memory == NULL) || (schedule == NULL) || (record == NULL) || (((uintptr_t)memory % sizeof(double)) != 0U)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_gain_record_t *candidate = memory;
+    if (!is_record(candidate, size)) {
+        return TUMBLE_E_GAIN_RECORD;
+    }
+    const size_t covered = candidate->size_bytes - sizeof(uint32_t);
+    if (tumble_crc32(0, candidate, covered) != word_at(candidate, covered)) {
+        return TUMBLE_E_CRC;
+    }
+    if (!is_well_formed(candidate)) {
+        return TUMBLE_E_GAIN_RECORD;
+    }
+    if (!is_for(candidate, schedule)) {
+        return TUMBLE_E_GAIN_TABLE;
+    }
+    if (!numbers_are_in_range(candidate)) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    *record = candidate;
+    return TUMBLE_OK;
+}

@@ -1,0 +1,269 @@
+#include "core/optimal.h"
+
+#include "core/arith.h"
+#include "core/means.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define PASSES 3 /* the gains, then twice with what is not linear taken out of the means */
+
+/* Rows of a record: the coefficients, alpha1, alpha2, the yaws. */
+#define ALPHA1 TUMBLE_COEFFICIENTS
+#define ALPHA2 (ALPHA1 + 1)
+#define ALPHA3 (ALPHA2 + 1)
+#define MAX_ROWS (ALPHA3 + TUMBLE_MAX_MOUNTINGS)
+
+typedef struct {
+    const tumble_gain_record_t *record;
+    const tumble_schedule_t *schedule;
+    tumble_coefficients_t *block; /* of the pass before, as is the stand */
+    tumble_stand_errors_t *stand;
+    /* What of each fit position's angle error the pass before found to be curvature. Small beside the error itself, so
+     * that single precision costs less than 1e-13 of K. */
+    float *curvature_rad;
+    double sum[MAX_ROWS]; /* of this pass */
+} work_t;
+
+/* Where one fit position is. */
+typedef struct {
+    const tumble_mounting_t *mounting;
+    const tumble_angle_t *angle; /* phi */
+    const double *yaw_rad;       /* alpha3 */
+} pose_t;
+
+static pose_t pose_of(const work_t *work, uint8_t p)
+{
+    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(work->schedule, p);
+    return (pose_t){mounting, &work->schedule->positions[p].angle,
+                     &work->stand->alpha3_rad[mounting - work->schedule->mountings]};
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return (a[0] * b[0]) + (a[1] * b[1]) + (a[2] * b[2]);
+}
+
+/* out += K M f: what a force f (g) of the table frame adds to the outputs (V). */
+static void add_outputs(const double k[3][3], const pose_t *pose, const double f_g[3], double out_v[3])
+{
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        double a_g = 0.0;
+        for (int n = 0; n < TUMBLE_CHANNELS; n++) {
+            a_g += pose->mounting->matrix[j][n] * f_g[n];
+        }
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            out_v[i] += k[i][j] * a_g;
+        }
+    }
+}
+
+/* The force on an ideal stand, (h, n, v). */
+static void ideal_force(const pose_t *at, double f_g[3])
+{
+    f_g[0] = at->mounting->tilt.cosine * at->angle->sine;
+    f_g[1] = at->mounting->tilt.sine;
+    f_g[2] = at->mounting->tilt.cosine * at->angle->cosine;
+}
+
+/* Its derivative by the table angle, (v, 0, -h). */
+static void turning_force(const pose_t *at, double f_g[3])
+{
+    f_g[0] = at->mounting->tilt.cosine * at->angle->cosine;
+    f_g[1] = 0.0;
+    f_g[2] = -at->mounting->tilt.cosine * at->angle->sine;
+}
+
+/* From the ideal force to its linear change by alpha1, alpha2, alpha3. */
+static void linear_change(const pose_t *at, const tumble_stand_errors_t *stand, double f_g[3])
+{
+    const double h = f_g[0];
+    const double lean = at->mounting->tilt.sine * stand->alpha1_rad;
+    f_g[0] = (f_g[2] * stand->alpha2_rad) - (lean * at->angle->sine) + (f_g[1] * *at->yaw_rad);
+    f_g[1] = (at->mounting->tilt.cosine * stand->alpha1_rad) - (h * *at->yaw_rad);
+    f_g[2] = -((h * stand->alpha2_rad) + (lean * at->angle->cosine));
+}
+
+/* Turn the angle that has this sine and cosine further by a small x. Both series are good to a double's last bits. */
+static void turn(double x, double *sine, double *cosine)
+{
+    const double q = x * x;
+    const double s = x * (1.0 + (q * ((-1.0 / 6.0) + (q * ((1.0 / 120.0) + (q * ((-1.0 / 5040.0) + (q * (1.0 / 362880.0)))))))));
+    const double c_less_1 = q * (-0.5 + (q * ((1.0 / 24.0) + (q * ((-1.0 / 720.0) + (q * (1.0 / 40320.0)))))));
+    const double before = *sine;
+    *sine += (before * c_less_1) + (*cosine * s);
+    *cosine += (*cosine * c_less_1) - (before * s);
+}
+
+static bool is_small(double angle_rad)
+{
+    return tumble_within(angle_rad, TUMBLE_MAX_STAND_ERROR_RAD);
+}
+
+/* The force on the stand as it is, turned once by alpha1, once by alpha2 and delta, once by alpha3. False when one of
+ * them is not small. */
+static bool exact_force(const pose_t *at, const tumble_stand_errors_t *stand, double delta, double f_g[3])
+{
+    double sine = at->angle->sine;
+    f_g[0] = at->mounting->tilt.cosine;
+    f_g[1] = at->mounting->tilt.sine;
+    f_g[2] = at->angle->cosine;
+    turn(stand->alpha1_rad, &f_g[1], &f_g[0]);
+    turn(stand->alpha2_rad + delta, &sine, &f_g[2]);
+    f_g[2] *= f_g[0];
+    f_g[0] *= sine;
+    turn(*at->yaw_rad, &f_g[0], &f_g[1]); /* h' = h cos + n sin, n' = n cos - h sin */
+    return is_small(stand->alpha1_rad) && is_small(stand->alpha2_rad + delta) && is_small(*at->yaw_rad);
+}
+
+/* The best estimate of an error of the table angle, from what its effect d has in common with what is left of the means:
+ * sigma4^2 / (sigma^2 + sigma4^2 d.d) is this, to be multiplied by d. */
+static double angle_gain(const tumble_gain_record_t *record, const double by_angle_v[3])
+{
+    const double variance = record->sigma_rad[3] * record->sigma_rad[3];
+    const double noise = record->sigma_mean_v * record->sigma_mean_v;
+    return variance / (noise + (variance * dot(by_angle_v, by_angle_v)));
+}
+
+/* Take out of the means of one position what the exact outputs, at the present estimate, have beyond the linear ones. */
+static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_rad, double u_v[3])
+{
+    const pose_t pose = pose_of(work, p);
+    double f_g[3];
+    double by_angle[3] = {0.0, 0.0, 0.0};
+    double beyond[3] = {0.0, 0.0, 0.0}; /* first the linear outputs, but for U0, which is in both */
+    turning_force(&pose, f_g);
+    add_outputs(work->record->k_v_per_g, &pose, f_g, by_angle);
+    ideal_force(&pose, f_g);
+    add_outputs(work->block->k_v_per_g, &pose, f_g, beyond);
+    linear_change(&pose, work->stand, f_g);
+    add_outputs(work->record->k_v_per_g, &pose, f_g, beyond);
+    const double gain = angle_gain(work->record, by_angle);
+    double delta = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        delta += by_angle[i] * (u_v[i] - work->block->u0_v[i] - beyond[i]);
+    }
+    delta = (gain * delta) - (double)*curvature_rad;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        beyond[i] = -(beyond[i] + (by_angle[i] * delta));
+    }
+    const bool small = exact_force(&pose, work->stand, delta, f_g);
+    add_outputs(work->block->k_v_per_g, &pose, f_g, beyond);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        u_v[i] -= beyond[i];
+    }
+    *curvature_rad = (float)(gain * dot(by_angle, beyond));
+    return small;
+}
+
+/* What the means of one position add to the unknowns; `column`: its first one in the record. */
+static void apply_gains(work_t *work, size_t column, const double u_v[3])
+{
+    const double *gains = tumble_gain_record_gains(work->record);
+    const size_t columns = (size_t)work->record->fit_positions * TUMBLE_CHANNELS;
+    for (size_t row = 0; row < ((size_t)ALPHA3 + work->record->yaws); row++) {
+        work->sum[row] += dot(&gains[(row * columns) + column], u_v);
+    }
+}
+
+/* The sums, and a yaw that the mountings share, become the estimate. False when one is not a number. */
+static bool take_over(const work_t *work)
+{
+    bool finite = true;
+    for (int i = 0; i < (ALPHA3 + (int)work->record->yaws); i++) {
+        finite = finite && tumble_is_finite(work->sum[i]);
+    }
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            work->block->k_v_per_g[i][j] = work->sum[(TUMBLE_CHANNELS * i) + j];
+        }
+        work->block->u0_v[i] = work->sum[(TUMBLE_CHANNELS * TUMBLE_CHANNELS) + i];
+    }
+    work->stand->alpha1_rad = work->sum[ALPHA1];
+    work->stand->alpha2_rad = work->sum[ALPHA2];
+    for (int m = 0; m < (int)work->record->mountings; m++) {
+        work->stand->alpha3_rad[m] = work->sum[ALPHA3 + ((work->record->yaws == 1U) ? 0 : m)];
+    }
+    return finite;
+}
+
+/* One pass over all fit positions, from an estimate to the next; the first one linear. */
+static tumble_status_t pass(work_t *work, const tumble_means_t *means, bool first)
+{
+    size_t fit = 0;
+    bool small = true;
+    for (int row = 0; row < MAX_ROWS; row++) {
+        work->sum[row] = 0.0;
+    }
+    for (uint8_t p = 0; p < work->schedule->position_count; p++) {
+        if (work->schedule->positions[p].use == TUMBLE_USE_FIT) {
+            double u_v[3] = {means->u_v[p][0], means->u_v[p][1], means->u_v[p][2]};
+            if (!first) {
+                small = subtract_curvature(work, p, &work->curvature_rad[fit], u_v) && small;
+            }
+            apply_gains(work, TUMBLE_CHANNELS * fit, u_v);
+            fit++;
+        }
+    }
+    const bool finite = take_over(work);
+    if (!small) {
+        return TUMBLE_E_STAND_ERROR;
+    }
+    return finite ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
+}
+
+static tumble_status_t check(const tumble_gain_record_t *record, const tumble_schedule_t *schedule,
+                             const tumble_means_t *means)
+{
+    if (!tumble_means_are_numbers(schedule, means)) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    if ((record->fit_positions != tumble_means_fit_positions(schedule)) ||
+        (record->mountings != schedule->mounting_count)) {
+        return TUMBLE_E_GAIN_TABLE;
+    }
+    return tumble_means_are_complete(schedule, means) ? TUMBLE_OK : TUMBLE_E_MISSING_POSITION;
+}
+
+tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, const tumble_schedule_t *schedule,
+                                        const tumble_means_t *means, tumble_coefficients_t *coefficients,
+                                        tumble_optimal_t *optimal)
+{
+    if ((record == NULL) || (schedule == NULL) || (means == NULL) || (coefficients == NULL) || (optimal == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    tumble_status_t status = check(record, schedule, means);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    *optimal = (tumble_optimal_t){0};
+    work_t work = {.record = record, .schedule = schedule, .block = coefficients, .stand = &optimal->stand,
+                   .curvature_rad = optimal->curvature_rad};
+    for (int n = 0; (n < PASSES) && (status == TUMBLE_OK); n++) {
+        status = pass(&work, means, n == 0);
+    }
+    if (status != TUMBLE_OK) {
+        *coefficients = (tumble_coefficients_t){0};
+        *optimal = (tumble_optimal_t){0};
+    }
+    return status;
+}
+
+tumble_status_t tumble_optimal_check(const void *source, const tumble_schedule_t *schedule)
+{
+    const tumble_optimal_source_t *from = source;
+    const tumble_gain_record_t *record;
+    if ((from == NULL) || (from->work == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    return tumble_gain_record_open(from->record, from->record_bytes, schedule, &record);
+}
+
+tumble_status_t tumble_optimal_estimate(const void *source, const tumble_schedule_t *schedule,
+                                        const tumble_means_t *means, tumble_coefficients_t *coefficients)
+{
+    const tumble_optimal_source_t *from = source;
+    const tumble_status_t status = tumble_optimal_check(source, schedule);
+    return (status == TUMBLE_OK) ? tumble_estimate_optimal(from->record, schedule, means, coefficients, from->work)
+                                 : status;
+}

@@ -1,0 +1,340 @@
+#include "core/uncertainty.h"
+
+#include "core/arith.h"
+#include "core/means.h"
+#include "core/normal.h"
+
+#include <stddef.h>
+
+enum { X, Y, Z, BIAS }; /* the unknowns of a channel: K_ix, K_iy, K_iz, U0_i */
+
+typedef enum { AVERAGED, REFINED, LEAST_SQUARES, TABLE } kind_t;
+
+typedef struct {
+    tumble_normal_t normal;
+    double column[TUMBLE_UNKNOWNS]; /* of N^-1, the one of the unknown */
+} least_squares_t;
+
+/* Where the gains of one coefficient come from; of the three, the pointer that belongs to the kind. */
+typedef struct {
+    const tumble_judged_run_t *run;
+    kind_t kind;
+    int channel;
+    int unknown;
+    const tumble_harmonic_map_t *map;
+    least_squares_t *least_squares;
+    const tumble_gain_table_t *table;
+} gains_t;
+
+/* What one unit of each source does to one coefficient; of the noise, what it does as it is. */
+typedef struct {
+    double alpha1;
+    double alpha2;
+    double alpha3[TUMBLE_MAX_MOUNTINGS];
+    double alpha4_squared;
+    double noise_squared;
+} response_t;
+
+/* The share of mounting `m` in K_ix: +-1/2 for averaged; refined takes K_yx from mounting 2 and K_zx from 1,
+ * formula (7). Mounting 2 has x reversed. */
+static double share_of_mounting(const gains_t *gains, int m)
+{
+    const double sign = (m == 0) ? 1.0 : -1.0;
+    if ((gains->kind == AVERAGED) || (gains->channel == X)) {
+        return 0.5 * sign;
+    }
+    const int kept = (gains->channel == Y) ? 1 : 0;
+    return (m == kept) ? sign : 0.0;
+}
+
+/* The weight of one mean in c, s or b (estimator.c): cosine, sine or 1/2 over four; the two ends share one attitude. */
+static double harmonic_gain(const gains_t *gains, uint8_t p, int m, int l)
+{
+    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
+    const double weight = ((l == 0) || (l == 8)) ? 0.125 : 0.25;
+    if (gains->unknown == X) {
+        return weight * angle->sine * share_of_mounting(gains, m);
+    }
+    if (gains->unknown == BIAS) {
+        return 0.25 * weight;
+    }
+    const int tells = (gains->unknown == Y) ? 1 : 0; /* K_iy from mounting 2, K_iz from mounting 1 */
+    return (m == tells) ? (weight * angle->cosine) : 0.0;
+}
+
+static double gain_of_slot(const gains_t *gains, uint8_t p)
+{
+    for (int m = 0; m < 2; m++) {
+        for (int l = 0; l < 9; l++) {
+            if (gains->map->index[m][l] == p) {
+                return harmonic_gain(gains, p, m, l);
+            }
+        }
+    }
+    return 0.0;
+}
+
+/* The gain that least squares gives the mean of a position in one unknown: its row times that column of N^-1. The row
+ * is left in `row`. */
+static double least_squares_gain(const gains_t *gains, uint8_t p, double row[TUMBLE_UNKNOWNS])
+{
+    double gain = 0.0;
+    tumble_normal_row(gains->run->schedule, p, row);
+    for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
+        gain += row[j] * gains->least_squares->column[j];
+    }
+    return gain;
+}
+
+/* The column of N^-1 that belongs to the unknown, corrected once from its residual like a fit (normal.h). */
+static void solve_column(const gains_t *gains)
+{
+    const tumble_judged_run_t *run = gains->run;
+    for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
+        gains->least_squares->column[j] = 0.0;
+    }
+    for (int pass = 0; pass < 2; pass++) {
+        double right[TUMBLE_UNKNOWNS] = {0.0, 0.0, 0.0, 0.0};
+        right[gains->unknown] = 1.0;
+        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+            if (tumble_normal_uses(run->schedule, run->measured, p)) {
+                double row[TUMBLE_UNKNOWNS];
+                const double gain = least_squares_gain(gains, p, row);
+                for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
+                    right[j] -= row[j] * gain;
+                }
+            }
+        }
+        tumble_normal_solve(&gains->least_squares->normal, right);
+        for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
+            gains->least_squares->column[j] += right[j];
+        }
+    }
+}
+
+/* The gains of the position `p`, the fit position number `fit` from 0, for its three channels. */
+static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
+{
+    if (gains->kind == TABLE) {
+        const size_t row_length = (size_t)gains->table->fit_positions * TUMBLE_CHANNELS;
+        const int row = (gains->unknown == BIAS) ? (TUMBLE_CHANNELS * TUMBLE_CHANNELS) + gains->channel
+                                                 : (TUMBLE_CHANNELS * gains->channel) + gains->unknown;
+        for (size_t i = 0; i < TUMBLE_CHANNELS; i++) {
+            g[i] = gains->table->gains[((size_t)row * row_length) + (fit * TUMBLE_CHANNELS) + i];
+        }
+        return;
+    }
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        g[i] = 0.0;
+    }
+    double row[TUMBLE_UNKNOWNS];
+    g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : gain_of_slot(gains, p);
+}
+
+static double square(double x)
+{
+    return x * x;
+}
+
+/* Of the mean of a position. */
+static double variance_at(const tumble_judged_run_t *run, uint8_t p)
+{
+    const uint32_t samples = (run->samples != NULL) ? run->samples[p] : run->stand->samples;
+    const double variance = square(run->stand->noise_v) / (double)samples;
+    const double least = square(run->stand->least_noise_v);
+    return (variance > least) ? variance : least;
+}
+
+/* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
+ * frame, g^T K M. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) at zero error:
+ *     alpha1           (-sin t sin p, cos t, -sin t cos p)
+ *     alpha2, delta    ( cos t cos p,     0, -cos t sin p)
+ *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n */
+static void add_position(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS],
+                         response_t *response)
+{
+    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
+    const tumble_angle_t *angle = &run->schedule->positions[p].angle;
+    double w[3] = {0.0, 0.0, 0.0};
+    double squares = 0.0;
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        double along_j = 0.0;
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            along_j += g[i] * run->coefficients->k_v_per_g[i][j];
+        }
+        for (int n = 0; n < 3; n++) {
+            w[n] += along_j * mounting->matrix[j][n];
+        }
+        squares += g[j] * g[j];
+    }
+    const double across = (w[0] * angle->sine) + (w[2] * angle->cosine);
+    const double turning = mounting->tilt.cosine * ((w[0] * angle->cosine) - (w[2] * angle->sine));
+    response->alpha1 += (w[1] * mounting->tilt.cosine) - (across * mounting->tilt.sine);
+    response->alpha2 += turning;
+    response->alpha3[mounting - run->schedule->mountings] +=
+        (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
+    response->alpha4_squared += turning * turning;
+    response->noise_squared += squares * variance_at(run, p);
+}
+
+/* All sources in quadrature; a yaw common to all mountings adds up before it is squared. */
+static double combined(const tumble_judged_run_t *run, const response_t *response)
+{
+    double yaw = 0.0;
+    double yaws_squared = 0.0;
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        yaw += response->alpha3[m];
+        yaws_squared += square(response->alpha3[m]);
+    }
+    const tumble_stand_record_t *stand = run->stand;
+    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
+                       (square(stand->remount_rad) * (stand->common_yaw ? square(yaw) : yaws_squared)) +
+                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared);
+}
+
+static double uncertainty_of(const gains_t *gains)
+{
+    const tumble_judged_run_t *run = gains->run;
+    response_t response = {0};
+    size_t fit = 0;
+    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+        if (tumble_normal_uses(run->schedule, run->measured, p)) {
+            double g[TUMBLE_CHANNELS];
+            gains_at(gains, p, fit, g);
+            add_position(run, p, g, &response);
+            fit++;
+        }
+    }
+    return combined(run, &response);
+}
+
+/* One unknown of each channel. Infinities and NaN add up in `check`. */
+static void judge_unknown(gains_t *gains, tumble_uncertainty_t *uncertainty, double *check)
+{
+    for (gains->channel = X; gains->channel <= Z; gains->channel++) {
+        const double u = uncertainty_of(gains);
+        *((gains->unknown == BIAS) ? &uncertainty->u0_v[gains->channel]
+                                   : &uncertainty->k_v_per_g[gains->channel][gains->unknown]) = u;
+        *check += u;
+    }
+}
+
+/* All twelve, one after the other. */
+static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
+{
+    double check = 0.0;
+    for (gains->unknown = X; gains->unknown <= BIAS; gains->unknown++) {
+        if (gains->kind == LEAST_SQUARES) {
+            solve_column(gains);
+        }
+        judge_unknown(gains, uncertainty, &check);
+    }
+    if (!tumble_is_finite(check)) {
+        *uncertainty = (tumble_uncertainty_t){0};
+        return TUMBLE_E_NOT_FINITE;
+    }
+    return TUMBLE_OK;
+}
+
+static bool is_sigma(double sigma, double largest)
+{
+    return (sigma >= 0.0) && (sigma <= largest);
+}
+
+static bool stand_is_valid(const tumble_stand_record_t *stand)
+{
+    return is_sigma(stand->axis_tilt_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->level_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
+           is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
+           (stand->samples >= 1U);
+}
+
+static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)
+{
+    if ((run == NULL) || (uncertainty == NULL) || (run->schedule == NULL) || (run->stand == NULL) ||
+        (run->coefficients == NULL) || !stand_is_valid(run->stand)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    bool counted = true;
+    for (uint8_t p = 0; (run->samples != NULL) && (p < run->schedule->position_count); p++) {
+        counted = counted && (!tumble_normal_uses(run->schedule, run->measured, p) || (run->samples[p] >= 1U));
+    }
+    return counted ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+}
+
+static void report(tumble_refusal_t *refusal, uint32_t missing, uint8_t unidentified)
+{
+    if (refusal != NULL) {
+        *refusal = (tumble_refusal_t){missing, unidentified};
+    }
+}
+
+static tumble_status_t judge_harmonic(kind_t kind, const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                      tumble_refusal_t *refusal)
+{
+    tumble_status_t status = check_arguments(run, uncertainty);
+    tumble_harmonic_map_t map;
+    gains_t gains = {.run = run, .kind = kind, .map = &map};
+    uint32_t missing = 0;
+    if (status == TUMBLE_OK) {
+        status = tumble_schedule_harmonic(run->schedule, run->measured, &map, &missing);
+    }
+    report(refusal, missing, 0);
+    return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
+}
+
+tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                            tumble_refusal_t *refusal)
+{
+    return judge_harmonic(AVERAGED, run, uncertainty, refusal);
+}
+
+tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                           tumble_refusal_t *refusal)
+{
+    return judge_harmonic(REFINED, run, uncertainty, refusal);
+}
+
+tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                                 tumble_refusal_t *refusal)
+{
+    const tumble_status_t status = check_arguments(run, uncertainty);
+    report(refusal, 0, 0);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    least_squares_t least_squares;
+    gains_t gains = {.run = run, .kind = LEAST_SQUARES, .least_squares = &least_squares};
+    tumble_normal_build(&least_squares.normal, run->schedule, run->measured);
+    const uint8_t unidentified = tumble_normal_unidentified(&least_squares.normal);
+    report(refusal, 0, unidentified);
+    return (unidentified == 0U) ? judge(&gains, uncertainty) : TUMBLE_E_RANK;
+}
+
+static bool every_fit_position_is_measured(const tumble_judged_run_t *run)
+{
+    bool measured = true;
+    for (uint8_t p = 0; (run->measured != NULL) && (p < run->schedule->position_count); p++) {
+        measured = measured && (run->measured[p] || (run->schedule->positions[p].use != TUMBLE_USE_FIT));
+    }
+    return measured;
+}
+
+tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
+                                         tumble_uncertainty_t *uncertainty)
+{
+    const tumble_status_t status = check_arguments(run, uncertainty);
+    if ((status != TUMBLE_OK) || (table == NULL) || (table->gains == NULL)) {
+        return (status != TUMBLE_OK) ? status : TUMBLE_E_ARGUMENT;
+    }
+    if (table->fit_positions != tumble_means_fit_positions(run->schedule)) {
+        return TUMBLE_E_GAIN_TABLE;
+    }
+    if (!every_fit_position_is_measured(run)) {
+        return TUMBLE_E_MISSING_POSITION;
+    }
+    gains_t gains = {.run = run, .kind = TABLE, .table = table};
+    return judge(&gains, uncertainty);
+}

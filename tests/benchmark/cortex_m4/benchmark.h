@@ -1,0 +1,18 @@
+/* benchmark.h - one estimator per image: CANDIDATE chooses it, so that an image holds what that estimator needs alone. */
+#ifndef TUMBLE_BENCHMARK_H
+#define TUMBLE_BENCHMARK_H
+
+#include "core/estimator.h"
+
+#include <stdint.h>
+
+void print(const char *text);
+void print_hex(uint32_t word);
+
+/* What one would write without looking at the structure: twelve unknowns, a dense row for each of the 3 x P means. */
+tumble_status_t dense_normal_equations(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                       tumble_coefficients_t *coefficients);
+tumble_status_t dense_householder(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                  tumble_coefficients_t *coefficients);
+
+#endif

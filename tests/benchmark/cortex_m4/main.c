@@ -1,0 +1,82 @@
+/* main.c - run one estimator REPEATS times on the target; print the ticks of a 25 MHz clock that took, the stack it used, its
+ * status and the bits of its result. With QEMU's -icount shift=0 an instruction takes 1 ns, so a tick is 40 instructions.
+ */
+#include "benchmark.h"
+#include "core/optimal.h"
+#include "data.h"
+
+#include <string.h>
+
+#define REPEATS 25
+#define PAINT 0xA5A5A5A5U
+#define SYSTICK ((volatile uint32_t *)0xE000E010)
+
+extern uint32_t stack_bottom[];
+
+static tumble_coefficients_t found;
+static volatile tumble_status_t status;
+
+#if CANDIDATE == 0
+#define ESTIMATE() TUMBLE_OK
+#elif CANDIDATE == 1
+#define ESTIMATE() tumble_estimate_refined(&tumble_schedule_paper, &benchmark_means, &found, NULL)
+#elif CANDIDATE == 2
+#define ESTIMATE() tumble_estimate_least_squares(&tumble_schedule_paper, &benchmark_means, &found, NULL)
+#elif CANDIDATE == 3
+#define ESTIMATE() tumble_estimate_gains(&benchmark_table, &tumble_schedule_paper, &benchmark_means, &found)
+#elif CANDIDATE == 4
+static tumble_optimal_t optimal;
+#define ESTIMATE() \
+    tumble_estimate_optimal(benchmark_record, &tumble_schedule_paper, &benchmark_means, &found, &optimal)
+#elif CANDIDATE == 5
+static const tumble_gain_record_t *record;
+#define ESTIMATE() \
+    tumble_gain_record_open(benchmark_record, benchmark_record->size_bytes, &tumble_schedule_paper, &record)
+#elif CANDIDATE == 6
+#define ESTIMATE() dense_normal_equations(&tumble_schedule_paper, &benchmark_means, &found)
+#elif CANDIDATE == 7
+#define ESTIMATE() dense_householder(&tumble_schedule_paper, &benchmark_means, &found)
+#endif
+
+__attribute__((noinline)) static void run(void)
+{
+    status = ESTIMATE();
+}
+
+/* Fill what lies below this function's own frame; what is still paint afterwards was not used. */
+__attribute__((noinline)) static uint32_t stack_used(void)
+{
+    uint32_t *const here = __builtin_frame_address(0);
+    uint32_t *const top = here - 16;
+    uint32_t *word = stack_bottom;
+    while (word < top) {
+        *word++ = PAINT;
+    }
+    run();
+    for (word = stack_bottom; *word == PAINT; word++) {
+    }
+    return (uint32_t)((char *)top - (char *)word);
+}
+
+int main(void)
+{
+    SYSTICK[1] = 0xFFFFFFU;
+    SYSTICK[2] = 0;
+    SYSTICK[0] = 5; /* on, processor clock, no interrupt */
+    const uint32_t stack = stack_used();
+    const uint32_t before = SYSTICK[2];
+    for (int i = 0; i < REPEATS; i++) {
+        run();
+    }
+    const uint32_t after = SYSTICK[2];
+    uint32_t bits[2 * TUMBLE_COEFFICIENTS];
+    memcpy(bits, &found, sizeof bits);
+    print_hex((before - after) & 0xFFFFFFU);
+    print_hex(stack);
+    print_hex((uint32_t)status);
+    for (int i = 0; i < 2 * TUMBLE_COEFFICIENTS; i++) {
+        print_hex(bits[i]);
+    }
+    print("\n");
+    return 0;
+}
