@@ -15,6 +15,7 @@ FAULTS = {  # lines added to the scenario; the reason that must be named
     "NO_SAMPLES": ["fault = no_samples at=2.3 phase=average"],
     "SATURATED": ["fault = saturated at=1.6 phase=average channels=y"],
     "STUCK": ["fault = stuck at=1.7 phase=average channels=z"],
+    "UNCERTAIN": ["procedure.error_budget_v = 1e-6"],
     "NOT_STILL": ["fault = noisy at=1.8 phase=average channels=x value=0.05"],
     "SWAPPED_CHANNELS": ["fault = swapped at=1.1 phase=mount channels=xy"],
     "WRONG_MOUNTING": ["operator.wrong_mounting = 2", "operator.mounted_instead = 1"],

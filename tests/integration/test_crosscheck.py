@@ -93,7 +93,7 @@ def test_a_defect_in_the_paper_schedule_is_seen(monkeypatch, capsys, tmp_path):
 
 def test_a_fault_in_the_program_is_no_verdict(monkeypatch, capsys, tmp_path):
     """Exit 1 means that limits failed; an unforeseen exception must not look like it."""
-    monkeypatch.setattr(reference, "stand_seen", lambda *_: 1 / 0)
+    monkeypatch.setattr(reference, "pooled_noise", lambda *_: 1 / 0)
     code, out, err = solve_with_defect(capsys, tmp_path)
     assert (code, out) == (3, "")
     assert err.count("\n") == 1 and "fault in tumble itself: ZeroDivisionError" in err

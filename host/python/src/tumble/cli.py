@@ -10,11 +10,11 @@ import sys
 import traceback
 
 from tumble import __version__
-from tumble.commands import bench, export, solve
+from tumble.commands import bench, export, fixture, plan, solve
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_INTERRUPTED, TumbleError, UsageError
 from tumble.files import reason
 
-_COMMANDS = (solve, bench, export)
+_COMMANDS = (solve, bench, plan, fixture, export)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import core
+from tumble import core, weighted
+from tumble.stand import OPTIMAL
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,22 @@ class Computation:
 
 
 def compute(
-    schedule: core.CoreSchedule, means: np.ndarray, measured: np.ndarray, estimator: str, limit_g: float
+    schedule: core.CoreSchedule,
+    means: np.ndarray,
+    measured: np.ndarray,
+    estimator: str,
+    limit_g: float,
+    weighting: weighted.Weighting | None = None,
 ) -> Computation:
-    """Let the core estimate and verify. Raises CoreRefusal; DeadChannels where a channel does not feel gravity."""
-    k, u0 = core.estimate(schedule, means, measured, estimator)
+    """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
+
+    Raises CoreRefusal; DeadChannels where a channel does not feel gravity.
+    """
+    if estimator == OPTIMAL:
+        found = weighted.estimate(schedule, means, measured, weighting)
+        k, u0 = found.k, found.u0
+    else:
+        k, u0 = core.estimate(schedule, means, measured, estimator)
     _require_response(k, means[measured])
     return Computation(
         estimator=estimator,

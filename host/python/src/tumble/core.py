@@ -21,12 +21,12 @@ MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"
 
-_ESTIMATORS = {
+LINEAR_ESTIMATORS = {
     "averaged": lib.tumble_estimate_averaged,
     "refined": lib.tumble_estimate_refined,
     "least_squares": lib.tumble_estimate_least_squares,
 }
-ESTIMATORS = tuple(_ESTIMATORS)
+ESTIMATORS = tuple(LINEAR_ESTIMATORS)
 
 
 class CoreRefusal(Exception):
@@ -153,13 +153,13 @@ class CoreSchedule:
     def identify(self, measured: np.ndarray | None = None) -> None:
         """Raise CoreRefusal(unidentified=names) unless the (measured) fit positions identify all coefficients."""
         bits = ffi.new("uint8_t *")
-        status = lib.tumble_schedule_identify(self.struct, self._flags(measured), bits)
+        status = lib.tumble_schedule_identify(self.struct, self.flags(measured), bits)
         require_ok(status, unidentified=_coefficient_names(bits[0]))
 
     def harmonic(self, measured: np.ndarray | None = None) -> np.ndarray:
         """Where the paper's positions are: indices (2, 9). Raises CoreRefusal(missing=labels in paper's numbers)."""
         harmonic_map, bits = ffi.new("tumble_harmonic_map_t *"), ffi.new("uint32_t *")
-        status = lib.tumble_schedule_harmonic(self.struct, self._flags(measured), harmonic_map, bits)
+        status = lib.tumble_schedule_harmonic(self.struct, self.flags(measured), harmonic_map, bits)
         require_ok(status, missing=[f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits[0])])
         return np.array(list(map(list, harmonic_map.index)))
 
@@ -171,7 +171,8 @@ class CoreSchedule:
             return [f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits)]
         return [self.data.positions[indices[slot]].label for slot in _set_bits(bits)]
 
-    def _flags(self, measured: np.ndarray | None):
+    def flags(self, measured: np.ndarray | None):
+        """One flag per position as the core has them; null for None. Raises ValueError for another number of them."""
         if measured is None:
             return ffi.NULL
         flags = np.ascontiguousarray(measured, dtype=bool)
@@ -186,7 +187,7 @@ class CoreSchedule:
             raise ValueError(f"means must have shape ({len(self)}, 3), not {values.shape}")
         struct = ffi.new("tumble_means_t *")
         ffi.memmove(struct.u_v, ffi.from_buffer(values), values.nbytes)
-        flags = self._flags(np.ones(len(self), dtype=bool) if measured is None else measured)
+        flags = self.flags(np.ones(len(self), dtype=bool) if measured is None else measured)
         ffi.memmove(struct.measured, flags, len(self))
         return struct
 
@@ -206,7 +207,8 @@ def paper_schedule() -> Schedule:
     )
 
 
-def _pack(k: np.ndarray, u0: np.ndarray):
+def pack(k: np.ndarray, u0: np.ndarray):
+    """K and U0 as the core has them."""
     values = np.concatenate([np.asarray(k, dtype=float).ravel(), np.asarray(u0, dtype=float).ravel()])
     if values.shape != (lib.TUMBLE_COEFFICIENTS,):
         raise ValueError("K must have shape (3, 3) and U0 shape (3,)")
@@ -215,7 +217,8 @@ def _pack(k: np.ndarray, u0: np.ndarray):
     return struct
 
 
-def _unpack(struct) -> tuple[np.ndarray, np.ndarray]:
+def unpack(struct) -> tuple[np.ndarray, np.ndarray]:
+    """K and U0 of a tumble_coefficients_t."""
     values = np.frombuffer(ffi.buffer(struct)).copy()
     return values[:9].reshape(3, 3), values[9:]
 
@@ -225,11 +228,16 @@ def estimate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """K and U0 by one of ESTIMATORS. Raises CoreRefusal(missing=..., unidentified=...)."""
     coefficients, refusal = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_refusal_t *")
-    status = _ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
+    status = LINEAR_ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
+    require_estimable(schedule, status, refusal)
+    return unpack(coefficients)
+
+
+def require_estimable(schedule: CoreSchedule, status: int, refusal) -> None:
+    """Raise CoreRefusal(missing=..., unidentified=...) unless `status` is TUMBLE_OK; `refusal`: a tumble_refusal_t."""
     if status != lib.TUMBLE_OK:
         missing, unidentified = schedule.missing_labels(refusal.missing), _coefficient_names(refusal.unidentified)
         raise CoreRefusal(status, missing=missing, unidentified=unidentified)
-    return _unpack(coefficients)
 
 
 def estimate_gains(
@@ -242,7 +250,7 @@ def estimate_gains(
     struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
     coefficients = ffi.new("tumble_coefficients_t *")
     require_ok(lib.tumble_estimate_gains(struct, schedule.struct, schedule.means(means, measured), coefficients))
-    return _unpack(coefficients)
+    return unpack(coefficients)
 
 
 class Calibration:
@@ -250,7 +258,7 @@ class Calibration:
 
     def __init__(self, k: np.ndarray, u0: np.ndarray):
         self.struct = ffi.new("tumble_calibration_t *")
-        require_ok(lib.tumble_calibration_invert(_pack(k, u0), self.struct))
+        require_ok(lib.tumble_calibration_invert(pack(k, u0), self.struct))
 
     def apply(self, outputs: np.ndarray) -> np.ndarray:
         """Specific force (g) from outputs (V), both (3,)."""
@@ -270,7 +278,7 @@ class Calibration:
 def intrinsic(k: np.ndarray, u0: np.ndarray) -> Intrinsic:
     """Scales, cosines between the axes and biases. Raises CoreRefusal for a row of K that is (nearly) zero."""
     found = ffi.new("tumble_intrinsic_t *")
-    require_ok(lib.tumble_calibration_intrinsic(_pack(k, u0), found))
+    require_ok(lib.tumble_calibration_intrinsic(pack(k, u0), found))
     cosines = np.array([found.cosine_xy, found.cosine_xz, found.cosine_yz])
     return Intrinsic(np.array(list(found.scale_v_per_g)), cosines, np.array(list(found.bias_g)))
 
@@ -305,7 +313,7 @@ def residual_rms(
 ) -> np.ndarray | None:
     """Root mean square (3,) of the residuals of the fit positions; None with fewer than five of them."""
     rms, struct = np.empty(3), schedule.means(means, measured)
-    status = lib.tumble_residual_rms(schedule.struct, struct, _pack(k, u0), ffi.from_buffer("double[]", rms))
+    status = lib.tumble_residual_rms(schedule.struct, struct, pack(k, u0), ffi.from_buffer("double[]", rms))
     if status == lib.TUMBLE_E_TOO_FEW:
         return None
     require_ok(status)

@@ -23,6 +23,11 @@ def read_bytes(file: str) -> bytes:
 
 
 def write_text(file: str, text: str) -> None:
+    """Write a text file, UTF-8, as `write_bytes` does."""
+    write_bytes(file, text.encode("utf-8"))
+
+
+def write_bytes(file: str, data: bytes) -> None:
     """Write a file as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
 
     A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly.
@@ -30,30 +35,30 @@ def write_text(file: str, text: str) -> None:
     try:
         target = os.path.realpath(file)
         if os.path.exists(target) and not os.path.isfile(target):
-            with open(target, "w", encoding="utf-8") as stream:
-                stream.write(text)
+            with open(target, "wb") as stream:
+                stream.write(data)
         else:
-            _replace(target, text)
+            _replace(target, data)
     except OSError as error:
         raise BadInput(f"cannot be written: {reason(error)}", file) from None
     except ValueError:
         raise BadInput("not a file name", file) from None
 
 
-def refuse_overwriting(out: str | None, *sources: str | None) -> None:
-    """An output must not replace what it is made from. Raises UsageError."""
+def refuse_overwriting(out: str | None, *sources: str | None, option: str = "--out") -> None:
+    """An output, given by `option`, must not replace what it is made from. Raises UsageError."""
     for source in sources:
         if out and source and os.path.realpath(out) == os.path.realpath(source):
-            raise UsageError(f"--out: {quoted(out)} is an input of this command")
+            raise UsageError(f"{option}: {quoted(out)} is an input of this command")
 
 
-def _replace(target: str, text: str) -> None:
+def _replace(target: str, data: bytes) -> None:
     folder, name = os.path.split(target)
     temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
     handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
         if os.path.exists(target):
             os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
         os.replace(temporary, target)

@@ -10,7 +10,7 @@ import numpy as np
 from tumble.result import per_g
 from tumble.schedule import CHECK
 from tumble.solution import Solution
-from tumble.stand import noise_unit
+from tumble.stand import noise_unit, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
@@ -117,7 +117,7 @@ def gravity_bars(solution: Solution) -> list[GravityBar]:
 
 def remarks(solution: Solution) -> list[str]:
     """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
-    unit, seen = solution.run.unit, solution.stand_seen
+    unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
     lines += [
@@ -126,14 +126,24 @@ def remarks(solution: Solution) -> list[str]:
     ]
     if solution.found.residual_rms is not None:
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}")
-    if seen["alpha1_rad"] is not None:
-        lines.append(f"Stand seen: axis tilt {_measured(seen, 'alpha1_rad')} rad")
-        lines.append(f"            level + yaw {_measured(seen, 'alpha2_plus_alpha3_rad')} rad")
-        lines.append(f"            yaw 1 - yaw 2 {_measured(seen, 'alpha3_difference_rad')} rad")
-    if seen["noise_v"] is not None:
-        unit = noise_unit(unit)
-        declared = "" if solution.stand is None else f", declared {solution.stand.sigma('noise'):.2e} {unit}"
-        lines.append(f"Noise of a sample: {_measured(seen, 'noise_v').lstrip('+')} {unit}{declared}")
+    return lines + _stand_remarks(solution)
+
+
+def _stand_remarks(solution: Solution) -> list[str]:
+    seen, stand, lines = solution.stand_seen, solution.stand, []
+    if seen.angles["alpha1"] is not None:
+        names = ("axis tilt", "level + yaw", "yaw 1 - yaw 2")
+        told = [_measured(seen.angles[key], seen.source is not None) for key in seen.angles]
+        lines += [f"{'Stand seen:':11} {name} {angle} rad" for name, angle in zip(names, told)]
+        lines[-2:] = [line.replace("Stand seen:", "           ") for line in lines[-2:]]
+    if seen.alpha4 is not None:
+        declared = "" if stand is None else f", declared {stand.sigma('angle'):.2e} rad"
+        lines.append(f"Error of a set angle: {_measured(seen.alpha4).lstrip('+')} rad{declared}")
+    if seen.noise is not None:
+        unit, factor = noise_unit(solution.run.unit), volts_per(solution.run.unit)
+        declared = "" if stand is None else f", declared {stand.sigma('noise'):.2e} {unit}"
+        noise = f"{seen.noise.value * factor:.2e} +- {seen.noise.u * factor:.1e}"
+        lines.append(f"Noise of a sample: {noise} {unit}{declared}")
     return lines
 
 
@@ -161,9 +171,8 @@ def _three(values: np.ndarray) -> str:
     return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
 
 
-def _measured(seen: dict[str, float | None], name: str) -> str:
-    u = seen[f"u_{name}"]
-    return f"{seen[name]:+.2e}" + ("" if u is None else f" +- {u:.1e}")
+def _measured(seen, has_u: bool = True) -> str:
+    return f"{seen.value:+.2e}" + (f" +- {seen.u:.1e}" if has_u else "")
 
 
 def verdict(solution: Solution) -> str:

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from tumble import standseen
 from tumble.dialect import UNIT
 from tumble.errors import BadInput, quoted
 from tumble.files import read_bytes
 from tumble.solution import Solution, Truth
+from tumble.stand import volts_per
 
 SCHEMA = "tumble.result/1"
 
@@ -37,8 +39,10 @@ def document(solution: Solution, item: dict[str, Any] | None, environment: dict[
         "U0": solution.found.u0.tolist(),
         "u_K": None if solution.u_k is None else solution.u_k.tolist(),
         "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
+        "second_order": None if solution.second_order is None else solution.second_order.document(),
+        "misfit": solution.misfit,
         "verification": _verification(solution),
-        "stand_seen": solution.stand_seen,
+        "stand_seen": standseen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
             "scale": solution.found.intrinsic.scale.tolist(),
             "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),

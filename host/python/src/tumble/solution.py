@@ -6,13 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import core, reference
+from tumble import core, core_stand_seen, reference, stated, weighted
 from tumble.computation import Computation, DeadChannels, compute
-from tumble.crosscheck import Comparison, compare
+from tumble.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.errors import BadInput
 from tumble.runfile import Run
 from tumble.schedule import Schedule
-from tumble.stand import Stand, volts_per
+from tumble.stand import OPTIMAL, SecondOrder, Stand, volts_per
+from tumble.standseen import StandSeen, look
+
+
+LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,8 @@ class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
-    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it; `truth`: None for a run
+    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
+    `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
     that was measured.
     """
 
@@ -45,8 +50,16 @@ class Solution:
     u_k: np.ndarray | None
     u_u0: np.ndarray | None
     stand: Stand | None
-    stand_seen: dict[str, float | None]
+    stand_seen: StandSeen
+    misfit: float | None = None
     truth: Truth | None = None
+
+    @property
+    def second_order(self) -> SecondOrder | None:
+        """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
+        if self.stand is None:
+            return None
+        return SecondOrder.of(self.stand, float(self.found.k[0, 0]), float(self.u_k[0, 0]))
 
     @property
     def worst_position(self) -> int:
@@ -55,38 +68,72 @@ class Solution:
 
 
 def solve(
-    run: Run, schedule: core.CoreSchedule | None, estimator: str, limit_g: float, stand: Stand | None, file: str
+    run: Run,
+    schedule: core.CoreSchedule | None,
+    estimator: str,
+    limit_g: float,
+    stand: Stand | None,
+    file: str,
+    step_v: float = 0.0,
+    known: weighted.Known | None = None,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
+
+    The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
+    was made for, None if it is to be made for this run.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
     declared = None if stand is None else stand.in_unit(run.unit)
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
+    weighting = None
+    if estimator == OPTIMAL:
+        weighting = weighted.Weighting(declared, run.samples, step_v / volts_per(run.unit), known)
     try:
-        found = compute(core_schedule, run.means, run.measured, estimator, limit_g)
+        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
     except core.CoreRefusal as refusal:
         raise BadInput(_explain(refusal, estimator), file) from None
     except DeadChannels as error:
         raise BadInput(str(error), file) from None
-    witnessed = _measured_part(reference.paper_schedule() if schedule is None else schedule.data, run.measured)
+    witnessed = measured_part(reference.paper_schedule() if schedule is None else schedule.data, run.measured)
     means, samples, scatter = (rows[run.measured] for rows in (run.means, run.samples, run.scatter))
-    comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured])
-    u_k = u_u0 = None
+    optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
+    comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
+    u_k, u_u0, misfit = None, None, None
     if declared is not None:
-        u_k, u_u0 = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
-    seen = reference.stand_seen(witnessed, means, found.k, samples, scatter, declared)
-    seen = _noise_in_volts(seen, run.unit)
-    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen)
+        u_k, u_u0 = _state(core_schedule, run, found.k, declared, estimator, step_v / volts_per(run.unit), file)
+        if optimal is None:
+            witness = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
+        else:
+            witness, misfit = (optimal.u_k, optimal.u_u0), optimal.misfit
+        compare_uncertainties((u_k, u_u0), witness, optimal is not None)
+    shown = core_stand_seen.RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
+    seen = look(shown, core_stand_seen.noise(run.samples, run.scatter), run.samples, declared)
+    compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
+    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, misfit)
 
 
-def _noise_in_volts(seen: dict[str, float | None], unit: str) -> dict[str, float | None]:
-    """`noise_v` and its twin in volts, for outputs in a multiple of the volt."""
-    noise = {name: seen[name] for name in ("noise_v", "u_noise_v")}
-    return {**seen, **{name: None if value is None else value * volts_per(unit) for name, value in noise.items()}}
+def _state(
+    schedule: core.CoreSchedule, run: Run, k: np.ndarray, stand: Stand, estimator: str, step: float, file: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
+    try:
+        return stated.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+    except core.CoreRefusal as refusal:
+        raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
-def _measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:
+def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighting: weighted.Weighting, file: str):
+    """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
+    for errors that are not there would mislead."""
+    known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    found = reference.optimal(schedule, means, weighting.stand, samples, weighting.step, *known)
+    if not found.misfit <= LARGEST_MISFIT:
+        raise BadInput(f"residuals {found.misfit:.2g} times what the stand declares: no optimal weights for it", file)
+    return found
+
+
+def measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:
     """The schedule without the positions that a run does not have."""
     positions = tuple(position for position, is_measured in zip(schedule.positions, measured) if is_measured)
     return Schedule(schedule.mountings, positions)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 INDEPENDENT = "independent"
 COMMON = "common"
+OPTIMAL = "optimal"  # the one estimator that needs a stand
 
 _SIGMAS_PER_LIMIT = {"sigma1": 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
@@ -53,6 +54,34 @@ class Stand:
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
         return getattr(self, source) / _SIGMAS_PER_LIMIT[self.limits]
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """Is a stand good enough for the linear theory of uncertainties? A yaw alpha3 takes `bias`, alpha3^2/2, off K_xx,
+    which that theory does not know; `limit` is a fifth of the relative standard uncertainty of K_xx."""
+
+    bias: float
+    limit: float
+
+    @classmethod
+    def of(cls, stand: Stand, k_xx: float, u_k_xx: float) -> SecondOrder:
+        """For a block and what is claimed of it; 0 is allowed for both."""
+        return cls(stand.sigma("remount") ** 2 / 2.0, 0.2 * u_k_xx / abs(k_xx) if k_xx else 0.0)
+
+    @property
+    def matters(self) -> bool:
+        """Whether the linear theory says too little."""
+        return self.bias > self.limit
+
+    @property
+    def warning(self) -> str:
+        """What to say where it does."""
+        return f"large yaw: alpha3^2/2 = {self.bias:.2g} exceeds 0.2 u(K_xx)/K_xx = {self.limit:.2g}"
+
+    def document(self) -> dict[str, float | bool]:
+        """Ready for JSON."""
+        return {"bias_K_xx_relative": self.bias, "limit": self.limit, "matters": self.matters}
 
 
 PAPER_STAND = Stand(  # equation (5)

@@ -11,6 +11,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +41,11 @@ class StandFile:
     environment: dict[str, Any] | None
     delta_g_limit_g: float | None
 
+    @property
+    def step_v(self) -> float:
+        """Size of a count of the block's converter, whose range is from -range_v to +range_v; 0 if unknown."""
+        return 0.0 if self.block is None else converter_step_v(self.block)
+
 
 def read_stand(file: str) -> StandFile:
     """Read a stand file. Raises BadInput with file and row."""
@@ -57,6 +63,13 @@ def read_stand(file: str) -> StandFile:
         environment=None if environment is None else _environment(environment),
         delta_g_limit_g=None if accept is None else _limit(accept),
     )
+
+
+def converter_step_v(block: dict[str, Any]) -> float:
+    """Size of a count of a block's converter; 0 if unknown."""
+    if block["converter_bits"] is None or block["range_v"] is None:
+        return 0.0
+    return math.ldexp(block["range_v"], 1 - block["converter_bits"])
 
 
 def read_block(file: str) -> tuple[dict[str, Any], dict[str, Any] | None]:

@@ -15,6 +15,8 @@ from tumble.errors import BadInput
 from tumble.files import read_bytes, reason
 
 DEFAULT_PARENT = "runs"
+SCENARIO = "scenario.txt"
+GAINS = "gains.bin"
 
 
 def default_path(seed: int) -> str:
@@ -61,19 +63,22 @@ class RunFolder:
             if self._made_parent:
                 _remove_if_empty(self._target.parent)
 
-    def add_inputs(self, files: list[str], scenario: str) -> Path:
-        """Copies of the given files and the scenario, in inputs/. Returns the scenario's path."""
+    def add_inputs(self, files: list[str], scenario: str, gains: bytes | None = None) -> Path:
+        """Copies of the given files, the scenario and the gain record if there is one, in inputs/. Returns the
+        scenario's path."""
         inputs = self.stage / "inputs"
         contents = [(os.path.basename(file), read_bytes(file)) for file in files]
         try:
             inputs.mkdir()
             for number, (name, data) in enumerate(contents, start=1):
-                free = not (inputs / name).exists() and name != "scenario.txt"
+                free = not (inputs / name).exists() and name not in (SCENARIO, GAINS)
                 (inputs / (name if free else f"{number}-{name}")).write_bytes(data)
-            (inputs / "scenario.txt").write_text(scenario, encoding="ascii")
+            (inputs / SCENARIO).write_text(scenario, encoding="ascii")
+            if gains is not None:
+                (inputs / GAINS).write_bytes(gains)
         except OSError as error:
             raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
-        return inputs / "scenario.txt"
+        return inputs / SCENARIO
 
     def keep(self, unwanted: str, *, renamed: str | None = None, **texts: str) -> None:
         """Give the folder its name. The file `unwanted` goes, or is `renamed`; `texts` become files NAME.json."""

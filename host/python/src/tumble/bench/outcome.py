@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 
 from tumble import reference
+from tumble.bench import gains
 from tumble.bench.setup import Setup
-from tumble.crosscheck import RELATIVE_LIMIT
+from tumble.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.runfile import Run, read_run
 from tumble.solution import Solution, Truth, solve
+from tumble.stand import OPTIMAL
 
 DOCUMENT = "bench.json"
 
@@ -46,18 +48,21 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     """The firmware's result as a solution, if three computations agree; else raises Disagreement.
 
     The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
-    confirm it within 1e-12 of max|K|, once from these means and once from the samples in run.csv, averaged anew.
+    confirm it within 1e-12 of max|K| (the optimal estimator: 1e-6 of u), once from these means and once from the
+    samples in run.csv, averaged anew.
     """
     recorded = read_run(str(stage / "run.csv"), setup.schedule.data)
     run = _as_averaged(recorded, document)
     try:
-        solution = solve(run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv")
+        solution = solve(
+            *(run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"),
+            step_v=gains.step_v(setup),
+            known=gains.known(setup),
+        )
     except BadInput as error:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
-    k, u0 = reference.estimate(setup.schedule.data, recorded.means, setup.estimator)
-    _require_close("K", solution.found.k, k, np.abs(k).max())
-    _require_close("U0", solution.found.u0, u0, np.abs(k).max())
+    _require_same_estimate(solution, recorded, setup)
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 
@@ -67,7 +72,7 @@ def _as_averaged(recorded: Run, document: dict[str, Any]) -> Run:
     samples = [mean["samples"] for mean in document["means"]]
     if means.shape != recorded.means.shape or recorded.samples.tolist() != samples:
         raise Disagreement("the firmware averaged other samples than were recorded; no result is given")
-    _require_close("a mean", means, recorded.means, np.abs(recorded.means).max())
+    _require_close("a mean", means, recorded.means, RELATIVE_LIMIT * np.abs(recorded.means).max())
     return dataclasses.replace(recorded, means=means, counters={**recorded.counters, **document["counters"]})
 
 
@@ -84,12 +89,25 @@ def _require_same_bits(solution: Solution, document: dict[str, Any]) -> None:
             raise Disagreement(f"the firmware's {name} is not what the core makes of its means; no result is given")
 
 
-def _require_close(name: str, firmware: np.ndarray, witness: np.ndarray, scale: float) -> None:
-    difference = np.abs(firmware - witness).max()
-    if not difference <= RELATIVE_LIMIT * scale:
+def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> None:
+    schedule, found = setup.schedule.data, solution.found
+    if setup.estimator == OPTIMAL:
+        known, step = gains.known(setup), gains.step_v(setup)
+        one = reference.optimal(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
+        _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
+        _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
+        return
+    k, u0 = reference.estimate(schedule, recorded.means, setup.estimator)
+    _require_close("K", found.k, k, RELATIVE_LIMIT * np.abs(k).max())
+    _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
+
+
+def _require_close(name: str, firmware: np.ndarray, witness: np.ndarray, allowed: np.ndarray | float) -> None:
+    excess = np.abs(firmware - witness) / allowed
+    if not (excess <= 1.0).all():
         raise Disagreement(
-            f"the firmware and numpy disagree: {name} differs by {difference:.2g},"
-            f" allowed is {RELATIVE_LIMIT * scale:.2g}; no result is given"
+            f"the firmware and numpy disagree: {name} differs by {excess.max():.2g} times what is allowed;"
+            " no result is given"
         )
 
 

@@ -32,7 +32,8 @@ _LONGEST_MS = 2**32 - 1
 @dataclass(frozen=True)
 class Setup:
     """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
-    `stand_file` are named in complaints. `limit_g`: of the gravity check, g."""
+    `stand_file` are named in complaints. `limit_g`: of the gravity check, g.
+    `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not."""
 
     seed: int
     stand: Stand
@@ -43,6 +44,7 @@ class Setup:
     samples: int
     estimator: str
     limit_g: float
+    error_budget_v: float = 0.0
     stand_file: str = ""
     block_file: str = ""
 
@@ -124,6 +126,8 @@ def _procedure(setup: Setup) -> Iterator[tuple[str, str]]:
     rate_hz = (setup.block or {}).get("sample_rate_hz") or 100.0
     yield "procedure.estimator", setup.estimator
     yield "procedure.samples", str(setup.samples)
+    if setup.error_budget_v > 0.0:
+        yield "procedure.error_budget_v", _numbers(setup.error_budget_v)
     yield "procedure.gravity_limit_g", _numbers(setup.limit_g)
     yield "limit.virtual_s", _numbers(36000.0 + 4.0 * len(setup.schedule) * setup.samples / rate_hz)
 

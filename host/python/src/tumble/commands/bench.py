@@ -6,7 +6,7 @@ import argparse
 import re
 import sys
 
-from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, parse_limit, print_solution
+from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, OPTIMAL, parse_limit, print_solution, warn
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, BenchFault, Interrupted, UsageError, quoted
 
 BUSES = ("inprocess",)
@@ -29,7 +29,13 @@ def add_to(subparsers) -> None:
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
-    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument(
+        "--error-budget",
+        metavar="V",
+        help="average at a position only until the standard error of every channel's mean is at most this; --samples"
+        " is then the most that may be taken",
+    )
+    parser.add_argument("--estimator", choices=(*ESTIMATORS, OPTIMAL), default="refined", help="default: refined")
     parser.add_argument("--bus", choices=BUSES, default=BUSES[0], help="default: inprocess")
     parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
     parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
@@ -45,14 +51,15 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
-    from tumble.bench import folder, outcome, setup
+    from tumble.bench import folder, gains, outcome, setup
 
     wanted, stand_file = _read_setup(arguments)
     scenario = setup.scenario_text(wanted)
+    gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
     given = [file for file in (arguments.stand, arguments.block, arguments.schedule) if file is not None]
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=arguments.out is None) as made:
-        scenario_path = made.add_inputs(given, scenario)
+        scenario_path = made.add_inputs(given, scenario, gain_record)
         document = _simulate(arguments, wanted, scenario_path, made)
         try:
             outcome.require_done(document)
@@ -63,13 +70,14 @@ def run(arguments: argparse.Namespace) -> int:
         text = _result_text(solution, wanted, arguments, stand_file)
         made.keep(outcome.DOCUMENT, result=text)
     print(f"run folder: {path}", file=sys.stderr)
+    warn(solution)
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
 
 def _read_setup(arguments: argparse.Namespace):
     """Everything that the files and options say: the setup, and the stand file or None."""
-    seed = _parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
+    seed = parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
     limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
 
     from dataclasses import replace
@@ -79,7 +87,8 @@ def _read_setup(arguments: argparse.Namespace):
     from tumble.core_averaging import MAX_SAMPLES
     from tumble.stand import PAPER_STAND
 
-    samples = None if arguments.samples is None else _parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    samples = None if arguments.samples is None else parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments)
     file = None if arguments.stand is None else standfile.read_stand(arguments.stand)
     stand = PAPER_STAND if file is None else file.stand
@@ -97,6 +106,7 @@ def _read_setup(arguments: argparse.Namespace):
         motion=None if file is None else file.motion,
         schedule=schedule,
         samples=samples,
+        error_budget_v=error_budget_v,
         estimator=arguments.estimator,
         limit_g=limit_g,
         stand_file=arguments.stand or "",
@@ -104,7 +114,20 @@ def _read_setup(arguments: argparse.Namespace):
     ), file
 
 
-def _parse_whole(text: str, option: str, low: int, high: int) -> int:
+def _parse_budget(text: str | None) -> float:
+    """The value of --error-budget, V; 0 without one. Raises UsageError."""
+    from tumble.dialect import NUMBER
+
+    if text is None:
+        return 0.0
+    budget = float(text) if NUMBER.fullmatch(text) else 0.0
+    if not 0.0 < budget < 1e9:
+        raise UsageError(f"--error-budget: {quoted(text)} is not a number of volts above 0")
+    return budget
+
+
+def parse_whole(text: str, option: str, low: int, high: int) -> int:
+    """The value of an option, a whole number of a range. Raises UsageError."""
     if re.fullmatch(r"[0-9]{1,20}", text, re.ASCII) and low <= int(text) <= high:
         return int(text)
     raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
@@ -119,7 +142,7 @@ def _read_schedule(arguments: argparse.Namespace):
         return CoreSchedule(paper_schedule())
     schedule = read_schedule(arguments.schedule)
     try:
-        if arguments.estimator != "least_squares":
+        if arguments.estimator not in ("least_squares", OPTIMAL):
             schedule.harmonic()
         return schedule
     except CoreRefusal:
@@ -129,9 +152,11 @@ def _read_schedule(arguments: argparse.Namespace):
 
 def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
     """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
-    from tumble.bench import outcome, program
+    from tumble.bench import folder, outcome, program
 
     options = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
+    if wanted.estimator == OPTIMAL:
+        options += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
     with _progress(wanted.schedule.data, arguments.interactive) as progress:
         ended = program.run(options, progress, arguments.interactive)
     document = outcome.read_document(made.stage / "bench")

@@ -9,8 +9,10 @@ import sys
 
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 
-ESTIMATORS = ("averaged", "refined", "least_squares")
+ESTIMATORS = ("averaged", "refined", "least_squares")  # that need no stand
+OPTIMAL = "optimal"
 DEFAULT_LIMIT_G = 3e-4
+NOTABLE_MISFIT = 2.0
 
 
 def add_to(subparsers) -> None:
@@ -22,7 +24,9 @@ def add_to(subparsers) -> None:
         epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
     )
     parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz")
-    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument(
+        "--estimator", choices=(*ESTIMATORS, OPTIMAL), default="refined", help="default: refined; optimal needs --stand"
+    )
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
     parser.add_argument(
@@ -43,6 +47,8 @@ def add_to(subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
     limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+    if arguments.estimator == OPTIMAL and arguments.stand is None:
+        raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     wishes = _wishes(arguments)
 
     from tumble import core, result
@@ -69,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
         DEFAULT_LIMIT_G if limit_g is None else limit_g,
         None if stand_file is None else stand_file.stand,
         arguments.run,
+        0.0 if stand_file is None else stand_file.step_v,
     )
     text = None
     if arguments.json or arguments.out is not None:
@@ -76,6 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = result.to_json(result.document(solution, item, environment))
     if arguments.out is not None:
         write_text(arguments.out, text)
+    warn(solution)
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
@@ -99,6 +107,14 @@ def _wishes(arguments: argparse.Namespace):
         decimal=arguments.decimal,
         unit=None if arguments.unit is None else dialect.parse_unit(arguments.unit),
     )
+
+
+def warn(solution) -> None:
+    """One line on stderr where a solution's uncertainties claim too much."""
+    if solution.second_order is not None and solution.second_order.matters:
+        print(f"tumble: warning: {solution.second_order.warning}", file=sys.stderr)
+    if solution.misfit is not None and solution.misfit > NOTABLE_MISFIT:
+        print(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares", file=sys.stderr)
 
 
 def print_solution(solution, json_text: str | None, title: str) -> None:

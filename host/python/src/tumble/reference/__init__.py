@@ -7,19 +7,22 @@ every solve, means something only as long as that holds.
 
 from tumble.reference.estimators import estimate, magnification
 from tumble.reference.geometry import Geometry, paper_schedule
-from tumble.reference.stand_seen import stand_seen
+from tumble.reference.optimal import optimal
+from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
 
 __all__ = [
     "Geometry",
+    "RunSeen",
     "closure",
     "estimate",
     "gravity_errors",
     "intrinsic",
     "magnification",
+    "optimal",
     "paper_schedule",
+    "pooled_noise",
     "residual_rms",
-    "stand_seen",
     "standard_uncertainties",
 ]

@@ -44,14 +44,16 @@ class Geometry:
         """Specific force (g) on the block axes x, y, z: (positions, 3).
 
         alpha1, alpha2: scalars; alpha3: one yaw, or one per mounting; delta: one error, or one per position. Radians,
-        real or complex.
+        real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1), alpha3 (..., mountings),
+        delta (..., positions).
         """
         tilt = self._tilt + alpha1
         phi = self._phi + alpha2 + delta
-        yaw = np.broadcast_to(alpha3, len(self.schedule.mountings))[self.mounting_index]
+        yaws = np.broadcast_to(alpha3, (*np.shape(alpha3)[:-1], len(self.schedule.mountings)))
+        yaw = yaws[..., self.mounting_index]
         h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)
         yawed = np.stack([h * np.cos(yaw) + n * np.sin(yaw), n * np.cos(yaw) - h * np.sin(yaw), v + 0 * yaw], axis=-1)
-        return np.einsum("pij,pj->pi", self._rotation, yawed)
+        return np.einsum("pij,...pj->...pi", self._rotation, yawed)
 
     def outputs(self, k: np.ndarray, u0: np.ndarray, **errors) -> np.ndarray:
         """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""

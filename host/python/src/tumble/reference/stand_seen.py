@@ -1,35 +1,47 @@
-"""The stand as a run shows it: what the two mountings of the paper's schedule tell about the fixture itself.
+"""The stand as a run shows it: what the outputs tell about the fixture itself.
+
+The closed form, of the paper's positions alone:
 
     v = K^-1 (U1_0 - U2_0)          alpha1 = (v_y - v_z)/2
     w = K^-1 (K2_.x - K1_.x)        w_y = alpha2 + alpha3 of mounting 1,  w_z = alpha2 + alpha3 of mounting 2
 
-alpha2 and alpha3 cannot be told apart: alpha2 = -alpha3 is a rotation of the block's own frame.
+and, of any positions, dense least squares for coefficients, angles and the error of every set angle together, the
+latter
+with their variance as prior. alpha2 and alpha3 cannot be told apart in the paper's mountings: alpha2 = -alpha3 is a
+rotation of the block's own frame.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from tumble.reference.estimators import functionals, paper_slots
-from tumble.reference.uncertainty import SOURCES, contributions, sources
+from tumble.reference.estimators import dense_design, fit_indices, functionals, paper_slots
+from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
-from tumble.stand import Stand
 
-_ANGLES = ("alpha1_rad", "alpha2_plus_alpha3_rad", "alpha3_difference_rad")
-_SEEN_ITSELF = {
-    "alpha1_rad": {"alpha1"},
-    "alpha2_plus_alpha3_rad": {"alpha2", "alpha3"},
-    "alpha3_difference_rad": {"alpha3"},
-}
+ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
+_STEP = 1e-30
+_NULL = 1e-12
+_INESTIMABLE = 1e-6
+_SMALLEST_NOISE = 1e-7
 
 
-def _angles(slots: np.ndarray, k: np.ndarray, means: np.ndarray) -> np.ndarray:
-    """The three of _ANGLES, alpha3 as mean and as first mounting less second: means (..., P, 3) -> (..., 3)."""
-    _, s1, b1 = functionals(means[..., slots[0], :])
-    _, s2, b2 = functionals(means[..., slots[1], :])
-    v = np.linalg.solve(k, (b1 - b2)[..., None])[..., 0]
-    w = np.linalg.solve(k, (-s2 - s1)[..., None])[..., 0]
-    return np.stack([(v[..., 1] - v[..., 2]) / 2, (w[..., 1] + w[..., 2]) / 2, w[..., 1] - w[..., 2]], axis=-1)
+@dataclass(frozen=True)
+class Estimate:
+    """A quantity with its standard uncertainty."""
+
+    value: float
+    u: float
+
+
+@dataclass(frozen=True)
+class AngleError:
+    """alpha4 as a run shows it (None where it cannot tell), and the degrees of freedom of that."""
+
+    seen: Estimate | None
+    freedom: float
 
 
 def pooled_noise(samples: np.ndarray, scatter: np.ndarray) -> tuple[float | None, float | None]:
@@ -45,27 +57,126 @@ def pooled_noise(samples: np.ndarray, scatter: np.ndarray) -> tuple[float | None
     return float(np.sqrt(variance)), float(np.sqrt(variance / (2 * freedom)))
 
 
-def stand_seen(
-    schedule: Schedule,
-    means: np.ndarray,
-    k: np.ndarray,
-    samples: np.ndarray,
-    scatter: np.ndarray,
-    stand: Stand | None,
-) -> dict[str, float | None]:
-    """Angles and noise of the stand with their standard uncertainties (`u_` twins); None where a run cannot tell.
+def closed_form(slots: np.ndarray, k: np.ndarray, means: np.ndarray) -> np.ndarray:
+    """The three of ANGLES, alpha3 as mean and as first mounting less second: means (..., P, 3) -> (..., 3)."""
+    _, s1, b1 = functionals(means[..., slots[0], :])
+    _, s2, b2 = functionals(means[..., slots[1], :])
+    v = np.linalg.solve(k, (b1 - b2)[..., None])[..., 0]
+    w = np.linalg.solve(k, (-s2 - s1)[..., None])[..., 0]
+    return np.stack([(v[..., 1] - v[..., 2]) / 2, (w[..., 1] + w[..., 2]) / 2, w[..., 1] - w[..., 2]], axis=-1)
 
-    An angle's uncertainty comes from the declared stand without the source that is being seen; None without a stand.
-    alpha4 is None: telling it from the noise needs the residuals' own budget.
-    """
-    noise, u_noise = pooled_noise(samples, scatter)
-    seen = {name: None for angle in (*_ANGLES, "alpha4_rad") for name in (angle, f"u_{angle}")}
-    slots = paper_slots(schedule)
-    if slots is not None:
-        seen.update(zip(_ANGLES, _angles(slots, k, means).tolist()))
-    if slots is not None and stand is not None:
-        parts = contributions(lambda m: _angles(slots, k, m), sources(schedule, k, stand, samples))
-        for column, angle in enumerate(_ANGLES):
-            others = [parts[name][column] for name in SOURCES if name not in _SEEN_ITSELF[angle]]
-            seen[f"u_{angle}"] = float(np.sqrt(sum(part**2 for part in others)))
-    return {**seen, "noise_v": noise, "u_noise_v": u_noise}
+
+class Model:
+    """The outputs of all positions, linear in everything: `design` (3P, 14 + mountings) for coefficients, alpha1,
+    alpha2, alpha3 by mounting; `by_set_angle` (P, 3P), their derivative with respect to each set angle; P positions."""
+
+    def __init__(self, schedule: Schedule, k: np.ndarray):
+        self._geometry, self._k = Geometry(schedule), k
+        positions, mountings = len(schedule.positions), len(schedule.mountings)
+        by_angle = [self._derivative(alpha1=1.0), self._derivative(alpha2=1.0)]
+        by_angle += [self._derivative(alpha3=yaw) for yaw in np.eye(mountings)]
+        self.design = np.column_stack([dense_design(schedule), *by_angle])
+        self.by_set_angle = np.array([self._derivative(delta=one) for one in np.eye(positions)])
+        mean, pair = np.full(mountings, 1 / mountings), np.zeros(mountings)
+        pair[:2] = [1.0, -1.0][:mountings]
+        self.combinations = {
+            "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
+            "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
+            "alpha3_difference": np.array([0.0, 0.0, *pair]) if mountings > 1 else None,
+        }
+
+    def _derivative(self, **draw) -> np.ndarray:
+        force = self._geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
+        return (np.imag(force) / _STEP @ self._k.T).ravel()
+
+
+class RunSeen:
+    """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them. Every
+    `variance` (positions,) is that of each mean by its noise, every `alpha4` the standard deviation of a set angle."""
+
+    def __init__(self, schedule: Schedule, means: np.ndarray, k: np.ndarray):
+        self._fit = fit_indices(schedule)
+        self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))
+        self._scale = np.abs(k).max()
+        self._means, self._k = means[self._fit] / self._scale, k / self._scale
+        self._model = Model(self._fitted, self._k)
+
+    @property
+    def largest_force(self) -> float:
+        """The largest output, as a specific force in g."""
+        return float(np.abs(np.linalg.solve(self._k, self._means.T)).max())
+
+    def angles(self, alpha4: float | None, variance: np.ndarray) -> dict[str, Estimate | None]:
+        """The angles by the closed form: all None where the paper's positions are not all there. Without an `alpha4`
+        the uncertainties are 0.
+
+        They come from the random errors alone: to first order alpha1, alpha2 and alpha3 do not disturb each other.
+        """
+        slots = paper_slots(self._fitted)
+        if slots is None:
+            return dict.fromkeys(ANGLES)
+        u = np.zeros(3)
+        if alpha4 is not None:
+            count = len(self._fit)
+            moved = self._model.by_set_angle.reshape(count, count, 3)
+            noise = np.eye(3 * count).reshape(-1, count, 3) * np.sqrt(variance[self._fit])[:, None] / self._scale
+            draws = np.concatenate([alpha4 * moved, noise])
+            u = np.sqrt((closed_form(slots, self._k, draws) ** 2).sum(axis=0))
+        values = closed_form(slots, self._k, self._means)
+        return {name: Estimate(*pair) for name, pair in zip(ANGLES, zip(values.tolist(), u.tolist()))}
+
+    def fit(self, alpha4: float, variance: np.ndarray) -> dict[str, Estimate | None]:
+        """The angles by least squares for everything at once, each None where these positions cannot tell it."""
+        design, by_set_angle, right = self._whitened(variance)
+        count, unknowns = by_set_angle.shape[1], design.shape[1]
+        prior = np.hstack([np.zeros((count, unknowns)), np.eye(count)])
+        whole = np.vstack([np.hstack([design, alpha4 * by_set_angle]), prior])
+        left, singular, directions = np.linalg.svd(whole)
+        rank = int((singular > _NULL * singular[0]).sum())
+        inverse = (directions[:rank].T / singular[:rank]) @ left[:, :rank].T
+        found = dict.fromkeys(ANGLES)
+        for name, combination in self._model.combinations.items():
+            row = np.zeros(unknowns + count)
+            if combination is not None:
+                row[12:unknowns] = combination
+                if np.abs(directions[rank:] @ row).max(initial=0.0) < _INESTIMABLE:
+                    gains = row @ inverse
+                    found[name] = Estimate(float(gains[: len(right)] @ right), float(np.linalg.norm(gains)))
+        return found
+
+    def angle_error(self, variance: np.ndarray) -> AngleError:
+        """alpha4 such that chi-squared is what it should be (Paule and Mandel). None where there is no excess."""
+        values, gains = self._components(variance)
+        count = len(values)
+        if count == 0 or (values**2).sum() <= count:
+            return AngleError(None, 0.0)
+        low, high = 0.0, float((values**2 / gains).sum())
+        while low < (middle := (low + high) / 2) < high and high - low > 1e-15 * high:
+            too_small = (values**2 / (1 + middle * gains)).sum() > count
+            low, high = (middle, high) if too_small else (low, middle)
+        share = (high * gains / (1 + high * gains)).sum()
+        freedom, alpha4 = float(share**2 / count), float(np.sqrt(high))
+        return AngleError(Estimate(alpha4, float(alpha4 / np.sqrt(2 * freedom))), freedom)
+
+    def angle_chi_squared(self, alpha4: float, variance: np.ndarray) -> tuple[float, int]:
+        """Chi-squared of the residuals that errors of set angles move, and its degrees of freedom."""
+        values, gains = self._components(variance)
+        return float((values**2 / (1 + alpha4**2 * gains)).sum()), len(values)
+
+    def _whitened(self, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the
+        noise."""
+        noise = np.maximum(np.sqrt(np.repeat(variance[self._fit], 3)) / self._scale, _SMALLEST_NOISE)
+        ideal, outputs = dense_design(self._fitted), self._means.ravel()
+        left = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
+        return self._model.design / noise[:, None], self._model.by_set_angle.T / noise[:, None], left / noise
+
+    def _components(self, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The residuals that errors of set angles move, as independent components: their values, in units of the noise,
+        and the variance that a set angle of standard deviation 1 rad gives each."""
+        design, by_set_angle, right = self._whitened(variance)
+        left, singular, _ = np.linalg.svd(design)
+        rest = left[:, int((singular > _NULL * singular[0]).sum()) :]
+        directions, size, _ = np.linalg.svd(rest.T @ by_set_angle)
+        seen = int((size > _INESTIMABLE * size.max(initial=0.0)).sum())
+        return directions[:, :seen].T @ (rest.T @ right), size[:seen] ** 2

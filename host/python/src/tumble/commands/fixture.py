@@ -1,0 +1,151 @@
+"""`tumble fixture check`: is the stand what its file declares, and good enough?"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+
+from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, parse_limit
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
+
+LEVELLED = ("once", "anew")
+AGAINST = ("declared", "needed")
+DEFAULT_CONFIDENCE = 0.95
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    fixture = subparsers.add_parser(
+        "fixture",
+        help="judge a stand by the runs made on it",
+        description="Judge a stand by the runs made on it.",
+    )
+    subjects = fixture.add_subparsers(metavar="SUBJECT", required=True)
+    parser = subjects.add_parser(
+        "check",
+        help="runs against a stand file and an acceptance limit",
+        description="What the runs show of every source of error, against what the stand file declares and what the"
+        " limit of the gravity check needs. Several runs of one block are combined into one result.",
+        epilog="Exit codes: 0 pass, 1 a limit is exceeded, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
+    )
+    parser.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
+    parser.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
+    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument(
+        "--limit",
+        metavar="G",
+        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
+    )
+    parser.add_argument(
+        "--against",
+        choices=AGAINST,
+        default="declared",
+        help="which limits decide: the stand file's (default), or the needed ones",
+    )
+    parser.add_argument(
+        "--levelled",
+        choices=LEVELLED,
+        help="was the stand levelled once for all these runs, or anew before each? default: as their axis tilts show",
+    )
+    parser.add_argument("--confidence", metavar="P", help="of all verdicts together, 0.5 to 0.9999; default: 0.95")
+    parser.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.fixture/1")
+    parser.set_defaults(run_command=check)
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Check and print. Returns the exit code; raises TumbleError."""
+    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+    confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
+    _refuse_repetition(arguments.runs)
+
+    from tumble import fixture_report, result
+    from tumble.combination import combine
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.fixture import Judge, Limits, levelled_once
+    from tumble.schedulefile import read_schedule
+    from tumble.standfile import read_stand
+
+    stand_file = read_stand(arguments.stand)
+    schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
+    limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
+    views = _views(arguments, stand_file.stand, schedule, limit_g)
+    mountings = len((schedule or CoreSchedule(paper_schedule())).data.mountings)
+    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
+    judge = Judge(views, confidence, once)
+    needed = _needed(arguments, stand_file, schedule, limit_g, mountings)
+    outcome = fixture_report.Outcome(
+        stand=stand_file.stand,
+        views=views,
+        judged=judge.judge(Limits.declared(stand_file.stand, mountings)),
+        needed=needed,
+        needs=None if needed is None else judge.judge_need(needed),
+        against=arguments.against,
+        limit_g=limit_g,
+        confidence=confidence,
+        levelled="once" if once else "anew",
+        combined=combine([view.solution for view in views], once, confidence) if len(views) > 1 else None,
+    )
+    text = result.to_json(fixture_report.document(outcome)) if arguments.json else fixture_report.render(outcome)
+    sys.stdout.write(text)
+    return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
+
+
+def _parse_confidence(text: str) -> float:
+    from tumble.dialect import NUMBER
+
+    confidence = float(text) if NUMBER.fullmatch(text) else math.nan
+    if not 0.5 <= confidence <= 0.9999:
+        raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.9999")
+    return confidence
+
+
+def _refuse_repetition(runs: list[str]) -> None:
+    """A run given twice would count as two."""
+    seen: set[str] = set()
+    for run in runs:
+        path = os.path.realpath(run)
+        if path in seen:
+            raise UsageError(f"the run {quoted(run)} is given twice")
+        seen.add(path)
+
+
+def _views(arguments: argparse.Namespace, stand, schedule, limit_g: float) -> list:
+    """Every run, solved and looked at. Raises TumbleError."""
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.fixture import RunView
+    from tumble.runfile import read_run
+    from tumble.solution import solve
+
+    core_schedule = schedule or CoreSchedule(paper_schedule())
+    views = []
+    for file in arguments.runs:
+        run = read_run(file, core_schedule.data)
+        if views and run.unit != views[0].solution.run.unit:
+            raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
+        solution = solve(run, schedule, arguments.estimator, limit_g, stand, file)
+        views.append(RunView.of(solution, core_schedule, file))
+    return views
+
+
+def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float, mountings: int):
+    """What the acceptance limit needs of the stand; None where the stand file does not describe the block.
+
+    Raises UsageError where that is what the verdict should go by.
+    """
+    if stand_file.block is None:
+        if arguments.against == "needed":
+            raise BadInput("no table [block]: what a limit needs depends on the block", arguments.stand)
+        return None
+    import numpy as np
+
+    from tumble.fixture import Limits
+    from tumble.planning.case import Case
+    from tumble.planning.require import requirements
+
+    case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
+    found = requirements(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+    found[4] *= math.sqrt(stand_file.stand.samples)
+    return Limits.of(found, stand_file.stand.remounting, mountings)

@@ -1,0 +1,89 @@
+"""The error budget, forward: what a stand leaves of the accuracy of every coefficient.
+
+Each of the twelve has five terms, gamma times the size of the source, as in equation (2); their signs being unknown,
+they add in quadrature. `derived` works in standard deviations, `published` with the numbers as the stand file has them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.planning import weights
+from tumble.planning.case import SCHEMA, Case
+from tumble.planning.published import NAMES, SOURCES
+from tumble.stand import SecondOrder
+
+_ATTRIBUTES = ("axis_tilt", "level", "remount", "angle", "noise")
+SIZE_KEYS = ("alpha1_rad", "alpha2_rad", "alpha3_rad", "alpha4_rad", "noise_v")
+SECOND_ORDER_SHARE = 0.2
+
+
+@dataclass(frozen=True)
+class Budget:
+    """`sizes` (5,): of the sources, the noise that of a position's mean; `terms` (12, 5) and `total` (12,): relative,
+    of a bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g."""
+
+    weights: str
+    estimator: str
+    sizes: np.ndarray
+    terms: np.ndarray
+    reference: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """All five in quadrature."""
+        return np.sqrt((self.terms**2).sum(axis=1))
+
+    @property
+    def second_order(self) -> SecondOrder:
+        """Whether a yaw of the size of alpha3 shifts K_xx by more than a budget, which is linear, may leave out."""
+        bias = float(self.sizes[SOURCES.index("alpha3")] ** 2 / 2.0)
+        return SecondOrder(bias, SECOND_ORDER_SHARE * float(self.total[NAMES.index("K_xx")]))
+
+
+def sizes(case: Case, published: bool) -> np.ndarray:
+    """Sizes (5,) of the sources: as declared, or as standard deviations; the noise is that of a mean."""
+    of = [getattr(case.stand, name) if published else case.stand.sigma(name) for name in _ATTRIBUTES]
+    return np.array(of) / np.array([1.0, 1.0, 1.0, 1.0, case.stand.samples**0.5])
+
+
+def budget(case: Case, which: str, estimator: str) -> Budget:
+    """The budget of a case with published or derived weights. Raises UsageError where these do not exist."""
+    published, k = which == "published", case.nominal_k()
+    gamma = weights.published(case, estimator) if published else weights.derived(case, estimator, k)
+    found = sizes(case, published)
+    return Budget(which, estimator, found, gamma * found, weights.reference_values(k))
+
+
+def document(found: Budget, case: Case) -> dict[str, Any]:
+    """The budget for JSON, schema tumble.plan/1."""
+    total, absolute = found.total, found.total * found.reference
+    matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
+    return {
+        "schema": SCHEMA,
+        "plan": "budget",
+        "weights": found.weights,
+        "estimator": found.estimator,
+        "numbers": numbers_are(found.weights),
+        "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
+        "sources": {**dict(zip(SIZE_KEYS, found.sizes.tolist())), "samples": case.stand.samples},
+        "u_K_relative": matrix,
+        "u_a0_g": total[9:].tolist(),
+        "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
+        "u_U0": absolute[9:].tolist(),
+        "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
+        "second_order": found.second_order.document(),
+    }
+
+
+def numbers_are(which: str) -> str:
+    """What the numbers of a plan mean."""
+    return "standard deviations" if which == "derived" else "as declared"
+
+
+def known(value: float) -> float | None:
+    """A number for JSON: null for one that does not exist."""
+    return None if np.isnan(value) else float(value)

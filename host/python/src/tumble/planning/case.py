@@ -1,0 +1,66 @@
+"""What is planned for: a stand, a block of nominal sensitivity, a schedule, an acceptance limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import reference
+from tumble.errors import BadInput
+from tumble.schedule import FIT, Schedule
+from tumble.stand import PAPER_STAND, Stand
+from tumble.standfile import StandFile
+
+SCHEMA = "tumble.plan/1"
+PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
+DEFAULT_LIMIT_G = 3e-4
+
+
+@dataclass(frozen=True)
+class Case:
+    """`scale` in V/g, of any sign but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the
+    converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's."""
+
+    stand: Stand
+    scale: float
+    misalignment: float
+    step_v: float
+    own_schedule: Schedule | None
+    limit_g: float
+
+    @classmethod
+    def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
+        """From files, or the paper's stand, block and schedule for None. Raises BadInput for a file without [block]."""
+        if stand_file is None:
+            return cls(PAPER_STAND, *PAPER_BLOCK.values(), 0.0, schedule, DEFAULT_LIMIT_G)
+        block = stand_file.block
+        if block is None:
+            raise BadInput("no table [block]: a plan needs scale_v_per_g and misalignment_rad", name)
+        limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
+        nominal = block["scale_v_per_g"], block["misalignment_rad"]
+        return cls(stand_file.stand, *nominal, _step_v(block), schedule, limit_g)
+
+    @property
+    def schedule(self) -> Schedule:
+        """The schedule in use."""
+        return reference.paper_schedule() if self.own_schedule is None else self.own_schedule
+
+    @property
+    def fitted(self) -> Schedule:
+        """The schedule without its check positions."""
+        whole = self.schedule
+        return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
+
+    def nominal_k(self, signs: np.ndarray | None = None) -> np.ndarray:
+        """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""
+        misaligned = self.misalignment * (np.ones((3, 3)) if signs is None else np.array(signs, dtype=float))
+        np.fill_diagonal(misaligned, 1.0)
+        return self.scale * misaligned
+
+
+def _step_v(block: dict) -> float:
+    """Size of a count of the converter; its range is from -range_v to +range_v."""
+    if block["converter_bits"] is None or block["range_v"] is None:
+        return 0.0
+    return 2.0 * block["range_v"] / 2.0 ** block["converter_bits"]

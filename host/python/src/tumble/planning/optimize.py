@@ -1,0 +1,88 @@
+"""Stand-optimal weights: a gain table for a stand and a schedule, and what it is worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.planning.case import SCHEMA, Case
+from tumble.planning.gains import (
+    COEFFICIENTS,
+    OptimalTable,
+    linear_gains,
+    optimal_table,
+    paper_slots,
+    standard_deviations,
+)
+from tumble.planning.record import Record, record_of
+from tumble.stand import OPTIMAL, SecondOrder
+
+
+@dataclass(frozen=True)
+class Optimized:
+    """`u` (12,): standard deviations of the table's estimate; `u_refined`, `u_least_squares`: of those estimators, the
+    first None where the schedule has none; `efficiency`: bound over `u`."""
+
+    case: Case
+    table: OptimalTable
+    record: Record
+    u: np.ndarray
+    u_refined: np.ndarray | None
+    u_least_squares: np.ndarray
+
+    @property
+    def efficiency(self) -> np.ndarray:
+        """The least possible standard deviations, from the QR factors, over those of the gains as they are."""
+        return self.table.u / self.u
+
+    @property
+    def second_order(self) -> SecondOrder:
+        """Whether the linear theory is enough on this stand."""
+        return SecondOrder.of(self.case.stand, float(self.table.k[0, 0]), float(self.u[0]))
+
+
+def optimize(case: Case, k: np.ndarray | None = None, serial: str | None = None) -> Optimized:
+    """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
+    k = case.nominal_k() if k is None else k
+    table = optimal_table(case.fitted, k, case.stand, case.step_v)
+
+    def spread(weights: np.ndarray) -> np.ndarray:
+        return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
+
+    harmonic = paper_slots(case.fitted) is not None
+    return Optimized(
+        case=case,
+        table=table,
+        record=record_of(table, case.fitted, serial),
+        u=spread(table.gains),
+        u_refined=spread(linear_gains(case.fitted, "refined")) if harmonic else None,
+        u_least_squares=spread(linear_gains(case.fitted, "least_squares")),
+    )
+
+
+def document(found: Optimized) -> dict[str, Any]:
+    """The plan, ready for JSON."""
+    table = found.table
+    gain = None if found.u_refined is None else (found.u_refined / found.u).tolist()
+    return {
+        "schema": SCHEMA,
+        "plan": "optimize",
+        "stand": found.case.stand.name,
+        "block": {"scale_v_per_g": found.case.scale, "misalignment_rad": found.case.misalignment},
+        "estimator": OPTIMAL,
+        "unit": "V",
+        "names": list(COEFFICIENTS),
+        "K": table.k.tolist(),
+        "gains": table.gains.tolist(),
+        "stand_gains": table.nuisance_gains.tolist(),
+        "u_K": found.u[:9].reshape(3, 3).tolist(),
+        "u_U0": found.u[9:].tolist(),
+        "efficiency": found.efficiency.tolist(),
+        "gain_over_refined": gain,
+        "gain_over_least_squares": (found.u_least_squares / found.u).tolist(),
+        "sigma_mean_v": table.sigma_mean,
+        "noise_floored": table.floored,
+        "second_order": found.second_order.document(),
+    }

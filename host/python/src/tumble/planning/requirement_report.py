@@ -1,0 +1,105 @@
+"""Requirements as a JSON document and as a table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tumble.planning.budget import SIZE_KEYS, numbers_are, sizes
+from tumble.planning.case import SCHEMA, Case
+from tumble.planning.headroom import Headroom
+from tumble.planning.published import EQUATION_18, EQUATION_19, SOURCES, evaluate
+from tumble.planning.require import CEILING_RAD, ROWS, Requirements
+from tumble.planning.weights import symbols
+
+# Which row each printed formula of (19) comes from; that for alpha3 comes from none.
+_PRINTED_FROM = {"alpha1": "a0_y", "alpha2": "K_yy", "alpha3": None, "alpha4": "K_yy", "noise": "noise"}
+
+
+def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, float]:
+    """Values of the paper's formulas by source, for the case's block."""
+    values = {name: abs(value) for name, value in symbols(case.nominal_k()).items()}
+    values.update({"dg": limit_g, "a_ij": case.misalignment, "K_ii": abs(case.scale)})
+    return {source: evaluate(formula, values) for source, formula in formulas.items()}
+
+
+def document(
+    found: Requirements, room: Headroom, case: Case, which: str, estimator: str, limit_g: float, split: np.ndarray
+) -> dict[str, Any]:
+    """The requirements for JSON, schema tumble.plan/1. `published` has (19) as printed, and beside it what
+    the rule gives."""
+    rule = {
+        **dict(zip(SIZE_KEYS, map(finite, found.limits))),
+        "samples": found.samples,
+        "set_by": dict(zip(SOURCES, found.set_by)),
+    }
+    head = {"schema": SCHEMA, "plan": "require", "weights": which, "estimator": estimator, "limit_g": limit_g}
+    if which == "published":
+        general, of_k_yy = (printed(case, formulas, limit_g) for formulas in (EQUATION_19, EQUATION_18))
+        main = {key: finite(general[source]) for key, source in zip(SIZE_KEYS, SOURCES)}
+        main.update({"samples": found.samples, "set_by": _PRINTED_FROM, "rule": rule})
+        keys = dict(zip(SOURCES, SIZE_KEYS))
+        main["equation_18"] = {keys[source]: finite(limit) for source, limit in of_k_yy.items()}
+    else:
+        main = rule
+    return {
+        **head,
+        **main,
+        "numbers": numbers_are(which),
+        "split": dict(zip(SOURCES, split.tolist())),
+        "rows": {
+            name: {"limit": limit_g / 3.0, "weights": weights.tolist(), "shares": shares.tolist()}
+            for name, weights, shares in zip(ROWS, found.weights, found.shares)
+        },
+        "declared": dict(zip(SIZE_KEYS, sizes(case, which == "published").tolist())),
+        "alone": dict(zip(SIZE_KEYS, map(finite, room.alone))),
+        "margin": finite(room.margin),
+    }
+
+
+def finite(value: float) -> float | None:
+    """A number for JSON: null where nothing limits."""
+    return float(value) if np.isfinite(value) else None
+
+
+def show(plan: dict[str, Any], case: Case) -> None:
+    """Print a document of `document` for people."""
+    from tumble.planning import tables
+
+    published = plan["weights"] == "published"
+    out = tables.console()
+    out.print(tables.heading(f"Requirements for {plan['limit_g']:g} g, {plan['weights']} weights, {plan['estimator']}"))
+    out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad; numbers are {plan['numbers']}")
+    rule = plan["rule"] if published else plan
+    headings = ["", "unit", *(["(19)"] if published else []), "at most", "set by", "stand has", "alone", ""]
+    rows = []
+    for key, source in zip(SIZE_KEYS, SOURCES):
+        limit, has = rule[key], plan["declared"][key]
+        verdict = "ok" if limit is None or has <= limit else "too large"
+        cells = [source, "rad" if key.endswith("rad") else "V, mean"]
+        cells += [tables.scientific(plan[key])] if published else []
+        cells += [_limit(limit), rule["set_by"][source] or "-"]
+        cells += [tables.scientific(has), _limit(plan["alone"][key]), verdict]
+        rows.append(cells)
+    out.print(tables.table(headings, rows, left=(0, 1)))
+    out.print(f"Samples at each position: {plan['samples']} at least; the stand has {case.stand.samples}")
+    margin = plan["margin"]
+    if margin is not None:
+        out.print(f"All sources together may be {margin:.3g} times what the stand has")
+    out.print(_EXPLANATION.format(ceiling=CEILING_RAD))
+    if published:
+        out.print("(19): the formula as printed; at most: what its own rule gives (see tumble plan paper)")
+
+
+def _limit(value: float | None) -> str:
+    from tumble.planning import tables
+
+    return "no limit" if value is None else tables.scientific(value)
+
+
+_EXPLANATION = (
+    "at most: all sources at once, each at its share of the row named\n"
+    "alone: one source, the others as the stand has them\n"
+    "no limit: none; of optimal, none up to {ceiling:g} rad, as far as it was tried"
+)

@@ -1,0 +1,35 @@
+"""Runs on a simulated stand: position means of the exact geometry, thousands at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tumble import reference
+from tumble.planning.case import Case
+from tumble.planning.gains import mean_sigma, shared_sigmas
+
+U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
+
+
+def position_means(case: Case, k: np.ndarray, runs: int, rng: np.random.Generator) -> np.ndarray:
+    """Means (runs, fit positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
+
+    The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
+    of a mean is normal, of the stand's noise or the converter's rounding, whichever is larger.
+    """
+    stand, geometry = case.stand, reference.Geometry(case.fitted)
+    mountings, positions = len(case.fitted.mountings), len(case.fitted.positions)
+    sigma = shared_sigmas(case.fitted, stand)
+    shared = _draws(stand.limits, rng, (runs, len(sigma))) * sigma
+    yaws = np.broadcast_to(shared[:, 2:], (runs, mountings))
+    delta = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")
+    outputs = geometry.outputs(k, U0_V, alpha1=shared[:, :1], alpha2=shared[:, 1:2], alpha3=yaws, delta=delta)
+    noise = mean_sigma(k, stand, case.step_v, stand.samples)[0]
+    return outputs + noise * rng.standard_normal(outputs.shape)
+
+
+def _draws(limits: str, rng: np.random.Generator, shape: tuple[int, int]) -> np.ndarray:
+    """Numbers of mean 0 and variance 1."""
+    if limits == "uniform":
+        return rng.uniform(-(3.0**0.5), 3.0**0.5, shape)
+    return rng.standard_normal(shape)

@@ -1,0 +1,44 @@
+"""Tables of plans for people, with rich: at most 80 columns wide, plain text where standard output is no terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+WIDTH = 80
+
+
+def console() -> Console:
+    """Standard output, at least 80 columns wide. Colours heed NO_COLOR; without Unicode the lines are ASCII."""
+    out = Console(highlight=False, soft_wrap=False)
+    out.width = max(out.width, WIDTH) if out.is_terminal else WIDTH
+    return out
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[str | Text]], left: Sequence[int] = (0,)) -> Table:
+    """A table with numbers to the right; columns in `left` hold words."""
+    made = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="dim")
+    for column, heading in enumerate(headings):
+        made.add_column(heading, justify="left" if column in left else "right", no_wrap=column not in left)
+    for row in rows:
+        made.add_row(*row)
+    return made
+
+
+def heading(text: str) -> Text:
+    """The title of a table."""
+    return Text(text, style="bold")
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """So many digits; a dash for what does not exist."""
+    return "-" if value is None or value != value else f"{value:.{digits}g}"
+
+
+def scientific(value: float | None, digits: int = 2) -> str:
+    """As 1.15e-04; a dash for what does not exist."""
+    return "-" if value is None or value != value else f"{value:.{digits}e}"

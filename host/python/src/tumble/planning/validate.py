@@ -1,0 +1,160 @@
+"""Monte Carlo: the firmware core on thousands of simulated runs, against what is claimed of it.
+
+Every run states its own uncertainties, at its own K, as a solve does, or those of its gain record, as the firmware
+does; they are judged by how far off the run was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tumble import core, weighted
+from tumble.core_optimal import GainRecord, estimate_runs, optimal_runs
+from tumble.errors import UsageError
+from tumble.planning.case import Case
+from tumble.planning.gains import (
+    LINEAR,
+    gains,
+    linearise,
+    mean_sigma,
+    optimal_table,
+    shared_derivatives,
+    shared_sigmas,
+    standard_deviations,
+)
+from tumble.planning.record import record_of, to_bytes
+from tumble.planning.simulate import U0_V, position_means
+from tumble.stand import OPTIMAL
+
+KNOWN = "known"  # optimal weights for the block's true K, as a last known one
+RUN = "run"  # for each run's own first estimate of K, as in a solve
+COVERAGE_FACTORS = (1, 2, 3)
+_CHUNK = 2000  # runs at a time: part of what a seed means
+HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
+
+
+@dataclass
+class Tally:
+    """What is kept of an estimator's runs: sums over `runs` of the errors (12,) and their squares, how many errors were
+    within k u (3, 12), and histograms (12, bins) of error over u."""
+
+    runs: int = 0
+    total: np.ndarray = field(default_factory=lambda: np.zeros(12))
+    squares: np.ndarray = field(default_factory=lambda: np.zeros(12))
+    within: np.ndarray = field(default_factory=lambda: np.zeros((len(COVERAGE_FACTORS), 12), dtype=int))
+    histograms: np.ndarray = field(default_factory=lambda: np.zeros((12, HISTOGRAM[2]), dtype=int))
+
+    def add(self, errors: np.ndarray, u: np.ndarray) -> None:
+        """Errors and stated standard uncertainties (runs, 12)."""
+        low, high, bins = HISTOGRAM
+        self.runs += len(errors)
+        self.total += errors.sum(axis=0)
+        self.squares += (errors**2).sum(axis=0)
+        self.within += np.array([(np.abs(errors) <= factor * u).sum(axis=0) for factor in COVERAGE_FACTORS])
+        scores = np.clip(errors / u, low, np.nextafter(high, low))
+        self.histograms += np.array([np.histogram(score, bins, (low, high))[0] for score in scores.T])
+
+    @property
+    def bias(self) -> np.ndarray:
+        """Mean error (12,)."""
+        return self.total / self.runs
+
+    @property
+    def spread(self) -> np.ndarray:
+        """Standard deviation of the errors (12,)."""
+        return np.sqrt((self.squares - self.runs * self.bias**2) / (self.runs - 1))
+
+
+@dataclass(frozen=True)
+class Validated:
+    """One estimator's tally beside what was claimed: `u` (12,) as planned, `bound` (12,) the least possible."""
+
+    estimator: str
+    tally: Tally
+    u: np.ndarray
+    bound: np.ndarray
+
+
+def validate(
+    case: Case,
+    estimators: tuple[str, ...],
+    runs: int,
+    seed: int,
+    table: str = KNOWN,
+    progress: Callable[[int], None] = lambda runs: None,
+) -> list[Validated]:
+    """Let every estimator solve the same `runs` runs of the nominal block. `progress` is told of runs done.
+
+    Raises UsageError where the schedule, or a run on such a stand, cannot be solved.
+    """
+    k = case.nominal_k()
+    solvers = {estimator: _solver(case, estimator, k, table) for estimator in estimators}
+    tallies = {estimator: Tally() for estimator in estimators}
+    rng, truth = np.random.default_rng(seed), np.concatenate([k.ravel(), U0_V])
+    for start in range(0, runs, _CHUNK):
+        means = position_means(case, k, min(_CHUNK, runs - start), rng)
+        for estimator, solver in solvers.items():
+            try:
+                found, u = solver(means)
+            except core.CoreRefusal as refusal:
+                raise UsageError(f"a run on such a stand cannot be solved by {estimator}: {refusal}") from None
+            tallies[estimator].add(found - truth, u)
+        progress(len(means))
+    bound = optimal_table(case.fitted, k, case.stand, case.step_v).u
+    return [Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound) for estimator in estimators]
+
+
+def _planned(case: Case, estimator: str, k: np.ndarray) -> np.ndarray:
+    weights = gains(case.fitted, estimator, k, case.stand, case.step_v)
+    sigma_mean = mean_sigma(k, case.stand, case.step_v, case.stand.samples)[0]
+    return standard_deviations(case.fitted, weights, k, case.stand, sigma_mean)
+
+
+Solver = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def _solver(case: Case, estimator: str, k: np.ndarray, table: str) -> Solver:
+    """From means (runs, positions, 3) to coefficients and stated uncertainties, (runs, 12) each, by the core."""
+    schedule = core.CoreSchedule(case.fitted)
+    if estimator in LINEAR:
+        state = _stated(case, gains(case.fitted, estimator, k, case.stand))
+        return lambda means: _with(state, estimate_runs(schedule, means, estimator))
+    if table == RUN:
+        return lambda means: _weighted_anew(case, schedule, means)
+    found = optimal_table(case.fitted, k, case.stand, case.step_v)
+    record = GainRecord(schedule, to_bytes(record_of(found, case.fitted)))
+    return lambda means: (optimal_runs(record, means)[0], np.broadcast_to(found.u, (len(means), 12)))
+
+
+def _with(state: Callable[[np.ndarray], np.ndarray], found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return found, state(found[:, :9])
+
+
+def _stated(case: Case, weights: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The uncertainties (runs, 12) that runs state at their own K (runs, 9), for fixed gains.
+
+    What an error of the stand brings to a coefficient is linear in K.
+    """
+    model, sigma = linearise(case.fitted), shared_sigmas(case.fitted, case.stand)
+    unit = np.eye(9).reshape(9, 3, 3)
+    by_shared = np.stack([weights @ (shared_derivatives(model, one, len(sigma)) * sigma) for one in unit])
+    by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
+    by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
+    noise = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0] ** 2 * (weights**2).sum(axis=1)
+    return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + noise)
+
+
+def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As a solve: weights for each run's own K."""
+    all_measured, lone = np.ones(len(schedule), dtype=bool), np.ones(len(schedule), dtype=int)
+    weighting = weighted.Weighting(case.stand, lone, case.step_v)
+    found, u = np.empty((2, len(means), 12))
+    for index, run in enumerate(means):
+        table = weighted.make_table(schedule, run, all_measured, weighting)
+        estimate = weighted.apply_table(table, schedule, run)
+        found[index] = np.concatenate([estimate.k.ravel(), estimate.u0])
+        u[index] = optimal_table(case.fitted, estimate.k, case.stand, case.step_v).u
+    return found, u

@@ -1,0 +1,143 @@
+"""The stand-optimal estimator, from the data: one whitened least-squares problem, solved by singular values.
+
+Unknown are the twelve coefficients and every error of the stand, each with its variance as prior. Outputs are
+linearised by complex steps through the exact geometry at a first least-squares estimate of K; what the exact geometry
+then gives beyond its linearisation is taken out of the outputs, twice. No table of gains takes part. The uncertainties
+are those of the same problem linearised at the K that came out: gains made at a K that is far off still give a good
+estimate, after the second order is taken out, but their own propagation would overstate what they leave.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tumble.reference.estimators import dense_design, fit_indices, least_squares
+from tumble.reference.geometry import Geometry
+from tumble.reference.uncertainty import contributions, sources
+from tumble.schedule import Schedule
+from tumble.stand import COMMON, Stand
+
+CORRECTIONS = 2
+_FLOOR_G = 1e-9
+_ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column by column
+
+
+@dataclass(frozen=True)
+class OptimalEstimate:
+    """What the run says: `k` (3, 3), `u0` (3,), their standard uncertainties `u_k`, `u_u0`; `alpha1`, `alpha2`,
+    `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
+    coefficient; `misfit`: rms of the residuals over what the stand declares, about 1 where that is true."""
+
+    k: np.ndarray
+    u0: np.ndarray
+    u_k: np.ndarray
+    u_u0: np.ndarray
+    alpha1: float
+    alpha2: float
+    alpha3: np.ndarray
+    magnification: float
+    misfit: float
+
+
+def optimal(
+    schedule: Schedule,
+    means: np.ndarray,
+    stand: Stand,
+    samples: np.ndarray,
+    step: float = 0.0,
+    known_k: np.ndarray | None = None,
+    known_samples: int | None = None,
+) -> OptimalEstimate:
+    """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
+    converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
+    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`."""
+    k = least_squares(schedule, means)[0] if known_k is None else known_k
+    return _Whitened(schedule, k, stand, samples, step, known_samples).solve(means)
+
+
+class _Whitened:
+    """The problem linearised at one K: unknowns K column by column and U0, then errors in units of their sigma."""
+
+    def __init__(
+        self,
+        schedule: Schedule,
+        k: np.ndarray,
+        stand: Stand,
+        samples: np.ndarray,
+        step: float,
+        known_samples: int | None = None,
+    ):
+        self.schedule, self.stand, self.samples, self.step = schedule, stand, samples, step
+        self.fit = fit_indices(schedule)
+        self.geometry = Geometry(schedule)
+        self.errors = sources(schedule, k, stand, samples)
+        angles = [self.errors[name] for name in ("alpha1", "alpha2", "alpha3", "alpha4")]
+        self.sigma = np.concatenate([source.sigma for source in angles])
+        derivative = np.concatenate([source.derivative for source in angles])[:, self.fit]
+        by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
+        self.model = np.hstack([dense_design(schedule), by_error])
+        self.averaged_over = np.where(samples > 1, samples, stand.samples)
+        self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
+        self.floor = _FLOOR_G * np.abs(k).max()
+        inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
+        self.noise = max(self.one_sample * np.sqrt(inverse_samples.mean()), self.floor)
+        prior = np.eye(len(self.sigma), self.model.shape[1], 12)
+        self.system = np.vstack([self.model / self.noise, prior])
+
+    def unknowns(self, outputs: np.ndarray) -> np.ndarray:
+        """Best estimate of all unknowns, for outputs (3 x fit positions, any number of columns)."""
+        right = np.vstack([outputs / self.noise, np.zeros((len(self.sigma), outputs.shape[1]))])
+        length = np.sqrt((self.system**2).sum(axis=0))
+        solution = np.linalg.lstsq(self.system / length, right, rcond=None)[0] / length[:, None]
+        residual = right - self.system.astype(np.longdouble) @ solution
+        correction = np.linalg.lstsq(self.system / length, residual.astype(float), rcond=None)[0]
+        return solution + correction / length[:, None]
+
+    def solve(self, means: np.ndarray) -> OptimalEstimate:
+        """Apply the linear solution, and again to what the second order leaves of the outputs."""
+        measured = means[self.fit].reshape(-1, 1)
+        x = self.unknowns(measured)
+        for _ in range(CORRECTIONS):
+            x = self.unknowns(measured - (self._exact(x) - self.model @ x))
+        k, u0 = _coefficients(x[:12, 0])
+        u = _Whitened(self.schedule, k, self.stand, self.samples, self.step).standard_uncertainties()
+        alpha1, alpha2, alpha3, _ = self._stand(x)
+        largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
+        misfit = self._misfit(measured - self._exact(x), x)
+        return OptimalEstimate(k, u0, u[:9].reshape(3, 3), u[9:], alpha1, alpha2, alpha3, largest, misfit)
+
+    def _misfit(self, residuals: np.ndarray, x: np.ndarray) -> float:
+        freedom = max(1, len(residuals) - 12)
+        return float(np.sqrt(((residuals / self.noise) ** 2).sum() + (x[12:] ** 2).sum()) / np.sqrt(freedom))
+
+    def standard_uncertainties(self) -> np.ndarray:
+        """Of an estimate (12,), K row by row, that is linearised here: with each position's own noise."""
+        noise = np.repeat(np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor), 3)
+        errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
+        return np.sqrt(sum(part**2 for part in contributions(self._linear, errors).values()))
+
+    def _linear(self, means: np.ndarray) -> np.ndarray:
+        """Coefficients, K row by row, of (draws, positions, 3)."""
+        x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[:12].T
+        return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
+
+    def _stand(self, x: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
+        """alpha1, alpha2, alpha3 per mounting, delta per position of the schedule."""
+        errors = self.sigma * x[12:, 0]
+        positions, mountings = len(self.schedule.positions), len(self.schedule.mountings)
+        yaws = errors[2:-positions]
+        alpha3 = np.repeat(yaws, mountings) if self.stand.remounting == COMMON else yaws
+        return float(errors[0]), float(errors[1]), alpha3, errors[-positions:]
+
+    def _exact(self, x: np.ndarray) -> np.ndarray:
+        """Outputs (3 x fit positions, 1) on the exact geometry."""
+        alpha1, alpha2, alpha3, delta = self._stand(x)
+        k, u0 = _coefficients(x[:12, 0])
+        outputs = self.geometry.outputs(k, u0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+        return outputs[self.fit].reshape(-1, 1)
+
+
+def _coefficients(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return x[:9].reshape(3, 3).T, x[9:]

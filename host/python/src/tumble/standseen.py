@@ -1,0 +1,93 @@
+"""The stand seen in the data: what a run tells about angles and noise of the stand, each with its uncertainty.
+
+The core and its numpy witness each look at the run; what they are told, and what is made of their answers, stands here
+once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.stand import Stand
+
+ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
+
+
+@dataclass(frozen=True)
+class StandSeen:
+    """Angles in rad, noise of one sample in the unit of the outputs; an entry None is what the run cannot tell. Each
+    has `value` and `u`.
+
+    `angles`: by the closed form; `augmented`: by least squares for everything at once; both by name as in ANGLES, with
+    the uncertainty of `source` ("stand": as declared; "run": of this run's own scatter and residuals, `freedom`
+    degrees of freedom; None: unknown, and u is 0). `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
+    """
+
+    noise: Any
+    alpha4: Any
+    alpha4_freedom: float
+    angles: dict[str, Any]
+    augmented: dict[str, Any]
+    source: str | None
+
+    @property
+    def freedom(self) -> float | None:
+        """Degrees of freedom of the angles' uncertainties; None for those of a declared stand."""
+        return self.alpha4_freedom if self.source == "run" else None
+
+
+def look(run, noise, samples: np.ndarray, stand: Stand | None, trust_stand: bool = True) -> StandSeen:
+    """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
+    it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
+
+    A lone row is taken for a mean of the stand's `samples`. A stand that is not to be trusted gives no uncertainties,
+    except where the run itself has none to give.
+    """
+    declared = None if stand is None else stand.sigma("noise") ** 2 / averaged_over(samples, stand)
+    own = own_variance(noise, samples, stand)
+    error = None if own is None else run.angle_error(own)
+    alpha4 = None if error is None else error.seen
+    unknown = dict.fromkeys(ANGLES)
+    if stand is not None and (trust_stand or alpha4 is None):
+        source, sigma, variance = "stand", stand.sigma("angle"), declared
+    elif alpha4 is not None:
+        source, sigma, variance = "run", alpha4.value, own
+    else:
+        return StandSeen(noise, None, 0.0, run.angles(None, np.zeros(len(samples))), unknown, None)
+    freedom = 0.0 if alpha4 is None else error.freedom
+    return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), run.fit(sigma, variance), source)
+
+
+def averaged_over(samples: np.ndarray, stand: Stand | None) -> np.ndarray:
+    """How many samples each mean has."""
+    return np.where(samples > 1, samples, 1 if stand is None else stand.samples)
+
+
+def own_variance(noise, samples: np.ndarray, stand: Stand | None) -> np.ndarray | None:
+    """Variance of each mean by the noise that the run shows, else by the declared one; None where neither is known."""
+    if noise is not None:
+        return noise.value**2 / averaged_over(samples, stand)
+    return None if stand is None else stand.sigma("noise") ** 2 / averaged_over(samples, stand)
+
+
+def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
+    """As it stands in a result: every quantity with its `u_` twin."""
+    has_u = seen.source is not None
+    augmented = {key: value for name in ANGLES for key, value in _pair(f"{name}_rad", seen.augmented[name]).items()}
+    listed = [_pair(f"{name}_rad", seen.angles[name], has_u) for name in ANGLES]
+    listed += [_pair("alpha4_rad", seen.alpha4), _pair("noise_v", seen.noise, factor=volts_per_unit)]
+    return {
+        **{key: value for pair in listed for key, value in pair.items()},
+        "u_from": seen.source,
+        "u_freedom": seen.freedom,
+        "alpha4_freedom": None if seen.alpha4 is None else seen.alpha4_freedom,
+        "augmented": None if set(augmented.values()) == {None} else augmented,
+    }
+
+
+def _pair(name: str, seen, has_u: bool = True, factor: float = 1.0) -> dict[str, float | None]:
+    value, u = (None, None) if seen is None else (seen.value * factor, seen.u * factor)
+    return {name: value, f"u_{name}": u if has_u else None}

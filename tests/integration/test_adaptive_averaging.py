@@ -1,0 +1,106 @@
+"""Averaging as long as needed: what it saves where noise differs, and that stopping early spoils nothing."""
+
+import json
+import math
+import subprocess
+
+import numpy as np
+import pytest
+from tumble.bench import program
+
+QUIET_V, NOISY_V = 3e-4, 9e-4  # mounting 1, mounting 2
+SCENARIO = f"""
+block.noise_v = {QUIET_V} {QUIET_V} {QUIET_V}
+stand.axis_tilt_rad = 0
+stand.level_rad = 0
+stand.remount_rad = 0
+stand.angle_rad = 0
+block.scale_v_per_g = 2
+block.k = 2 0.04 0.04 0.04 2 0.04 0.04 0.04 2
+block.u0 = 0.02 -0.01 0.03
+procedure.warm_up_samples = 0
+averaging.stillness_ratio = 10
+fault = noisy at=2.1 phase=mount channels=xyz value={math.sqrt(NOISY_V**2 - QUIET_V**2)!r}
+"""
+TRUTH = np.array([2, 0.04, 0.04, 0.04, 2, 0.04, 0.04, 0.04, 2, 0.02, -0.01, 0.03])
+
+
+def campaign(runs, *lines):
+    """Means (runs, 18, 3), coefficients (runs, 12), and virtual seconds (runs,) of runs with these lines added."""
+    done = subprocess.run(
+        [program.find(), "-", "--runs", str(runs), "--jobs", "2", "--means"],
+        input="\n".join([SCENARIO, *lines, ""]),
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    rows = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode in (0, 1) and len(rows) == runs, done.stderr
+    means = np.array([row["means"] for row in rows], dtype=float).reshape(runs, 18, 3)
+    coefficients = np.array([[*np.ravel(row["K"]), *row["U0"]] for row in rows])
+    return means, coefficients, np.array([row["virtual_s"] for row in rows])
+
+
+@pytest.mark.slow
+def test_what_it_saves_and_that_it_spoils_nothing():
+    """A fixed number must serve the noisiest position: 500 samples. With the standard error that these give as the
+    budget, the quiet mounting takes a ninth of them. No mean is worse than its budget, no coefficient is biased."""
+    runs, budget = 100, NOISY_V / math.sqrt(500)
+    _, fixed, fixed_s = campaign(runs, "procedure.samples = 500")
+    means, found, found_s = campaign(runs, "procedure.samples = 2000", f"procedure.error_budget_v = {budget}")
+    saved_s = fixed_s.mean() - found_s.mean()
+    averaging_s = 18 * 500 * 0.01
+    scatter = means.std(axis=0, ddof=1)
+    print(f"time {fixed_s.mean():.1f} s, {found_s.mean():.1f} s: {saved_s / fixed_s.mean():.1%} of the whole saved,")
+    print(f"{saved_s / averaging_s:.1%} of the averaging; scatter of means over budget {scatter.mean() / budget:.3f}")
+    assert saved_s > 0.25 * fixed_s.mean() and saved_s > 0.35 * averaging_s
+    assert np.sqrt((scatter**2).mean()) < budget
+    z = (found.mean(axis=0) - TRUTH) / found.std(axis=0, ddof=1) * math.sqrt(runs)
+    assert np.abs(z).max() < 4.5
+    assert found.std(axis=0).max() < 1.35 * fixed.std(axis=0).max()
+
+
+def test_with_the_same_noise_everywhere_it_saves_nothing():
+    """The first look at which every channel is within the budget comes a little late, not early."""
+    same = "fault = noisy at=1.1 phase=mount channels=x value=1e-9"
+    lines = [line for line in SCENARIO.splitlines() if not line.startswith("fault")]
+    lines += [same, "procedure.samples = 1000", f"procedure.error_budget_v = {QUIET_V / math.sqrt(100)}"]
+    text = "\n".join(lines)
+    done = subprocess.run([program.find(), "-"], input=text + "\n", capture_output=True, text=True, timeout=60)
+    taken = [mean["samples"] for mean in json.loads(done.stdout)["means"]]
+    assert 95 <= np.mean(taken) <= 130 and min(taken) >= 80
+
+
+def test_the_reason_when_it_is_never_enough():
+    text = SCENARIO + "procedure.samples = 100\nprocedure.error_budget_v = 4e-5\n"
+    done = subprocess.run([program.find(), "-"], input=text, capture_output=True, text=True, timeout=60)
+    found = json.loads(done.stdout)
+    assert done.returncode == 3 and found["reason"] == "TUMBLE_REASON_UNCERTAIN"
+    assert [mean["samples"] < 100 for mean in found["means"]] == [True] * 9  # mounting 1; of mounting 2 nothing is kept
+    assert found["table"]["at_rest"] is True
+
+
+def test_from_the_command_line(tumble, tmp_path):
+    """The witness confirms a run with a number of samples of its own at every position; u follows these numbers."""
+    options = ("--seed", 1, "--samples", 200, "--json")
+    done = tumble("bench", *options, "--error-budget", "6e-5", "--out", tmp_path / "adaptive")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    samples = [mean["samples"] for mean in found["means"]]
+    assert 16 <= min(samples) and max(samples) < 80
+    for mean in found["means"]:
+        assert max(mean["scatter"]) / math.sqrt(mean["samples"]) <= 6e-5 * (1 + 1e-6)
+    fixed = json.loads(tumble("bench", *options, "--out", tmp_path / "fixed").stdout)
+    assert {mean["samples"] for mean in fixed["means"]} == {200}
+    assert np.all(np.array(found["u_K"]) > np.array(fixed["u_K"]))
+
+
+@pytest.mark.parametrize("text", ["0", "-1e-5", "nan", "inf", "1e-5V", "1e10", ""])
+def test_a_budget_must_be_a_size(text, refused):
+    assert f"--error-budget: '{text}' is not a number of volts above 0" in refused("bench", f"--error-budget={text}")
+
+
+def test_the_command_line_says_why_it_is_never_enough(tumble, tmp_path):
+    done = tumble("bench", "--samples", 20, "--error-budget", "1e-6", "--json", "--out", tmp_path / "run")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "the noise keeps a mean from its error budget" in done.stderr and "(UNCERTAIN, in state" in done.stderr

@@ -1,0 +1,71 @@
+"""Chi-squared, Student's t and F against mpmath."""
+
+import math
+
+import mpmath
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tumble import distributions
+
+FREEDOM = st.one_of(st.integers(1, 60), st.floats(0.3, 5000.0), st.integers(60, 20000))
+mpmath.mp.dps = 30
+
+
+def exact_chi_squared(x, freedom):
+    return mpmath.gammainc(mpmath.mpf(freedom) / 2, 0, mpmath.mpf(x) / 2, regularized=True)
+
+
+def exact_f(x, freedom, below):
+    scaled = mpmath.mpf(freedom) * mpmath.mpf(x)
+    halves = mpmath.mpf(freedom) / 2, mpmath.mpf(below) / 2
+    return mpmath.betainc(*halves, 0, scaled / (scaled + below), regularized=True)
+
+
+@given(FREEDOM, st.floats(-4.0, 4.0))
+def test_chi_squared(freedom, sigmas):
+    x = freedom * max(1e-6, 1 + sigmas * math.sqrt(2 / freedom))
+    assert distributions.chi_squared_cdf(x, freedom) == pytest.approx(float(exact_chi_squared(x, freedom)), abs=2e-11)
+
+
+@given(FREEDOM, st.floats(0.3, 3000.0), st.floats(0.001, 30.0))
+def test_f(freedom, below, x):
+    assert distributions.f_cdf(x, freedom, below) == pytest.approx(float(exact_f(x, freedom, below)), abs=2e-11)
+
+
+@given(FREEDOM, st.floats(0.001, 0.999))
+def test_quantiles_of_chi_squared(freedom, p):
+    x = distributions.chi_squared_quantile(p, freedom)
+    assert float(exact_chi_squared(x, freedom)) == pytest.approx(p, abs=1e-10)
+
+
+@given(st.floats(0.5, 300.0), st.floats(0.5, 0.9999))
+def test_quantiles_of_student(freedom, p):
+    t = distributions.student_quantile(p, freedom)
+    density = lambda x: (1 + x * x / freedom) ** (-(freedom + 1) / 2)  # noqa: E731
+    beta = mpmath.beta(mpmath.mpf(freedom) / 2, mpmath.mpf(1) / 2) * mpmath.sqrt(freedom)
+    assert float(2 * mpmath.quad(density, [0, t]) / beta) == pytest.approx(p, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "tabled"),
+    [
+        (distributions.chi_squared_quantile, (0.95, 1), 3.841459),
+        (distributions.chi_squared_quantile, (0.05, 1), 0.00393214),
+        (distributions.chi_squared_quantile, (0.95, 16), 26.296228),
+        (distributions.chi_squared_quantile, (0.05, 16), 7.961646),
+        (distributions.student_quantile, (0.95, 8), 2.306004),
+        (distributions.student_quantile, (0.99, 1), 63.656741),
+        (distributions.student_quantile, (0.95, math.inf), 1.959964),
+        (distributions.f_quantile, (0.95, 3, 10), 3.708265),
+    ],
+)
+def test_the_tables_of_textbooks(function, arguments, tabled):
+    assert function(*arguments) == pytest.approx(tabled, rel=1e-6)
+
+
+@pytest.mark.parametrize("p", [0.0, 1.0, -0.1, 1.5, math.nan])
+def test_a_quantile_needs_a_probability(p):
+    with pytest.raises(ValueError, match="a probability between 0 and 1"):
+        distributions.chi_squared_quantile(p, 3)

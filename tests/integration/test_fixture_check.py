@@ -1,0 +1,295 @@
+"""`tumble fixture check`: verdicts that are right as often as they say, several runs in one, and what it refuses."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from blocks import NOMINAL_K
+
+from tumble import core, reference
+from tumble.combination import combine, covariances
+from tumble.fixture import Judge, Limits, RunView, Verdict, levelled_once
+from tumble.runfile import Run
+from tumble.solution import solve
+from tumble.standfile import read_stand
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+SCHEMA = json.loads((ROOT / "docs" / "schemas" / "tumble.fixture-1.schema.json").read_text())
+PAPER = core.CoreSchedule(core.paper_schedule())
+U0 = np.array([0.02, -0.01, 0.03])
+SOURCES = SCHEMA["properties"]["sources"]["required"]
+
+
+def stand_named(name):
+    return read_stand(str(EXAMPLES / f"{name}_stand.toml")).stand
+
+
+def drawn(rng, stand, **fixed):
+    """Errors of one run."""
+    errors = {
+        "alpha1": rng.normal() * stand.sigma("axis_tilt"),
+        "alpha2": rng.normal() * stand.sigma("level"),
+        "alpha3": rng.normal(size=2) * stand.sigma("remount"),
+        "delta": rng.normal(size=18) * stand.sigma("angle"),
+    }
+    return {**errors, **fixed}
+
+
+def simulated(rng, stand, **fixed):
+    """A run of the nominal block."""
+    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0, **drawn(rng, stand, **fixed))
+    noise, n = stand.sigma("noise"), stand.samples
+    means += rng.normal(size=means.shape) * noise / math.sqrt(n)
+    scatter = noise * np.sqrt(rng.chisquare(n - 1, size=means.shape) / (n - 1))
+    return Run(np.full(18, n), means, scatter, "V", {})
+
+
+def views_of(runs, declared, estimator="refined"):
+    solutions = [solve(run, None, estimator, 1.0, declared, "run.csv") for run in runs]
+    return [RunView.of(solution, PAPER, "run.csv") for solution in solutions]
+
+
+def judged(rng, actual, declared, count=1, once=False):
+    views = views_of([simulated(rng, actual) for _ in range(count)], declared)
+    return Judge(views, 0.95, once).judge(Limits.declared(declared, 2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "runs"),
+    [("paper", 1), ("lab", 3), pytest.param("angle", 1, marks=pytest.mark.full), pytest.param("lab", 1,
+marks=pytest.mark.full)], )
+def test_a_stand_that_is_as_declared_fails_one_check_in_twenty(name, runs):
+    """At 95 %: of 400 checks 20, binomial limits at 99.9 %: 8 to 36. A `meets` is as rare for such a stand."""
+    rng, stand, failed, met = np.random.default_rng(91), stand_named(name), 0, 0
+    for _ in range(400):
+        verdicts = [judgement.verdict for judgement in judged(rng, stand, stand, runs).values()]
+        failed += Verdict.DOES_NOT_MEET in verdicts
+        met += verdicts.count(Verdict.MEETS)
+    print(f"{name}, {runs} runs: {failed} of 400 fail, {met} of 2000 sources are said to meet their limit")
+    assert 8 <= failed <= 36
+    assert met <= 45
+
+
+DEFECTS = {
+    "alpha1_rad": ("axis_tilt", 20.0),
+    "alpha3_difference_rad": ("remount", 5.0),
+    "alpha4_rad": ("angle", 3.0),
+    "noise_v": ("noise", 1.2),
+}
+
+
+@pytest.mark.parametrize("source", DEFECTS)
+@pytest.mark.parametrize("name", ["paper", "lab"])
+def test_a_source_that_is_worse_is_found(name, source):
+    """Of several runs together, and nothing else is blamed for it: its own limits are wide enough."""
+    rng, declared = np.random.default_rng(92), stand_named(name)
+    key, factor = DEFECTS[source]
+    actual = dataclasses.replace(declared, **{key: factor * getattr(declared, key)})
+    found = judged(rng, actual, declared, count=4)
+    assert found[source].verdict is Verdict.DOES_NOT_MEET
+    related = {"alpha2_plus_alpha3_rad"} if key == "remount" else set()
+    others = {name for name, judgement in found.items() if judgement.verdict is Verdict.DOES_NOT_MEET}
+    assert others - related == {source}
+
+
+def test_a_source_that_is_better_is_found():
+    """Set angles and noise from a few runs; a systematic angle takes many."""
+    rng, actual = np.random.default_rng(93), stand_named("lab")
+    worse = {key: 8.0 * getattr(actual, key) for key in ("axis_tilt", "level", "remount", "angle", "noise")}
+    found = judged(rng, actual, dataclasses.replace(actual, **worse), count=6)
+    assert {name: judgement.verdict for name, judgement in found.items()} == dict.fromkeys(SOURCES, Verdict.MEETS)
+
+
+def test_one_run_cannot_tell_much_of_what_it_shows_once():
+    stand = stand_named("paper")
+    found = judged(np.random.default_rng(94), stand, stand)
+    assert found["alpha1_rad"].verdict is found["alpha3_difference_rad"].verdict is Verdict.CANNOT_TELL
+
+
+@pytest.mark.slow
+def test_the_range_of_a_standard_deviation_holds_the_truth_as_often_as_it_says():
+    rng, stand, inside = np.random.default_rng(95), stand_named("lab"), dict.fromkeys(SOURCES, 0)
+    limits = Limits.declared(stand, 2).sigma
+    for _ in range(150):
+        for source, judgement in judged(rng, stand, stand, count=2).items():
+            inside[source] += judgement.low <= limits[source] <= judgement.high
+    assert all(133 <= count <= 150 for count in inside.values()), inside
+
+
+def test_runs_of_one_levelling_are_told_from_others():
+    rng, stand = np.random.default_rng(96), stand_named("lab")
+    level = {"alpha1": 1.5e-4, "alpha2": -2e-4}
+    once = views_of([simulated(rng, stand, **level) for _ in range(4)], stand)
+    anew = views_of([simulated(rng, stand) for _ in range(4)], stand)
+    assert levelled_once(once) and not levelled_once(anew) and levelled_once(anew[:1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("once", [True, False])
+def test_a_combined_result_lies_where_its_uncertainties_say(once):
+    """150 times three runs, one of them noisier: rms of error over u, and the chi-squared of what the runs differ
+    by."""
+    rng, stand, scores, squares = np.random.default_rng(97), stand_named("lab"), [], []
+    noisy = dataclasses.replace(stand, noise=4 * stand.noise)
+    truth = np.concatenate([NOMINAL_K.ravel(), U0])
+    for _ in range(150):
+        level = {"alpha1": rng.normal() * stand.axis_tilt, "alpha2": rng.normal() * stand.level} if once else {}
+        solutions = [
+            solve(simulated(rng, own, **level), None, "refined", 1.0, own, "run.csv") for own in (stand, stand, noisy)
+        ]
+        combined = combine(solutions, once, 0.95)
+        found = np.concatenate([combined.k.ravel(), combined.u0])
+        scores.append((found - truth) / np.concatenate([combined.u_k.ravel(), combined.u_u0]))
+        squares.append(combined.chi_squared)
+        assert combined.freedom == 24
+    assert np.sqrt((np.array(scores) ** 2).mean(axis=0)) == pytest.approx(1.0, abs=0.23)
+    assert np.mean(squares) == pytest.approx(24, abs=4 * math.sqrt(48 / 150))
+
+
+def test_a_combination_is_sharper_but_not_where_the_runs_share_an_error():
+    rng, stand = np.random.default_rng(98), stand_named("lab")
+    solutions = [solve(simulated(rng, stand), None, "refined", 1.0, stand, "run.csv") for _ in range(4)]
+    own, shared = covariances(solutions[0], True)
+    assert np.sqrt(np.diag(own + shared)) == pytest.approx(
+        np.concatenate([solutions[0].u_k.ravel(), solutions[0].u_u0]), rel=1e-9
+    )
+    combined = combine(solutions, True, 0.95)
+    u = np.concatenate([combined.u_k.ravel(), combined.u_u0])
+    assert u == pytest.approx(np.sqrt(np.diag(own / 4 + shared)), rel=0.02)
+    anew = combine(solutions, False, 0.95)
+    assert anew.u_k == pytest.approx(solutions[0].u_k / 2, rel=0.02)
+
+
+def check(tumble, *arguments, code):
+    done = tumble("fixture", "check", *arguments, "--json", cwd=EXAMPLES)
+    assert (done.returncode, done.stderr) == (code, ""), done.stderr
+    found = json.loads(done.stdout)
+    jsonschema.Draft202012Validator(SCHEMA).validate(found)
+    assert found["pass"] == (code == 0)
+    return found
+
+
+@pytest.mark.parametrize("name", ["paper", "angle", "lab"])
+def test_the_example_stands_pass(name, tumble):
+    found = check(tumble, "--stand", f"{name}_stand.toml", f"{name}_stand.csv", code=0)
+    assert found["combined"] is None and list(found["sources"]) == SOURCES
+    for source in found["sources"].values():
+        assert (source["limit"], source["verdict"]) == tuple(source["declared"].values())
+
+
+def test_another_stands_file_does_not(tumble):
+    """The lab stand's run against the paper's stand: yaws, noise and set angles."""
+    found = check(tumble, "--stand", "paper_stand.toml", "lab_stand.csv", code=1)
+    missed = {name for name, source in found["sources"].items() if source["verdict"] == "does not meet"}
+    assert {"alpha3_difference_rad", "alpha4_rad", "noise_v"} <= missed
+    text = tumble("fixture", "check", "--stand", "paper_stand.toml", "lab_stand.csv", cwd=EXAMPLES)
+    assert text.returncode == 1 and text.stdout.rstrip().split("\n\n")[-1].startswith("FAIL: ")
+
+
+def test_the_limit_of_the_gravity_check_counts(tumble):
+    found = check(tumble, "--stand", "lab_stand.toml", "lab_stand.csv", "--limit", "1e-4", code=1)
+    assert found["runs"][0]["pass"] is False and found["delta_g_limit_g"] == 1e-4
+    assert "does not meet" not in {source["verdict"] for source in found["sources"].values()}
+
+
+def test_against_what_a_limit_needs(tumble):
+    arguments = ["--stand", "angle_stand.toml", "angle_stand.csv", "--against", "needed", "--limit"]
+    loose, tight = check(tumble, *arguments, "3e-3", code=0), check(tumble, *arguments, "1.3e-4", code=1)
+    assert loose["sources"]["alpha4_rad"]["verdict"] == "meets"
+    assert tight["sources"]["alpha4_rad"]["verdict"] == "does not meet"
+    for found in (loose, tight):
+        for source in found["sources"].values():
+            assert (source["limit"], source["verdict"]) == tuple(source["needed"].values())
+    ratio = loose["sources"]["alpha4_rad"]["limit"] / tight["sources"]["alpha4_rad"]["limit"]
+    assert ratio == pytest.approx(3e-3 / 1.3e-4, rel=1e-6)
+
+
+def test_a_stand_file_without_a_block_says_nothing_of_needs(tumble, refused, tmp_path):
+    text = (EXAMPLES / "lab_stand.toml").read_text()
+    stand = tmp_path / "stand.toml"
+    stand.write_text(text[: text.index("[block]")])
+    found = check(tumble, "--stand", stand, "lab_stand.csv", code=0)
+    assert {source["needed"] for source in found["sources"].values()} == {None}
+    asked = ("--stand", stand, EXAMPLES / "lab_stand.csv", "--against", "needed")
+    assert "no table [block]" in refused("fixture", "check", *asked)
+
+
+def test_a_run_of_lone_means_is_judged_by_the_declared_noise(tumble, tmp_path):
+    lines = (EXAMPLES / "lab_stand.csv").read_text().splitlines()
+    run = tmp_path / "run.csv"
+    run.write_text("\n".join([lines[0], *lines[1::25]]) + "\n")
+    stand = tmp_path / "stand.toml"
+    stand.write_text((EXAMPLES / "lab_stand.toml").read_text().replace("samples = 25", "samples = 1"))
+    found = check(tumble, "--stand", stand, run, "--limit", "1e-2", code=0)
+    noise = found["sources"]["noise_v"]
+    assert (noise["value"], noise["verdict"]) == (None, "cannot tell")
+    assert found["sources"]["alpha4_rad"]["freedom"] == 16
+
+
+def test_any_schedule_may_be_checked(tumble):
+    """Six faces and check positions: what the positions cannot show is null, and cannot be told."""
+    arguments = ("--stand", "paper_stand.toml", "--schedule", "six_faces.toml", "--estimator", "least_squares")
+    found = check(tumble, "six_faces.csv", *arguments, code=0)
+    assert found["sources"]["alpha3_difference_rad"]["value"] is None
+    assert found["sources"]["alpha3_difference_rad"]["verdict"] == "cannot tell"
+    check(tumble, "with_checks.csv", "--stand", "paper_stand.toml", "--schedule", "with_checks.toml", code=0)
+
+
+def bench_runs(tumble, tmp_path, *options, seeds=(1, 2, 3)):
+    folders = [tmp_path / str(seed) for seed in seeds]
+    for seed, folder in zip(seeds, folders):
+        done = tumble("bench", "--seed", seed, "--limit", "1e-2", *options, "--out", folder, "--json", cwd=EXAMPLES)
+        assert done.returncode == 0, done.stderr
+    return [folder / "run.csv" for folder in folders]
+
+
+def test_several_runs_of_the_bench(tumble, tmp_path):
+    """Each seed levels its stand anew, of one block; the text fits 80 columns and ends in one sentence."""
+    runs = bench_runs(tumble, tmp_path, "--stand", "lab_stand.toml")
+    found = check(tumble, "--stand", "lab_stand.toml", *runs, "--limit", "1e-2", code=0)
+    assert found["levelled"] == "anew" and found["combined"]["consistent"] is True
+    assert found["sources"]["alpha1_rad"]["freedom"] == 3 and found["sources"]["alpha4_rad"]["freedom"] == 48
+    truth = json.loads((EXAMPLES / "lab_stand.truth.json").read_text())
+    score = (np.array(found["combined"]["K"]) - truth["K"]) / found["combined"]["u_K"]
+    assert np.abs(score).max() < 4
+    once = check(tumble, "--stand", "lab_stand.toml", *runs, "--limit", "1e-2", "--levelled", "once", code=0)
+    assert once["sources"]["alpha1_rad"]["freedom"] == 1 and once["combined"]["consistent"] is False
+    text = tumble("fixture", "check", "--stand", "lab_stand.toml", *runs, "--limit", "1e-2", cwd=EXAMPLES).stdout
+    assert max(map(len, text.splitlines())) <= 80
+    assert text.splitlines()[-1].endswith(".") and "PASS: nothing exceeds" in text
+
+
+def test_a_bad_head_is_found_on_the_bench(tumble, tmp_path):
+    """A stand whose set angles are three times worse than its file says."""
+    worse = tmp_path / "worse.toml"
+    worse.write_text((EXAMPLES / "lab_stand.toml").read_text().replace("angle_rad = 2e-4", "angle_rad = 6e-4"))
+    runs = bench_runs(tumble, tmp_path, "--stand", worse, seeds=(7,))
+    found = check(tumble, "--stand", "lab_stand.toml", *runs, "--limit", "1e-2", code=1)
+    missed = [name for name, source in found["sources"].items() if source["verdict"] == "does not meet"]
+    assert missed == ["alpha4_rad"]
+
+
+def test_what_is_refused(refused, tmp_path):
+    run, stand = EXAMPLES / "lab_stand.csv", EXAMPLES / "lab_stand.toml"
+    mv = tmp_path / "mv.csv"
+    mv.write_text(run.read_text().replace("ux,uy,uz", "ux [mV],uy [mV],uz [mV]"))
+    cases = {
+        ("--stand", stand, run, run): "is given twice",
+        ("--stand", stand, run, mv): "mv.csv: outputs in mV, those of the runs before in V",
+        ("--stand", stand, run, "--confidence", "1"): "--confidence: '1' is not a number from 0.5 to 0.9999",
+        ("--stand", stand, run, "--limit", "-1"): "--limit: ",
+        ("--stand", stand, run, "--limit", "0"): "--limit: '0' is not a number of g above 0",
+        ("--stand", tmp_path / "no.toml", run): "no such file",
+        ("--stand", stand, tmp_path / "no.csv"): "no such file",
+        ("--stand", stand): "the following arguments are required: RUN.csv",
+        (run,): "the following arguments are required: --stand",
+    }
+    for arguments, message in cases.items():
+        assert message in refused("fixture", "check", *arguments), arguments
+    assert "required: SUBJECT" in refused("fixture")

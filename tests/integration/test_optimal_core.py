@@ -1,0 +1,139 @@
+"""The core's stand-optimal estimator against the numpy witness, which solves from the data and uses no table."""
+
+import numpy as np
+import pytest
+from blocks import NOMINAL_K, random_block, usable_schedule
+
+from tumble import core, core_optimal
+from tumble.core import CoreRefusal
+from tumble.planning import gains, record
+from tumble.reference import Geometry, optimal
+from tumble.reference.estimators import least_squares
+from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
+
+LIMIT = 1e-6  # of each coefficient's standard uncertainty
+ROUNDING = 1e-12  # of max|K|, as for every estimator: all that counts where u is below a millionth of K
+PAPER = core.CoreSchedule(core.paper_schedule())
+
+
+def random_stand(rng, largest_output):
+    """Errors from a millionth of a radian to 15 mrad, one in seven absent; noise from 1e-7 to 1e-3 of the outputs."""
+    angles = 10.0 ** rng.uniform(-6, -1.8, 4) * (rng.random(4) < 6 / 7)
+    noise = largest_output * 10.0 ** rng.uniform(-7, -3)
+    remounting = COMMON if rng.random() < 0.5 else INDEPENDENT
+    return Stand(*angles, noise, int(rng.integers(1, 100)), "sigma1", remounting)
+
+
+def run_on(rng, schedule, k, u0, stand):
+    """Means of a block on one stand drawn from what `stand` declares."""
+    yaws = 1 if stand.remounting == COMMON else len(schedule.mountings)
+    errors = {
+        "alpha1": rng.normal() * stand.axis_tilt,
+        "alpha2": rng.normal() * stand.level,
+        "alpha3": rng.normal(size=yaws) * stand.remount,
+        "delta": rng.normal(size=len(schedule.positions)) * stand.angle,
+    }
+    means = Geometry(schedule).outputs(k, u0, **errors)
+    return means + rng.normal(size=means.shape) * stand.noise / stand.samples**0.5
+
+
+def record_for(schedule, k, stand):
+    return record.to_bytes(record.record_of(gains.optimal_table(schedule, k, stand), schedule))
+
+
+def difference(rng, schedule):
+    """Largest difference of a coefficient from the witness, of one random block on one random stand: over its u, and over
+    what is allowed."""
+    k, u0 = random_block(rng)
+    stand = random_stand(rng, np.abs(k).max())
+    means = run_on(rng, schedule.data, k, u0, stand)
+    table = record_for(schedule.data, least_squares(schedule.data, means)[0], stand)
+    found = core_optimal.optimal(table, schedule, means)
+    witness = optimal(schedule.data, means, stand, np.ones(len(schedule)))
+    assert found.alpha1 == pytest.approx(witness.alpha1, abs=1e-9)
+    assert found.alpha2 == pytest.approx(witness.alpha2, abs=1e-9)
+    assert found.alpha3 == pytest.approx(witness.alpha3, abs=1e-9)
+    apart = np.abs([*(found.k - witness.k).ravel(), *(found.u0 - witness.u0)])
+    u = np.array([*witness.u_k.ravel(), *witness.u_u0])
+    return (apart / u).max(), (apart / np.maximum(LIMIT * u, ROUNDING * np.abs(k).max())).max()
+
+
+def worst_difference(rng, cases):
+    schedules = (PAPER if case % 2 else usable_schedule(rng) for case in range(cases))
+    of_u, of_allowed = np.array([difference(rng, schedule) for schedule in schedules]).max(axis=0)
+    print(f"worst difference {of_u:.1e} u, {of_allowed:.2g} of what is allowed")
+    return of_allowed
+
+
+def test_200_random_stands_schedules_and_blocks_agree():
+    assert worst_difference(np.random.default_rng(60), 200) <= 1.0
+
+
+@pytest.mark.full
+def test_10000_others_agree(fresh_seed):
+    assert worst_difference(np.random.default_rng(fresh_seed), 10_000) <= 1.0
+
+
+def test_the_limit_would_notice_a_missing_correction():
+    """The canary of the limit: one correction instead of two, or the linear gains alone, lie far beyond it."""
+    rng = np.random.default_rng(61)
+    stand = Stand(1e-4, 1e-4, 15e-3, 1e-4, 1e-4, 10, "sigma1")
+    means = run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), stand)
+    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, least_squares(PAPER.data, means)[0], stand))
+    linear_k, _ = core.estimate_gains(PAPER, opened.gains, means)
+    witness = optimal(PAPER.data, means, stand, np.ones(18))
+    assert np.abs((linear_k - witness.k) / witness.u_k).max() > 1e4 * LIMIT
+
+
+def test_many_runs_at_once_are_the_runs_one_by_one():
+    rng = np.random.default_rng(62)
+    means = np.stack([run_on(rng, PAPER.data, NOMINAL_K, np.zeros(3), PAPER_STAND) for _ in range(20)])
+    data = record_for(PAPER.data, NOMINAL_K, PAPER_STAND)
+    found, stand = core_optimal.optimal_runs(core_optimal.GainRecord(PAPER, data), means)
+    for run, of_stand, mean in zip(found, stand, means):
+        one = core_optimal.optimal(data, PAPER, mean)
+        assert np.array_equal(run, np.concatenate([one.k.ravel(), one.u0]))
+        assert np.array_equal(of_stand, np.concatenate([[one.alpha1, one.alpha2], one.alpha3]))
+    for estimator in core.ESTIMATORS:
+        for run, mean in zip(core_optimal.estimate_runs(PAPER, means, estimator), means):
+            k, u0 = core.estimate(PAPER, mean, None, estimator)
+            assert np.array_equal(run, np.concatenate([k.ravel(), u0]))
+
+
+def test_many_runs_at_once_name_the_run_refused():
+    means = np.zeros((5, 18, 3))
+    means[3, 7, 1] = np.nan
+    opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
+    for call in (lambda: core_optimal.optimal_runs(opened, means), lambda: core_optimal.estimate_runs(PAPER, means, "refined")):
+        with pytest.raises(CoreRefusal) as refused:
+            call()
+        assert (refused.value.name, refused.value.details) == ("TUMBLE_E_NOT_FINITE", {"run": 3})
+    with pytest.raises(ValueError, match=r"means must have shape \(runs, 18, 3\), not \(18, 3\)"):
+        core_optimal.optimal_runs(opened, means[0])
+
+
+def test_writer_and_reader_agree_on_every_number():
+    rng = np.random.default_rng(63)
+    for _ in range(50):
+        schedule = usable_schedule(rng)
+        stand = random_stand(rng, 2.0)
+        table = gains.optimal_table(schedule.data, NOMINAL_K, stand)
+        opened = core_optimal.GainRecord(schedule, record.to_bytes(record.record_of(table, schedule.data)))
+        assert core_optimal.schedule_crc(schedule) == record.fingerprint(schedule.data)
+        assert np.array_equal(opened.gains, table.gains)
+        assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+        assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)
+        assert opened.struct.sigma_mean_v == table.sigma_mean
+        assert opened.struct.sigma_rad[3] == table.sigma_angle
+
+
+@pytest.mark.parametrize("spoil", ["short", "flipped", "foreign"])
+def test_a_wrong_record_is_an_exception_and_no_result(spoil):
+    data = record_for(PAPER.data, NOMINAL_K, PAPER_STAND)
+    if spoil == "foreign":
+        data = record_for(usable_schedule(np.random.default_rng(64)).data, NOMINAL_K, PAPER_STAND)
+    spoilt = {"short": data[:-8], "flipped": data[:1000] + bytes([data[1000] ^ 1]) + data[1001:], "foreign": data}[spoil]
+    with pytest.raises(CoreRefusal) as refused:
+        core_optimal.optimal(spoilt, PAPER, np.zeros((18, 3)))
+    expected = {"short": "TUMBLE_E_GAIN_RECORD", "flipped": "TUMBLE_E_CRC", "foreign": "TUMBLE_E_GAIN_TABLE"}
+    assert refused.value.name == expected[spoil]

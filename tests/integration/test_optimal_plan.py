@@ -1,0 +1,206 @@
+"""`tumble plan optimize`: the gain table as JSON, as a C header and as a gain record, all the same numbers."""
+
+import json
+import shutil
+import struct
+import subprocess
+import zlib
+
+import jsonschema
+import numpy as np
+import pytest
+from blocks import NOMINAL_K
+from conftest import EXAMPLES, ROOT
+
+from tumble import core, core_optimal, reference
+from tumble.planning import gains, record
+from tumble.stand import PAPER_STAND
+
+SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
+STANDS = ("paper", "angle", "lab")
+NAMES = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
+
+
+def optimize(tumble, *arguments, cwd=EXAMPLES):
+    done = tumble("plan", "optimize", *arguments, "--json", cwd=cwd)
+    assert (done.returncode, done.stderr) == (0, "")
+    document = json.loads(done.stdout)
+    jsonschema.Draft202012Validator(SCHEMA).validate(document)
+    return document
+
+
+@pytest.mark.parametrize("name", STANDS)
+def test_the_document_says_what_the_gains_are_worth(name, tumble):
+    plan = optimize(tumble, "--stand", f"{name}_stand.toml")
+    assert (plan["schema"], plan["plan"], plan["names"]) == ("tumble.plan/1", "optimize", NAMES)
+    assert np.shape(plan["gains"]) == (12, 54) and np.shape(plan["stand_gains"]) == (4, 54)
+    assert np.shape(plan["u_K"]) == (3, 3) and np.shape(plan["u_U0"]) == (3,)
+    assert plan["efficiency"] == pytest.approx([1.0] * 12, abs=1e-9)
+    assert min(plan["gain_over_refined"]) > 1.0 and min(plan["gain_over_least_squares"]) > 1.0
+    assert not plan["noise_floored"] and not plan["second_order"]["matters"]
+    assert plan["K"] == pytest.approx(NOMINAL_K)
+
+
+def test_the_default_is_the_papers_stand(tumble):
+    assert optimize(tumble)["gains"] == optimize(tumble, "--stand", "paper_stand.toml")["gains"]
+
+
+def test_a_schedule_without_refined_has_no_gain_over_it(tumble):
+    plan = optimize(tumble, "--schedule", "six_faces.toml")
+    assert plan["gain_over_refined"] is None and min(plan["gain_over_least_squares"]) >= 1.0 - 1e-9
+    assert np.shape(plan["gains"]) == (12, 18)
+
+
+def test_check_positions_have_no_columns(tumble):
+    assert np.shape(optimize(tumble, "--schedule", "with_checks.toml")["gains"]) == (12, 54)
+
+
+@pytest.mark.parametrize("arguments", [[], ["--schedule", "six_faces.toml"], ["--stand", "angle_stand.toml"]])
+def test_people_get_a_table_of_80_columns(arguments, tumble):
+    done = tumble("plan", "optimize", *arguments, cwd=EXAMPLES)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert all(name in done.stdout for name in NAMES)
+
+
+def test_it_says_where_the_stand_is_too_good_or_too_bad(tumble, tmp_path):
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    (tmp_path / "stand.toml").write_text(text.replace("noise_v = 3e-4", "noise_v = 0.0").replace("4e-4", "15e-3"))
+    plan = optimize(tumble, "--stand", tmp_path / "stand.toml")
+    assert plan["noise_floored"] and plan["second_order"]["matters"]
+    shown = tumble("plan", "optimize", "--stand", tmp_path / "stand.toml").stdout
+    assert "declares no noise" in shown and "large yaw" in shown
+
+
+def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
+    for kind in ("json", "h", "bin"):
+        optimize(tumble, "--stand", EXAMPLES / "lab_stand.toml", "--out", f"table.{kind}", cwd=tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["table.bin", "table.h", "table.json"]
+    plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
+    opened = core_optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
+    assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
+    read = record.from_bytes(data)
+    assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]
+    assert read.u == pytest.approx(np.concatenate([np.ravel(plan["u_K"]), plan["u_U0"]]), rel=1e-9)
+    assert read.sigma.tolist() == [2e-4, 5e-4, 2e-3, 2e-4] and read.sigma_mean == plan["sigma_mean_v"]
+
+
+PROGRAM = """\
+#include "table.h"
+
+#include <stdio.h>
+
+int main(void)
+{
+    return fwrite(&tumble_optimal_gains, sizeof tumble_optimal_gains, 1, stdout) == 1 ? 0 : 1;
+}
+"""
+
+
+@pytest.mark.parametrize("arguments", [[], ["--schedule", str(EXAMPLES / "six_faces.toml")]])
+def test_the_header_compiles_to_the_record(arguments, tumble, tmp_path):
+    for kind in ("h", "bin"):
+        optimize(tumble, *arguments, "--out", f"table.{kind}", cwd=tmp_path)
+    (tmp_path / "main.c").write_text(PROGRAM)
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"]
+    compiler = shutil.which("gcc") or "cc"
+    command = [compiler, *flags, f"-I{ROOT / 'firmware'}", "main.c", "-o", "main"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    printed = subprocess.run([tmp_path / "main"], capture_output=True, check=True).stdout
+    assert printed == (tmp_path / "table.bin").read_bytes()
+
+
+def test_a_name_with_anything_in_it_stays_within_its_comment(tumble, tmp_path):
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    name = 'name = "*/ int evil; /* \\u00e9"'
+    lines = [name if line.startswith("name =") else line for line in text.splitlines()]
+    (tmp_path / "stand.toml").write_text("\n".join(lines))
+    optimize(tumble, "--stand", "stand.toml", "--out", "table.h", cwd=tmp_path)
+    head = (tmp_path / "table.h").read_text().split("#ifndef")[0]
+    assert head.count("*/") == 1 and "evil" in head and head.isascii()
+
+
+def test_a_serial_binds_the_record_to_its_block(tumble, tmp_path):
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    (tmp_path / "stand.toml").write_text(text.replace("[block]\n", '[block]\nserial = "B-17 \\u00e9"\n'))
+    optimize(tumble, "--stand", "stand.toml", "--out", "table.bin", cwd=tmp_path)
+    assert record.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
+
+
+def test_weights_for_the_last_known_k(tumble, tmp_path):
+    run = ["solve", EXAMPLES / "paper_stand.csv", "--out", "result.json"]
+    assert tumble(*run, cwd=tmp_path).returncode == 0
+    known = json.loads((tmp_path / "result.json").read_text())["K"]
+    assert optimize(tumble, "--result", "result.json", cwd=tmp_path)["K"] == known
+    header, *rows = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
+    (tmp_path / "run.csv").write_text("\n".join([header, *rows]))
+    assert tumble("solve", "run.csv", "--unit", "mV", "--out", "mv.json", cwd=tmp_path).returncode == 0
+    in_millivolts = optimize(tumble, "--result", "mv.json", cwd=tmp_path)["K"]
+    assert np.array(in_millivolts) == pytest.approx(1e-3 * np.array(known))
+
+
+BAD = {
+    "suffix": (["--out", "table.txt"], "--out: 'table.txt' ends in none of .json, .h, .bin"),
+    "no folder": (["--out", "nowhere/table.h"], "nowhere/table.h: cannot be written: no such file or folder"),
+    "its own input": (["--result", "result.json", "--out", "result.json"], "--out: 'result.json' is an input"),
+    "no stand": (["--stand", "nothing.toml"], "nothing.toml: no such file"),
+    "no block": (["--stand", "bare.toml"], "bare.toml: no table [block]"),
+    "no result": (["--result", "bare.toml"], "not valid JSON: expecting value"),
+    "other unit": (["--result", "counts.json"], "counts.json: K is in 'counts' per g; a gain table needs volts"),
+    "rank": (["--schedule", "flat.toml"], "flat.toml: these positions cannot identify K_xy, K_yy, K_zy"),
+    "noise": (["--stand", "loud.toml"], "no optimal weights"),
+    "estimator": (["--estimator", "refined"], "unrecognized arguments: --estimator refined"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line_and_leaves_nothing(case, tumble, refused, tmp_path):
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    (tmp_path / "bare.toml").write_text(text.split("[block]")[0])
+    (tmp_path / "loud.toml").write_text(text.replace("noise_v = 3e-4", "noise_v = 1e300"))
+    one = "[[mounting]]\nnumber = 1\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
+    turns = (f"[[position]]\nmounting = 1\nposition = {i + 1}\nangle_deg = {45 * i}\n" for i in range(8))
+    (tmp_path / "flat.toml").write_text(one + "".join(turns))
+    for unit, name in (("V", "result.json"), ("counts", "counts.json")):
+        assert tumble("solve", EXAMPLES / "paper_stand.csv", "--unit", unit, "--out", tmp_path / name).returncode == 0
+    arguments, message = BAD[case]
+    assert message in refused("plan", "optimize", *arguments, cwd=tmp_path)
+
+
+def golden():
+    """A record written out by hand, of two positions, one mounting, one yaw, and numbers that no estimator made."""
+    numbers = [float(n) / 8 for n in range(1, 27 + 6 * 15)]
+    head = b"TGR1" + struct.pack("<I", 24 + 8 * len(numbers) + 8) + bytes([1, 0, 2, 1, 1, 0, 0, 0])
+    body = head + struct.pack("<II", 0x01234567, 0x89ABCDEF) + struct.pack(f"<{len(numbers)}d", *numbers) + bytes(4)
+    return numbers, body + struct.pack("<I", zlib.crc32(body))
+
+
+def test_the_record_is_laid_out_as_documented():
+    numbers, _ = golden()
+    tables = np.array(numbers[26:]).reshape(-1, 6)
+    made = record.Record(
+        *(2, 1, 1, 0x01234567, 0x89ABCDEF),
+        k=np.reshape(numbers[:9], (3, 3)),
+        sigma=np.array(numbers[9:13]),
+        sigma_mean=numbers[13],
+        u=np.array(numbers[14:26]),
+        gains=tables[:12],
+        nuisance_gains=tables[12:],
+    )
+    assert len(tables) == 15
+    assert record.to_bytes(made) == golden()[1]
+    assert record.to_bytes(record.from_bytes(golden()[1])) == golden()[1]
+
+
+def test_a_spoilt_record_is_no_record():
+    table = gains.optimal_table(reference.paper_schedule(), NOMINAL_K, PAPER_STAND)
+    data = record.to_bytes(record.record_of(table, reference.paper_schedule()))
+    assert len(data) == record.size_of(18, 2) == 7152
+    for index in (0, 4, 8, 10, 11, 12, 13, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
+        spoilt = bytearray(data)
+        spoilt[index] ^= 1
+        with pytest.raises(record.BadRecord):
+            record.from_bytes(bytes(spoilt))
+    for short in (b"", data[:20], data[:-1]):
+        with pytest.raises(record.BadRecord):
+            record.from_bytes(short)
