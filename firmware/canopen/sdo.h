@@ -30,6 +30,7 @@ typedef struct {
     uint8_t toggle;           /* 0x00 or 0x10: what the next segment must carry */
     uint8_t node;             /* 1 to 127 */
     bool answer_due;
+    bool held;                /* the owner's to set: writes to what carries process data are refused; see receive */
     uint16_t dropped;         /* requests dropped: not eight bytes long, or sent before the last one was answered */
     uint16_t aborted;         /* transfers refused or ended by an abort, either side's */
     uint16_t index;           /* of the transfer, for aborts */
@@ -41,7 +42,9 @@ typedef struct {
 
 void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node);
 
-/* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). */
+/* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h, the
+ * first two PDOs of each direction (1400h, 1600h, 1800h, 1A00h and those after them) and objects of TUMBLE_HOME_OTHER
+ * can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. */
 void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                                const tumble_can_frame_t *frame, uint64_t now_us);
 

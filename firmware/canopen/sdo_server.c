@@ -4,6 +4,11 @@
 
 #include <string.h>
 
+#define CONSUMER_TIME 0x1016U
+#define RECEIVE_PDO 0x1400U
+#define TRANSMIT_PDO 0x1800U
+#define HELD_PDOS 0xFDFEU /* their first two and the mappings of these, 1600h and 1A00h */
+
 void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node)
 {
     (void)memset(server, 0, sizeof *server);
@@ -106,11 +111,23 @@ static void send_segment(tumble_sdo_server_t *server)
     }
 }
 
+/* What the axis hangs on: who is watched, the PDOs that the node's own parts have, and what these hold. */
+static bool is_held(const tumble_entry_t *entry)
+{
+    const unsigned pdo = entry->index & HELD_PDOS;
+
+    return (entry->home == TUMBLE_HOME_OTHER) || (entry->index == CONSUMER_TIME) || (pdo == RECEIVE_PDO) ||
+           (pdo == TRANSMIT_PDO);
+}
+
 static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary, const uint8_t *bytes,
                         uint8_t size)
 {
-    tumble_abort_t refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
+    tumble_abort_t refusal = TUMBLE_ABORT_DEVICE_STATE;
 
+    if (!server->held || !is_held(&server->entry)) {
+        refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
+    }
     if (refusal != TUMBLE_ABORT_NONE) {
         refuse(server, refusal);
     }

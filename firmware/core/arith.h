@@ -32,7 +32,7 @@ bool tumble_is_finite(double x);
 /* Above 0, and finite. */
 bool tumble_is_positive(double x);
 
-/* |x| <= bound, and false for a NaN: the comparison that validation wants. */
+/* |x| <= bound, and false for a NaN: the comparison that validation wants. `bound` a number, 0 or above. */
 bool tumble_within(double x, double bound);
 
 #endif

@@ -1,32 +1,9 @@
 #include "core/averaging.h"
 
 #include "core/arith.h"
+#include "core/averaging_state.h"
 
 #include <stddef.h>
-
-#define NONE_OPEN UINT8_MAX
-
-enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
-
-static bool is_open(const tumble_averaging_t *averaging)
-{
-    return averaging->open.index != NONE_OPEN;
-}
-
-static tumble_average_t *open_average(tumble_averaging_t *averaging)
-{
-    return &averaging->averages[averaging->open.index];
-}
-
-static void mark(tumble_averaging_t *averaging, unsigned fault)
-{
-    averaging->open.faults = (uint8_t)(averaging->open.faults | fault);
-}
-
-static void count(uint32_t *counter, uint32_t by)
-{
-    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
-}
 
 static bool config_is_valid(const tumble_averaging_config_t *config)
 {
@@ -52,120 +29,12 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
     if ((averaging == NULL) || (index >= TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (is_open(averaging)) {
-        *open_average(averaging) = (tumble_average_t){0};
+    if (tumble_averaging_is_open(averaging)) {
+        *tumble_averaging_open_average(averaging) = (tumble_average_t){0};
     }
     averaging->averages[index] = (tumble_average_t){0};
     averaging->open = (tumble_open_position_t){.index = index};
     return TUMBLE_OK;
-}
-
-void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS])
-{
-    tumble_average_t *average = open_average(averaging);
-    tumble_open_position_t *open = &averaging->open;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        if (average->samples == 0U) {
-            open->first[i] = counts[i];
-        }
-        const int32_t deviation = (int32_t)((int64_t)counts[i] - open->first[i]);
-        average->sum_counts[i] += counts[i];
-        open->square_sum[i] += (int64_t)deviation * deviation;
-    }
-    average->samples++;
-}
-
-/* Follow the block's own counter: what came twice or backwards is refused, what is missing is counted. */
-static tumble_status_t check_counter(tumble_averaging_t *averaging, uint16_t counter)
-{
-    tumble_open_position_t *open = &averaging->open;
-    const uint16_t advance = (uint16_t)(counter - open->last_counter);
-    if ((open->faults & HAS_COUNTER) != 0U) {
-        if (advance == 0U) {
-            count(&averaging->counters.repeated, 1U);
-            return TUMBLE_E_REPEATED;
-        }
-        if (advance > (uint16_t)INT16_MAX) {
-            count(&averaging->counters.reordered, 1U);
-            return TUMBLE_E_REORDERED;
-        }
-        count(&open->lost, (uint32_t)advance - 1U);
-        count(&averaging->counters.lost, (uint32_t)advance - 1U);
-    }
-    open->last_counter = counter;
-    mark(averaging, HAS_COUNTER);
-    return TUMBLE_OK;
-}
-
-static bool is_saturated(const tumble_averaging_config_t *config, const int32_t counts[TUMBLE_CHANNELS])
-{
-    bool saturated = false;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        saturated = saturated || (counts[i] >= config->saturation_counts) || (counts[i] <= -config->saturation_counts);
-    }
-    return saturated;
-}
-
-static bool is_deviating(const tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS])
-{
-    if (tumble_averaging_samples(averaging) == 0U) {
-        return false;
-    }
-    bool deviating = false;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const int64_t deviation = (int64_t)counts[i] - averaging->open.first[i];
-        deviating = deviating || (deviation > TUMBLE_MAX_DEVIATION_COUNTS) || (deviation < -TUMBLE_MAX_DEVIATION_COUNTS);
-    }
-    return deviating;
-}
-
-static tumble_status_t check_range(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
-                                   const int32_t counts[TUMBLE_CHANNELS])
-{
-    if (is_saturated(config, counts)) {
-        mark(averaging, FAULT_SATURATED);
-        count(&averaging->counters.saturated, 1U);
-        return TUMBLE_E_SATURATED;
-    }
-    if (is_deviating(averaging, counts)) {
-        mark(averaging, FAULT_DEVIATING);
-        count(&averaging->counters.deviating, 1U);
-        return TUMBLE_E_DEVIATION;
-    }
-    return TUMBLE_OK;
-}
-
-static void watch_stuck_channels(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
-                                 const int32_t counts[TUMBLE_CHANNELS])
-{
-    tumble_open_position_t *open = &averaging->open;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        open->run[i] = (counts[i] == open->last[i]) ? (uint16_t)(open->run[i] + 1U) : 1U;
-        open->last[i] = counts[i];
-        if ((config->stuck_run != 0U) && (open->run[i] >= config->stuck_run)) {
-            mark(averaging, FAULT_STUCK);
-        }
-    }
-}
-
-tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
-                                     const tumble_sample_t *sample)
-{
-    if (!is_open(averaging)) {
-        return TUMBLE_E_NOT_OPEN;
-    }
-    if ((int64_t)open_average(averaging)->samples >= TUMBLE_MAX_SAMPLES) {
-        return TUMBLE_E_FULL;
-    }
-    tumble_status_t status = check_counter(averaging, sample->counter);
-    if (status == TUMBLE_OK) {
-        status = check_range(averaging, config, sample->counts);
-    }
-    if (status == TUMBLE_OK) {
-        watch_stuck_channels(averaging, config, sample->counts);
-        tumble_averaging_accumulate(averaging, sample->counts);
-    }
-    return status;
 }
 
 /* s^2 = (Q - D^2 / n) / (n - 1), with deviations taken from the first sample: D their sum, Q the sum of their squares.
@@ -214,10 +83,10 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
 
 tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
 {
-    if (!is_open(averaging)) {
+    if (!tumble_averaging_is_open(averaging)) {
         return TUMBLE_E_NOT_OPEN;
     }
-    tumble_average_t *average = open_average(averaging);
+    tumble_average_t *average = tumble_averaging_open_average(averaging);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         average->scatter_counts[i] = (float)scatter_of_open(averaging, i);
     }
@@ -231,7 +100,7 @@ tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tum
 
 uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging)
 {
-    return is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;
+    return tumble_averaging_is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;
 }
 
 /* S / n: both are exact as doubles (limits.h), so the division rounds once. */
@@ -248,7 +117,7 @@ tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, do
     if ((averaging == NULL) || (mean_counts == NULL) || (standard_error_counts == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (!is_open(averaging)) {
+    if (!tumble_averaging_is_open(averaging)) {
         return TUMBLE_E_NOT_OPEN;
     }
     const tumble_average_t *average = &averaging->averages[averaging->open.index];

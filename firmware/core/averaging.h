@@ -83,7 +83,8 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);
 
-/* Take one sample without gates: sums and scatter only. The caller vouches for an open position that is not full and
+/* Take one sample without gates, for a caller that has gates of its own: sums and scatter only. Those of `add` that can be
+ * switched off are the stuck and the stillness gate (configuration); the others always judge. The caller vouches for an open position that is not full and
  * for deviations within TUMBLE_MAX_DEVIATION_COUNTS. */
 void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS]);
 

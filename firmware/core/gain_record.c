@@ -98,10 +98,16 @@ static bool all_within(const double *numbers, size_t count, double low, double h
     return within;
 }
 
+static bool all_are_zero(const double *numbers, size_t count)
+{
+    return all_within(numbers, count, 0.0, 0.0);
+}
+
 static bool numbers_are_in_range(const tumble_gain_record_t *record)
 {
     const size_t count = (record->size_bytes - BYTES_BEFORE_NUMBERS - TAIL_BYTES) / sizeof(double);
     return all_within(at(record, BYTES_BEFORE_NUMBERS), count, -TUMBLE_MAX_GAIN, TUMBLE_MAX_GAIN) &&
+           !all_are_zero(record->k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS) &&
            all_within(record->sigma_rad, 4, 0.0, TUMBLE_MAX_SIGMA_RAD) && (record->sigma_mean_v > 0.0) &&
            all_within(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN) &&
            all_within(record->u_u0_v, TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN);

@@ -30,8 +30,8 @@ typedef struct {
     uint8_t yaws; /* 1: one yaw for all mountings; else one for each */
     uint8_t reserved[3];
     uint32_t schedule_crc;
-    uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block */
-    double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at */
+    uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
+    double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
     double sigma_rad[4];                                /* standard deviations of alpha1 .. alpha4; 0: no such error */
     double sigma_mean_v;                                /* of a position mean; above 0 */
     double u_k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* standard uncertainties of the result, at that K */

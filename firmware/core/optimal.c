@@ -152,8 +152,10 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
     }
-    *curvature_rad = (float)(gain * dot(by_angle, beyond));
-    return small;
+    const double curvature = gain * dot(by_angle, beyond);
+    const bool fits = is_small(curvature); /* else a float may not hold it */
+    *curvature_rad = fits ? (float)curvature : 0.0F;
+    return small && fits;
 }
 
 /* What the means of one position add to the unknowns; `column`: its first one in the record. */

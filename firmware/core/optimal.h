@@ -39,7 +39,7 @@ static_assert(sizeof(tumble_optimal_t) <= 208, "a navigation computer with the e
  * Returns TUMBLE_OK, _ARGUMENT (null), _NOT_FINITE (a measured mean that is not a number or beyond TUMBLE_MAX_MEAN_V, or a
  * result that is not finite), _GAIN_TABLE (the record has another number of fit positions or mountings than the schedule),
  * _MISSING_POSITION (a fit position was not measured), _STAND_ERROR (an error of the stand, or of one table angle with
- * alpha2, comes out beyond TUMBLE_MAX_STAND_ERROR_RAD: wrong record, mounting or means). */
+ * alpha2, or its curvature, comes out beyond TUMBLE_MAX_STAND_ERROR_RAD: wrong record, mounting or means). */
 tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, const tumble_schedule_t *schedule,
                                         const tumble_means_t *means, tumble_coefficients_t *coefficients,
                                         tumble_optimal_t *optimal);

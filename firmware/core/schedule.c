@@ -9,6 +9,7 @@
 #define MAX_ANGLE_DEG 3600.0
 #define ANGLE_TOLERANCE 1e-12
 #define ROTATION_TOLERANCE 1e-9
+#define ALL_SLOTS (((uint32_t)1U << 18U) - 1U) /* 2 x 9 */
 
 /* Taylor's series to x^17 for the sine and x^18 for the cosine: below 1e-16 of error up to 45 degrees. */
 static void sine_cosine_of_small(double x, double *sine, double *cosine)
@@ -165,7 +166,7 @@ tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, cons
 
 static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b)
 {
-    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE) && (a->tilt.cosine > 0.0);
+    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE) && tumble_is_positive(a->tilt.cosine);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             same = same && tumble_within(a->matrix[i][j] - b->matrix[i][j], ROTATION_TOLERANCE);
@@ -174,21 +175,54 @@ static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b
     return same;
 }
 
-/* The first fit position in the paper's slot `paper`, measured if that is asked; position_count if there is none. */
-static uint8_t find_slot(const tumble_schedule_t *schedule, const bool *measured, uint8_t paper)
+/* Index of the paper's mounting that this one is, or the number of those. */
+static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 {
-    const double angle_deg = tumble_schedule_paper.positions[paper].angle.deg;
-    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(&tumble_schedule_paper, paper);
-    uint8_t p = 0;
-    for (; p < schedule->position_count; p++) {
+    uint8_t m = 0;
+    while ((m < tumble_schedule_paper.mounting_count) && !same_mounting(mounting, &tumble_schedule_paper.mountings[m])) {
+        m++;
+    }
+    return m;
+}
+
+/* l - 1 of the paper's position at this angle, or 9. */
+static uint8_t paper_position(const tumble_angle_t *angle)
+{
+    const int32_t nearest_deg = (int32_t)(angle->deg + 0.5);
+    const bool there = (nearest_deg >= 0) && (nearest_deg <= 360) && ((nearest_deg % 45) == 0) &&
+                       tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
+    return there ? (uint8_t)(nearest_deg / 45) : 9U;
+}
+
+/* The paper's slots, one bit each: those for which the schedule has a fit position, and those for which one counts. The
+ * first that counts goes into the map. */
+typedef struct {
+    uint32_t planned;
+    uint32_t filled;
+} slots_t;
+
+static slots_t fill_slots(const tumble_schedule_t *schedule, const bool *measured, tumble_harmonic_map_t *map)
+{
+    slots_t slots = {0, 0};
+    uint8_t m = 0;
+    const tumble_mounting_t *mounting = NULL;
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
         const tumble_position_t *position = &schedule->positions[p];
-        if ((position->use == TUMBLE_USE_FIT) && ((measured == NULL) || measured[p]) &&
-            tumble_within(position->angle.deg - angle_deg, ROTATION_TOLERANCE) &&
-            same_mounting(tumble_schedule_mounting_of(schedule, p), mounting)) {
-            break;
+        if ((mounting == NULL) || (mounting->number != position->mounting)) {
+            mounting = tumble_schedule_mounting_of(schedule, p);
+            m = paper_mounting(mounting);
+        }
+        const uint8_t l = paper_position(&position->angle);
+        if ((position->use == TUMBLE_USE_FIT) && (m < 2U) && (l < 9U)) {
+            const uint32_t slot = (uint32_t)1U << (((uint32_t)m * 9U) + (uint32_t)l);
+            slots.planned |= slot;
+            if (((slots.filled & slot) == 0U) && ((measured == NULL) || measured[p])) {
+                slots.filled |= slot;
+                map->index[m][l] = p;
+            }
         }
     }
-    return p;
+    return slots;
 }
 
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
@@ -197,23 +231,14 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
     if ((schedule == NULL) || (map == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    uint32_t empty = 0;
     tumble_harmonic_map_t found;
-    bool planned = true;
-    for (uint8_t slot = 0; slot < 18U; slot++) {
-        const uint8_t p = find_slot(schedule, measured, slot);
-        found.index[slot / 9U][slot % 9U] = p;
-        if (p == schedule->position_count) {
-            empty |= (uint32_t)1U << slot;
-            planned = planned && (find_slot(schedule, NULL, slot) != schedule->position_count);
-        }
-    }
+    const slots_t slots = fill_slots(schedule, measured, &found);
     if (missing != NULL) {
-        *missing = empty;
+        *missing = ALL_SLOTS & ~slots.filled;
     }
-    if (empty == 0U) {
+    if (slots.filled == ALL_SLOTS) {
         *map = found;
         return TUMBLE_OK;
     }
-    return planned ? TUMBLE_E_MISSING_POSITION : TUMBLE_E_NOT_HARMONIC;
+    return (slots.planned == ALL_SLOTS) ? TUMBLE_E_MISSING_POSITION : TUMBLE_E_NOT_HARMONIC;
 }

@@ -16,6 +16,7 @@
 #define SMALLEST_NOISE 1e-7     /* of a mean, relative to the largest element of K, so that all have weights */
 #define BISECTIONS 44
 #define LARGEST_ANGLE_SQUARE 1.0
+#define FREE (-1.0)             /* for a variance of set angles without bound */
 
 typedef struct {
     const tumble_schedule_t *schedule;
@@ -116,13 +117,18 @@ static void add_row(tumble_fit_work_t *work)
     work->residual_square += row[n] * row[n];
 }
 
+static void clear_row(tumble_fit_work_t *work)
+{
+    for (int j = 0; j <= work->unknowns; j++) {
+        work->row[j] = 0.0;
+    }
+}
+
 /* The row of outputs combined by `mix`, times `weight`. */
 static void make_row(tumble_fit_work_t *work, const place_t *place, const double mix[TUMBLE_CHANNELS], double weight)
 {
     double *row = work->row;
-    for (int j = 0; j <= work->unknowns; j++) {
-        row[j] = 0.0;
-    }
+    clear_row(work);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double by = weight * mix[i];
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -136,25 +142,24 @@ static void make_row(tumble_fit_work_t *work, const place_t *place, const double
     }
 }
 
-/* Standard deviation of the smallest noise over that along the direction of the angle's error; 0: it is free. */
+/* Standard deviation of the smallest noise over that along the direction of the angle's error. */
 static double weight_along(const tumble_fit_work_t *work, const place_t *place)
 {
     const double along = work->angle_square * place->angle_length * place->angle_length;
-    return work->angle_is_free ? 0.0 : tumble_sqrt(work->smallest_v2 / (place->variance + along));
+    return tumble_sqrt(work->smallest_v2 / (place->variance + along));
 }
 
-/* Three whitened rows: the outputs less the part of them along the direction of the angle's error that its weight
- * takes. */
-static void add_place(tumble_fit_work_t *work, const place_t *place)
+/* Three whitened rows of rank two: the outputs less the part of them along the direction of the angle's error. */
+static void add_across(tumble_fit_work_t *work, const place_t *place)
 {
     const double across = tumble_sqrt(work->smallest_v2 / place->variance);
-    const double cut = across - weight_along(work, place);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         double mix[TUMBLE_CHANNELS];
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-            mix[j] = ((i == j) ? across : 0.0) - (cut * place->by_angle[i] * place->by_angle[j]);
+            mix[j] = ((i == j) ? 1.0 : 0.0) - (place->by_angle[i] * place->by_angle[j]);
         }
-        make_row(work, place, mix, 1.0);
+        make_row(work, place, mix, across);
+        work->row[ALPHA2(work)] = 0.0; /* it turns the table too; rounding would count for more than a small weight */
         add_row(work);
     }
 }
@@ -181,23 +186,37 @@ static bool size_up(const run_t *run, tumble_fit_work_t *work)
     return work->smallest_v2 > 0.0;
 }
 
-/* The triangle for one variance of set angles; returns the sum of squares of the whitened residuals. */
-static double factor(const run_t *run, tumble_fit_work_t *work, double angle_square, bool angle_is_free)
+/* The rows of all places, along or across the direction of the angle's error; returns by how much the sum of squares of
+ * the whitened residuals grows. */
+static double add_places(const run_t *run, tumble_fit_work_t *work, bool along)
 {
-    for (size_t i = 0; i < (sizeof work->r / sizeof work->r[0]); i++) {
-        work->r[i] = 0.0;
-    }
     work->residual_square = 0.0;
-    work->angle_square = angle_square;
-    work->angle_is_free = angle_is_free;
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
         if (tumble_normal_uses(run->schedule, run->means->measured, p)) {
             place_t place;
             look_at(run, work->scale_v, p, &place);
-            add_place(work, &place);
+            if (along) {
+                make_row(work, &place, place.by_angle, weight_along(work, &place));
+                add_row(work);
+            } else {
+                add_across(work, &place);
+            }
         }
     }
     return work->residual_square / work->smallest_v2;
+}
+
+/* The triangle for one variance of set angles; FREE: they take whatever lies along them. Returns by how much the sum of
+ * squares of the whitened residuals exceeds that for free angles: a sum of its own, for where the outputs fit badly the
+ * two are large and nearly equal. */
+static double factor(const run_t *run, tumble_fit_work_t *work, double angle_square)
+{
+    for (size_t i = 0; i < (sizeof work->r / sizeof work->r[0]); i++) {
+        work->r[i] = 0.0;
+    }
+    (void)add_places(run, work, false);
+    work->angle_square = angle_square;
+    return (angle_square < 0.0) ? 0.0 : add_places(run, work, true);
 }
 
 static int rank_of(tumble_fit_work_t *work)
@@ -233,18 +252,20 @@ static tumble_seen_t combine(tumble_fit_work_t *work)
     return seen.known ? seen : (tumble_seen_t){0};
 }
 
-/* alpha1, alpha2 and the yaws of the first two mountings and of all, by these factors. */
-static tumble_seen_t angle_of(tumble_fit_work_t *work, double alpha1, double alpha2, double first, double second,
-                              double all)
+/* The yaws that the data have a say in, as unknowns, in the schedule's order. Returns how many. */
+static uint8_t list_yaws(const run_t *run, uint8_t yaws[TUMBLE_MAX_MOUNTINGS])
 {
-    for (int j = 0; j <= work->unknowns; j++) {
-        work->row[j] = ((j >= ALPHA3) && (j < ALPHA2(work))) ? all : 0.0;
+    uint8_t count = 0;
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        bool seen = false;
+        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+            seen = seen || (tumble_normal_uses(run->schedule, run->means->measured, p) &&
+                            (run->schedule->positions[p].mounting == run->schedule->mountings[m].number));
+        }
+        yaws[count] = (uint8_t)(ALPHA3 + m);
+        count = (uint8_t)(count + (seen ? 1U : 0U));
     }
-    work->row[ALPHA1] = alpha1;
-    work->row[ALPHA2(work)] = alpha2;
-    work->row[ALPHA3] += first;
-    work->row[ALPHA3 + 1] += second;
-    return combine(work);
+    return count;
 }
 
 static bool is_valid(const run_t *run, const tumble_fit_work_t *work)
@@ -261,31 +282,39 @@ tumble_status_t tumble_seen_fit(const tumble_schedule_t *schedule, const tumble_
     if (!is_valid(&run, work) || (angles == NULL) || !size_up(&run, work)) {
         return TUMBLE_E_ARGUMENT;
     }
-    (void)factor(&run, work, errors->angle_rad * errors->angle_rad, false);
-    const bool two = schedule->mounting_count > 1U;
-    angles->alpha1 = angle_of(work, 1.0, 0.0, 0.0, 0.0, 0.0);
-    angles->alpha2_plus_alpha3 = angle_of(work, 0.0, 1.0, 0.0, 0.0, 1.0 / (double)schedule->mounting_count);
-    angles->alpha3_difference = two ? angle_of(work, 0.0, 0.0, 1.0, -1.0, 0.0) : (tumble_seen_t){0};
+    (void)factor(&run, work, errors->angle_rad * errors->angle_rad);
+    uint8_t yaws[TUMBLE_MAX_MOUNTINGS];
+    const uint8_t count = list_yaws(&run, yaws);
+    clear_row(work);
+    work->row[ALPHA1] = 1.0;
+    angles->alpha1 = combine(work);
+    clear_row(work);
+    work->row[ALPHA2(work)] = 1.0;
+    for (uint8_t i = 0; i < count; i++) {
+        work->row[yaws[i]] = 1.0 / (double)count;
+    }
+    angles->alpha2_plus_alpha3 = combine(work);
+    angles->alpha3_difference = (tumble_seen_t){0};
+    if (count > 1U) {
+        clear_row(work);
+        work->row[yaws[0]] = 1.0;
+        work->row[yaws[1]] = -1.0;
+        angles->alpha3_difference = combine(work);
+    }
     return TUMBLE_OK;
 }
 
-/* The residuals that errors of set angles move: with the angles free they are gone, and what went is theirs. */
-typedef struct {
-    double free_chi_squared;
-    int freedom;
-} angle_part_t;
-
-static angle_part_t angle_part(const run_t *run, tumble_fit_work_t *work)
+/* How many independent residuals errors of set angles move: with the angles free they are gone. */
+static int angle_freedom(const run_t *run, tumble_fit_work_t *work)
 {
-    angle_part_t part;
-    (void)factor(run, work, 0.0, false);
-    part.freedom = -rank_of(work);
-    part.free_chi_squared = factor(run, work, 0.0, true);
-    part.freedom += rank_of(work);
+    (void)factor(run, work, 0.0);
+    int freedom = -rank_of(work);
+    (void)factor(run, work, FREE);
+    freedom += rank_of(work);
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        part.freedom += tumble_normal_uses(run->schedule, run->means->measured, p) ? 1 : 0;
+        freedom += tumble_normal_uses(run->schedule, run->means->measured, p) ? 1 : 0;
     }
-    return part;
+    return (freedom > 0) ? freedom : 0;
 }
 
 /* How fast the expected sum of squares falls with the variance of set angles: the trace of d d^T with the inverse of
@@ -308,21 +337,20 @@ static double slope_of(const run_t *run, tumble_fit_work_t *work)
 }
 
 /* The variance of set angles at which the sum of squares is what it should be; 0 where there is no excess. */
-static double solve_angle_square(const run_t *run, tumble_fit_work_t *work, const angle_part_t *part)
+static double solve_angle_square(const run_t *run, tumble_fit_work_t *work, double wanted)
 {
-    const double wanted = part->free_chi_squared + (double)part->freedom;
     double low = 0.0;
     double high = work->smallest_v2;
-    if (factor(run, work, 0.0, false) <= wanted) {
+    if (factor(run, work, 0.0) <= wanted) {
         return 0.0;
     }
-    while ((high < LARGEST_ANGLE_SQUARE) && (factor(run, work, high, false) > wanted)) {
+    while ((high < LARGEST_ANGLE_SQUARE) && (factor(run, work, high) > wanted)) {
         low = high;
         high *= 4.0;
     }
     for (int i = 0; i < BISECTIONS; i++) {
         const double middle = 0.5 * (low + high);
-        if (factor(run, work, middle, false) > wanted) {
+        if (factor(run, work, middle) > wanted) {
             low = middle;
         } else {
             high = middle;
@@ -342,12 +370,12 @@ tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *schedule, const
     }
     *alpha4 = (tumble_seen_t){0};
     *freedom = 0.0;
-    const angle_part_t part = angle_part(&run, work);
-    const double square = (part.freedom > 0) ? solve_angle_square(&run, work, &part) : 0.0;
+    const double moved = (double)angle_freedom(&run, work);
+    const double square = (moved > 0.0) ? solve_angle_square(&run, work, moved) : 0.0;
     if (square > 0.0) {
-        (void)factor(&run, work, square, false);
+        (void)factor(&run, work, square);
         const double signal = square * slope_of(&run, work);
-        *freedom = (signal * signal) / (double)part.freedom;
+        *freedom = (signal * signal) / moved;
         alpha4->known = true;
         alpha4->value = tumble_sqrt(square);
         alpha4->u = alpha4->value / tumble_sqrt(2.0 * *freedom);
@@ -364,8 +392,7 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
     if (!is_valid(&run, work) || (chi_squared == NULL) || (freedom == NULL) || !size_up(&run, work)) {
         return TUMBLE_E_ARGUMENT;
     }
-    const angle_part_t part = angle_part(&run, work);
-    *freedom = (uint8_t)part.freedom;
-    *chi_squared = factor(&run, work, errors->angle_rad * errors->angle_rad, false) - part.free_chi_squared;
+    *freedom = (uint8_t)angle_freedom(&run, work);
+    *chi_squared = factor(&run, work, errors->angle_rad * errors->angle_rad);
     return TUMBLE_OK;
 }

@@ -33,8 +33,8 @@ typedef struct {
 typedef struct {
     tumble_seen_t alpha1;             /* the axis is not level */
     tumble_seen_t alpha2_plus_alpha3; /* zero of the table angle, and mean yaw of all mountings */
-    tumble_seen_t alpha3_difference;  /* yaw in the schedule's first mounting less that in its second */
-} tumble_seen_angles_t;
+    tumble_seen_t alpha3_difference;  /* yaw in the first mounting less that in the second */
+} tumble_seen_angles_t;             /* mountings: those with measured fit positions, in the schedule's order */
 
 /* The random errors that the uncertainties come from. */
 typedef struct {
@@ -53,7 +53,6 @@ typedef struct {
     double scale_v;     /* largest element of K */
     double smallest_v2; /* noise variance that weights are relative to, in units of scale_v */
     double angle_square;
-    bool angle_is_free;
     uint8_t unknowns;
 } tumble_fit_work_t;
 

@@ -35,7 +35,7 @@ static bool counter_outlasts_silence(const tumble_navcomp_config_t *config)
 static bool is_usable(const tumble_navcomp_config_t *config)
 {
     return (config != NULL) && (config->port != NULL) && (config->procedure != NULL) &&
-           ((config->drive == NULL) || is_node(config->drive_node)) &&
+           ((config->drive == NULL) ? (config->by_hand != NULL) : is_node(config->drive_node)) &&
            ((config->source != NULL) || (is_node(config->block_node) && counter_outlasts_silence(config))) &&
            nodes_are_distinct(config) && (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
 }
@@ -67,8 +67,8 @@ static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
                                       config->drive_node);
         navcomp->stand = tumble_drive402_stand(&navcomp->axis.drive);
     } else {
-        status = tumble_operator_init(&navcomp->axis.person, config->person);
-        navcomp->stand = tumble_operator_stand(&navcomp->axis.person);
+        status = config->by_hand->init(&navcomp->axis.person, config->person);
+        navcomp->stand = config->by_hand->stand(&navcomp->axis.person);
     }
     return status;
 }
@@ -152,7 +152,7 @@ static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
     if (tumble_has_drive(navcomp)) {
         tumble_drive402_step(&navcomp->axis.drive, now_us);
     } else {
-        tumble_operator_step(&navcomp->axis.person, now_us);
+        navcomp->config->by_hand->step(&navcomp->axis.person, now_us);
     }
     tumble_procedure_step(&navcomp->procedure, now_us);
     show_state(navcomp);
@@ -197,6 +197,7 @@ static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *fram
         return;
     }
     navcomp->woken = true;
+    navcomp->node.server.held = tumble_run_is_on(navcomp);
     if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
         tumble_count(&navcomp->events.frames_ignored);
         return;
@@ -288,7 +289,7 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
     due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
     due_us = earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
     due_us = earlier(due_us, tumble_has_drive(navcomp) ? tumble_drive402_next_us(&navcomp->axis.drive)
-                                                       : tumble_operator_next_us(&navcomp->axis.person));
+                                                       : navcomp->config->by_hand->next_us(&navcomp->axis.person));
     if (block_waits(navcomp)) {
         due_us = earlier(due_us, navcomp->block_start_us);
     }

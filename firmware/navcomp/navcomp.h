@@ -45,9 +45,11 @@ typedef struct {
     const tumble_port_t *port;
     const tumble_procedure_config_t *procedure; /* copied by init: some of its numbers can be written over CAN */
     const tumble_drive_profile_t *drive;        /* null: an operator turns a dividing head and confirms */
-    const tumble_operator_config_t *person;     /* with `drive` null; else may be null */
+    const tumble_operator_calls_t *by_hand;     /* with `drive` null: &tumble_operator_calls; else may be null */
+    const tumble_operator_config_t *person;     /* likewise: tolerance and time */
     const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
     const tumble_navcomp_hooks_t *hooks;        /* may be null */
+    const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: states no uncertainties */
     uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
                                     * heartbeat of ours together (block_frames.h); ignored with a source of one's own */
     uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */

@@ -31,6 +31,13 @@ static inline tumble_state_t tumble_run_state(const tumble_navcomp_t *navcomp)
     return tumble_procedure_state(&navcomp->procedure);
 }
 
+/* A run is on, or could go on: nobody else's hand on what it goes by. */
+static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
+{
+    const tumble_state_t state = tumble_run_state(navcomp);
+    return (state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT);
+}
+
 /* The block streams, or is none of our business. Tell the procedure. */
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp);
 

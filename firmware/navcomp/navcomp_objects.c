@@ -129,8 +129,7 @@ static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
 static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, uint8_t subindex, const uint8_t *bytes)
 {
     tumble_procedure_config_t *config = &navcomp->procedure_config;
-    const tumble_state_t state = tumble_run_state(navcomp);
-    if ((state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT)) {
+    if (tumble_run_is_on(navcomp)) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
     switch (subindex) {

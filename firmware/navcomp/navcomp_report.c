@@ -7,8 +7,9 @@
 static tumble_status_t confirm_angle_as_asked(tumble_navcomp_t *navcomp)
 {
     double angle_deg = 0.0;
-    return tumble_navcomp_request(navcomp, &angle_deg) ? tumble_operator_confirm(&navcomp->axis.person, angle_deg)
-                                                       : TUMBLE_E_STATE;
+    return tumble_navcomp_request(navcomp, &angle_deg)
+               ? navcomp->config->by_hand->confirm(&navcomp->axis.person, angle_deg)
+               : TUMBLE_E_STATE;
 }
 
 /* A stand that is not in FAULT, or cannot leave it now, says so in its own words. */
@@ -73,15 +74,16 @@ tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command
 
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg)
 {
-    const bool possible = !tumble_has_drive(navcomp);
-    return account(navcomp, possible ? tumble_operator_confirm(&navcomp->axis.person, angle_deg) : TUMBLE_E_STATE);
+    const tumble_operator_calls_t *by_hand = navcomp->config->by_hand;
+    return account(navcomp, tumble_has_drive(navcomp) ? TUMBLE_E_STATE
+                                                      : by_hand->confirm(&navcomp->axis.person, angle_deg));
 }
 
 /* The readable side. */
 
 bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg)
 {
-    return !tumble_has_drive(navcomp) && tumble_operator_request(&navcomp->axis.person, angle_deg);
+    return !tumble_has_drive(navcomp) && navcomp->config->by_hand->request(&navcomp->axis.person, angle_deg);
 }
 
 void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress)

@@ -10,7 +10,7 @@ tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_driv
                                      tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node)
 {
     if ((drive == NULL) || (node == NULL) || (mirror == NULL) || (drive_node == 0U) || (drive_node > MAX_NODE) ||
-        (tumble_drive402_validate(profile) != TUMBLE_OK)) {
+        (tumble_drive402_validate(profile, node->config->node) != TUMBLE_OK)) {
         return TUMBLE_E_ARGUMENT;
     }
     *drive = (tumble_drive402_t){
@@ -20,7 +20,8 @@ tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_driv
         .drive_node = drive_node,
         .wanted = (uint8_t)PHASE_IDLE,
     };
-    *mirror = (tumble_drive_mirror_t){.mode = TUMBLE_402_MODE_PROFILE_POSITION};
+    *mirror = (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP,
+                                      .mode = TUMBLE_402_MODE_PROFILE_POSITION};
     return tumble_drive_map_own(drive) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
@@ -56,6 +57,9 @@ static void lost(tumble_drive402_t *drive)
 
 void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
 {
+    if ((event != TUMBLE_HEARTBEAT_LOST) && (state != TUMBLE_NMT_OPERATIONAL)) {
+        drive->homed = false; /* it may have booted, and the message been lost */
+    }
     const bool leads = (drive->phase >= (uint8_t)PHASE_POWER) && (drive->phase != (uint8_t)PHASE_FAULT);
     if (event == TUMBLE_HEARTBEAT_BOOTED) {
         booted(drive);
@@ -65,6 +69,10 @@ void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_
         drive->present = true;
         if (drive->phase == (uint8_t)PHASE_ABSENT) {
             configure(drive);
+        } else if (drive->phase == (uint8_t)PHASE_FAULT) {
+            tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP); /* it may not have heard the first */
+        } else {
+            /* it was not missed */
         }
     } else if ((event == TUMBLE_HEARTBEAT_CHANGED) && leads && (state != TUMBLE_NMT_OPERATIONAL)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL); /* somebody else has taken it out of operation */

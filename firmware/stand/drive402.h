@@ -13,10 +13,11 @@
  * it is busy here. The node's dictionary holds the drive's objects in 2040h: controlword, target, mode, statusword,
  * actual position, mode display, velocity, error code, as subindices 1 to 8, at home in the mirror.
  *
- * The life of a drive: absent; heartbeat heard: configure, start, power up: READY. Not homed after power-on: moves
- * are refused until homing. Losing its heartbeat, its power or its configuration is a fault until clear_fault, which
- * does it all again and resets a fault of the drive's own. A drive that has booted or was switched off must be homed
- * again.
+ * The life of a drive: absent; heartbeat heard: configure, start, power up: READY. One that is found under power is
+ * stopped first, and powered up by the next home or move. Not homed after power-on: moves are refused until homing.
+ * Losing its heartbeat, its power or its configuration is a fault until clear_fault, which does it all again and resets
+ * a fault of the drive's own. A drive that has booted, was switched off, or was seen in another NMT state than
+ * Operational must be homed again.
  */
 #ifndef TUMBLE_STAND_DRIVE402_H
 #define TUMBLE_STAND_DRIVE402_H
@@ -73,7 +74,8 @@ typedef struct {
 
     /* The bus. The drive's receive PDOs, one or two, must carry 6040h and 607Ah, and may carry 6060h; its transmit
      * PDOs, one or two, must carry 6041h and 6064h, and may carry what else they like (8, 16 or 32 bits each). Give
-     * the one with 6041h an event timer. 607Ah is read back by SDO before every set-point. */
+     * the one with 6041h an event timer. Their identifiers are all different, within 181h to 57Fh, where CiA 301 has
+     * nothing but PDOs, and not 180h + our node. 607Ah is read back by SDO before every set-point. */
     const tumble_drive_pdo_t *receive;
     const tumble_drive_pdo_t *transmit;
     uint8_t receive_count;
@@ -127,8 +129,8 @@ typedef struct {
     tumble_drive_refusal_t refusal;
 } tumble_drive402_t;
 
-/* Is a profile usable? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
-tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile);
+/* Is a profile usable on the bus of our node? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, uint8_t node);
 
 /* Get ready, absent. `node` must be initialised and watch `drive_node` (1016h); `mirror` is the memory of its
  * objects for the drive. Sets up the node's own PDOs. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT (null, profile, node

@@ -4,7 +4,8 @@
  *     drive402_phases.c   the table of phases: what each does, how long it may last, what it is for the stand
  *     drive402_start.c    what the phases do up to Operation enabled
  *     drive402_motion.c   what they do from there: homing, moving, stopping
- *     drive402_profile.c  the profile: is it usable, what to write into the drive, our own PDOs, units
+ *     drive402_profile.c  the profile: is it usable, what to write into the drive, our own PDOs
+ *     drive402_units.c    angles and counts
  */
 #ifndef TUMBLE_STAND_DRIVE402_INTERNAL_H
 #define TUMBLE_STAND_DRIVE402_INTERNAL_H
@@ -98,10 +99,14 @@ void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_stopping(tumble_drive402_t *drive);
 void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_fault(tumble_drive402_t *drive);
+void tumble_drive_look_fault(tumble_drive402_t *drive, bool fresh);
 
 /* The state of the power state machine in the last statusword, one of TUMBLE_402_STATE_... */
 uint16_t tumble_drive_power_state(const tumble_drive402_t *drive);
 bool tumble_drive_is_faulty(const tumble_drive402_t *drive);
+
+/* Is the axis under power, so that it moves or brakes, or may? */
+bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 
 /* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
  * step. */

@@ -45,6 +45,8 @@ void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
     tumble_drive_look_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION, PHASE_IDLE);
     if (drive->phase == (uint8_t)PHASE_IDLE) {
         drive->homed = true;
+        /* A drive that wraps and stands a count below zero is not a whole circle above it. */
+        drive->actual_counts = tumble_drive_unwrapped(drive->profile, (int32_t)drive->actual_counts, 0);
         drive->arrived = true;
         drive->at_goal = false;
     }
@@ -141,41 +143,62 @@ void tumble_drive_look_moving(tumble_drive402_t *drive, bool fresh)
 
 /* Stopping. */
 
-void tumble_drive_enter_stopping(tumble_drive402_t *drive)
+static bool stops_by_halt(const tumble_drive402_t *drive)
 {
-    const bool by_halt = (drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT);
-    tumble_drive_leave_sdo(drive);
-    drive->arrived = false;
-    drive->still = 0;
-    tumble_drive_control(drive, by_halt ? (TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_HALT)
-                                        : TUMBLE_402_CONTROL_QUICK_STOP);
+    return drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT;
 }
 
-/* At rest: the drive says so, or has let go of the axis, or the position has not changed over some reports. */
+static void tell_to_stop(tumble_drive402_t *drive)
+{
+    tumble_drive_control(drive, stops_by_halt(drive) ? (TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_HALT)
+                                                     : TUMBLE_402_CONTROL_QUICK_STOP);
+}
+
+/* Whoever comes here is up: a fault from now on is not reset unasked. */
+void tumble_drive_enter_stopping(tumble_drive402_t *drive)
+{
+    tumble_drive_leave_sdo(drive);
+    drive->arrived = false;
+    drive->may_reset = false;
+    drive->still = 0;
+    tell_to_stop(drive);
+}
+
+/* At rest: the drive says so, or has let go of the axis, or the position has not changed over some reports. Until then
+ * it is told again at every report: process data are not acknowledged. */
 void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh)
 {
     if (tumble_drive_is_blocked(drive) || !fresh) {
         return;
     }
-    const uint16_t state = tumble_drive_power_state(drive);
-    const bool by_halt = (drive->profile->stop == (uint8_t)TUMBLE_STOP_BY_HALT);
+    const bool enabled = (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED);
+    const bool rests =
+        tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || (drive->still >= STILL_REPORTS);
     if (tumble_drive_is_faulty(drive)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_DRIVE);
-    } else if ((state == TUMBLE_402_STATE_OPERATION_ENABLED) && !by_halt) {
+    } else if (enabled && !stops_by_halt(drive)) {
         drive->still = 0; /* it has not begun */
-    } else if ((state == TUMBLE_402_STATE_OPERATION_ENABLED) || (state == TUMBLE_402_STATE_QUICK_STOP_ACTIVE)) {
-        if (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || (drive->still >= STILL_REPORTS)) {
-            tumble_drive_go(drive, PHASE_STOPPED);
-        }
-    } else {
+        tell_to_stop(drive);
+    } else if (rests || !tumble_drive_may_turn(drive)) {
         tumble_drive_go(drive, PHASE_STOPPED);
+    } else if (enabled) {
+        tell_to_stop(drive);
+    } else {
+        /* it brakes */
     }
 }
 
-/* Whatever the drive still does, it is told to stop; a silent one may hear us. */
+/* Whatever the drive still does, it is told to stop, and again while it has not begun; a silent one may hear us. */
 void tumble_drive_enter_fault(tumble_drive402_t *drive)
 {
     tumble_drive_leave_sdo(drive);
     drive->arrived = false;
     tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
+}
+
+void tumble_drive_look_fault(tumble_drive402_t *drive, bool fresh)
+{
+    if (fresh && (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED)) {
+        tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
+    }
 }

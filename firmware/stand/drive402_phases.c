@@ -29,6 +29,12 @@ bool tumble_drive_is_faulty(const tumble_drive402_t *drive)
     return (state == TUMBLE_402_STATE_FAULT) || (state == TUMBLE_402_STATE_FAULT_REACTION);
 }
 
+bool tumble_drive_may_turn(const tumble_drive402_t *drive)
+{
+    const uint16_t state = tumble_drive_power_state(drive);
+    return (state == TUMBLE_402_STATE_OPERATION_ENABLED) || (state == TUMBLE_402_STATE_QUICK_STOP_ACTIVE);
+}
+
 bool tumble_drive_is_sent(const tumble_drive402_t *drive)
 {
     bool sent = true;
@@ -121,6 +127,6 @@ const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
     [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   true,  true},
     [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  FOR(stop),      OR(PROTOCOL), IS(MOVING),   false, false},
     [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  false, false},
-    [PHASE_FAULT]     = {ENTER(fault),     NULL,            0,              0,            IS(FAULT),    false, false},
+    [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    false, false},
 };
 /* clang-format on */

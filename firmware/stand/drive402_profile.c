@@ -5,9 +5,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#define TURN_DEG 360.0
-#define MAX_WRAPPING_COUNTS 4503599627370496.0 /* 2^52: exact as a double, and far from the end of an int64 */
-
 /* Objects of the bus that are written here. */
 #define CONSUMER_HEARTBEAT 0x1016U
 #define PRODUCER_HEARTBEAT 0x1017U
@@ -15,66 +12,10 @@
 #define TRANSMIT_COMMUNICATION 0x1800U
 #define MAPPING_AWAY 0x200U /* from there to 1600h, 1A00h */
 
-/* Units. */
-
-static int64_t rounded(double x)
-{
-    return (int64_t)((x < 0.0) ? (x - 0.5) : (x + 0.5));
-}
-
-bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts)
-{
-    const double exact = (double)profile->sign * angle_deg * profile->counts_per_revolution / TURN_DEG;
-    if (!tumble_within(exact, (profile->wrap_counts == 0U) ? (double)INT32_MAX : MAX_WRAPPING_COUNTS)) {
-        return false;
-    }
-    *counts = rounded(exact);
-    return true;
-}
-
-double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts)
-{
-    return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;
-}
-
-/* What is left of `counts`, with its sign, after whole circles. The quotient of doubles, exact below 2^53, is at most one
- * off, and it saves the library's division of 64 bits. */
-static int64_t rest_of(int64_t counts, int64_t wrap)
-{
-    const int64_t circles = (int64_t)((double)counts / (double)wrap);
-    const int64_t rest = counts - (circles * wrap);
-    if ((counts >= 0) && (rest < 0)) {
-        return rest + wrap;
-    }
-    return ((counts < 0) && (rest > 0)) ? (rest - wrap) : rest;
-}
-
-int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts)
-{
-    const int64_t wrap = (int64_t)profile->wrap_counts;
-    if (wrap == 0) {
-        return (int32_t)counts;
-    }
-    const int64_t rest = rest_of(counts, wrap);
-    return (int32_t)((rest < 0) ? (rest + wrap) : rest);
-}
-
-int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t raw, int64_t before)
-{
-    const int64_t wrap = (int64_t)profile->wrap_counts;
-    if (wrap == 0) {
-        return raw;
-    }
-    int64_t change = rest_of((int64_t)raw - before, wrap);
-    if (change > (wrap / 2)) {
-        change -= wrap;
-    } else if (change < -(wrap / 2)) {
-        change += wrap;
-    } else {
-        /* the shorter way already */
-    }
-    return before + change;
-}
+/* Identifiers. */
+#define FIRST_ID 0x181U
+#define LAST_ID 0x57FU
+#define OWN_PDO_ID 0x180U /* and the node: where the navigation computer shows its state */
 
 /* What is written: further objects, these, then the PDOs. */
 
@@ -145,7 +86,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
     case VALUE_CONSUMER:
         return (word != 0U) ? (((uint32_t)drive->node->config->node << 16) | word) : 0U;
     default:
-        return (uint32_t)rounded(units_of(drive->profile, row));
+        return (uint32_t)(units_of(drive->profile, row) + 0.5);
     }
 }
 
@@ -227,6 +168,17 @@ static void write_pdo(const tumble_drive_pdo_t *pdo, bool transmit, uint8_t step
     }
 }
 
+/* The drive's receive PDOs, then its transmit PDOs. */
+static const tumble_drive_pdo_t *pdo_at(const tumble_drive_profile_t *profile, unsigned at)
+{
+    return (at < profile->receive_count) ? &profile->receive[at] : &profile->transmit[at - profile->receive_count];
+}
+
+static unsigned pdo_count_of(const tumble_drive_profile_t *profile)
+{
+    return (unsigned)profile->receive_count + profile->transmit_count;
+}
+
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write)
 {
     const tumble_drive_profile_t *profile = drive->profile;
@@ -243,11 +195,10 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
     at -= (unsigned)OBJECT_COUNT;
     const unsigned pdo = at / PDO_STEPS;
     const bool transmit = (pdo >= profile->receive_count);
-    if (pdo >= ((unsigned)profile->receive_count + profile->transmit_count)) {
+    if (pdo >= pdo_count_of(profile)) {
         return false;
     }
-    write_pdo(transmit ? &profile->transmit[pdo - profile->receive_count] : &profile->receive[pdo], transmit,
-              (uint8_t)(at % PDO_STEPS), write);
+    write_pdo(pdo_at(profile, pdo), transmit, (uint8_t)(at % PDO_STEPS), write);
     return true;
 }
 
@@ -362,6 +313,20 @@ static bool counts_are_valid(const tumble_drive_pdo_t *pdos, uint8_t pdo_count)
     return valid;
 }
 
+/* None is wanted twice, nor our own, nor that of another service: from FIRST_ID to LAST_ID there are PDOs alone. */
+static bool identifiers_are_valid(const tumble_drive_profile_t *profile, uint8_t node)
+{
+    bool valid = true;
+    for (unsigned i = 0; i < pdo_count_of(profile); i++) {
+        const uint32_t id = pdo_at(profile, i)->setup.cob_id & ~TUMBLE_PDO_NO_RTR;
+        valid = valid && (id >= FIRST_ID) && (id <= LAST_ID) && (id != (OWN_PDO_ID + node));
+        for (unsigned before = 0; before < i; before++) {
+            valid = valid && (id != (pdo_at(profile, before)->setup.cob_id & ~TUMBLE_PDO_NO_RTR));
+        }
+    }
+    return valid;
+}
+
 static bool pdos_are_valid(const tumble_drive_profile_t *profile)
 {
     return counts_are_valid(profile->receive, profile->receive_count) &&
@@ -374,8 +339,8 @@ static bool pdos_are_valid(const tumble_drive_profile_t *profile)
 
 static bool writes_are_valid(const tumble_drive_profile_t *profile)
 {
-    const unsigned steps = (unsigned)profile->write_count + (unsigned)OBJECT_COUNT +
-                           (((unsigned)profile->receive_count + profile->transmit_count) * PDO_STEPS);
+    const unsigned steps =
+        (unsigned)profile->write_count + (unsigned)OBJECT_COUNT + (pdo_count_of(profile) * PDO_STEPS);
     bool valid = ((profile->write_count == 0U) || (profile->writes != NULL)) && (steps < UINT8_MAX);
     for (uint8_t i = 0; valid && (i < profile->write_count); i++) {
         const uint8_t size = profile->writes[i].size;
@@ -384,9 +349,9 @@ static bool writes_are_valid(const tumble_drive_profile_t *profile)
     return valid;
 }
 
-tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile)
+tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, uint8_t node)
 {
     const bool valid = (profile != NULL) && numbers_are_valid(profile) && quantities_are_valid(profile) &&
-                       pdos_are_valid(profile) && writes_are_valid(profile);
+                       pdos_are_valid(profile) && identifiers_are_valid(profile, node) && writes_are_valid(profile);
     return valid ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }

@@ -95,6 +95,8 @@ static void control_once(tumble_drive402_t *drive, unsigned word)
     }
 }
 
+/* A drive that is under power already was left by a computer that has restarted, or by a cable: without power it would
+ * coast, so it stops first. */
 void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh)
 {
     if (drive->asked != ASKED_START) {
@@ -102,13 +104,13 @@ void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh)
         drive->asked = taken ? ASKED_START : ASKED_NOTHING;
     } else if (fresh) {
         drive->asked = ASKED_NOTHING;
-        tumble_drive_go(drive, PHASE_POWER);
+        tumble_drive_go(drive, tumble_drive_may_turn(drive) ? PHASE_STOPPING : PHASE_POWER);
     } else {
         /* its first process data are on their way */
     }
 }
 
-/* From the bottom, whatever the drive was doing: so no old set-point and no old Halt survives. */
+/* From the bottom, the axis being at rest: so no old set-point and no old Halt survives. */
 void tumble_drive_enter_power(tumble_drive402_t *drive)
 {
     tumble_drive_control(drive, TUMBLE_402_CONTROL_DISABLE_VOLTAGE);

@@ -157,3 +157,12 @@ tumble_stand_t tumble_operator_stand(tumble_operator_t *person)
         .angle_deg = angle,
     };
 }
+
+const tumble_operator_calls_t tumble_operator_calls = {
+    .init = tumble_operator_init,
+    .step = tumble_operator_step,
+    .next_us = tumble_operator_next_us,
+    .request = tumble_operator_request,
+    .confirm = tumble_operator_confirm,
+    .stand = tumble_operator_stand,
+};

@@ -47,4 +47,16 @@ tumble_status_t tumble_operator_confirm(tumble_operator_t *person, double angle_
 /* The person as a stand. The table holds the object's address. */
 tumble_stand_t tumble_operator_stand(tumble_operator_t *person);
 
+/* All of this as a table: a computer that is built for a drive alone does not name it, and so links nothing of it. */
+typedef struct {
+    tumble_status_t (*init)(tumble_operator_t *person, const tumble_operator_config_t *config);
+    void (*step)(tumble_operator_t *person, uint64_t now_us);
+    uint64_t (*next_us)(const tumble_operator_t *person);
+    bool (*request)(const tumble_operator_t *person, double *angle_deg);
+    tumble_status_t (*confirm)(tumble_operator_t *person, double angle_deg);
+    tumble_stand_t (*stand)(tumble_operator_t *person);
+} tumble_operator_calls_t;
+
+extern const tumble_operator_calls_t tumble_operator_calls;
+
 #endif

@@ -42,17 +42,42 @@ static double error_deg(const sim_axis_t *axis, double commanded_deg)
     return axis->from_error_deg + share * (axis->to_error_deg - axis->from_error_deg);
 }
 
-static void note_extent(sim_axis_t *axis)
+static void widen_extent(sim_axis_t *axis, double deg)
 {
-    const double end = axis->motion.end_position;
-    axis->lowest_deg = (end < axis->lowest_deg) ? end : axis->lowest_deg;
-    axis->highest_deg = (end > axis->highest_deg) ? end : axis->highest_deg;
+    axis->lowest_deg = (deg < axis->lowest_deg) ? deg : axis->lowest_deg;
+    axis->highest_deg = (deg > axis->highest_deg) ? deg : axis->highest_deg;
+}
+
+/* A motion turns back only where one of its pieces begins. */
+static void note_extent(sim_axis_t *axis, uint64_t now_us)
+{
+    if (axis->jammed) {
+        return; /* noted when the jam began */
+    }
+    const double elapsed_s = seconds(axis->start_us, now_us);
+    const double jammed_s = (axis->free_us > axis->start_us) ? seconds(axis->start_us, axis->free_us) : 0.0;
+    for (uint32_t i = 0; i < axis->motion.count && axis->motion.pieces[i].start_s <= elapsed_s; i++) {
+        if (axis->motion.pieces[i].start_s >= jammed_s) {
+            widen_extent(axis, axis->motion.pieces[i].position);
+        }
+    }
+    double velocity;
+    widen_extent(axis, sim_axis_commanded_deg(axis, now_us, &velocity));
+}
+
+void sim_axis_extent(const sim_axis_t *axis, uint64_t now_us, double *lowest_deg, double *highest_deg)
+{
+    sim_axis_t until_now = *axis;
+    note_extent(&until_now, now_us);
+    *lowest_deg = until_now.lowest_deg;
+    *highest_deg = until_now.highest_deg;
 }
 
 /* A new motion begins where the axis is now, with the error it has now. */
 static double begin_motion(sim_axis_t *axis, uint64_t now_us, double *velocity_deg_s)
 {
     const double position = sim_axis_commanded_deg(axis, now_us, velocity_deg_s);
+    note_extent(axis, now_us);
     axis->from_error_deg = error_deg(axis, position);
     axis->from_deg = position;
     axis->start_us = now_us;
@@ -78,7 +103,6 @@ void sim_axis_move(sim_axis_t *axis, uint64_t now_us, double target_deg, const s
     axis->error_rad = sim_angle_error_draw(axis->error, target_deg, 0.5 * axis->config->resolution_deg);
     axis->to_error_deg = axis->error_rad * SIM_DEG_PER_RAD;
     swing_at_end(axis);
-    note_extent(axis);
 }
 
 void sim_axis_stop(sim_axis_t *axis, uint64_t now_us, double deceleration_deg_s2)
@@ -91,7 +115,6 @@ void sim_axis_stop(sim_axis_t *axis, uint64_t now_us, double deceleration_deg_s2
     if (axis->motion.count > 0U) {
         swing_at_end(axis);
     }
-    note_extent(axis);
 }
 
 double sim_axis_error_rad(const sim_axis_t *axis)
@@ -167,8 +190,10 @@ void sim_axis_jam(sim_axis_t *axis, uint64_t now_us, bool jammed)
 {
     if (jammed && !axis->jammed) {
         double velocity;
+        note_extent(axis, now_us);
         axis->jammed_deg = sim_axis_commanded_deg(axis, now_us, &velocity);
     }
+    axis->free_us = (axis->jammed && !jammed) ? now_us : axis->free_us;
     axis->jammed = jammed;
 }
 

@@ -39,8 +39,9 @@ typedef struct {
     double encoder_slip_deg; /* of slip that the encoder sees */
     double jammed_deg;       /* where a jam holds the table */
     bool jammed;
+    uint64_t free_us; /* since when it is not jammed (any more) */
     bool swings;
-    double lowest_deg; /* how far the table has been told to turn, either way */
+    double lowest_deg; /* of the motions before the present one: see sim_axis_extent */
     double highest_deg;
 } sim_axis_t;
 
@@ -68,6 +69,10 @@ uint64_t sim_axis_quiet_us(const sim_axis_t *axis, double window_deg);
 double sim_axis_commanded_deg(const sim_axis_t *axis, uint64_t now_us, double *velocity_deg_s);
 double sim_axis_encoder_deg(const sim_axis_t *axis, uint64_t now_us);
 double sim_axis_actual_deg(const sim_axis_t *axis, uint64_t now_us);
+
+/* The lowest and the highest commanded angle that the table has passed or stood at so far: not where a motion would
+ * have led that was stopped or replaced on its way, nor what the motor did alone while the table was jammed. */
+void sim_axis_extent(const sim_axis_t *axis, uint64_t now_us, double *lowest_deg, double *highest_deg);
 
 /* The angle error (alpha4, rad) with which the axis stands, or will stand at the end of its motion. */
 double sim_axis_error_rad(const sim_axis_t *axis);

@@ -6,6 +6,7 @@
  *   - the statusword follows a command only after a reaction time, so "target reached" may still be the last one's;
  *   - a change of mode is refused while Halt is set;
  *   - silence of the master (1016h), or leaving the NMT state Operational, stops the axis and is a fault;
+ *   - when it is told to switch its voltage off while the axis moves, the axis coasts;
  *   - units, sign and counts per turn are its own; positions may wrap.
  *
  * drive.c is the node, drive_power.c the states, drive_motion.c the two modes, drive_fault.c what can go wrong.

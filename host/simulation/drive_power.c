@@ -3,6 +3,8 @@
 /* 605Ah */
 #define QUICK_STOP_BY_ITS_OWN_RAMP 2
 
+#define COAST_FACTOR 0.1 /* without voltage friction alone holds the axis: so much of what the motor can do */
+
 static double quick_deceleration(const sim_drive_t *drive)
 {
     const bool own = drive->objects.quick_stop_option_code == QUICK_STOP_BY_ITS_OWN_RAMP;
@@ -10,9 +12,23 @@ static double quick_deceleration(const sim_drive_t *drive)
                                   own ? drive->objects.quick_stop_deceleration : drive->objects.profile_deceleration);
 }
 
+static double deceleration_into(const sim_drive_t *drive, sim_power_t power)
+{
+    switch (power) {
+    case SIM_POWER_QUICK_STOP_ACTIVE:
+    case SIM_POWER_FAULT_REACTION:
+        return quick_deceleration(drive);
+    case SIM_POWER_SWITCH_ON_DISABLED:
+        return drive->config->acceleration_deg_s2 * COAST_FACTOR;
+    default:
+        return sim_drive_dynamics(drive).deceleration_deg_s2;
+    }
+}
+
 void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
 {
     const sim_power_t before = drive->power;
+    const bool brakes = before == SIM_POWER_QUICK_STOP_ACTIVE && drive->clock->now_us < sim_axis_end_us(&drive->axis);
     if (power == before) {
         return;
     }
@@ -22,9 +38,8 @@ void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
         drive->reached = true;
         drive->halted = false;
         drive->acknowledged = false;
-    } else if (before == SIM_POWER_OPERATION_ENABLED) {
-        const bool quick = power == SIM_POWER_QUICK_STOP_ACTIVE || power == SIM_POWER_FAULT_REACTION;
-        sim_drive_stop_axis(drive, quick ? quick_deceleration(drive) : sim_drive_dynamics(drive).deceleration_deg_s2);
+    } else if (before == SIM_POWER_OPERATION_ENABLED || brakes) {
+        sim_drive_stop_axis(drive, deceleration_into(drive, power));
     }
     if (before == SIM_POWER_FAULT && power == SIM_POWER_SWITCH_ON_DISABLED) {
         drive->objects.error_code = 0;

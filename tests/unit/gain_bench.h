@@ -98,7 +98,7 @@ static inline void seal(gain_bytes_t *record)
     put_word(record->bytes + record->size - 4U, crc32_by_division(record->bytes, record->size - 4U));
 }
 
-/* A record for this schedule, every number zero but for the noise, sealed. */
+/* A record for this schedule, every number zero but for the noise and a K that counts for nothing, sealed. */
 static inline void empty_gains(const tumble_schedule_t *schedule, unsigned yaws, gain_bytes_t *record)
 {
     const unsigned fit_positions = count_fit_positions(schedule);
@@ -111,6 +111,7 @@ static inline void empty_gains(const tumble_schedule_t *schedule, unsigned yaws,
     record->bytes[11] = schedule->mounting_count;
     record->bytes[12] = (uint8_t)yaws;
     put_word(record->bytes + 16, fingerprint_of(schedule));
+    set_number(record, AT_K, 1e-30);
     set_number(record, AT_NOISE, 1e-4);
     seal(record);
 }

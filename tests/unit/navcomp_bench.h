@@ -14,7 +14,9 @@
 #include <string.h>
 
 #define BENCH_SAMPLES 12U
+#ifndef BENCH_LOG
 #define BENCH_LOG 200000U
+#endif
 #define BENCH_COMMAND 0xFFFFU /* identifier of a log entry that is a command: its number and argument */
 
 typedef struct {

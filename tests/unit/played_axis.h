@@ -8,7 +8,7 @@
 #define MASTER_NODE 1U
 #define DRIVE_NODE 2U
 #define MAX_WRITES 96
-#define MAX_CONTROLS 256
+#define MAX_CONTROLS 2048
 #define SPEED_COUNTS_PER_MS 100
 
 /* The 402 states as their statusword has them. */
@@ -59,6 +59,7 @@ typedef struct {
     unsigned braking_ms;  /* left until it stands */
     unsigned nmt_starts;  /* commands to it */
     unsigned refusals;    /* of SDO requests */
+    bool coasted;         /* it lost its power while it moved */
 
     /* Habits. */
     int32_t wrap;               /* positions count modulo this, the shorter way is taken; 0: no */
@@ -80,6 +81,7 @@ typedef struct {
     unsigned brakes_for_ms;     /* in quick stop active or under Halt */
     bool hides_standstill;      /* no bit 10 after a stop */
     bool ignores_stop;
+    int32_t home;               /* where homing ends */
     bool event_only;            /* transmit PDOs on change only */
 } played_drive_t;
 
@@ -104,6 +106,7 @@ static inline void played_power(uint16_t before)
     if ((d->state == IS_FAULT) || (d->state == IS_FAULT_REACTION)) {
         d->state = (reset && !d->resets_nothing) ? IS_DISABLED : d->state;
     } else if ((command & 0x02U) == 0U) {
+        d->coasted = d->coasted || d->moving;
         played_stop(IS_DISABLED);
     } else if ((command & 0x06U) == 0x02U) {
         if ((d->state == IS_ENABLED) && !d->ignores_stop) {
@@ -188,7 +191,7 @@ static inline void played_home(void)
         return;
     }
     d->homing = false;
-    d->actual = d->homing_fails ? d->actual : 0;
+    d->actual = d->homing_fails ? d->actual : d->home;
     d->bits = d->homing_fails ? 0x2400 : 0x1400;
     played_transmit();
 }

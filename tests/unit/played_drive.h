@@ -163,10 +163,11 @@ static inline void played_sdo(const tumble_can_frame_t *frame)
     }
 }
 
-static inline void played_halt(void)
+/* Told again it goes on braking. */
+static inline void played_halt(uint16_t before)
 {
     played_drive_t *d = &played;
-    d->braking_ms = d->brakes_for_ms;
+    d->braking_ms = ((before & 0x0100U) == 0U) ? d->brakes_for_ms : d->braking_ms;
     if (!d->ignores_stop && (d->brakes_for_ms == 0U)) {
         d->moving = false;
         d->bits |= 0x0400U;
@@ -200,7 +201,7 @@ static inline void played_control(const tumble_can_frame_t *frame, const played_
     played_power(before);
     if (d->state == IS_ENABLED) {
         if ((d->control & 0x0100U) != 0U) {
-            played_halt();
+            played_halt(before);
         } else if (d->mode == 1) {
             played_position_mode(before);
         } else if (d->mode == 6) {

@@ -41,20 +41,38 @@ static void test_power_goes_up_step_by_step(void)
     TEST_ASSERT_EQUAL_HEX16(IS_ENABLED, played.state);
 }
 
-/* A drive that nobody reset while we were away: enabled, moving, or in quick stop. */
+/* A drive that nobody reset while we were away: enabled, moving, or in quick stop. It brakes, and loses its power when
+ * it stands: without power it would coast. */
 static void test_a_drive_found_running_is_taken_down_first(void)
 {
     static const uint16_t states[] = {IS_ENABLED, IS_QUICK_STOP, IS_ON, IS_READY};
-    for (size_t i = 0; i < COUNT_OF(states); i++) {
+    static const uint16_t words[] = {0x0002, 0x0002, 0x0000, 0x0000};
+    static const unsigned lost[] = {0, 3};
+    for (size_t i = 0; i < COUNT_OF(states) * COUNT_OF(lost); i++) {
         bench_setup(&common);
         played_boot();
-        played.state = states[i];
-        played.moving = (states[i] == IS_ENABLED);
+        played.state = states[i / COUNT_OF(lost)];
+        played.moving = ((played.state == IS_ENABLED) || (played.state == IS_QUICK_STOP));
         played.goal = 100000;
+        played.mode = 1;
+        played.quick_stop_stays = true;
+        played.brakes_for_ms = 45;
+        played.braking_ms = 45;
+        played.misses = (played.state == IS_ENABLED) ? lost[i % COUNT_OF(lost)] : 0U;
         run_to(TUMBLE_STAND_READY, 500);
         TEST_ASSERT_FALSE(played.moving);
-        TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[0].control);
+        TEST_ASSERT_FALSE(played.coasted);
+        TEST_ASSERT_EQUAL_HEX16(words[i / COUNT_OF(lost)], played.controls[0].control);
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        run_to(TUMBLE_STAND_IN_POSITION, 500);
     }
+}
+
+/* Before anybody has told it anything, what goes out when we become Operational must not let go of a moving axis. */
+static void test_the_first_word_is_a_quick_stop(void)
+{
+    bench_setup(&common);
+    TEST_ASSERT_EQUAL_HEX16(0x0002, bench.mirror.controlword);
 }
 
 static void test_homing(void)
@@ -286,6 +304,7 @@ int main(void)
     RUN_TEST(test_absent_until_it_is_heard);
     RUN_TEST(test_power_goes_up_step_by_step);
     RUN_TEST(test_a_drive_found_running_is_taken_down_first);
+    RUN_TEST(test_the_first_word_is_a_quick_stop);
     RUN_TEST(test_homing);
     RUN_TEST(test_homing_does_not_believe_the_last_one);
     RUN_TEST(test_homing_without_a_change_is_believed_in_the_end);

@@ -68,6 +68,23 @@ static void test_stopped_means_at_rest(void)
     expect_stop(&two, true, 100);
 }
 
+/* The frame with the stop is lost, and the next ones too. */
+static void test_a_stop_is_repeated_until_it_acts(void)
+{
+    const tumble_drive_profile_t halt = by_halt();
+    const tumble_drive_profile_t *const profiles[] = {&common, &halt};
+    for (size_t i = 0; i < COUNT_OF(profiles); i++) {
+        for (unsigned lost = 0; lost < 5U; lost++) {
+            begin_move(profiles[i]);
+            played.never_reaches = true;
+            played.misses = lost;
+            bench.stand.stop(bench.stand.self);
+            run_to(TUMBLE_STAND_STOPPED, 100);
+            TEST_ASSERT_FALSE(played.moving);
+        }
+    }
+}
+
 static void test_two_process_data_each_way(void)
 {
     const tumble_drive_profile_t profile = apart();
@@ -295,9 +312,9 @@ static void test_profiles_at_the_end_of_their_range(void)
     }
     profile.writes = writes;
     profile.write_count = 213; /* with 11 objects and 30 steps of the PDOs: 254 */
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
     profile.write_count = 214;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
     profile = common;
     profile.heartbeat_ms = 1;
     profile.velocity_units_per_deg_s = 1.0;
@@ -306,7 +323,7 @@ static void test_profiles_at_the_end_of_their_range(void)
     profile.wrap_counts = INT32_MAX;
     profile.start_timeout_ms = 1;
     profile.stop_timeout_ms = 1;
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
     bench_setup(&common);
     ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 127));
 }
@@ -324,6 +341,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_stopped_means_at_rest);
+    RUN_TEST(test_a_stop_is_repeated_until_it_acts);
     RUN_TEST(test_two_process_data_each_way);
     RUN_TEST(test_old_attained_bits_with_the_position_apart);
     RUN_TEST(test_one_start_command_is_enough);

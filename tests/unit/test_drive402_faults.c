@@ -193,6 +193,28 @@ static void test_a_restart_after_a_fault(void)
     run_to(TUMBLE_STAND_READY, 500);
 }
 
+/* Its boot-up message was not heard, within the time of its heartbeat or long after. */
+static void test_a_restart_that_nobody_heard(void)
+{
+    static const unsigned silent_ms[] = {0, 600};
+    for (size_t i = 0; i < COUNT_OF(silent_ms); i++) {
+        start_move();
+        played.powered_up = false;
+        run_ms(silent_ms[i]);
+        played_boot();
+        played.actual = 0; /* where it stands is its zero */
+        port.to_firmware.count = 0;
+        run_ms(200);
+        TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
+        clear();
+        run_to(TUMBLE_STAND_READY, 500);
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 30.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        assert_moves_again();
+    }
+}
+
 static void test_somebody_stops_the_node(void)
 {
     start_move();
@@ -202,7 +224,7 @@ static void test_somebody_stops_the_node(void)
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     played.moving = false;
     clear();
-    run_to(TUMBLE_STAND_STOPPED, 500);
+    run_to(TUMBLE_STAND_READY, 500); /* for all we know it has booted, so it must be homed again */
 }
 
 static void test_a_refused_configuration(void)
@@ -308,6 +330,40 @@ static void test_stop_in_fault_is_sent_all_the_same(void)
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
 
+/* The frame that stops it is lost, and so are the next ones. */
+static void test_a_stop_is_repeated_in_fault(void)
+{
+    for (unsigned lost = 0; lost < 5U; lost++) {
+        start_move();
+        played.never_reaches = true;
+        played.misses = lost;
+        played.bits |= 0x2000U;
+        run_ms(70);
+        assert_fault(TUMBLE_STAND_FAULT_STALL);
+        TEST_ASSERT_FALSE(played.moving);
+        const unsigned told = played.control_count;
+        run_ms(100);
+        TEST_ASSERT_EQUAL_UINT(told, played.control_count); /* that was enough */
+    }
+}
+
+/* It was away when it was told, and tells nothing of its state now: its heartbeat is enough. */
+static void test_a_drive_that_comes_back_is_told_to_stop(void)
+{
+    start_move();
+    played.never_reaches = true;
+    played.powered_up = false;
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    TEST_ASSERT_TRUE(played.moving);
+    played.event_only = true;
+    played.powered_up = true;
+    run_ms(105);
+    TEST_ASSERT_FALSE(played.moving);
+    TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -324,6 +380,7 @@ int main(void)
     RUN_TEST(test_a_restart_of_the_drive);
     RUN_TEST(test_a_restart_while_it_is_configured_starts_again);
     RUN_TEST(test_a_restart_after_a_fault);
+    RUN_TEST(test_a_restart_that_nobody_heard);
     RUN_TEST(test_somebody_stops_the_node);
     RUN_TEST(test_a_refused_configuration);
     RUN_TEST(test_a_drive_found_in_fault_is_not_reset_unasked);
@@ -333,5 +390,7 @@ int main(void)
     RUN_TEST(test_a_mode_that_is_refused);
     RUN_TEST(test_a_fault_while_stopping);
     RUN_TEST(test_stop_in_fault_is_sent_all_the_same);
+    RUN_TEST(test_a_stop_is_repeated_in_fault);
+    RUN_TEST(test_a_drive_that_comes_back_is_told_to_stop);
     return UNITY_END();
 }

@@ -132,6 +132,41 @@ static void test_a_wrapping_drive_goes_long_ways_in_quarters(void)
     }
 }
 
+/* Homing ends a count or so beside zero, on either side of the wrap: the table is at home, not a turn away. */
+static void test_a_wrapping_drive_is_at_home_on_either_side(void)
+{
+    static const int32_t homes[] = {35999, 35990, 0, 1, 17999, 18001};
+    static const double angles_deg[] = {-0.01, -0.1, 0.0, 0.01, 179.99, -179.99};
+    tumble_drive_profile_t profile = common;
+    profile.wrap_counts = 36000;
+    for (size_t i = 0; i < COUNT_OF(homes); i++) {
+        bring_up(&profile);
+        played.wrap = 36000;
+        played.home = homes[i];
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        assert_angle(angles_deg[i]);
+        run_ms(50); /* and it stays there as the drive goes on reporting */
+        assert_angle(angles_deg[i]);
+    }
+}
+
+static void test_a_short_way_from_beside_home_is_short(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.wrap_counts = 36000;
+    bring_up(&profile);
+    played.wrap = 36000;
+    played.home = 35999;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    const unsigned before = played.control_count;
+    move_to(45.0);
+    assert_angle(45.0);
+    TEST_ASSERT_EQUAL_INT32(4500, played.controls[before].target); /* in one go, and not down */
+    TEST_ASSERT_EQUAL_UINT(before + 3U, played.control_count);
+}
+
 static void test_angles_beyond_the_drive(void)
 {
     bring_home(&common);
@@ -156,20 +191,24 @@ static void test_rounding(void)
 #define EXPECT_BAD(change)                                                                                             \
     do {                                                                                                               \
         tumble_drive_profile_t profile = common;                                                                       \
-        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile));                                                  \
+        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));                                     \
         profile.change;                                                                                                \
-        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile));                                          \
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));                             \
     } while (0)
 
 static void test_profiles_that_cannot_be(void)
 {
-    static const tumble_drive_pdo_t without_target[] = {{0, {.count = 2, .map = {0x60400010, 0x60600008}}}};
-    static const tumble_drive_pdo_t without_control[] = {{0, {.count = 2, .map = {0x60600008, 0x607A0020}}}};
-    static const tumble_drive_pdo_t without_status[] = {{0, {.count = 2, .map = {0x60610008, 0x60640020}}}};
-    static const tumble_drive_pdo_t without_position[] = {{0, {.count = 2, .map = {0x60410010, 0x60610008}}}};
+    static const tumble_drive_pdo_t without_target[] = {
+        {0, {.cob_id = 0x202, .count = 2, .map = {0x60400010, 0x60600008}}}};
+    static const tumble_drive_pdo_t without_control[] = {
+        {0, {.cob_id = 0x202, .count = 2, .map = {0x60600008, 0x607A0020}}}};
+    static const tumble_drive_pdo_t without_status[] = {
+        {0, {.cob_id = 0x182, .count = 2, .map = {0x60610008, 0x60640020}}}};
+    static const tumble_drive_pdo_t without_position[] = {
+        {0, {.cob_id = 0x182, .count = 2, .map = {0x60410010, 0x60610008}}}};
     static const tumble_drive_pdo_t too_many[] = {
         {0, {.cob_id = 0x182, .count = 9, .map = {0x60410010, 0x60640020, 0, 0, 0, 0, 0, 0}}}};
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(NULL, MASTER_NODE));
     EXPECT_BAD(counts_per_revolution = 0.0);
     EXPECT_BAD(counts_per_revolution = (double)NAN);
     EXPECT_BAD(velocity_units_per_deg_s = -1.0);
@@ -201,15 +240,54 @@ static void test_profiles_that_cannot_be(void)
     EXPECT_BAD(stop_timeout_ms = 0);
 }
 
+/* NMT, SYNC, EMCY, TIME, SDO, the block, heartbeats, what CiA 301 reserves; our own; 29 bits; switched off. */
+static void test_identifiers_that_are_taken(void)
+{
+    static const uint32_t taken[] = {0x000, 0x080, 0x081, 0x0FF, 0x100,      0x180,     0x181,     0x580, 0x582, 0x602,
+                                     0x683, 0x693, 0x6E0, 0x702, 0x80000202, 0x20000202};
+    static const uint32_t free_ids[] = {0x183, 0x201, 0x40000203, 0x57F};
+    tumble_drive_pdo_t receive = common_receive[0];
+    tumble_drive_profile_t profile = common;
+    profile.receive = &receive;
+    for (size_t i = 0; i < COUNT_OF(taken); i++) {
+        receive.setup.cob_id = taken[i];
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+    }
+    for (size_t i = 0; i < COUNT_OF(free_ids); i++) {
+        receive.setup.cob_id = free_ids[i];
+        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+    }
+    receive.setup.cob_id = 0x181;
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, 9));
+    receive.setup.cob_id = 0x189;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, 9));
+}
+
+/* Any two of the four, whatever bit 30 says. */
+static void test_identifiers_that_are_wanted_twice(void)
+{
+    for (size_t one = 0; one < 4U; one++) {
+        for (size_t other = 0; other < one; other++) {
+            tumble_drive_pdo_t pdos[4] = {other_receive[0], other_receive[1], other_transmit[0], other_transmit[1]};
+            tumble_drive_profile_t profile = other_profile();
+            profile.receive = &pdos[0];
+            profile.transmit = &pdos[2];
+            ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+            pdos[one].setup.cob_id = pdos[other].setup.cob_id | 0x40000000U;
+            ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+        }
+    }
+}
+
 static void test_further_writes_of_a_wrong_size(void)
 {
     tumble_drive_write_t odd = {0x6007, 0, 2, 1};
     tumble_drive_profile_t profile = common;
     profile.writes = &odd;
     profile.write_count = 1;
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
     odd.size = 3;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
 }
 
 static void test_init_refuses_what_the_node_cannot_carry(void)
@@ -245,9 +323,13 @@ int main(void)
     RUN_TEST(test_another_maker);
     RUN_TEST(test_a_mode_in_the_process_data_is_kept);
     RUN_TEST(test_a_wrapping_drive_goes_long_ways_in_quarters);
+    RUN_TEST(test_a_wrapping_drive_is_at_home_on_either_side);
+    RUN_TEST(test_a_short_way_from_beside_home_is_short);
     RUN_TEST(test_angles_beyond_the_drive);
     RUN_TEST(test_rounding);
     RUN_TEST(test_profiles_that_cannot_be);
+    RUN_TEST(test_identifiers_that_are_taken);
+    RUN_TEST(test_identifiers_that_are_wanted_twice);
     RUN_TEST(test_further_writes_of_a_wrong_size);
     RUN_TEST(test_init_refuses_what_the_node_cannot_carry);
     return UNITY_END();

@@ -132,6 +132,20 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
     }
 }
 
+/* Gains for a block that measures nothing: no number is wrong, but the whole. */
+static void test_a_k_of_zeros_is_refused(void)
+{
+    set_number(&record, AT_K, 0.0);
+    seal(&record);
+    assert_paper(TUMBLE_E_NOT_FINITE);
+    for (unsigned n = AT_K; n < AT_SIGMA; n++) {
+        set_number(&record, n, -1e-30);
+        seal(&record);
+        assert_paper(TUMBLE_OK);
+        set_number(&record, n, -0.0);
+    }
+}
+
 static void test_a_size_that_is_not_that_of_its_counts_is_refused(void)
 {
     static const uint32_t sizes[] = {0, 4, 239, 240, 7000, 7144, 7151};
@@ -247,6 +261,7 @@ int main(void)
     RUN_TEST(test_null_and_crooked_pointers_are_refused);
     RUN_TEST(test_every_altered_bit_is_noticed);
     RUN_TEST(test_what_is_wrong_under_a_right_crc_is_refused);
+    RUN_TEST(test_a_k_of_zeros_is_refused);
     RUN_TEST(test_a_size_that_is_not_that_of_its_counts_is_refused);
     RUN_TEST(test_a_record_of_another_schedule_is_refused);
     RUN_TEST(test_the_counts_are_compared_beside_the_fingerprint);

@@ -113,8 +113,8 @@ static void test_boot_up_then_heartbeats_as_operational(void)
     TEST_ASSERT_EQUAL_HEX16(0x701, sent[0].id);
     TEST_ASSERT_EQUAL_UINT8(1, sent[0].length);
     TEST_ASSERT_EQUAL_HEX8(0, sent[0].data[0]);
-    TEST_ASSERT_EQUAL_HEX16(0x202, sent[1].id); /* both process data once, on becoming Operational: no power, ... */
-    TEST_ASSERT_EQUAL_HEX8(0, sent[1].data[0]);
+    TEST_ASSERT_EQUAL_HEX16(0x202, sent[1].id); /* both process data once, on becoming Operational: quick stop, ... */
+    TEST_ASSERT_EQUAL_HEX8(2, sent[1].data[0]);
     TEST_ASSERT_EQUAL_HEX16(0x181, sent[2].id); /* ... and the state of the calibration */
     for (uint64_t beat = 1; beat <= 20U; beat++) {
         TEST_ASSERT_EQUAL_UINT64(beat * 100000U, tumble_navcomp_next_deadline_us(&bench.navcomp));
@@ -193,6 +193,7 @@ static void test_a_reset_by_nmt_stops_the_table_and_brings_the_axis_up_again(voi
         give(TUMBLE_NMT_ID, 2, (const uint8_t[]){commands[i], 1});
         bench_event(&bench);
         TEST_ASSERT_FALSE(scripted_drive_moves(&bench.drive));
+        TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_CONTROL_QUICK_STOP, bench.drive.controlword); /* and it may still brake */
         const bool node = commands[i] == TUMBLE_NMT_RESET_NODE;
         TEST_ASSERT_EQUAL(node ? TUMBLE_STATE_IDLE : TUMBLE_STATE_ABORT, bench_progress(&bench).run.state);
         bench_pass(&bench, 2.0);

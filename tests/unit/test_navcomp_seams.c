@@ -73,6 +73,7 @@ static void use_converter(void)
 static void use_person(void)
 {
     bench.config.drive = NULL;
+    bench.config.by_hand = &tumble_operator_calls;
     bench.config.person = &person;
     bench.drive.dead = true;
     fake_port_init(&bench.fake);

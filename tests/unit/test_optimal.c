@@ -249,6 +249,22 @@ static void test_a_result_that_overflows_is_refused(void)
     assert_leaves_outputs_zero(TUMBLE_E_NOT_FINITE, opened);
 }
 
+/* The curvature of one position's angle is kept as a float: one beyond it must not get there. */
+static void test_a_curvature_beyond_a_float_is_refused(void)
+{
+    dice_t dice = {57};
+    empty_gains(&tumble_schedule_paper, 2, &record);
+    set_number(&record, AT_K, 1e-20);
+    set_number(&record, AT_SIGMA + 3U, 1.0);
+    set_number(&record, AT_NOISE, 1e-25);
+    set_number(&record, gain_index(&tumble_schedule_paper, 0, 0), 1e60);
+    seal(&record);
+    random_means_of(&dice, &tumble_schedule_paper);
+    memset(means.u_v, 0, sizeof means.u_v);
+    means.u_v[0][0] = 1.0;
+    assert_leaves_outputs_zero(TUMBLE_E_STAND_ERROR, open_gains(&record, &tumble_schedule_paper));
+}
+
 static void test_through_a_source_the_record_is_checked_every_time(void)
 {
     tumble_coefficients_t found;
@@ -286,6 +302,7 @@ int main(void)
     RUN_TEST(test_an_error_that_no_stand_can_have_is_refused);
     RUN_TEST(test_an_angle_that_no_table_can_miss_is_refused);
     RUN_TEST(test_a_result_that_overflows_is_refused);
+    RUN_TEST(test_a_curvature_beyond_a_float_is_refused);
     RUN_TEST(test_through_a_source_the_record_is_checked_every_time);
     return UNITY_END();
 }

@@ -112,6 +112,15 @@ static void test_the_angle_error_changes_on_the_way(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, commanded + between, sim_axis_actual_deg(&axis, 10500000));
 }
 
+static void assert_extent(uint64_t now_us, double lowest_deg, double highest_deg)
+{
+    double lowest;
+    double highest;
+    sim_axis_extent(&axis, now_us, &lowest, &highest);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, lowest_deg, lowest);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, highest_deg, highest);
+}
+
 static void test_a_stop_leaves_the_table_where_it_is(void)
 {
     sim_axis_move(&axis, 0, 360.0, &DYNAMICS);
@@ -121,7 +130,34 @@ static void test_a_stop_leaves_the_table_where_it_is(void)
     TEST_ASSERT_EQUAL_UINT64(1250000, sim_axis_end_us(&axis));
     (void)sim_axis_commanded_deg(&axis, 1250000, &velocity);
     ASSERT_SAME_DOUBLE(0.0, velocity);
-    ASSERT_SAME_DOUBLE(360.0, axis.highest_deg); /* it had been told to go there */
+    assert_extent(1250000, 0.0, axis.motion.end_position); /* it had been told to go to 360 */
+}
+
+/* On the way as far as it has come; back past the start with its turning point; and not what was only planned. */
+static void test_the_extent_is_what_the_table_has_passed(void)
+{
+    double velocity;
+    assert_extent(0, 0.0, 0.0);
+    sim_axis_move(&axis, 0, 360.0, &DYNAMICS);
+    assert_extent(1000000, 0.0, sim_axis_commanded_deg(&axis, 1000000, &velocity));
+    sim_axis_move(&axis, 1000000, -90.0, &DYNAMICS); /* at 67.5 with 90 degrees/s: brakes until 90 */
+    assert_extent(1250000, 0.0, sim_axis_commanded_deg(&axis, 1250000, &velocity));
+    assert_extent(2000000, 0.0, 90.0);
+    assert_extent(60000000, -90.0, 90.0);
+    sim_axis_move(&axis, 60000000, -180.0, &DYNAMICS);
+    sim_axis_move(&axis, 60000000, 0.0, &DYNAMICS);
+    assert_extent(120000000, -90.0, 90.0);
+}
+
+static void test_what_the_motor_does_in_a_jam_is_no_extent(void)
+{
+    sim_axis_move(&axis, 0, 90.0, &DYNAMICS);
+    sim_axis_jam(&axis, 500000, true);
+    assert_extent(9000000, 0.0, 22.5);
+    sim_axis_move(&axis, 9000000, -90.0, &DYNAMICS);
+    assert_extent(20000000, 0.0, 22.5);
+    sim_axis_jam(&axis, 20000000, false);
+    assert_extent(20000000, -90.0, 22.5);
 }
 
 static void test_a_jam_holds_the_table_and_lets_go(void)
@@ -156,6 +192,8 @@ int main(void)
     RUN_TEST(test_positions_have_streams_of_their_own);
     RUN_TEST(test_the_angle_error_changes_on_the_way);
     RUN_TEST(test_a_stop_leaves_the_table_where_it_is);
+    RUN_TEST(test_the_extent_is_what_the_table_has_passed);
+    RUN_TEST(test_what_the_motor_does_in_a_jam_is_no_extent);
     RUN_TEST(test_a_jam_holds_the_table_and_lets_go);
     RUN_TEST(test_slip_moves_the_table_and_perhaps_the_encoder);
     return UNITY_END();

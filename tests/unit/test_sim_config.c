@@ -59,8 +59,14 @@ static const refusal_t REFUSALS[] = {
 /* What does not go together, found when the whole is there. */
 static const refusal_t INCOMPLETE[] = {
     {0, "a fault names a position that the schedule does not have", "fault = stall at=3.1\n"},
+    {0, "a fault of the drive needs the simulated drive",
+     "firmware.stand = operator\nfault = drive_power_cycle time=5\n"},
+    {0, "a fault of the drive needs the simulated drive", "present.drive = no\nfault = homing_endless at=1.1\n"},
+    {0, "a fault of the block needs the simulated block", "present.block = no\nfault = block_power_cycle time=5\n"},
+    {0, "a fault of the block needs the simulated block", "present.block = no\nfault = saturated time=5\n"},
     {0, "a fault \"swapped\" needs two channels", "fault = swapped time=1 channels=x\n"},
-    {0, "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry",
+    {0, "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
+        "or has an identifier that is taken",
      "profile.receive_pdo = 0 0x202 6040:0:16\n"},
     {0, "a mounting matrix is not a proper rotation",
      "mounting = 1 0 0 1 1 0 0 0 1 0 0 0 -1\nposition = 1 1 fit 0 0 1\n"},
@@ -90,6 +96,32 @@ static void test_mistakes_are_refused_with_their_line(void)
         TEST_ASSERT_NOT_NULL_MESSAGE(wrong, INCOMPLETE[i].lines);
         TEST_ASSERT_EQUAL_STRING_MESSAGE(INCOMPLETE[i].what, wrong, INCOMPLETE[i].lines);
     }
+}
+
+static void test_faults_that_need_no_drive_or_block_are_taken(void)
+{
+    TEST_ASSERT_NULL(read_lines("firmware.stand = operator\nfault = stall time=5\nfault = slip time=6\n"));
+    TEST_ASSERT_NULL(read_lines("present.drive = no\npresent.block = no\nfault = bus_off time=5\n"
+                                "fault = frame_drop time=5 duration=1\n"));
+}
+
+static void test_what_the_firmware_would_refuse_is_known_before(void)
+{
+    static const refusal_t REFUSED[] = {
+        {0, "the configuration is out of range", "procedure.cable_min_deg = 90\nprocedure.cable_max_deg = 90\n"},
+        {0, "the configuration is out of range", "procedure.settle_ms = 4096\nprocedure.settle_timeout_ms = 9999\n"},
+        {0, "the next position lies beyond the cable's limit", "procedure.cable_max_deg = 20\n"},
+        {0, "the schedule is not valid or cannot identify the coefficients",
+         "mounting = 1  0 0 1  1 0 0 0 1 0 0 0 1\nposition = 1 1 fit  0 0 1\nprocedure.estimator = least_squares\n"},
+    };
+    for (size_t i = 0; i < COUNT_OF(REFUSED); i++) {
+        TEST_ASSERT_NULL_MESSAGE(read_lines(REFUSED[i].lines), REFUSED[i].lines);
+        TEST_ASSERT_EQUAL_STRING_MESSAGE(REFUSED[i].what, bench_config_refused(&config), REFUSED[i].lines);
+        config.present.navcomp = false; /* nobody there to refuse it */
+        TEST_ASSERT_NULL(bench_config_refused(&config));
+    }
+    TEST_ASSERT_NULL(read_lines("procedure.settle_ms = 4095\nprocedure.settle_timeout_ms = 9999\n"));
+    TEST_ASSERT_NULL(bench_config_refused(&config));
 }
 
 static void test_a_line_too_long_is_refused(void)
@@ -260,6 +292,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_mistakes_are_refused_with_their_line);
+    RUN_TEST(test_what_the_firmware_would_refuse_is_known_before);
+    RUN_TEST(test_faults_that_need_no_drive_or_block_are_taken);
     RUN_TEST(test_a_line_too_long_is_refused);
     RUN_TEST(test_more_than_fits_is_refused);
     RUN_TEST(test_blanks_comments_and_the_missing_newline);

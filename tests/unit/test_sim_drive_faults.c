@@ -103,6 +103,25 @@ static void test_without_a_window_a_jam_goes_unnoticed(void)
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
 }
 
+/* Whether it was running or braking already. */
+static void test_without_voltage_the_axis_coasts(void)
+{
+    for (int braking = 0; braking < 2; braking++) {
+        fresh();
+        set_out();
+        if (braking == 1) {
+            command(0x0002, 0);
+            pass_ms(50);
+        }
+        command(0x0000, 0);
+        pass_ms(600);
+        assert_state(0x0040);
+        TEST_ASSERT_FALSE(sim_drive_is_at_rest(&drive));
+        pass_ms(20000);
+        TEST_ASSERT_TRUE(sim_drive_is_at_rest(&drive));
+    }
+}
+
 /* 500 ms without node 1: the axis stops, 8130h, and the node leaves Operational. A reset needs the master back. */
 static void test_silence_of_the_master_stops_the_axis(void)
 {
@@ -288,6 +307,7 @@ int main(void)
     RUN_TEST(test_a_lasting_fault_cannot_be_reset);
     RUN_TEST(test_a_jam_is_a_following_error);
     RUN_TEST(test_without_a_window_a_jam_goes_unnoticed);
+    RUN_TEST(test_without_voltage_the_axis_coasts);
     RUN_TEST(test_silence_of_the_master_stops_the_axis);
     RUN_TEST(test_what_it_does_without_its_master_can_be_chosen);
     RUN_TEST(test_leaving_operational_stops_the_axis);

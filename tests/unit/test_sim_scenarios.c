@@ -26,6 +26,8 @@ static const case_t FAULTS[] = {
     {TUMBLE_REASON_STALL, TUMBLE_STATE_MOVE, 15, "fault = stall at=1.4 phase=move delay=0.3\n"},
     {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 30, "fault = homing_fails at=1.1 phase=mount\n"},
     {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 65, "fault = homing_endless at=1.1 phase=mount\n"},
+    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 65, /* the quick stop is lost, and the next one */
+     "fault = homing_endless at=1.1 phase=home\nfault = frame_drop time=55 id=514 mask=2047 count=2 probability=1\n"},
     {TUMBLE_REASON_TARGET_NOT_REACHED, TUMBLE_STATE_MOVE, 50, "fault = never_reached at=1.4 value=0.5\n"},
     {TUMBLE_REASON_SLIP, TUMBLE_STATE_AVERAGE, 30, "fault = slip at=1.8 phase=settle value=1.5\n"},      /* closure */
     {TUMBLE_REASON_SLIP, TUMBLE_STATE_AVERAGE, 15, "fault = slip at=1.4 delay=0.1 value=0.5 count=1\n"}, /* encoder */
@@ -142,6 +144,32 @@ static void test_what_is_mended_passes(void)
     }
 }
 
+/* Homed wrongly, a run may pass, and the table be a turn or two away: so it is the cable that is looked at. */
+static void test_the_table_keeps_to_its_cable(void)
+{
+    static const char *const LINES[] = {
+        "drive.wrap_counts = 360000\n", /* homing ends a count below zero, at 359997 */
+        "operator.mends=3\noperator.mend_s=2\nfault = bus_off at=1.9 phase=average duration=0.4\n"
+        "fault = drive_power_cycle at=1.9 phase=average duration=0.1\n", /* its boot-up message finds no bus */
+    };
+    static const bench_watcher_t NOBODY = {0};
+    for (size_t i = 0; i < COUNT_OF(LINES); i++) {
+        double least_deg = 0.0;
+        double most_deg = 0.0;
+        TEST_ASSERT_NULL(read_lines(LINES[i]));
+        ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &NOBODY));
+        while (bench_world_advance(&world)) {
+            const double deg = sim_axis_actual_deg(&world.drive.axis, world.clock.now_us);
+            least_deg = (deg < least_deg) ? deg : least_deg;
+            most_deg = (deg > most_deg) ? deg : most_deg;
+        }
+        TEST_ASSERT_EQUAL_INT_MESSAGE(0, bench_exit_code(&world), LINES[i]);
+        TEST_ASSERT_TRUE_MESSAGE(least_deg >= config.procedure.cable_min_deg, LINES[i]);
+        TEST_ASSERT_TRUE_MESSAGE(most_deg <= config.procedure.cable_max_deg, LINES[i]);
+        TEST_ASSERT_TRUE_MESSAGE(most_deg > 359.0, LINES[i]);
+    }
+}
+
 static void test_an_abort_stops_the_table(void)
 {
     static const bench_watcher_t NOBODY = {0};
@@ -158,6 +186,29 @@ static void test_an_abort_stops_the_table(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_COMMAND, world.progress.reason);
     TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
     TEST_ASSERT_TRUE(world.clock.now_us - told_us < 1000000U);
+}
+
+/* The computer starts anew while the table turns: the axis brakes, and is not let go of before it stands. */
+static void test_a_reset_by_nmt_does_not_let_the_table_coast(void)
+{
+    static const bench_watcher_t NOBODY = {0};
+    static const uint8_t COMMANDS[] = {TUMBLE_NMT_RESET_NODE, TUMBLE_NMT_RESET_COMMUNICATION};
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) {
+        const tumble_can_frame_t reset = {.id = TUMBLE_NMT_ID, .length = 2, .data = {COMMANDS[i], 1}};
+        TEST_ASSERT_NULL(read_lines(""));
+        ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &NOBODY));
+        double speed_deg_s = 0.0;
+        while (world.progress.index != 3U || speed_deg_s < 20.0) {
+            TEST_ASSERT_TRUE(bench_world_advance(&world));
+            (void)sim_axis_commanded_deg(&world.drive.axis, world.clock.now_us, &speed_deg_s);
+        }
+        const uint64_t told_us = world.clock.now_us;
+        ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&world.bus, BENCH_BUS_GUEST, &reset));
+        while (world.clock.now_us - told_us < 500000U && bench_world_advance(&world)) {
+        }
+        TEST_ASSERT_TRUE(sim_axis_end_us(&world.drive.axis) <= told_us + 500000U);
+        TEST_ASSERT_TRUE(sim_axis_end_us(&world.drive.axis) > told_us);
+    }
 }
 
 static bench_question_t asked;
@@ -202,6 +253,30 @@ static void test_questions_are_answered_from_outside(void)
     ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
     TEST_ASSERT_FALSE(run_to_question());
     TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
+}
+
+/* Whatever the operator repeats: as long as the fault is there, he is asked about it anew. */
+static void test_a_fault_that_comes_again_is_asked_about_again(void)
+{
+    static const bench_watcher_t ASKER = {.on_question = ask};
+    static const struct {
+        bench_answer_t answer;
+        uint8_t argument;
+    } REPEATS[] = {
+        {BENCH_ANSWER_REPEAT_POSITION, 1}, {BENCH_ANSWER_REPEAT_POSITION, 1}, {BENCH_ANSWER_REPEAT_MOUNTING, 1}};
+    TEST_ASSERT_NULL(read_lines("fault = bus_off at=1.5\n")); /* it fails again at once */
+    ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &ASKER));
+    TEST_ASSERT_TRUE(run_to_question());
+    ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, BENCH_ANSWER_DONE, 0));
+    for (size_t i = 0; i < COUNT_OF(REPEATS); i++) {
+        do {
+            TEST_ASSERT_TRUE(run_to_question());
+        } while (asked.kind == BENCH_QUESTION_MOUNTING &&
+                 bench_person_answer(&world, BENCH_ANSWER_DONE, 0) == TUMBLE_OK);
+        TEST_ASSERT_EQUAL_INT(BENCH_QUESTION_FAULT, asked.kind);
+        TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_BUS, asked.reason);
+        ASSERT_STATUS(TUMBLE_OK, bench_person_answer(&world, REPEATS[i].answer, REPEATS[i].argument));
+    }
 }
 
 static void test_a_fault_may_be_left_as_it_is(void)
@@ -251,8 +326,11 @@ int main(void)
     RUN_TEST(test_every_fault_ends_in_its_reason);
     RUN_TEST(test_no_reason_is_forgotten);
     RUN_TEST(test_what_is_mended_passes);
+    RUN_TEST(test_the_table_keeps_to_its_cable);
     RUN_TEST(test_an_abort_stops_the_table);
+    RUN_TEST(test_a_reset_by_nmt_does_not_let_the_table_coast);
     RUN_TEST(test_questions_are_answered_from_outside);
+    RUN_TEST(test_a_fault_that_comes_again_is_asked_about_again);
     RUN_TEST(test_a_fault_may_be_left_as_it_is);
     RUN_TEST(test_a_failed_gravity_check_is_a_result);
     RUN_TEST(test_a_singular_block_is_refused);

@@ -177,8 +177,31 @@ static void test_the_table_stays_within_the_cable(void)
 {
     run_lines("procedure.cable_min_deg = -200\nprocedure.cable_max_deg = 190\n", 5, NULL);
     TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
-    TEST_ASSERT_TRUE(world.axis->lowest_deg >= -200.0);
-    TEST_ASSERT_TRUE(world.axis->highest_deg <= 190.0);
+    double lowest_deg;
+    double highest_deg;
+    sim_axis_extent(world.axis, world.clock.now_us, &lowest_deg, &highest_deg);
+    TEST_ASSERT_TRUE(lowest_deg >= -200.0 && lowest_deg < -100.0);
+    TEST_ASSERT_TRUE(highest_deg <= 190.0 && highest_deg > 100.0);
+}
+
+/* A guest's NMT reset of node 1 while the table turns: the run is over, and that is a fault. */
+static void test_a_reset_node_ends_the_run(void)
+{
+    static const bench_watcher_t NOBODY = {0};
+    static const uint8_t COMMANDS[] = {129, 130};
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) {
+        const tumble_can_frame_t reset = {.id = 0, .length = 2, .data = {COMMANDS[i], 1}};
+        TEST_ASSERT_NULL(read_lines(""));
+        ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &NOBODY));
+        while (world.progress.state != TUMBLE_STATE_MOVE) {
+            TEST_ASSERT_TRUE(bench_world_advance(&world));
+        }
+        ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&world.bus, BENCH_BUS_GUEST, &reset));
+        bench_world_run(&world);
+        TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
+        TEST_ASSERT_TRUE(world.clock.now_us < 60000000U);
+        TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
+    }
 }
 
 static void test_a_dividing_head_works_as_well(void)
@@ -198,6 +221,7 @@ int main(void)
     RUN_TEST(test_what_is_left_of_the_swing_is_small);
     RUN_TEST(test_errors_are_as_large_as_the_budget_says);
     RUN_TEST(test_the_table_stays_within_the_cable);
+    RUN_TEST(test_a_reset_node_ends_the_run);
     RUN_TEST(test_a_dividing_head_works_as_well);
     return UNITY_END();
 }

@@ -170,6 +170,59 @@ static void test_the_error_of_set_angles_makes_chi_squared_right(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 16.0, square);
 }
 
+/* Outputs that fit 10,000 times worse than the noise allows, as behind a coarse converter: chi-squared of the angles is
+ * the small difference of two sums beyond 1e9, and must not be found as one. */
+static void test_residuals_far_beyond_the_noise(void)
+{
+    dice_t dice = {78};
+    for (int p = 0; p < P; p++) {
+        errors.mean_variance_v2[p] = 1e-12;
+        for (int i = 0; i < 3; i++) {
+            means.u_v[p][i] += 1e-4 * (double)dice_between(&dice, -100, 100);
+        }
+    }
+    tumble_seen_t alpha4;
+    double freedom = 0.0;
+    double square = 0.0;
+    uint8_t count = 0;
+    ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4,
+                                                     &freedom));
+    TEST_ASSERT_TRUE(alpha4.known);
+    errors.angle_rad = alpha4.value;
+    ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_chi_squared(&tumble_schedule_paper, &means, &block, &errors, &work,
+                                                           &square, &count));
+    TEST_ASSERT_EQUAL_UINT8(16, count);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-10, 16.0, square);
+}
+
+static const tumble_position_t check_position = {.mounting = 3, .number = 1, .use = TUMBLE_USE_CHECK};
+
+/* A mounting for check positions alone, in front of the paper's two, changes no bit of what they show. */
+static void test_a_mounting_for_checks_alone_takes_no_part(void)
+{
+    const stand_errors_t e = {.alpha1 = -1e-6, .alpha2 = 2e-6, .alpha3 = {-4e-6, 5e-6}};
+    make_means(&e);
+    errors.angle_rad = 2e-4;
+    look_fitted();
+    const tumble_seen_angles_t expected = seen;
+
+    static tumble_mounting_t mountings[3];
+    static tumble_position_t positions[P + 1];
+    mountings[0] = tumble_schedule_paper.mountings[0];
+    mountings[0].number = 3;
+    memcpy(&mountings[1], tumble_schedule_paper.mountings, 2 * sizeof mountings[0]);
+    memcpy(positions, tumble_schedule_paper.positions, P * sizeof positions[0]);
+    positions[P] = check_position;
+    positions[P].angle = positions[0].angle;
+    means.measured[P] = true;
+    const tumble_schedule_t schedule = {mountings, positions, 3, P + 1};
+    ASSERT_STATUS(TUMBLE_OK, tumble_seen_fit(&schedule, &means, &block, &errors, &work, &seen));
+    assert_angles(1e-15, expected.alpha1.value, expected.alpha2_plus_alpha3.value, expected.alpha3_difference.value);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, expected.alpha1.u, seen.alpha1.u);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, expected.alpha2_plus_alpha3.u, seen.alpha2_plus_alpha3.u);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, expected.alpha3_difference.u, seen.alpha3_difference.u);
+}
+
 /* One mounting shows no tilt of the axis; the rank says so, no number does. */
 static void test_what_cannot_be_told_is_not_known(void)
 {
@@ -224,6 +277,8 @@ int main(void)
     RUN_TEST(test_the_fit_is_sharper);
     RUN_TEST(test_no_excess_over_the_noise_is_not_known);
     RUN_TEST(test_the_error_of_set_angles_makes_chi_squared_right);
+    RUN_TEST(test_residuals_far_beyond_the_noise);
+    RUN_TEST(test_a_mounting_for_checks_alone_takes_no_part);
     RUN_TEST(test_what_cannot_be_told_is_not_known);
     RUN_TEST(test_the_noise_is_pooled_by_degrees_of_freedom);
     RUN_TEST(test_bad_arguments);

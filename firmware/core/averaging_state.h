@@ -1,0 +1,21 @@
+/* averaging_state.h - what the two halves of averaging share (private to the core). */
+#ifndef TUMBLE_CORE_AVERAGING_STATE_H
+#define TUMBLE_CORE_AVERAGING_STATE_H
+
+#include "core/averaging.h"
+
+#define NONE_OPEN UINT8_MAX
+
+enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
+
+static inline bool tumble_averaging_is_open(const tumble_averaging_t *averaging)
+{
+    return averaging->open.index != NONE_OPEN;
+}
+
+static inline tumble_average_t *tumble_averaging_open_average(tumble_averaging_t *averaging)
+{
+    return &averaging->averages[averaging->open.index];
+}
+
+#endif

@@ -1,0 +1,65 @@
+#include "stand/drive402_internal.h"
+
+#include "core/arith.h"
+
+#define TURN_DEG 360.0
+#define MAX_WRAPPING_COUNTS 4503599627370496.0 /* 2^52: exact as a double, and far from the end of an int64 */
+
+static int64_t rounded(double x)
+{
+    return (int64_t)((x < 0.0) ? (x - 0.5) : (x + 0.5));
+}
+
+bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts)
+{
+    const double exact = (double)profile->sign * angle_deg * profile->counts_per_revolution / TURN_DEG;
+    if (!tumble_within(exact, (profile->wrap_counts == 0U) ? (double)INT32_MAX : MAX_WRAPPING_COUNTS)) {
+        return false;
+    }
+    *counts = rounded(exact);
+    return true;
+}
+
+double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts)
+{
+    return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;
+}
+
+/* What is left of `counts`, with its sign, after whole circles. The quotient of doubles, exact below 2^53, is at most one
+ * off, and it saves the library's division of 64 bits. */
+static int64_t rest_of(int64_t counts, int64_t wrap)
+{
+    const int64_t circles = (int64_t)((double)counts / (double)wrap);
+    const int64_t rest = counts - (circles * wrap);
+    if ((counts >= 0) && (rest < 0)) {
+        return rest + wrap;
+    }
+    return ((counts < 0) && (rest > 0)) ? (rest - wrap) : rest;
+}
+
+int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts)
+{
+    const int64_t wrap = (int64_t)profile->wrap_counts;
+    if (wrap == 0) {
+        return (int32_t)counts;
+    }
+    const int64_t rest = rest_of(counts, wrap);
+    return (int32_t)((rest < 0) ? (rest + wrap) : rest);
+}
+
+int64_t tumble_drive_unwrapped(const tumble_drive_profile_t *profile, int32_t raw, int64_t before)
+{
+    const int64_t wrap = (int64_t)profile->wrap_counts;
+    if (wrap == 0) {
+        return raw;
+    }
+    int64_t change = rest_of((int64_t)raw - before, wrap);
+    if (change > (wrap / 2)) {
+        change -= wrap;
+    } else if (change < -(wrap / 2)) {
+        change += wrap;
+    } else {
+        /* the shorter way already */
+    }
+    return before + change;
+}
