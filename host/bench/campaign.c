@@ -83,6 +83,7 @@ static bool hire(worker_t *worker, const bench_config_t *config, const bench_opt
         (void)close(ends[0]);
         (void)signal(SIGINT, SIG_DFL);
         (void)signal(SIGTERM, SIG_DFL);
+        (void)signal(SIGHUP, SIG_DFL);
         work(config, options, number, ends[1]);
     }
     (void)close(ends[1]);

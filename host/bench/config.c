@@ -1,5 +1,6 @@
 #include "bench/config.h"
 
+#include "core/optimal_uncertainty.h"
 #include "simulation/sensor.h"
 
 #include <math.h>
@@ -72,21 +73,26 @@ static void set_if_open(double *value, double otherwise)
     }
 }
 
-/* The standard deviation that a limit of noise stands for. */
+/* The standard deviation that a limit stands for. */
+static double sigma_of(double limit, sim_law_t law)
+{
+    switch (law) {
+    case SIM_LAW_SIGMA3:
+        return limit / 3.0;
+    case SIM_LAW_UNIFORM:
+        return limit / sqrt(3.0);
+    default:
+        return limit;
+    }
+}
+
 static double noise_sigma(const sim_sensor_config_t *sensor)
 {
     double largest = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         largest = (sensor->noise_v[i] > largest) ? sensor->noise_v[i] : largest;
     }
-    switch (sensor->noise_law) {
-    case SIM_LAW_SIGMA3:
-        return largest / 3.0;
-    case SIM_LAW_UNIFORM:
-        return largest / sqrt(3.0);
-    default:
-        return largest;
-    }
+    return sigma_of(largest, sensor->noise_law);
 }
 
 /* A still block must not fail by chance: six standard deviations of a scatter found from n samples. */
@@ -152,6 +158,38 @@ static const char *complete_gains(bench_config_t *config)
     const tumble_status_t status =
         needed ? tumble_optimal_check(&config->gains, &config->scenario.schedule) : TUMBLE_OK;
     return (status == TUMBLE_OK) ? NULL : tumble_status_sentence(status);
+}
+
+/* The noise as the weights have it: never less than the converter's, and that of a mean at least 1e-9 g. */
+static void declare_weighted_noise(bench_config_t *config)
+{
+    const tumble_gain_record_t *const made = config->gains.record;
+    const double converter_v = fabs(config->procedure.v_per_count) / sqrt(12.0);
+    tumble_stand_record_t *const record = &config->record;
+    record->noise_v = (record->noise_v > converter_v) ? record->noise_v : converter_v;
+    for (int i = 0; i < TUMBLE_CHANNELS * TUMBLE_CHANNELS; i++) {
+        const double floor_v = 1e-9 * fabs(made->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]);
+        record->least_noise_v = (floor_v > record->least_noise_v) ? floor_v : record->least_noise_v;
+    }
+}
+
+/* The stand that the firmware states its uncertainties for: as the scenario declares it. */
+static void declare_stand(bench_config_t *config)
+{
+    const sim_stand_t *const stand = &config->scenario.stand;
+    config->record = (tumble_stand_record_t){
+        .axis_tilt_rad = sigma_of(stand->axis_tilt_rad, stand->law),
+        .level_rad = sigma_of(stand->level_rad, stand->law),
+        .remount_rad = sigma_of(stand->remount_rad, stand->law),
+        .angle_rad = sigma_of(stand->angle_rad, stand->law),
+        .noise_v = noise_sigma(&config->scenario.block.sensor),
+        .samples = config->procedure.samples,
+        .common_yaw = stand->remount == SIM_REMOUNT_COMMON,
+    };
+    if (config->procedure.estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+        declare_weighted_noise(config);
+    }
+    config->declared = (tumble_declared_t){&config->record, tumble_optimal_uncertainty};
 }
 
 /* Silence of the block that is a fault: by default a hundred samples, never more than its eight-bit counter tells from a
@@ -228,13 +266,30 @@ static void complete_schedule(sim_scenario_t *scenario)
     scenario->drive.axis.resolution_deg = 360.0 / (double)scenario->drive.counts_per_turn;
 }
 
-static const char *check_faults(const sim_scenario_t *scenario)
+static bool is_of_drive(sim_fault_kind_t kind)
 {
+    return kind <= SIM_FAULT_HOMING_ENDLESS && kind != SIM_FAULT_STALL && kind != SIM_FAULT_SLIP; /* of any table */
+}
+
+static bool is_of_block(sim_fault_kind_t kind)
+{
+    return kind >= SIM_FAULT_SATURATED && kind <= SIM_FAULT_WARM;
+}
+
+static const char *check_faults(const bench_config_t *config)
+{
+    const sim_scenario_t *const scenario = &config->scenario;
     for (uint32_t i = 0; i < scenario->fault_count; i++) {
         const sim_fault_t *const fault = &scenario->faults[i];
         const uint8_t count = scenario->schedule.position_count;
         if (!fault->at_time && tumble_schedule_find(&scenario->schedule, fault->mounting, fault->position) == count) {
             return "a fault names a position that the schedule does not have";
+        }
+        if (is_of_drive(fault->kind) && !(config->stand == BENCH_STAND_DRIVE && config->present.drive)) {
+            return "a fault of the drive needs the simulated drive";
+        }
+        if (is_of_block(fault->kind) && !config->present.block) {
+            return "a fault of the block needs the simulated block";
         }
         if (fault->kind == SIM_FAULT_SWAPPED && fault->channels != 3U && fault->channels != 5U &&
             fault->channels != 6U) {
@@ -255,10 +310,22 @@ const char *bench_config_complete(bench_config_t *config)
     complete_averaging(config);
     complete_procedure(config);
     complete_profile(config);
-    if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile) != TUMBLE_OK) {
-        return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry";
+    if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile, 1) != TUMBLE_OK) {
+        return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
+               "or has an identifier that is taken";
     }
     const char *wrong = complete_sample_timeout(config);
-    wrong = (wrong != NULL) ? wrong : check_faults(scenario);
-    return (wrong != NULL) ? wrong : complete_gains(config);
+    wrong = (wrong != NULL) ? wrong : check_faults(config);
+    wrong = (wrong != NULL) ? wrong : complete_gains(config);
+    if (wrong == NULL) {
+        declare_stand(config);
+    }
+    return wrong;
+}
+
+const char *bench_config_refused(const bench_config_t *config)
+{
+    tumble_reason_t reason;
+    const tumble_status_t status = tumble_procedure_validate(&config->procedure, &reason);
+    return (status == TUMBLE_OK || !config->present.navcomp) ? NULL : tumble_reason_sentence(reason);
 }

@@ -9,6 +9,7 @@
 
 #include "core/optimal.h"
 #include "navcomp/navcomp.h"
+#include "navcomp/uncertainty.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
 
@@ -45,6 +46,8 @@ typedef struct {
     tumble_optimal_source_t gains; /* of the estimator `optimal`; record null: none */
     tumble_weighted_t weighted;
     tumble_optimal_t optimal; /* its working memory */
+    tumble_stand_record_t record; /* what the firmware is told of the stand */
+    tumble_declared_t declared;
     tumble_drive_profile_t profile;
     bench_profile_lists_t lists;
     tumble_operator_config_t person;
@@ -62,5 +65,8 @@ void bench_config_defaults(bench_config_t *config);
 /* Fill in what follows from the rest (0 where a default says so), and set all pointers within `config`, which must not
  * be moved afterwards. Null, or a sentence that tells what does not fit together. */
 const char *bench_config_complete(bench_config_t *config);
+
+/* What the firmware, if it takes part, would refuse of a complete configuration as soon as it starts; null: nothing. */
+const char *bench_config_refused(const bench_config_t *config);
 
 #endif

@@ -49,6 +49,8 @@ const char *bench_folder_open(bench_folder_t *folder, const char *path)
 {
     memset(folder, 0, sizeof *folder);
     folder->path = path;
+    folder->interface = "can0";
+    folder->document = bench_report_document;
     folder->created = mkdir(path, 0777) == 0;
     if (!folder->created && errno != EEXIST) {
         return strerror(errno);
@@ -73,8 +75,8 @@ void bench_folder_frame(bench_folder_t *folder, uint64_t time_us, const tumble_c
         data[2U * i + 1U] = DIGITS[frame->data[i] & 0xFU];
     }
     data[2U * frame->length] = '\0';
-    if (fprintf(folder->log, "(%010" PRIu64 ".%06" PRIu64 ") can0 %03X#%s\n", time_us / 1000000U, time_us % 1000000U,
-                (unsigned)frame->id, data) < 0) {
+    if (fprintf(folder->log, "(%010" PRIu64 ".%06" PRIu64 ") %s %03X#%s\n", time_us / 1000000U, time_us % 1000000U,
+                folder->interface, (unsigned)frame->id, data) < 0) {
         folder->failed = true;
     }
 }
@@ -141,7 +143,7 @@ static bool write_rest(bench_folder_t *folder, const bench_world_t *world)
     }
     FILE *const document = begin_file(folder, "bench.json");
     if (document != NULL) {
-        bench_report_document(world, document);
+        folder->document(world, document);
     }
     good = run != NULL && finish(run) && good;
     return document != NULL && finish(document) && good;

@@ -6,6 +6,7 @@
  * run.csv has one row per averaged sample, position by position in the schedule's order:
  * mounting,position,ux,uy,uz (V, 17 digits),cx,cy,cz (raw counts),counter (the block's, 16 bits),timestamp (its ms)
  * bus.log has one line per frame in the form of candump -L: (seconds.microseconds) can0 ID#DATA, virtual time.
+ * Whoever has another bus or document than the bench's sets them after opening.
  */
 #ifndef TUMBLE_BENCH_FOLDER_H
 #define TUMBLE_BENCH_FOLDER_H
@@ -26,6 +27,8 @@ typedef struct {
 
 typedef struct {
     const char *path;
+    const char *interface; /* named in bus.log */
+    void (*document)(const bench_world_t *world, FILE *out);
     FILE *log;
     bool created; /* the folder was not there before */
     bool failed;  /* a write or an allocation failed */

@@ -16,11 +16,16 @@ static void note(int signal_number)
 void bench_interrupt_watch(void)
 {
     struct sigaction action = {.sa_handler = note}; /* no SA_RESTART */
+    struct sigaction given;
     (void)sigemptyset(&action.sa_mask);
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
+    if (sigaction(SIGHUP, NULL, &given) == 0 && given.sa_handler != SIG_IGN) { /* as nohup wants it */
+        (void)sigaction(SIGHUP, &action, NULL);
+    }
     action.sa_handler = SIG_IGN;
     (void)sigaction(SIGPIPE, &action, NULL);
+    (void)sigaction(SIGXFSZ, &action, NULL);
 }
 
 bool bench_interrupted(void)

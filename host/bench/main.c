@@ -4,64 +4,20 @@
 #include "bench/campaign.h"
 #include "bench/config.h"
 #include "bench/config_file.h"
-#include "bench/gain_file.h"
+#include "bench/config_prepare.h"
 #include "bench/interrupt.h"
 #include "bench/options.h"
 #include "bench/report.h"
 #include "bench/session.h"
 
-#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
 
 static int refuse(const char *what)
 {
     (void)fprintf(stderr, "tumble-bench: %s\n", what);
     return BENCH_EXIT_USAGE;
-}
-
-/* False: one line about it has been printed. */
-static bool read_scenario(bench_config_t *config, const char *path)
-{
-    const bool is_stdin = strcmp(path, "-") == 0;
-    const char *const name = is_stdin ? "standard input" : path;
-    FILE *const file = is_stdin ? stdin : fopen(path, "r");
-    bench_mistake_t mistake = {0};
-    if (file == NULL) {
-        (void)fprintf(stderr, "tumble-bench: %s: %s\n", name, strerror(errno));
-        return false;
-    }
-    const bool good = bench_config_read(config, file, &mistake);
-    if (!good && mistake.line > 0U) {
-        (void)fprintf(stderr, "tumble-bench: %s:%u: %s\n", name, mistake.line, mistake.what);
-    } else if (!good) {
-        (void)fprintf(stderr, "tumble-bench: %s: %s\n", name, mistake.what);
-    }
-    if (!is_stdin) {
-        (void)fclose(file);
-    }
-    return good;
-}
-
-static bool prepare(bench_config_t *config, const bench_options_t *options)
-{
-    bench_config_defaults(config);
-    if (options->scenario != NULL && !read_scenario(config, options->scenario)) {
-        return false;
-    }
-    const char *const unread =
-        (options->gain_record != NULL) ? bench_gain_file_read(options->gain_record, &config->gains) : NULL;
-    if (unread != NULL) {
-        (void)fprintf(stderr, "tumble-bench: %s: %s\n", options->gain_record, unread);
-        return false;
-    }
-    const char *const wrong = bench_config_complete(config);
-    if (wrong != NULL) {
-        const char *const name = (options->scenario != NULL) ? options->scenario : "the defaults";
-        (void)fprintf(stderr, "tumble-bench: %s: %s\n", name, wrong);
-    }
-    return wrong == NULL;
 }
 
 /* All processors, but no more than there are runs. */
@@ -79,7 +35,7 @@ static void choose_jobs(bench_options_t *options)
 static int run(bench_options_t *options)
 {
     static bench_config_t config;
-    if (!prepare(&config, options)) {
+    if (!bench_config_prepare(&config, options->scenario, options->gain_record, "tumble-bench")) {
         return BENCH_EXIT_USAGE;
     }
     bench_interrupt_watch();
@@ -90,8 +46,20 @@ static int run(bench_options_t *options)
     return bench_campaign(&config, options, stdout);
 }
 
+/* A standard stream that is closed must not become one of our files. What takes its place can neither be read nor
+ * written, just as if it were closed. */
+static void hold_standard_streams(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+        if (fcntl(fd, F_GETFD) < 0) {
+            (void)open("/dev/null", (fd == STDIN_FILENO) ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
 int main(int count, char *arguments[])
 {
+    hold_standard_streams();
     bench_options_t options;
     char wrong[200];
     if (!bench_options_read(&options, count, arguments, wrong)) {
@@ -107,8 +75,7 @@ int main(int count, char *arguments[])
     }
     const int code = run(&options);
     if (fflush(stdout) != 0) {
-        (void)refuse("standard output cannot be written");
-        return BENCH_EXIT_FAULT;
+        return refuse("standard output cannot be written");
     }
     return code;
 }

@@ -21,7 +21,7 @@ const char bench_options_help[] =
     "  --out DIR        write run.csv, bus.log and bench.json into a folder that is new or empty\n"
     "  --gain-record F  the gains of procedure.estimator = optimal (docs/gain-record.md)\n"
     "  --progress       one JSON line on standard error for every step of the procedure\n"
-    "  --progress-fd N  the same on an open file descriptor\n"
+    "  --progress-fd N  the same on an open file descriptor; when it can't be written any more, the run is given up\n"
     "  --interactive    ask for mountings and mended faults: questions go to the progress lines, answers come as\n"
     "                   lines on standard input: done, abort, leave, repeat position INDEX, repeat mounting NUMBER\n"
     "  --pace X         X virtual seconds per second; default: as fast as it goes\n"
@@ -37,8 +37,8 @@ const char bench_options_help[] =
     "  --keys           print the keys of a scenario file\n"
     "  --help           print this\n"
     "\n"
-    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 fault, 130 interrupted; of a campaign the\n"
-    "worst.\n";
+    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that cannot be written, 3 fault, 130\n"
+    "interrupted; of a campaign the worst.\n";
 
 typedef struct {
     bench_options_t *options;

@@ -140,25 +140,30 @@ static tumble_status_t do_it(bench_world_t *world, const bench_question_t *quest
     }
 }
 
+/* What was done may have been accepted or not. Accepted, it may fail again at once, in the same place: that is another
+ * question then. */
+static tumble_status_t go_on(bench_world_t *world, tumble_status_t status)
+{
+    if (status == TUMBLE_OK) {
+        world->person.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
+        world->mark = BENCH_LOOK_AGAIN;
+    }
+    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
+    return status;
+}
+
 tumble_status_t bench_person_answer(bench_world_t *world, bench_answer_t answer, uint8_t argument)
 {
     const bench_question_t question = world->person.question;
     world->person.act_us = SIM_NEVER;
     world->person.outside = false;
     switch (answer) {
-    case BENCH_ANSWER_DONE: {
-        const tumble_status_t status = do_it(world, &question);
-        if (status == TUMBLE_OK) {
-            world->person.question = (bench_question_t){.kind = BENCH_QUESTION_NONE};
-            world->mark = BENCH_LOOK_AGAIN; /* it may fail again at once, in the same place */
-        }
-        sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
-        return status;
-    }
+    case BENCH_ANSWER_DONE:
+        return go_on(world, do_it(world, &question));
     case BENCH_ANSWER_REPEAT_POSITION:
-        return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_POSITION, argument);
+        return go_on(world, tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_POSITION, argument));
     case BENCH_ANSWER_REPEAT_MOUNTING:
-        return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_MOUNTING, argument);
+        return go_on(world, tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_REPEAT_MOUNTING, argument));
     case BENCH_ANSWER_ABORT:
         bench_world_abort(world);
         return TUMBLE_OK;

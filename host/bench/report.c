@@ -77,6 +77,19 @@ static void put_check(const bench_world_t *world, const tumble_gravity_check_t *
     bench_json_close(json, '}');
 }
 
+/* As the firmware states them; null where it does not. */
+static void put_uncertainties(const bench_world_t *world, bench_json_t *json)
+{
+    tumble_uncertainty_t u;
+    if (tumble_navcomp_uncertainty(&world->navcomp, &u) != TUMBLE_OK) {
+        bench_json_null(json, "u_K");
+        bench_json_null(json, "u_U0");
+        return;
+    }
+    bench_json_matrix(json, "u_K", u.k_v_per_g);
+    bench_json_vector(json, "u_U0", u.u0_v, TUMBLE_CHANNELS);
+}
+
 static void put_result(const bench_world_t *world, bench_json_t *json)
 {
     static const char *const ESTIMATORS[] = {"averaged", "refined", "least_squares", "optimal"};
@@ -85,6 +98,7 @@ static void put_result(const bench_world_t *world, bench_json_t *json)
     if (tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {
         bench_json_null(json, "K");
         bench_json_null(json, "U0");
+        put_uncertainties(world, json);
         bench_json_null(json, "verification");
         bench_json_null(json, "closure_g");
         return;
@@ -93,6 +107,7 @@ static void put_result(const bench_world_t *world, bench_json_t *json)
     const tumble_procedure_t *const procedure = tumble_navcomp_procedure(&world->navcomp);
     bench_json_matrix(json, "K", result.coefficients->k_v_per_g);
     bench_json_vector(json, "U0", result.coefficients->u0_v, TUMBLE_CHANNELS);
+    put_uncertainties(world, json);
     put_check(world, result.check, json);
     bench_json_open(json, "closure_g", '[');
     for (uint8_t m = 0; m < mountings; m++) {
@@ -167,23 +182,36 @@ static void put_faults(const bench_world_t *world, bench_json_t *json)
     bench_json_close(json, ']');
 }
 
+void bench_report_firmware(const bench_world_t *world, bench_json_t *json)
+{
+    put_outcome(world, json);
+    put_result(world, json);
+    put_means(world, json);
+}
+
+void bench_report_simulation(const bench_world_t *world, bench_json_t *json)
+{
+    double lowest_deg;
+    double highest_deg;
+    sim_axis_extent(world->axis, world->clock.now_us, &lowest_deg, &highest_deg);
+    put_truth(world, json);
+    put_faults(world, json);
+    bench_json_number(json, "virtual_s", (double)world->clock.now_us * 1e-6);
+    bench_json_open(json, "table", '{');
+    bench_json_flag(json, "at_rest", bench_world_is_at_rest(world));
+    bench_json_number(json, "lowest_deg", lowest_deg);
+    bench_json_number(json, "highest_deg", highest_deg);
+    bench_json_close(json, '}');
+}
+
 void bench_report_document(const bench_world_t *world, FILE *out)
 {
     bench_json_t json = {.out = out};
     bench_json_open(&json, NULL, '{');
     bench_json_text(&json, "schema", "tumble.bench/1");
-    put_outcome(world, &json);
-    put_result(world, &json);
-    put_means(world, &json);
+    bench_report_firmware(world, &json);
     bench_report_counters(world, &json);
-    put_truth(world, &json);
-    put_faults(world, &json);
-    bench_json_number(&json, "virtual_s", (double)world->clock.now_us * 1e-6);
-    bench_json_open(&json, "table", '{');
-    bench_json_flag(&json, "at_rest", bench_world_is_at_rest(world));
-    bench_json_number(&json, "lowest_deg", world->axis->lowest_deg);
-    bench_json_number(&json, "highest_deg", world->axis->highest_deg);
-    bench_json_close(&json, '}');
+    bench_report_simulation(world, &json);
     bench_json_close(&json, '}');
     (void)fputc('\n', out);
 }

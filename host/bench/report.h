@@ -9,11 +9,12 @@
  * result means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished counters
  * {name: integer}: the firmware's, the bus's, the simulation's truth {K, U0, alpha1_rad, alpha2_rad, alpha3_rad (by
  * mounting), alpha4_rad (by position)} faults: list of {kind, times}: those of the scenario, and how often each has
- * come virtual_s; table {at_rest, lowest_deg, highest_deg}: how far the table was told to turn
+ * come virtual_s; table {at_rest, lowest_deg, highest_deg}: how far the table has turned
  */
 #ifndef TUMBLE_BENCH_REPORT_H
 #define TUMBLE_BENCH_REPORT_H
 
+#include "bench/json.h"
 #include "bench/world.h"
 
 #include <stdbool.h>
@@ -30,6 +31,10 @@ enum {
 
 /* The exit code of a run that has ended. */
 int bench_exit_code(const bench_world_t *world);
+
+/* Parts of it: what the firmware did and found; what the simulation was made of and where it ended. */
+void bench_report_firmware(const bench_world_t *world, bench_json_t *json);
+void bench_report_simulation(const bench_world_t *world, bench_json_t *json);
 
 /* The document, with a newline. */
 void bench_report_document(const bench_world_t *world, FILE *out);

@@ -48,7 +48,7 @@ static const counter_t COUNTERS[] = {
     {"resumes", OF(procedure.resumes)},
 };
 
-static void put_bus(const sim_bus_t *bus, bench_json_t *json)
+void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json)
 {
     uint64_t overflow = 0;
     for (int n = 0; n < SIM_BUS_NODES; n++) {
@@ -60,16 +60,21 @@ static void put_bus(const sim_bus_t *bus, bench_json_t *json)
     bench_json_whole(json, "bus_overflow", overflow);
 }
 
-void bench_report_counters(const bench_world_t *world, bench_json_t *json)
+void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json)
 {
     tumble_navcomp_counters_t counters;
     tumble_navcomp_counters(&world->navcomp, &counters);
-    bench_json_open(json, "counters", '{');
     for (size_t i = 0; i < sizeof COUNTERS / sizeof COUNTERS[0]; i++) {
         const char *const at = (const char *)&counters + COUNTERS[i].offset;
         bench_json_whole(json, COUNTERS[i].name, *(const uint32_t *)(const void *)at);
     }
-    put_bus(&world->bus, json);
     bench_json_whole(json, "firmware_steps", world->steps);
+}
+
+void bench_report_counters(const bench_world_t *world, bench_json_t *json)
+{
+    bench_json_open(json, "counters", '{');
+    bench_report_firmware_counters(world, json);
+    bench_report_bus_counters(&world->bus, json);
     bench_json_close(json, '}');
 }

@@ -5,6 +5,10 @@
 #include "bench/json.h"
 #include "bench/world.h"
 
+/* Members of it: of the firmware, of the simulated bus. */
+void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json);
+void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json);
+
 /* "counters": {name: integer}. */
 void bench_report_counters(const bench_world_t *world, bench_json_t *json);
 

@@ -12,6 +12,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define MAX_ANSWER 200
 
@@ -141,13 +142,19 @@ static void end_without_guests(session_t *session)
     }
 }
 
+/* The program that started this one has gone, and nobody waits for the end. */
+static bool is_left_alone(const session_t *session)
+{
+    return session->options->progress_fd > STDERR_FILENO && ferror(session->progress) != 0;
+}
+
 static void go(session_t *session)
 {
     bench_world_t *const world = &session->world;
     bool stopping = false;
     bool running = true;
     while (running) {
-        if (bench_interrupted() && !stopping) {
+        if ((bench_interrupted() || is_left_alone(session)) && !stopping) {
             stopping = true;
             bench_world_end(world, BENCH_INTERRUPTED);
         }
@@ -204,7 +211,7 @@ static int finish(session_t *session, FILE *out)
     if (options->out != NULL) {
         const char *const wrong = bench_folder_close(&session->folder, &session->world);
         if (wrong != NULL) {
-            return fail(options->out, wrong, BENCH_EXIT_FAULT);
+            return fail(options->out, wrong, BENCH_EXIT_USAGE);
         }
     }
     bench_report_document(&session->world, out);

@@ -78,17 +78,17 @@ static void init_block(bench_world_t *world)
     world->person.mounted[0] = 0; /* it merely lies there */
 }
 
-static tumble_status_t init_navcomp(bench_world_t *world)
+tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
+                                             const tumble_navcomp_hooks_t *hooks)
 {
-    const bench_config_t *const config = world->config;
-    world->port = (tumble_port_t){world, port_now_us, port_send, port_receive};
-    world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
-    world->navcomp_config = (tumble_navcomp_config_t){
-        .port = &world->port,
+    return (tumble_navcomp_config_t){
+        .port = port,
         .procedure = &config->procedure,
         .drive = (config->stand == BENCH_STAND_DRIVE) ? &config->profile : NULL,
+        .by_hand = &tumble_operator_calls,
         .person = &config->person,
-        .hooks = &world->hooks,
+        .hooks = hooks,
+        .declared = &config->declared,
         .block_period_us = config->scenario.block.sample_period_us,
         .heartbeat_ms = config->heartbeat_ms,
         .heartbeat_timeout_ms = config->heartbeat_timeout_ms,
@@ -96,6 +96,14 @@ static tumble_status_t init_navcomp(bench_world_t *world)
         .drive_node = 2,
         .block_node = 3,
     };
+}
+
+static tumble_status_t init_navcomp(bench_world_t *world)
+{
+    const bench_config_t *const config = world->config;
+    world->port = (tumble_port_t){world, port_now_us, port_send, port_receive};
+    world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
+    world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks);
     if (config->present.navcomp) {
         sim_bus_attach(&world->bus, BENCH_BUS_NAVCOMP, SIM_ACTOR_NAVCOMP);
     }
@@ -207,9 +215,12 @@ static bool look_at_procedure(bench_world_t *world)
 static void look_for_end(bench_world_t *world)
 {
     const tumble_state_t state = world->progress.state;
+    const bool was_reset = world->started && state == TUMBLE_STATE_IDLE; /* by a guest, through NMT */
+    world->started = world->started || state != TUMBLE_STATE_IDLE;
     if (state == TUMBLE_STATE_DONE) {
         end_with(world, BENCH_DONE);
-    } else if (state == TUMBLE_STATE_ABORT || (state == TUMBLE_STATE_FAULT && !bench_person_is_awaited(world))) {
+    } else if (was_reset || state == TUMBLE_STATE_ABORT ||
+               (state == TUMBLE_STATE_FAULT && !bench_person_is_awaited(world))) {
         end_with(world, BENCH_FAULT);
     }
 }

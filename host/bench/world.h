@@ -74,12 +74,17 @@ typedef struct bench_world {
     tumble_navcomp_t navcomp;
     tumble_progress_t progress; /* as last seen */
     uint32_t mark;              /* of the procedure at that time */
+    bool started;               /* the procedure has left IDLE */
     uint64_t steps;             /* of the firmware */
     uint64_t limit_us;
     uint64_t ending_us; /* since when it waits for the table to rest; SIM_NEVER: not yet */
     bench_end_t end;
     bench_end_t wanted_end;
 } bench_world_t;
+
+/* How the firmware is told what `config` says; `config`, `port` and `hooks` must outlive what it is told. */
+tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
+                                             const tumble_navcomp_hooks_t *hooks);
 
 /* Power everything on and command the start. Returns TUMBLE_OK or what tumble_navcomp_init says. All that is handed in
  * must outlive the world, which must not be moved. */

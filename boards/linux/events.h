@@ -1,0 +1,27 @@
+/* events.h - what a program on the bus waits for: frames, a moment, and being told to end. */
+#ifndef TUMBLE_LINUX_EVENTS_H
+#define TUMBLE_LINUX_EVENTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    int epoll;
+    int timer;   /* of the monotonic clock */
+    int signals; /* SIGINT, SIGTERM */
+    uint64_t armed_us; /* for when the timer is set */
+    int signal;        /* that has come, not yet taken */
+} events_t;
+
+/* From now on SIGINT and SIGTERM are taken by events_signal alone, and SIGPIPE is ignored. False: errno says why. */
+bool events_open(events_t *events, int can_fd);
+
+/* Wait for a frame, a signal or the moment `until_us` of the monotonic clock, whichever comes first. */
+void events_wait(events_t *events, uint64_t until_us);
+
+/* The signal that has come, or 0. */
+int events_signal(events_t *events);
+
+void events_close(events_t *events);
+
+#endif

@@ -1,0 +1,285 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "node.h"
+
+#include "bench/progress.h"
+#include "bench/report.h"
+
+#include <errno.h>
+#include <string.h>
+
+#define US_PER_MS 1000U
+
+/* What the firmware tells. */
+
+/* All frames of a step have its time, as they have for the firmware. */
+static void on_frame(void *context, const tumble_can_frame_t *frame)
+{
+    node_t *const node = context;
+    if (node->options->out != NULL) {
+        bench_folder_frame(&node->folder, node->epoch_us + node->world.clock.now_us, frame);
+    }
+}
+
+static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
+{
+    node_t *const node = context;
+    if (node->options->out != NULL) {
+        bench_folder_sample(&node->folder, taken, sample);
+    }
+    if (node->progress != NULL) {
+        bench_progress_average(&node->world, taken, node->progress);
+    }
+}
+
+static void write_document(const bench_world_t *world, FILE *out)
+{
+    node_report((const node_t *)(const void *)((const char *)world - offsetof(node_t, world)), out);
+}
+
+/* A run as it goes. */
+
+static bool is_of_a_run(tumble_state_t state)
+{
+    return state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
+}
+
+/* Whoever stands at the bench reads what is wanted of him; he answers by SDO. */
+static void ask(const node_t *node, const tumble_progress_t *progress)
+{
+    bench_question_t question = {.mounting = progress->mounting, .reason = progress->reason};
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
+        question.kind = BENCH_QUESTION_MOUNTING;
+    } else if (progress->state == TUMBLE_STATE_FAULT) {
+        question.kind = BENCH_QUESTION_FAULT;
+    } else {
+        return;
+    }
+    bench_progress_question(&node->world, &question, node->progress);
+}
+
+static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
+{
+    return a->state != b->state || a->index != b->index || a->attempt != b->attempt || a->reason != b->reason;
+}
+
+static void note_state(node_t *node)
+{
+    bench_world_t *const world = &node->world;
+    const tumble_progress_t before = world->progress;
+    tumble_procedure_progress(tumble_navcomp_procedure(&world->navcomp), &world->progress);
+    const tumble_progress_t *const now = &world->progress;
+    if (!has_moved_on(now, &before)) {
+        return;
+    }
+    node->faulted_us = (now->state == TUMBLE_STATE_FAULT) ? world->clock.now_us : SIM_NEVER;
+    if (is_of_a_run(now->state)) {
+        node->reported = false;
+    }
+    if (node->progress != NULL) {
+        bench_progress_state(world, now, node->progress);
+        ask(node, now);
+    }
+}
+
+static void end_with(node_t *node, bench_end_t end)
+{
+    if (node->world.wanted_end == BENCH_RUNNING) {
+        node->world.wanted_end = end;
+        node->ending_us = node->world.clock.now_us;
+    }
+}
+
+/* With --start a run is all there is. */
+static void look_for_end(node_t *node)
+{
+    const bench_world_t *const world = &node->world;
+    const uint64_t patience_us = (uint64_t)(node->options->patience_s * 1e6);
+    const tumble_state_t state = world->progress.state;
+    if (state == TUMBLE_STATE_DONE) {
+        end_with(node, BENCH_DONE);
+    } else if (state == TUMBLE_STATE_ABORT ||
+               (state == TUMBLE_STATE_FAULT && world->clock.now_us - node->faulted_us >= patience_us)) {
+        end_with(node, BENCH_FAULT);
+    } else if (world->clock.now_us > world->limit_us) {
+        (void)tumble_navcomp_command(&node->world.navcomp, TUMBLE_COMMAND_ABORT, 0);
+        end_with(node, BENCH_TOO_LONG);
+    }
+}
+
+/* Served: one line for each run that has ended. */
+static void report_ended(node_t *node, FILE *out)
+{
+    bench_world_t *const world = &node->world;
+    const tumble_state_t state = world->progress.state;
+    if (node->reported || (state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT)) {
+        return;
+    }
+    node->reported = true;
+    can_socket_look(&node->port.can);
+    world->end = (state == TUMBLE_STATE_DONE) ? BENCH_DONE : BENCH_FAULT;
+    node_report(node, out);
+    world->end = BENCH_RUNNING;
+}
+
+/* At rest, as far as its drive can tell; one that is silent, or a bus that is down, can tell nothing. */
+static bool may_still_turn(const bench_world_t *world)
+{
+    tumble_navcomp_progress_t progress;
+    tumble_navcomp_progress(&world->navcomp, &progress);
+    return progress.stand == TUMBLE_STAND_MOVING || progress.stand == TUMBLE_STAND_HOMING;
+}
+
+static bool has_ended(node_t *node)
+{
+    bench_world_t *const world = &node->world;
+    const uint64_t patience_us = (uint64_t)world->config->profile.stop_timeout_ms * US_PER_MS;
+    if (world->wanted_end == BENCH_RUNNING ||
+        (may_still_turn(world) && world->clock.now_us - node->ending_us < patience_us)) {
+        return false;
+    }
+    world->end = world->wanted_end;
+    return true;
+}
+
+static void take_signal(node_t *node)
+{
+    bench_world_t *const world = &node->world;
+    if (events_signal(&node->events) != 0) {
+        const bool running = is_of_a_run(world->progress.state);
+        (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
+        end_with(node, running ? BENCH_INTERRUPTED : BENCH_LEFT);
+    }
+}
+
+static void step(node_t *node)
+{
+    bench_world_t *const world = &node->world;
+    const uint64_t due_us = tumble_navcomp_next_deadline_us(&world->navcomp);
+    world->clock.now_us = port_linux_now_us(&node->port);
+    if (due_us > 0U && world->clock.now_us > due_us && world->clock.now_us - due_us > node->latest_us) {
+        node->latest_us = world->clock.now_us - due_us;
+    }
+    tumble_navcomp_step(&world->navcomp);
+    world->steps++;
+    note_state(node);
+}
+
+static void go(node_t *node, FILE *out)
+{
+    do {
+        step(node);
+        if (node->options->start) {
+            look_for_end(node);
+        } else {
+            report_ended(node, out);
+        }
+        events_wait(&node->events, node->port.start_us + tumble_navcomp_next_deadline_us(&node->world.navcomp));
+        take_signal(node);
+    } while (!has_ended(node));
+    if (node->progress != NULL) {
+        bench_progress_end(&node->world, node->progress);
+    }
+}
+
+/* Getting ready. */
+
+static int fail(const char *subject, const char *what, int code)
+{
+    (void)fprintf(stderr, "tumble-node: %s: %s\n", subject, what);
+    return code;
+}
+
+static int open_bus(node_t *node)
+{
+    const char *const interface = node->options->interface;
+    const can_socket_status_t status = port_linux_open(&node->port, &node->world.port, interface);
+    node->port.on_frame = on_frame;
+    node->port.context = node;
+    node->epoch_us = port_linux_utc_us();
+    switch (status) {
+    case CAN_SOCKET_OK:
+        return BENCH_EXIT_PASS;
+    case CAN_SOCKET_NO_CAN:
+        return fail(interface, can_socket_sentence(status), NODE_EXIT_SKIPPED);
+    case CAN_SOCKET_NO_INTERFACE:
+        return fail(interface, can_socket_sentence(status), BENCH_EXIT_USAGE);
+    default:
+        return fail(interface, can_socket_sentence(status), BENCH_EXIT_FAULT);
+    }
+}
+
+static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
+{
+    const bench_config_t *const config = world->config;
+    world->hooks = (tumble_navcomp_hooks_t){node, on_sample};
+    world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks);
+    tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
+    if (status == TUMBLE_OK && node->options->start) {
+        status = tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0);
+    }
+    return status;
+}
+
+static const char *open_outputs(node_t *node, const char **subject)
+{
+    const node_options_t *const options = node->options;
+    if (options->progress_fd >= 0) {
+        *subject = "--progress-fd";
+        node->progress = fdopen(options->progress_fd, "w");
+        if (node->progress == NULL) {
+            return "is not an open file descriptor";
+        }
+    }
+    if (options->out == NULL) {
+        return NULL;
+    }
+    *subject = options->out;
+    const char *const wrong = bench_folder_open(&node->folder, options->out);
+    node->folder.interface = node->port.can.name;
+    node->folder.document = write_document;
+    return wrong;
+}
+
+static int finish(node_t *node, FILE *out)
+{
+    if (node->options->out != NULL) {
+        const char *const wrong = bench_folder_close(&node->folder, &node->world);
+        if (wrong != NULL) {
+            return fail(node->options->out, wrong, BENCH_EXIT_FAULT);
+        }
+    }
+    if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
+        node_report(node, out);
+    }
+    return bench_exit_code(&node->world);
+}
+
+int node_run(const bench_config_t *config, const node_options_t *options, FILE *out)
+{
+    static node_t node;
+    const char *subject = "";
+    node = (node_t){.options = options, .faulted_us = SIM_NEVER, .ending_us = SIM_NEVER, .reported = true};
+    node.world.config = config;
+    node.world.limit_us = (uint64_t)(config->virtual_limit_s * 1e6);
+    const int opened = open_bus(&node);
+    if (opened != BENCH_EXIT_PASS) {
+        return opened;
+    }
+    const tumble_status_t status = init_firmware(&node.world, &node);
+    if (status != TUMBLE_OK) {
+        return fail("the firmware refuses its configuration", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+    }
+    if (!events_open(&node.events, node.port.can.fd)) {
+        return fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
+    }
+    const char *const wrong = open_outputs(&node, &subject);
+    if (wrong != NULL) {
+        return fail(subject, wrong, BENCH_EXIT_USAGE);
+    }
+    go(&node, out);
+    can_socket_look(&node.port.can);
+    events_close(&node.events);
+    port_linux_close(&node.port);
+    return finish(&node, out);
+}

@@ -1,0 +1,41 @@
+/* node.h - tumble-node: the navigation computer in real time on a CAN interface. */
+#ifndef TUMBLE_LINUX_NODE_H
+#define TUMBLE_LINUX_NODE_H
+
+#include "bench/config.h"
+#include "bench/folder.h"
+#include "bench/world.h"
+#include "events.h"
+#include "node_options.h"
+#include "port_linux.h"
+
+#include <stdio.h>
+
+/* Beyond the exit codes of the bench: what it needs is not there. */
+enum { NODE_EXIT_SKIPPED = 77 };
+
+typedef struct {
+    const node_options_t *options;
+    /* The bench's record of a run, so that its reports serve here as well: of it only the configuration, the firmware,
+     * its progress and the time are in use, no simulation. */
+    bench_world_t world;
+    port_linux_t port;
+    events_t events;
+    bench_folder_t folder;
+    FILE *progress;         /* null: nobody wants to know */
+    uint64_t epoch_us;      /* UTC at the port's time 0: bus.log */
+    uint64_t faulted_us;    /* since when it is in FAULT; SIM_NEVER: it is not */
+    uint64_t ending_us;     /* since when it waits for the table to rest; SIM_NEVER: not yet */
+    uint64_t latest_us;     /* the longest that a step came after its time */
+    bool reported;          /* the run that has ended */
+} node_t;
+
+/* Serve until the end; the exit code of the program. Documents go to `out`. */
+int node_run(const bench_config_t *config, const node_options_t *options, FILE *out);
+
+/* The document of a run: schema "tumble.node/1"; as of tumble-bench, without what only a simulation knows, and with
+ * counters of the interface: frames_foreign, kernel_received, kernel_sent, kernel_dropped, kernel_busy, error_frames,
+ * bus_offs, interface_downs; receive_buffer_bytes; latest_step_us. On one line. */
+void node_report(const node_t *node, FILE *out);
+
+#endif

@@ -1,0 +1,28 @@
+/* tumble-node: the navigation computer as a process on a CAN interface of Linux. */
+#include "bench/config_prepare.h"
+#include "bench/report.h"
+#include "node.h"
+
+#include <stdio.h>
+
+int main(int count, char *arguments[])
+{
+    static bench_config_t config;
+    node_options_t options;
+    if (!node_options_read(&options, count, arguments)) {
+        return BENCH_EXIT_USAGE;
+    }
+    if (options.help) {
+        (void)fputs(node_options_help, stdout);
+        return BENCH_EXIT_PASS;
+    }
+    if (!bench_config_prepare(&config, options.scenario, NULL, "tumble-node")) {
+        return BENCH_EXIT_USAGE;
+    }
+    const int code = node_run(&config, &options, stdout);
+    if (fflush(stdout) != 0) {
+        (void)fputs("tumble-node: standard output cannot be written\n", stderr);
+        return BENCH_EXIT_FAULT;
+    }
+    return code;
+}

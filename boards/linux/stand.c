@@ -1,0 +1,167 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "stand.h"
+
+#include "bench/report.h"
+#include "bench/report_counters.h"
+#include "events.h"
+#include "port_linux.h"
+#include "stand_bridge.h"
+#include "stand_operator.h"
+
+#include <errno.h>
+#include <string.h>
+
+#define SKIPPED 77
+#define RETRY_US 1000U     /* after the interface had no room */
+#define REST_US 5000000U   /* for the table to come to rest in the end */
+#define LONG_WAIT_US 500000U
+
+typedef struct {
+    bench_world_t world;
+    bench_watcher_t watcher;
+    stand_bridge_t bridge;
+    stand_operator_t operator;
+    events_t events;
+    uint64_t start_us; /* of the monotonic clock: virtual time 0 */
+    uint64_t epoch_us; /* UTC at that moment */
+    uint64_t ending_us;
+    uint64_t latest_us; /* the longest that it came after its time */
+    bool sending; /* frames wait for room */
+} stand_t;
+
+static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumble_can_frame_t *frame)
+{
+    stand_t *const stand = context;
+    (void)time_us;
+    stand_bridge_tell(&stand->bridge, sender, frame);
+    stand_operator_hear(&stand->operator, &stand->world, frame);
+}
+
+static void run_until(stand_t *stand, uint64_t until_us)
+{
+    bench_world_t *const world = &stand->world;
+    while (bench_world_next_us(world) <= until_us && bench_world_advance(world)) {
+        stand_bridge_feed(&stand->bridge, world);
+    }
+    bench_world_pass(world, until_us);
+}
+
+/* All that was due by now, in its order: what has come, at the moment when it came. So a process that was held up, and
+ * there are such moments on every machine, changes nothing on the simulated bus. */
+static void catch_up(stand_t *stand)
+{
+    const uint64_t now_us = port_linux_clock_us() - stand->start_us;
+    const uint64_t due_us = bench_world_next_us(&stand->world);
+    struct can_frame raw;
+    uint64_t utc_us;
+    if (now_us > due_us && now_us - due_us > stand->latest_us) {
+        stand->latest_us = now_us - due_us;
+    }
+    while (stand_bridge_next(&stand->bridge, &raw, &utc_us)) {
+        const uint64_t at_us = (utc_us > stand->epoch_us) ? utc_us - stand->epoch_us : 0U;
+        run_until(stand, (at_us < now_us) ? at_us : now_us);
+        stand_bridge_take(&stand->bridge, &stand->world, &raw);
+    }
+    run_until(stand, now_us);
+    stand_operator_step(&stand->operator, &stand->world);
+    stand->sending = stand_bridge_flush(&stand->bridge);
+}
+
+static uint64_t earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
+static uint64_t next_us(const stand_t *stand)
+{
+    const uint64_t now_us = stand->world.clock.now_us;
+    uint64_t due_us = earlier(bench_world_next_us(&stand->world), now_us + LONG_WAIT_US);
+    due_us = earlier(due_us, stand_operator_next_us(&stand->operator));
+    return stand->sending ? earlier(due_us, now_us + RETRY_US) : due_us;
+}
+
+/* Told to end, and the table at rest, or no hope of it. */
+static bool has_ended(stand_t *stand)
+{
+    const uint64_t now_us = stand->world.clock.now_us;
+    if (events_signal(&stand->events) != 0 && stand->ending_us == SIM_NEVER) {
+        stand->ending_us = now_us;
+    }
+    return stand->ending_us != SIM_NEVER &&
+           (bench_world_is_at_rest(&stand->world) || now_us > stand->ending_us + REST_US);
+}
+
+static void report(const stand_t *stand, FILE *out)
+{
+    bench_json_t json = {.out = out};
+    bench_json_open(&json, NULL, '{');
+    bench_json_text(&json, "schema", "tumble.stand/1");
+    bench_json_text(&json, "interface", stand->bridge.can.name);
+    bench_json_whole(&json, "seed", stand->world.seed);
+    bench_report_simulation(&stand->world, &json);
+    bench_json_number(&json, "angle_deg", sim_axis_actual_deg(stand->world.axis, stand->world.clock.now_us));
+    bench_json_open(&json, "operator", '{');
+    bench_json_whole(&json, "answers", stand->operator.answers);
+    bench_json_whole(&json, "refusals", stand->operator.refusals);
+    bench_json_close(&json, '}');
+    bench_json_open(&json, "counters", '{');
+    bench_report_bus_counters(&stand->world.bus, &json);
+    stand_bridge_report(&stand->bridge, &json);
+    bench_json_whole(&json, "latest_step_us", stand->latest_us);
+    bench_json_close(&json, '}');
+    bench_json_close(&json, '}');
+    (void)fputc('\n', out);
+}
+
+static int fail(const char *subject, const char *what, int code)
+{
+    (void)fprintf(stderr, "tumble-stand: %s: %s\n", subject, what);
+    return code;
+}
+
+static int open_bus(stand_t *stand, const char *interface)
+{
+    const can_socket_status_t status = can_socket_open(&stand->bridge.can, interface);
+    switch (status) {
+    case CAN_SOCKET_OK:
+        return BENCH_EXIT_PASS;
+    case CAN_SOCKET_NO_CAN:
+        return fail(interface, can_socket_sentence(status), SKIPPED);
+    case CAN_SOCKET_NO_INTERFACE:
+        return fail(interface, can_socket_sentence(status), BENCH_EXIT_USAGE);
+    default:
+        return fail(interface, can_socket_sentence(status), BENCH_EXIT_FAULT);
+    }
+}
+
+int stand_run(const bench_config_t *config, const stand_options_t *options, FILE *out)
+{
+    static stand_t stand;
+    stand.ending_us = SIM_NEVER;
+    stand.watcher = (bench_watcher_t){.context = &stand, .on_frame = on_frame};
+    stand_operator_init(&stand.operator, options->mounts, options->starts);
+    const int opened = open_bus(&stand, options->interface);
+    if (opened != BENCH_EXIT_PASS) {
+        return opened;
+    }
+    if (!events_open(&stand.events, stand.bridge.can.fd)) {
+        return fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
+    }
+    const tumble_status_t status = bench_world_init(&stand.world, config, options->seed, &stand.watcher);
+    if (status != TUMBLE_OK) {
+        return fail("the scenario cannot be used", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+    }
+    stand.start_us = port_linux_clock_us();
+    stand.epoch_us = port_linux_utc_us();
+    do {
+        catch_up(&stand);
+        events_wait(&stand.events, stand.start_us + next_us(&stand));
+    } while (!has_ended(&stand));
+    catch_up(&stand); /* what had come by then */
+    can_socket_look(&stand.bridge.can);
+    events_close(&stand.events);
+    can_socket_close(&stand.bridge.can);
+    report(&stand, out);
+    return BENCH_EXIT_PASS;
+}

@@ -1,0 +1,49 @@
+/* stand_bridge.h - the simulated bus of a world joined to a CAN interface.
+ *
+ * What drive, block and operator send on the simulated bus goes to the interface at the end of the frame; what comes
+ * from the interface takes part in arbitration on the simulated bus as the frames of one more node. So an interface
+ * without a bit rate (vcan) is as slow as the scenario's bus for the simulated nodes, and a flood of it delays them.
+ *
+ * An extended frame with identifier 0 turns the table, for a drive that runs elsewhere (with present.drive = no): as in
+ * host/bench/guests.h. Other extended and remote frames are counted and ignored.
+ */
+#ifndef TUMBLE_LINUX_STAND_BRIDGE_H
+#define TUMBLE_LINUX_STAND_BRIDGE_H
+
+#include "bench/json.h"
+#include "bench/world.h"
+#include "can_socket.h"
+#include "frame_queue.h"
+
+#include <stdint.h>
+
+/* Nodes of the simulated bus. */
+enum { STAND_BUS_INTERFACE = BENCH_BUS_GUEST, STAND_BUS_OPERATOR };
+
+typedef struct {
+    can_socket_t can;
+    frame_queue_t in;  /* from the interface, not yet taken by the simulated bus */
+    frame_queue_t out; /* to the interface, which had no room */
+    uint64_t foreign;
+    uint64_t unsent; /* the interface was down */
+} stand_bridge_t;
+
+/* The next frame that has come, and when the kernel received it (UTC). False: there is none. */
+bool stand_bridge_next(stand_bridge_t *bridge, struct can_frame *raw, uint64_t *utc_us);
+
+/* Take such a frame, at the world's present time. */
+void stand_bridge_take(stand_bridge_t *bridge, bench_world_t *world, const struct can_frame *raw);
+
+/* Hand to the simulated bus what waits and it has room for. */
+void stand_bridge_feed(stand_bridge_t *bridge, bench_world_t *world);
+
+/* A frame has gone over the simulated bus. */
+void stand_bridge_tell(stand_bridge_t *bridge, uint8_t sender, const tumble_can_frame_t *frame);
+
+/* Offer again what the interface had no room for. True: some of it still waits. */
+bool stand_bridge_flush(stand_bridge_t *bridge);
+
+/* Members of a document's counters. */
+void stand_bridge_report(const stand_bridge_t *bridge, bench_json_t *json);
+
+#endif

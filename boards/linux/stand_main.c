@@ -1,0 +1,46 @@
+/* tumble-stand: a simulated stand as a process on a CAN interface of Linux. */
+#include "bench/config_prepare.h"
+#include "bench/report.h"
+#include "stand.h"
+
+#include <stdio.h>
+
+#define FOREVER_S 1e9
+
+/* The firmware is elsewhere, and there is no end of virtual time. What only the firmware's own process can suffer is
+ * not to be had here. */
+static bool adapt(bench_config_t *config)
+{
+    config->present.navcomp = false;
+    config->virtual_limit_s = FOREVER_S;
+    for (uint32_t i = 0; i < config->scenario.fault_count; i++) {
+        if (config->scenario.faults[i].kind == SIM_FAULT_BUS_OFF) {
+            (void)fputs("tumble-stand: fault bus_off: is of the firmware's own controller; take down its interface\n",
+                        stderr);
+            return false;
+        }
+    }
+    return true;
+}
+
+int main(int count, char *arguments[])
+{
+    static bench_config_t config;
+    stand_options_t options;
+    if (!stand_options_read(&options, count, arguments)) {
+        return BENCH_EXIT_USAGE;
+    }
+    if (options.help) {
+        (void)fputs(stand_options_help, stdout);
+        return BENCH_EXIT_PASS;
+    }
+    if (!bench_config_prepare(&config, options.scenario, NULL, "tumble-stand") || !adapt(&config)) {
+        return BENCH_EXIT_USAGE;
+    }
+    const int code = stand_run(&config, &options, stdout);
+    if (fflush(stdout) != 0) {
+        (void)fputs("tumble-stand: standard output cannot be written\n", stderr);
+        return BENCH_EXIT_FAULT;
+    }
+    return code;
+}

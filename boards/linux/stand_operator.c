@@ -1,0 +1,214 @@
+#include "stand_operator.h"
+
+#include "bench/fault_script.h"
+#include "navcomp/commands.h"
+#include "stand_bridge.h"
+
+#define STATE_PDO 0x181U
+#define STATE_PDO_BYTES 8U
+#define REQUEST 0x601U
+#define ANSWER 0x581U
+#define DOWNLOADED 0x60U
+#define ABORTED 0x80U
+#define COMMAND_INDEX 0x2002U
+#define ARGUMENT 1U
+#define COMMAND 2U
+#define PATIENCE_US 300000U /* for one answer */
+#define AGAIN_US 1000000U   /* after a refusal, or no answer */
+
+void stand_operator_init(stand_operator_t *operator, bool mounts, bool starts)
+{
+    *operator = (stand_operator_t){
+        .mounts = mounts, .starts = starts, .act_us = SIM_NEVER, .patience_us = SIM_NEVER};
+}
+
+/* What the state PDO says, as far as it goes. */
+static bool read_progress(const bench_world_t *world, const tumble_can_frame_t *frame, tumble_progress_t *progress)
+{
+    const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
+    if (frame->length != STATE_PDO_BYTES || frame->data[0] >= TUMBLE_STATE_COUNT ||
+        frame->data[2] >= schedule->position_count) {
+        return false;
+    }
+    *progress = (tumble_progress_t){
+        .state = (tumble_state_t)frame->data[0],
+        .reason = (tumble_reason_t)frame->data[1],
+        .index = frame->data[2],
+        .finished = frame->data[3],
+        .count = schedule->position_count,
+        .mounting = schedule->positions[frame->data[2]].mounting,
+        .position = schedule->positions[frame->data[2]].number,
+    };
+    return true;
+}
+
+/* What the firmware in the same process would tell the simulation. */
+static void tell_simulation(bench_world_t *world)
+{
+    const tumble_progress_t *const progress = &world->progress;
+    world->angle_error.position = progress->index;
+    bench_fault_script_look(world, progress);
+    if (progress->state == TUMBLE_STATE_SETTLE || progress->state == TUMBLE_STATE_AVERAGE) {
+        world->truth.alpha4_rad[progress->index] = sim_axis_error_rad(world->axis);
+    }
+}
+
+static bench_question_t question_of(const stand_operator_t *operator, const bench_world_t *world)
+{
+    const tumble_progress_t *const progress = &world->progress;
+    bench_question_t question = {.kind = BENCH_QUESTION_NONE};
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING && operator->mounts) {
+        question.kind = BENCH_QUESTION_MOUNTING;
+        question.mounting = progress->mounting;
+    } else if (progress->state == TUMBLE_STATE_FAULT && operator->mounts) {
+        question.kind = BENCH_QUESTION_FAULT;
+        question.mounting = progress->mounting;
+        question.reason = progress->reason;
+    }
+    return question;
+}
+
+/* How long he takes; below 0: he does nothing. */
+static double time_for(const bench_world_t *world, const bench_question_t *question)
+{
+    const sim_operator_config_t *const config = &world->config->scenario.person;
+    if (question->kind == BENCH_QUESTION_MOUNTING) {
+        return config->mount_s;
+    }
+    const bool mends = question->kind == BENCH_QUESTION_FAULT && world->person.mended < config->mends;
+    return mends ? config->mend_s : -1.0;
+}
+
+static void drop_command(stand_operator_t *operator)
+{
+    operator->command = 0;
+    operator->patience_us = SIM_NEVER;
+}
+
+static void look(stand_operator_t *operator, const bench_world_t *world)
+{
+    const bench_question_t question = question_of(operator, world);
+    const bool starting = operator->command == (uint8_t)TUMBLE_COMMAND_START;
+    if (operator->starts && world->progress.state == TUMBLE_STATE_IDLE && !starting) {
+        operator->act_us = world->clock.now_us;
+        return;
+    }
+    if (starting && world->progress.state != TUMBLE_STATE_IDLE) {
+        operator->starts = false;
+        drop_command(operator);
+    }
+    if (question.kind == operator->question.kind && question.mounting == operator->question.mounting &&
+        question.reason == operator->question.reason) {
+        return;
+    }
+    const double time_s = time_for(world, &question);
+    operator->question = question;
+    operator->act_us = (time_s < 0.0) ? SIM_NEVER : world->clock.now_us + (uint64_t)(time_s * 1e6);
+    drop_command(operator);
+}
+
+static void request(const stand_operator_t *operator, bench_world_t *world)
+{
+    const uint8_t subindex = operator->argued ? COMMAND : ARGUMENT;
+    const uint8_t value = operator->argued ? operator->command : operator->argument;
+    const tumble_can_frame_t frame = {
+        REQUEST, 8U, {0x2FU, COMMAND_INDEX & 0xFFU, COMMAND_INDEX >> 8, subindex, value}};
+    (void)sim_bus_send(&world->bus, STAND_BUS_OPERATOR, &frame);
+}
+
+static void give(stand_operator_t *operator, bench_world_t *world, tumble_command_t command, uint8_t argument)
+{
+    operator->command = (uint8_t)command;
+    operator->argument = argument;
+    operator->argued = false;
+    operator->act_us = SIM_NEVER;
+    operator->patience_us = world->clock.now_us + PATIENCE_US;
+    request(operator, world);
+}
+
+static void answered(stand_operator_t *operator, bench_world_t *world, const uint8_t *data)
+{
+    const bool ours = operator->command != 0U && data[1] == (COMMAND_INDEX & 0xFFU) &&
+                      data[2] == (COMMAND_INDEX >> 8) && data[3] == (operator->argued ? COMMAND : ARGUMENT);
+    if (ours && data[0] == DOWNLOADED && !operator->argued) {
+        operator->argued = true;
+        operator->patience_us = world->clock.now_us + PATIENCE_US;
+        request(operator, world);
+    } else if (ours && data[0] == DOWNLOADED) {
+        operator->answers++;
+        operator->starts = operator->starts && operator->command != (uint8_t)TUMBLE_COMMAND_START;
+        operator->question = (bench_question_t){.kind = BENCH_QUESTION_NONE}; /* it may be put again */
+        drop_command(operator);
+    } else if (ours && data[0] == ABORTED) {
+        operator->refusals++;
+        operator->patience_us = world->clock.now_us;
+    }
+}
+
+void stand_operator_hear(stand_operator_t *operator, bench_world_t *world, const tumble_can_frame_t *frame)
+{
+    if (frame->id == STATE_PDO && read_progress(world, frame, &world->progress)) {
+        tell_simulation(world);
+        look(operator, world);
+    } else if (frame->id == ANSWER && frame->length == 8U) {
+        answered(operator, world, frame->data);
+    }
+}
+
+static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
+{
+    uint8_t m = 0;
+    while (m + 1U < schedule->mounting_count && schedule->mountings[m].number != number) {
+        m++;
+    }
+    return m;
+}
+
+/* As asked, or, the first time, as the scenario has him err. */
+static void mount(bench_world_t *world, uint8_t asked)
+{
+    const sim_operator_config_t *const config = &world->config->scenario.person;
+    const bool errs = asked == config->wrong_mounting && !world->person.erred;
+    world->person.erred = world->person.erred || errs;
+    bench_world_mount(world, mounting_index(&world->config->scenario.schedule, errs ? config->mounted_instead : asked));
+}
+
+static bool is_of_the_mounting(tumble_reason_t reason)
+{
+    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
+           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
+}
+
+static void act(stand_operator_t *operator, bench_world_t *world)
+{
+    const bench_question_t *const question = &operator->question;
+    if (question->kind == BENCH_QUESTION_NONE) {
+        give(operator, world, TUMBLE_COMMAND_START, 0);
+        return;
+    }
+    if (question->kind == BENCH_QUESTION_FAULT) {
+        world->person.mended++;
+        bench_fault_script_mend(world);
+    }
+    if (question->kind == BENCH_QUESTION_MOUNTING || is_of_the_mounting(question->reason)) {
+        mount(world, question->mounting);
+        give(operator, world, TUMBLE_COMMAND_CONFIRM_MOUNTING, question->mounting);
+    } else {
+        give(operator, world, TUMBLE_COMMAND_RESUME, 0);
+    }
+}
+
+uint64_t stand_operator_next_us(const stand_operator_t *operator)
+{
+    return (operator->act_us < operator->patience_us) ? operator->act_us : operator->patience_us;
+}
+
+void stand_operator_step(stand_operator_t *operator, bench_world_t *world)
+{
+    if (world->clock.now_us >= operator->act_us) {
+        act(operator, world);
+    } else if (world->clock.now_us >= operator->patience_us) {
+        give(operator, world, (tumble_command_t)operator->command, operator->argument);
+        operator->patience_us = world->clock.now_us + AGAIN_US;
+    }
+}

@@ -1,0 +1,78 @@
+#define _GNU_SOURCE /* getopt_long */
+
+#include "stand_options.h"
+
+#include "arguments.h"
+
+#include <getopt.h>
+#include <signal.h>
+#include <stddef.h>
+#include <string.h>
+#include <sys/prctl.h>
+
+const char stand_options_help[] =
+    "usage: tumble-stand INTERFACE [SCENARIO] [options]\n"
+    "\n"
+    "A simulated rotary stand on a CAN interface, in real time: its drive (node 2, CiA 402), the\n"
+    "accelerometer block on it (node 3), and the operator who mounts the block. Who leads them is on the\n"
+    "same interface: tumble-node, a board, or any other CANopen master. INTERFACE is one of Linux, such\n"
+    "as vcan0 or can0. SCENARIO is a file as of tumble-bench (tumble-bench --keys lists the keys).\n"
+    "\n"
+    "Serves until SIGTERM or SIGINT, waits for the table to be at rest, 5 s at most, and prints one JSON\n"
+    "document: the truth, the faults that came, the table, counters.\n"
+    "\n"
+    "  --seed N         whole number from 0 to 2^64 - 1; default 1\n"
+    "  --operator WHAT  none: does nothing; mount: answers node 1 when it waits for a mounting; start:\n"
+    "                   gives the command to start as well, once; default: mount\n"
+    "  --with-parent    end, as by SIGTERM, when the process that started this one has ended\n"
+    "  --help           print this\n"
+    "\n"
+    "Exit codes: 0 told to end, 2 bad input, or no such interface; 3 fault; 77 this kernel has no CAN.\n";
+
+enum { SEED = 1, OPERATOR, WITH_PARENT, HELP };
+
+static const struct option OPTIONS[] = {
+    {"seed", required_argument, NULL, SEED},
+    {"operator", required_argument, NULL, OPERATOR},
+    {"with-parent", no_argument, NULL, WITH_PARENT},
+    {"help", no_argument, NULL, HELP},
+    {0},
+};
+
+static bool take_operator(stand_options_t *options, const char *what)
+{
+    options->starts = strcmp(what, "start") == 0;
+    options->mounts = options->starts || strcmp(what, "mount") == 0;
+    return options->mounts || strcmp(what, "none") == 0 ||
+           arguments_refuse("--operator", "must be none, mount or start");
+}
+
+static bool take(stand_options_t *options, int option)
+{
+    switch (option) {
+    case SEED:
+        return arguments_whole("--seed", optarg, 0, UINT64_MAX, &options->seed);
+    case OPERATOR:
+        return take_operator(options, optarg);
+    case WITH_PARENT:
+        return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
+    case HELP:
+        options->help = true;
+        return true;
+    default:
+        return false; /* getopt_long has said what is wrong */
+    }
+}
+
+bool stand_options_read(stand_options_t *options, int count, char *arguments[])
+{
+    int option;
+    *options = (stand_options_t){.seed = 1, .mounts = true};
+    while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
+        if (!take(options, option)) {
+            return false;
+        }
+    }
+    return options->help ||
+           arguments_operands(count - optind, arguments + optind, &options->interface, &options->scenario);
+}

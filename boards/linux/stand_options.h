@@ -1,0 +1,22 @@
+/* stand_options.h - the command line of tumble-stand. */
+#ifndef TUMBLE_LINUX_STAND_OPTIONS_H
+#define TUMBLE_LINUX_STAND_OPTIONS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    const char *interface;
+    const char *scenario; /* file, "-" for standard input, null for the defaults */
+    uint64_t seed;
+    bool mounts;
+    bool starts;
+    bool help;
+} stand_options_t;
+
+extern const char stand_options_help[];
+
+/* False: one line on standard error has said what does not fit. */
+bool stand_options_read(stand_options_t *options, int count, char *arguments[]);
+
+#endif

@@ -1,0 +1,45 @@
+"""Tests on CAN interfaces of Linux, each on a virtual one of its own. As root, where the kernel has vcan; tools/realbus
+brings them into user-mode Linux where it has not.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/integration"))
+
+from processes import Interface  # noqa: E402
+
+_number = iter(range(1, 1000))
+
+
+@pytest.fixture
+def bus():
+    """A fresh interface, up; gone in the end."""
+    interface = Interface(f"vcan{next(_number)}")
+    yield interface
+    interface.remove()
+
+
+@pytest.fixture
+def started():
+    """Processes to be killed in the end, if they have not ended by then."""
+    processes = []
+    yield processes
+    for process in processes:
+        process.kill()
+
+
+@pytest.fixture
+def tumble():
+    """Run `tumble ...` in a process of its own."""
+
+    def run(*arguments, **options):
+        return subprocess.run([sys.executable, "-m", "tumble", *map(str, arguments)], capture_output=True, text=True,
+                              env=dict(os.environ), timeout=120, **options)
+
+    return run

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux.
+
+    realbus.py REPORT.xml [PYTEST ARGUMENTS]     exit 0 passed, 1 failed, 77 neither is to be had: the last line says
+    why
+"""
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "host/python/src"), str(ROOT / "build/host/python")]
+
+from tumble.bench import uml  # noqa: E402
+from tumble.errors import TumbleError  # noqa: E402
+
+SKIPPED = 77
+TOOLS = {"candump": "can-utils", "cangen": "can-utils", "ip": "iproute2"}
+PROBE = "vcan999"
+MEMORY_MB = 768
+TIMEOUT_S = 900.0
+
+
+def main(arguments):
+    report, chosen = Path(arguments[0]).resolve(), arguments[1:]
+    report.unlink(missing_ok=True)
+    lacking = {package for tool, package in TOOLS.items() if shutil.which(tool, path=search_path()) is None}
+    if lacking:
+        print(f"tests on CAN interfaces need {', '.join(sorted(lacking))}")
+        return SKIPPED
+    if has_vcan():
+        return subprocess.run(command(report, chosen), cwd=ROOT, env=environment(), check=False).returncode
+    if (reason := uml.missing()) is not None:
+        print(f"no virtual CAN interface here, and no user-mode Linux: {reason}")
+        return SKIPPED
+    try:
+        return in_uml(report, chosen)
+    except TumbleError as error:
+        print(error)
+        return 1
+
+
+def search_path():
+    return f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin"
+
+
+def has_vcan():
+    made = subprocess.run(["ip", "link", "add", "dev", PROBE, "type", "vcan"], capture_output=True, check=False,
+                          env={**os.environ, "PATH": search_path()})
+    if made.returncode == 0:
+        subprocess.run(["ip", "link", "del", PROBE], check=False, env={**os.environ, "PATH": search_path()})
+    return made.returncode == 0
+
+
+def command(report, chosen):
+    folder = [] if any(word.startswith("tests/") for word in chosen) else ["tests/realbus"]
+    return [sys.executable, "-m", "pytest", "-q", "-ra", "--durations=0", f"--junitxml={report}", *folder, *chosen]
+
+
+def environment():
+    return {**os.environ, "PATH": search_path(), "PYTHONDONTWRITEBYTECODE": "1",
+            "PYTHONPATH": f"{ROOT}/host/python/src:{ROOT}/build/host/python"}
+
+
+def in_uml(report, chosen):
+    with uml.work_folder() as name:
+        folder = Path(name)
+        words = shlex.join(command(folder / "report.xml", chosen))
+        settings = shlex.join(f"{key}={value}" for key, value in environment().items()
+                              if key.startswith("PYTHON") or key == "PATH")
+        (folder / "tmp").mkdir()
+        settings += f" TMPDIR={folder}/tmp HOME=/run"
+        job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
+               f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
+        code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S)
+        print((folder / "output").read_text(errors="replace"))
+        if (folder / "report.xml").exists():
+            shutil.copy(folder / "report.xml", report)
+        return code
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
