@@ -1,0 +1,165 @@
+#include "configuration.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The chip as it stands on the ZCU102 board, or in the emulator. */
+#ifdef ZCU102_EMULATED
+#define CAN_CLOCK_HZ 24000000U
+#define CAN_LAYOUT ZCU102_CAN_EMULATED
+#else
+#define CAN_CLOCK_HZ 100000000U /* as the board's first stage loader leaves it */
+#define CAN_LAYOUT ZCU102_CAN_SILICON
+#endif
+
+#define BITS_PER_SECOND 500000U
+#define SAMPLES 50U
+
+const tumble_averaging_config_t zcu102_averaging = {
+    .saturation_counts = 8388607, /* 24 bits */
+    .min_samples = SAMPLES,       /* for fewer the ratio below would be too strict */
+    .max_lost = 5,
+    .stuck_run = 20,
+    .noise_counts = 251.6584F,     /* 0.3 mV, and rounding to a count */
+    .stillness_ratio = 1.6060915F, /* 1 + 6 / sqrt(2 (samples - 1)): six standard deviations of a scatter */
+};
+
+const tumble_procedure_config_t zcu102_procedure = {
+    .schedule = &tumble_schedule_paper,
+    .averaging = &zcu102_averaging,
+    .estimate = TUMBLE_ESTIMATE_REFINED,
+    .samples = SAMPLES,
+    .v_per_count = 20.0 / 16777216.0, /* +-10 V in 24 bits */
+    .nominal_scale_v_per_g = -2.0,
+    .gravity_limit_g = 3e-4,
+    .closure_limit_g = 2e-3,
+    .position_tolerance_deg = 0.05,
+    .approach_deg = 5.0,
+    .cable_min_deg = -30.0,
+    .cable_max_deg = 400.0,
+    .settle_ms = 500,
+    .max_corrupted = 5,
+    .retries = 2,
+    .warm_up_band_half_c = 2,
+    .warm_up_samples = 50,
+    .preflight_timeout_ms = 10000,
+    .warm_up_timeout_ms = 600000,
+    .mounting_timeout_ms = 600000,
+    .home_timeout_ms = 60000,
+    .move_timeout_ms = 30000,
+    .settle_timeout_ms = 5000,
+    .average_timeout_ms = 11000, /* 10 s, and twice what 50 samples take at 100 a second */
+    .sample_timeout_ms = 1000,
+};
+
+static const tumble_drive_pdo_t RECEIVE[] = {
+    {.number = 0,
+     .setup = {.cob_id = 0x202,
+               .type = TUMBLE_PDO_EVENT_PROFILE,
+               .count = 2,
+               .map = {TUMBLE_MAP(0x6040, 0, 16), TUMBLE_MAP(0x607A, 0, 32)}}},
+};
+
+static const tumble_drive_pdo_t TRANSMIT[] = {
+    {.number = 0,
+     .setup = {.cob_id = 0x182,
+               .type = TUMBLE_PDO_EVENT_PROFILE,
+               .count = 2,
+               .inhibit_100us = 50,
+               .event_ms = 100,
+               .map = {TUMBLE_MAP(0x6041, 0, 16), TUMBLE_MAP(0x6064, 0, 32)}}},
+};
+
+const tumble_drive_profile_t zcu102_drive = {
+    .counts_per_revolution = 360000.0,
+    .velocity_units_per_deg_s = 1000.0,
+    .acceleration_units_per_deg_s2 = 1000.0,
+    .sign = 1,
+    .velocity_deg_s = 90.0,
+    .acceleration_deg_s2 = 180.0,
+    .deceleration_deg_s2 = 180.0,
+    .quick_stop_deg_s2 = 180.0,
+    .homing_fast_deg_s = 45.0,
+    .homing_slow_deg_s = 4.5,
+    .homing_acceleration_deg_s2 = 180.0,
+    .homing_method = 34,
+    .stop = TUMBLE_STOP_BY_QUICK_STOP,
+    .receive = RECEIVE,
+    .transmit = TRANSMIT,
+    .receive_count = 1,
+    .transmit_count = 1,
+    .heartbeat_ms = 100,
+    .heartbeat_timeout_ms = 500,
+    .start_timeout_ms = 3000,
+    .power_timeout_ms = 3000,
+    .handshake_timeout_ms = 1000,
+    .home_timeout_ms = 60000,
+    .move_timeout_ms = 30000,
+    .stop_timeout_ms = 5000,
+};
+
+const tumble_navcomp_config_t zcu102_navcomp = {
+    .procedure = &zcu102_procedure,
+    .drive = &zcu102_drive,
+    .block_period_us = 10000,
+    .heartbeat_ms = 100,
+    .heartbeat_timeout_ms = 500,
+    .node = 1,
+    .drive_node = 2,
+    .block_node = 3,
+};
+
+/* Four filters, 22 identifiers of 2048: a bus full of others' frames does not reach the queue. */
+static const zcu102_can_filter_t FILTERS[ZCU102_CAN_FILTERS] = {
+    {0x000, 0x1FE}, /* NMT command; SDO to us (601h); and six more */
+    {0x082, 0x6FE}, /* emergencies of drive and block; the drive's process data (182h); 183h */
+    {0x683, 0x7EF}, /* the two halves of a sample (683h, 693h) */
+    {0x702, 0x57E}, /* heartbeats of drive and block; SDO of the drive (582h); and five more */
+};
+
+const zcu102_can_config_t zcu102_can = {
+    .base = ZCU102_CAN0,
+    .clock_hz = CAN_CLOCK_HZ,
+    .bits_per_second = BITS_PER_SECOND,
+    .filters = FILTERS,
+    .filter_count = ZCU102_CAN_FILTERS,
+    .layout = CAN_LAYOUT,
+};
+
+tumble_status_t zcu102_configure(tumble_navcomp_config_t *config, zcu102_commissioned_t *room)
+{
+    tumble_status_t status = TUMBLE_E_PORT_EMPTY;
+    *config = zcu102_navcomp;
+#ifdef ZCU102_COMMISSIONING_ADDRESS
+    status = zcu102_commissioning_read(room, (const uint8_t *)(uintptr_t)ZCU102_COMMISSIONING_ADDRESS);
+#endif
+    if (status == TUMBLE_OK) {
+        config->procedure = &room->procedure;
+        config->drive = &room->drive;
+        config->block_period_us = room->block_period_us;
+        config->heartbeat_ms = room->heartbeat_ms;
+        config->heartbeat_timeout_ms = room->heartbeat_timeout_ms;
+    }
+    return (status == TUMBLE_E_PORT_EMPTY) ? TUMBLE_OK : status;
+}
+
+static bool is_heard(uint32_t id)
+{
+    bool heard = false;
+    for (uint32_t n = 0; n < ZCU102_CAN_FILTERS; n++) {
+        heard = heard || (((id ^ FILTERS[n].id) & FILTERS[n].mask) == 0U);
+    }
+    return heard;
+}
+
+zcu102_can_config_t zcu102_can_for(const tumble_navcomp_config_t *config)
+{
+    zcu102_can_config_t can = zcu102_can;
+    for (uint8_t i = 0; i < config->drive->transmit_count; i++) {
+        if (!is_heard(config->drive->transmit[i].setup.cob_id & TUMBLE_CAN_MAX_ID)) {
+            can.filters = NULL;
+            can.filter_count = 0;
+        }
+    }
+    return can;
+}

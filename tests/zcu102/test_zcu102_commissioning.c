@@ -1,0 +1,153 @@
+/* The commissioning record: what went in comes out, to the bit, and nothing else does. */
+#include "bench/config.h"
+#include "configuration.h"
+#include "unity.h"
+
+#include <stddef.h>
+#include <string.h>
+
+static bench_config_t bench;
+static tumble_navcomp_config_t config;
+static zcu102_commissioned_t before;
+static zcu102_commissioned_t after;
+static uint8_t record[ZCU102_COMMISSIONING_BYTES];
+static uint8_t again[ZCU102_COMMISSIONING_BYTES];
+static size_t size;
+
+void setUp(void)
+{
+    bench_config_defaults(&bench);
+    TEST_ASSERT_NULL(bench_config_complete(&bench));
+    config = (tumble_navcomp_config_t){
+        .procedure = &bench.procedure, .drive = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
+    memset(record, 0, sizeof record);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
+    size = zcu102_commissioning_write(&before, record);
+}
+
+void tearDown(void)
+{
+}
+
+/* Fill every field with something of its own: two that are mixed up, or one that is left out, shows. */
+static void fill(void *at, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++) {
+        ((uint8_t *)at)[i] = (uint8_t)(37U * i + 11U);
+    }
+}
+
+static void test_what_goes_in_comes_out(void)
+{
+    TEST_ASSERT_TRUE(size > 1000U && size < ZCU102_COMMISSIONING_BYTES);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
+    TEST_ASSERT_EQUAL_size_t(size, zcu102_commissioning_write(&after, again));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(record, again, size);
+    TEST_ASSERT_EQUAL_UINT32(before.block_period_us, after.block_period_us);
+    TEST_ASSERT_EQUAL_UINT16(123, after.heartbeat_ms);
+    TEST_ASSERT_EQUAL_UINT16(4567, after.heartbeat_timeout_ms);
+    TEST_ASSERT_EQUAL_PTR(&after.schedule, after.procedure.schedule);
+    TEST_ASSERT_EQUAL_PTR(&after.averaging, after.procedure.averaging);
+    TEST_ASSERT_EQUAL_MEMORY(tumble_schedule_paper.positions, after.positions, 18U * sizeof after.positions[0]);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_procedure_validate(&after.procedure, NULL));
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_drive402_validate(&after.drive, 1));
+}
+
+/* Numbers and times of the procedure, by their place in memory: bytes between the fields do not count. */
+static void test_no_field_is_left_out(void)
+{
+    fill(&before.procedure.samples, offsetof(tumble_procedure_config_t, sample_timeout_ms) + 4U -
+                                        offsetof(tumble_procedure_config_t, samples));
+    fill(&before.averaging, sizeof before.averaging);
+    (void)zcu102_commissioning_write(&before, record);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
+    TEST_ASSERT_EQUAL_MEMORY(&before.averaging, &after.averaging, sizeof before.averaging);
+#define SAME(field) TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before.field, &after.field, sizeof after.field, #field)
+    SAME(procedure.samples);
+    SAME(procedure.error_budget_v);
+    SAME(procedure.v_per_count);
+    SAME(procedure.nominal_scale_v_per_g);
+    SAME(procedure.gravity_limit_g);
+    SAME(procedure.closure_limit_g);
+    SAME(procedure.position_tolerance_deg);
+    SAME(procedure.approach_deg);
+    SAME(procedure.cable_min_deg);
+    SAME(procedure.cable_max_deg);
+    SAME(procedure.settle_ms);
+    SAME(procedure.max_corrupted);
+    SAME(procedure.retries);
+    SAME(procedure.warm_up_band_half_c);
+    SAME(procedure.warm_up_samples);
+    SAME(procedure.preflight_timeout_ms);
+    SAME(procedure.warm_up_timeout_ms);
+    SAME(procedure.mounting_timeout_ms);
+    SAME(procedure.home_timeout_ms);
+    SAME(procedure.move_timeout_ms);
+    SAME(procedure.settle_timeout_ms);
+    SAME(procedure.average_timeout_ms);
+    SAME(procedure.sample_timeout_ms);
+    SAME(receive[0].setup.map);
+    SAME(transmit[0].setup.map);
+    SAME(transmit[0].setup.event_ms);
+    SAME(drive.counts_per_revolution);
+    SAME(drive.homing_acceleration_deg_s2);
+    SAME(drive.stop_timeout_ms);
+    SAME(drive.homing_method);
+}
+
+static void test_every_wrong_bit_is_refused(void)
+{
+    for (size_t bit = 0; bit < 8U * size; bit++) {
+        record[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+        TEST_ASSERT_EQUAL(TUMBLE_E_CRC, zcu102_commissioning_read(&after, record));
+        record[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+    }
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));
+}
+
+static void test_erased_memory_is_no_record(void)
+{
+    memset(record, 0, sizeof record);
+    TEST_ASSERT_EQUAL(TUMBLE_E_PORT_EMPTY, zcu102_commissioning_read(&after, record));
+    memset(record, 0xFF, sizeof record);
+    TEST_ASSERT_EQUAL(TUMBLE_E_PORT_EMPTY, zcu102_commissioning_read(&after, record));
+    memset(record, 0x5A, sizeof record);
+    TEST_ASSERT_EQUAL(TUMBLE_E_CRC, zcu102_commissioning_read(&after, record));
+}
+
+static void test_what_does_not_fit_is_refused(void)
+{
+    config.drive = NULL;
+    TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
+    config.drive = &bench.profile;
+    bench.profile.write_count = ZCU102_MAX_WRITES + 1U;
+    TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
+}
+
+static void test_without_a_record_the_board_has_what_is_built_in(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_configure(&config, &after));
+    TEST_ASSERT_EQUAL_PTR(&zcu102_procedure, config.procedure);
+    TEST_ASSERT_EQUAL_PTR(&zcu102_drive, config.drive);
+    TEST_ASSERT_EQUAL_UINT8(ZCU102_CAN_FILTERS, zcu102_can_for(&config).filter_count);
+}
+
+static void test_filters_open_for_a_drive_with_other_process_data(void)
+{
+    before.transmit[0].setup.cob_id = 0x2A2;
+    config.drive = &before.drive;
+    TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_what_goes_in_comes_out);
+    RUN_TEST(test_no_field_is_left_out);
+    RUN_TEST(test_every_wrong_bit_is_refused);
+    RUN_TEST(test_erased_memory_is_no_record);
+    RUN_TEST(test_what_does_not_fit_is_refused);
+    RUN_TEST(test_without_a_record_the_board_has_what_is_built_in);
+    RUN_TEST(test_filters_open_for_a_drive_with_other_process_data);
+    return UNITY_END();
+}
