@@ -117,3 +117,45 @@ tumble_status_t dense_householder(const tumble_schedule_t *schedule, const tumbl
     unpack(x, coefficients);
     return TUMBLE_OK;
 }
+
+/* What one would write who sees that the channels share one design: a normal matrix of four unknowns, no checks at all. */
+tumble_status_t shared_normal_matrix(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                     tumble_coefficients_t *coefficients)
+{
+    double m[4][4] = {{0.0}};
+    double x[TUMBLE_CHANNELS][4] = {{0.0}};
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        double row[4] = {0.0, 0.0, 0.0, 1.0};
+        tumble_schedule_attitude(schedule, p, row);
+        for (int i = 0; i < 4; i++) {
+            for (int j = 0; j <= i; j++) {
+                m[i][j] += row[i] * row[j];
+            }
+            for (int channel = 0; channel < TUMBLE_CHANNELS; channel++) {
+                x[channel][i] += row[i] * means->u_v[p][channel];
+            }
+        }
+    }
+    for (int j = 0; j < 4; j++) { /* m = L D L^T in place */
+        for (int i = j + 1; i < 4; i++) {
+            const double factor = m[i][j] / m[j][j];
+            for (int k = i; k < 4; k++) {
+                m[k][i] -= factor * m[k][j];
+            }
+            for (int channel = 0; channel < TUMBLE_CHANNELS; channel++) {
+                x[channel][i] -= factor * x[channel][j];
+            }
+        }
+    }
+    for (int channel = 0; channel < TUMBLE_CHANNELS; channel++) {
+        for (int j = 3; j >= 0; j--) {
+            for (int i = j + 1; i < 4; i++) {
+                x[channel][j] -= m[i][j] * x[channel][i];
+            }
+            x[channel][j] /= m[j][j];
+        }
+        memcpy(coefficients->k_v_per_g[channel], x[channel], sizeof coefficients->k_v_per_g[channel]);
+        coefficients->u0_v[channel] = x[channel][3];
+    }
+    return TUMBLE_OK;
+}

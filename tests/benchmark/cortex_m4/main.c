@@ -36,6 +36,24 @@ static const tumble_gain_record_t *record;
 #define ESTIMATE() dense_normal_equations(&tumble_schedule_paper, &benchmark_means, &found)
 #elif CANDIDATE == 7
 #define ESTIMATE() dense_householder(&tumble_schedule_paper, &benchmark_means, &found)
+#elif CANDIDATE == 8
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_none()
+#elif CANDIDATE == 9
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_without_gates()
+#elif CANDIDATE == 10
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_with_gates()
+#elif CANDIDATE == 11
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_divide()
+#elif CANDIDATE == 12
+#define ESTIMATE() shared_normal_matrix(&tumble_schedule_paper, &benchmark_means, &found)
+#endif
+
+#ifndef BEGIN
+#define BEGIN()
 #endif
 
 __attribute__((noinline)) static void run(void)
@@ -63,6 +81,7 @@ int main(void)
     SYSTICK[1] = 0xFFFFFFU;
     SYSTICK[2] = 0;
     SYSTICK[0] = 5; /* on, processor clock, no interrupt */
+    BEGIN();
     const uint32_t stack = stack_used();
     const uint32_t before = SYSTICK[2];
     for (int i = 0; i < REPEATS; i++) {
