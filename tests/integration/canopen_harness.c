@@ -126,8 +126,8 @@ static bool start_navcomp(const char *name)
         .sample_timeout_ms = 60000};
     static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
     static const tumble_navcomp_config_t config = {
-        .port = &port, .procedure = &procedure, .person = &person, .block_period_us = 1000000,
-        .heartbeat_ms = 100, .heartbeat_timeout_ms = 500,
+        .port = &port, .procedure = &procedure, .by_hand = &tumble_operator_calls, .person = &person,
+        .block_period_us = 1000000, .heartbeat_ms = 100, .heartbeat_timeout_ms = 500,
         .node = TUMBLE_NAVCOMP_NODE, .drive_node = 2, .block_node = 3};
 
     harness.is_navcomp = strcmp(name, "navcomp") == 0;

@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 from tumble.bench import program
+from tumble.planning import record
 
 QUIET_V, NOISY_V = 3e-4, 9e-4  # mounting 1, mounting 2
 SCENARIO = f"""
@@ -104,3 +105,15 @@ def test_the_command_line_says_why_it_is_never_enough(tumble, tmp_path):
     done = tumble("bench", "--samples", 20, "--error-budget", "1e-6", "--json", "--out", tmp_path / "run")
     assert (done.returncode, done.stdout) == (3, "")
     assert "the noise keeps a mean from its error budget" in done.stderr and "(UNCERTAIN, in state" in done.stderr
+
+
+@pytest.mark.parametrize("budget, most", [("2e-4", 20000), ("2e-4", 1048576), ("4e-5", 2000)])
+def test_optimal_weighs_the_samples_that_there_will_be(budget, most, tumble, tmp_path):
+    """Not those asked for at most: no false misfit, and a record for means as noisy as the budget, or as the least
+    number of samples leaves them."""
+    options = ("--estimator", "optimal", "--samples", most, "--error-budget", budget, "--json", "--out", "run")
+    done = tumble("bench", *options, cwd=tmp_path)
+    assert done.returncode == 0 and "residuals" not in done.stderr, done.stderr
+    assert 0.4 < json.loads(done.stdout)["misfit"] < 1.7
+    made = record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    assert made.sigma_mean == pytest.approx(min(float(budget), 3e-4 / 4))

@@ -56,8 +56,8 @@ BAD_STANDS = {
         *changed(STAND, "angle_rad = 4e-5", "angle_rad = -4e-5"),
         "[stand] angle_rad must be 0 to 0.5, not '-4e-05'",
     ),
-    "nan": (*changed(STAND, "noise_v = 3e-4", "noise_v = nan"), "[stand] noise_v must be at least 0, not 'nan'"),
-    "infinite": (*changed(STAND, "noise_v = 3e-4", "noise_v = inf"), "[stand] noise_v must be at least 0, not 'inf'"),
+    "nan": (*changed(STAND, "noise_v = 3e-4", "noise_v = nan"), "[stand] noise_v must be 0 to 1e+09, not 'nan'"),
+    "infinite": (*changed(STAND, "noise_v = 3e-4", "noise_v = inf"), "[stand] noise_v must be 0 to 1e+09, not 'inf'"),
     "arc minutes as radians": (
         *changed(STAND, "level_rad = 2e-5", "level_rad = 20"),
         "[stand] level_rad must be 0 to 0.5",
@@ -73,6 +73,14 @@ BAD_STANDS = {
     "scale of zero": (
         *changed(STAND, "scale_v_per_g = 2.0", "scale_v_per_g = 0"),
         "[block] scale_v_per_g must not be 0",
+    ),
+    "tiny scale": (
+        *changed(STAND, "scale_v_per_g = 2.0", "scale_v_per_g = 1e-300"),
+        "[block] scale_v_per_g must be of a size from 1e-09 to 1e+09",
+    ),
+    "huge range": (
+        *changed(STAND, "misal", "range_v = 1e300\nmisal"),
+        "[block] range_v must be of a size from 1e-09 to 1e+09",
     ),
     "bits": (*changed(STAND, "misal", "converter_bits = 64\nmisal"), "[block] converter_bits must be 8 to 32"),
     "K of two rows": (*changed(STAND, "  [-0.01874, 1.99762, 0.03318],\n", "", K_ROW), "[block.true] K must be 3 rows"),

@@ -122,6 +122,21 @@ def test_a_block_file_overrides_the_stand_s(tumble, tmp_path):
     assert inputs == ["block.toml", "paper_stand.toml", "scenario.txt"]
 
 
+@pytest.mark.parametrize("scale", [-1e-3, 0.1, 40.0])
+def test_the_bias_that_is_drawn_is_in_proportion_to_the_scale(scale, tumble, tmp_path):
+    """So that a block of small or large sensitivity is as good a block as any."""
+    block = tmp_path / "block.toml"
+    block.write_text(f"[block]\nscale_v_per_g = {scale}\nmisalignment_rad = 0.02\nrange_v = {4 * abs(scale)}\n")
+    stand = tmp_path / "stand.toml"
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    stand.write_text(re.sub("noise_v = .*", f"noise_v = {1e-4 * abs(scale)}", text).split("[block]")[0])
+    for seed in range(1, 4):
+        done = tumble("bench", "--stand", stand, "--block", block, "--seed", seed, "--out", tmp_path / str(seed))
+        assert done.returncode == 0, done.stderr
+        truth = result_of(tmp_path / str(seed))["truth"]
+        assert 0.001 < np.abs(truth["U0"]).max() / abs(scale) <= 0.05
+
+
 def test_motion_and_wide_schedules_are_heeded(tumble, tmp_path):
     """A slow table takes longer in virtual time; the cable is long enough for the schedule's angles."""
     slow, schedule = tmp_path / "slow.toml", tmp_path / "wide.toml"

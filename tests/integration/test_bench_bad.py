@@ -26,8 +26,8 @@ OPTIONS = {
     "limit 0": (["--limit", "0"], "--limit: '0' is not a number of g"),
     "limit not a number": (["--limit", "nan"], "--limit: 'nan' is not a number of g"),
     "estimator unknown": (["--estimator", "best"], "invalid choice: 'best'"),
-    "bus unknown": (["--bus", "socketcan:can0"], "invalid choice: 'socketcan:can0'"),
-    "firmware unknown": (["--firmware", "zcu102"], "invalid choice: 'zcu102'"),
+    "bus unknown": (["--bus", "token ring"], "'token ring' is not inprocess, uml, or socketcan:"),
+    "firmware unknown": (["--firmware", "toaster"], "invalid choice: 'toaster'"),
     "stand not there": (["--stand", "nowhere.toml"], "nowhere.toml: no such file or folder"),
     "stand is a folder": (["--stand", "."], "a folder, not a file"),
     "block not there": (["--block", "nowhere.toml"], "nowhere.toml: no such file or folder"),
@@ -59,8 +59,15 @@ STANDS = {
     "too many bits": (PAPER.replace("[block]", "[block]\nconverter_bits = 32"), "converter_bits must be 8 to 24 on"),
     "too fast": (PAPER.replace("[block]", "[block]\nsample_rate_hz = 2000"), "sample_rate_hz must be 1 to 1000 on the"),
     "scale 0": (PAPER.replace("scale_v_per_g = 2.0", "scale_v_per_g = 0"), "scale_v_per_g must not be 0"),
+    "scale beyond all blocks": (PAPER.replace("scale_v_per_g = 2.0", "scale_v_per_g = 1e300"), "from 1e-09 to 1e+09"),
+    "scale of nothing": (PAPER.replace("scale_v_per_g = 2.0", "scale_v_per_g = -1e-300"), "from 1e-09 to 1e+09"),
+    "noise beyond all blocks": (PAPER.replace("noise_v = 3e-4", "noise_v = 1e300"), "noise_v must be 0 to 1e+09"),
     "table at rest": (PAPER + "\n[motion]\nvelocity_deg_per_s = 0\n", "velocity_deg_per_s must be 0.1 to 10000"),
-    "endless swing": (PAPER + "\n[motion]\nsettling_s = 1e6\n", "settling_s must be 0 to 60"),
+    "endless swing": (PAPER + "\n[motion]\nsettling_s = 1e6\n", "settling_s must be 0 to 4.095 on the bench"),
+    "swing as long as a turn of the timestamp": (
+        PAPER + "\n[motion]\nsettling_s = 4.096\n",
+        "settling_s must be 0 to 4.095 on the bench, not 4.096",
+    ),
     "range too small for the program": (
         PAPER.replace("[block]", "[block]\nrange_v = 1e-12"),
         "this cannot be simulated: tumble-bench: scenario:",
@@ -78,9 +85,16 @@ def test_stand_files(name, refused, tmp_path):
     assert words in line
 
 
+def test_the_longest_settling_there_may_be(tumble, tmp_path):
+    path = tmp_path / "stand.toml"
+    path.write_text(PAPER + "\n[motion]\nsettling_s = 4.095\n")
+    done = tumble("bench", "--stand", path, "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+
+
 BLOCKS = {
-    "a whole stand file": (PAPER, "unknown key 'stand'"),
-    "nothing": ("", "no table [block]"),
+    "a whole stand file": (PAPER, "unknown key 'stand': a block file holds [block] and [block.true] alone"),
+    "nothing": ("", "no table [block]: a block file holds [block] and [block.true] alone"),
     "no scale": ("[block]\nmisalignment_rad = 0.1\n", "[block] has no scale_v_per_g"),
     "truth in part": (
         "[block]\nscale_v_per_g = 2\nmisalignment_rad = 0\n[block.true]\nU0 = [0, 0, 0]\n",
@@ -131,6 +145,9 @@ FORGERIES = {  # what is changed in bench.json after the run, and what must be n
     "a mean": (lambda d: d["means"][3]["u_v"].__setitem__(2, 0.123), "the firmware and numpy disagree: a mean differs"),
     "samples": (lambda d: d["means"][3].__setitem__("samples", 49), "averaged other samples than were recorded"),
     "verdict": (lambda d: d["verification"].__setitem__("pass", False), "the firmware's pass is not what the core"),
+    "u_K": (lambda d: d["u_K"][0].__setitem__(2, d["u_K"][0][2] * (1 + 2e-9)), "u_K differs"),
+    "u_U0": (lambda d: d["u_U0"].__setitem__(1, d["u_U0"][1] * (1 - 2e-9)), "u_U0 differs"),
+    "no u": (lambda d: d.__setitem__("u_K", None), "the firmware states no uncertainties"),
     "delta_g": (
         lambda d: d["verification"]["delta_g_g"][0].__setitem__("delta_g_g", 1e-5),
         "the firmware's delta_g is not what the core makes",

@@ -29,9 +29,22 @@ def test_chi_squared(freedom, sigmas):
     assert distributions.chi_squared_cdf(x, freedom) == pytest.approx(float(exact_chi_squared(x, freedom)), abs=2e-11)
 
 
+def test_chi_squared_of_no_freedom_is_always_zero():
+    assert [distributions.chi_squared_cdf(x, 0) for x in (-1.0, 0.0, 1.0)] == [0.0, 1.0, 1.0]
+    assert distributions.chi_squared_quantile(0.95, 0) == 0.0
+
+
 @given(FREEDOM, st.floats(0.3, 3000.0), st.floats(0.001, 30.0))
 def test_f(freedom, below, x):
     assert distributions.f_cdf(x, freedom, below) == pytest.approx(float(exact_f(x, freedom, below)), abs=2e-11)
+
+
+@given(st.floats(1.0, 40.0), st.floats(3.0, 30.0), st.floats(0.01, 20.0))
+def test_f_of_an_angle_that_is_known_far_better_than_its_limit(freedom, decades, x):
+    """So many degrees of freedom that the fraction's threshold, rounded, must not send it back and forth."""
+    below = 10.0**decades
+    exact = exact_chi_squared(x * freedom, freedom) if below > 1e11 else exact_f(x, freedom, below)
+    assert distributions.f_cdf(x, freedom, below) == pytest.approx(float(exact), abs=1e-8)
 
 
 @given(FREEDOM, st.floats(0.001, 0.999))

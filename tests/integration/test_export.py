@@ -11,6 +11,7 @@ import subprocess
 import pytest
 from conftest import EXAMPLES
 
+ORIGIN = ("serial", "run_file", "item", "environment", "stand_doubts")
 NAMES = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
 
 PROGRAM = """\
@@ -70,6 +71,41 @@ def test_c_header_round_trip(stand, limit, passed, solved, tumble, tmp_path):
     numbers = [line for line in header.splitlines() if line.startswith("#define TUMBLE_") and "(" in line]
     assert len(numbers) == (24 if stand else 12)
     assert all("/* V/g" in line or "/* V" in line for line in numbers)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_c_header_says_where_it_comes_from(solved, tumble, tmp_path):
+    """Serial, run file, labels and environment; nothing in them ends the comment."""
+    text = (EXAMPLES / "paper_stand.toml").read_text().replace("[block]", '[block]\nserial = "SN 7"', 1)
+    label = '[item]\nnote = "*/ int x; /* ??/ \\\\ \\n \u00b5"\n[environment]\ntemperature_c = 21.5\n'
+    (tmp_path / "stand.toml").write_text(text + label, encoding="utf-8")
+    file, result = solved("paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    assert (result["serial"], result["run_file"]) == ("SN 7", "paper_stand.csv")
+    done = tumble("export", file, "--format", "c")
+    assert done.stderr == "" and '#define TUMBLE_OUTPUT_UNIT "V"' in done.stdout
+    for line in (" * Block: SN 7", " * Run file: paper_stand.csv", " * environment.temperature_c: 21.5"):
+        assert line in done.stdout.splitlines()
+    assert len(compiled(tmp_path, done.stdout)) == 25
+
+
+def test_a_result_to_beware_of_is_exported_with_a_warning(solved, tumble):
+    """On stderr and in the header; the exit code is that of an export that was done."""
+    for options, warning in (
+        (("paper_stand.csv", "--limit", "1e-6"), "the gravity check FAILED: largest error 6.6e-05 g, limit 1e-06 g"),
+        (("lab_stand.csv", "--stand", "paper_stand.toml"), "the run does not fit the stand file: the uncertainties"),
+    ):
+        file, _ = solved(*options)
+        done = tumble("export", file, "--format", "c")
+        assert done.returncode == 0 and f"result.json: {warning}" in done.stderr and done.stderr.count("\n") == 1
+        assert f" * WARNING: {warning}" in done.stdout
+        assert warning in tumble("export", file, "--format", "csv").stderr
+
+
+def test_an_older_result_without_its_origin_is_exported_all_the_same(solved, tumble):
+    file, result = solved("paper_stand.csv")
+    file.write_text(json.dumps({key: value for key, value in result.items() if key not in ORIGIN}))
+    done = tumble("export", file, "--format", "c")
+    assert (done.returncode, done.stderr) == (0, "") and "Run file" not in done.stdout
 
 
 @pytest.mark.parametrize("stand", [[], ["--stand", "paper_stand.toml"]])

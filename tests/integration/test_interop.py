@@ -13,11 +13,11 @@ canopen = pytest.importorskip("canopen", reason="python-canopen is not installed
 cantools = pytest.importorskip("cantools", reason="cantools is not installed")
 
 from bench_guests import connected, disconnect  # noqa: E402
+from bench_moves import COUNTS_PER_DEG, configure, move  # noqa: E402
 
 from tumble.canbus import TumbleBus  # noqa: E402
 
 EDS = ROOT / "docs/eds"
-COUNTS_PER_DEG = 1000.0
 
 
 @pytest.fixture
@@ -80,38 +80,6 @@ def test_python_canopen_homes_and_moves_the_axis_and_reads_every_object(tmp_path
         assert run.wait() == 0
     assert (run.document["end"], run.document["table"]["at_rest"]) == ("left", True)
     assert run.document["table"]["highest_deg"] > 89.99 and run.document["table"]["lowest_deg"] < -44.99
-
-
-def configure(drive):
-    """Process data with all that a master wants to see, written by SDO; the master's heartbeat; speeds."""
-    drive.pdo.read()
-    maps = {drive.rpdo[1]: (0x6040, 0x6060, 0x607A), drive.tpdo[1]: (0x6041, 0x6061, 0x6064)}
-    for pdo, objects in maps.items():
-        pdo.clear()
-        for index in objects:
-            pdo.add_variable(index)
-        pdo.enabled = True
-        pdo.event_timer = None if pdo is drive.rpdo[1] else 50
-        pdo.save()
-    drive.sdo[0x1016][1].raw = 1 << 16 | 500
-    drive.sdo[0x6098].raw = 34
-    drive.sdo[0x6081].raw = round(360 * COUNTS_PER_DEG)
-    drive.sdo[0x6083].raw = drive.sdo[0x6084].raw = round(1000 * COUNTS_PER_DEG)
-    drive.sdo[0x6099][1].raw = round(45 * COUNTS_PER_DEG)
-    drive.sdo[0x6099][2].raw = round(20 * COUNTS_PER_DEG)
-
-
-def move(drive, counts):
-    """One set-point with its handshake; arrived within a hundredth of a degree when the drive says so."""
-    pdo = drive.rpdo[1]
-    pdo["Target position"].raw = counts
-    drive.controlword = 0x0F
-    drive.controlword = 0x1F
-    wait_until(lambda: drive.statusword & 0x1000)
-    drive.controlword = 0x0F
-    wait_until(lambda: not drive.statusword & 0x1000)
-    # What a status report said before the move began may still be the last word heard, so the position counts as well.
-    wait_until(lambda: drive.statusword & 0x0400 and abs(drive.sdo[0x6064].raw - counts) <= 10)
 
 
 def test_python_canopen_reads_every_object_of_the_navigation_computer_while_it_calibrates(tmp_path, network):

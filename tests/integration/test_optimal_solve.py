@@ -90,7 +90,8 @@ def test_a_run_that_contradicts_its_stand_is_refused(noise, refused, tmp_path):
 def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
     (tmp_path / "stand.toml").write_text(stand_text(noise_v="3e-5"))
     result, warnings = solve(tumble, "paper_stand.csv", "--stand", tmp_path / "stand.toml")
-    assert result["misfit"] > 2 and "times what the stand declares" in warnings and warnings.count("\n") == 1
+    assert result["misfit"] > 2 and "times what the stand declares" in warnings
+    assert "does not fit the stand file: noise" in warnings and warnings.count("\n") == 2
 
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
@@ -195,3 +196,24 @@ def test_second_order_is_taken_out(remounting):
     corrected, linear = errors_over_u(stand, yaw)
     assert -14.0 < linear[0] < -12.0
     assert abs(corrected[0]) < 0.02
+
+
+def test_a_coarse_converter_is_noise_for_every_estimator(tumble, tmp_path):
+    """None may claim less than the optimal one, which is the bound, and no firmware than numpy."""
+    text = stand_text(noise_v="1e-6").replace("misalignment_rad", "converter_bits = 12\nrange_v = 10.0\nmisalignment_rad")
+    (tmp_path / "stand.toml").write_text(text)
+    arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    optimal = solve(tumble, *arguments)[0]
+    for estimator in ("averaged", "refined", "least_squares"):
+        found = json.loads(tumble("solve", *arguments, "--estimator", estimator, "--json").stdout)
+        for key in ("u_K", "u_U0"):
+            assert (np.array(found[key]) >= np.array(optimal[key]) * (1 - 1e-6)).all()
+
+
+def test_a_large_tilt_is_flagged_for_linear_estimators_alone(tumble, tmp_path):
+    (tmp_path / "stand.toml").write_text(stand_text(axis_tilt_rad="15e-3"))
+    arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    done = tumble("solve", *arguments, "--json")
+    assert [shift["source"] for shift in json.loads(done.stdout)["second_order"]["shifts"]] == ["alpha1"]
+    assert done.stderr.startswith("tumble: warning: large axis tilt: alpha1^2/2 = 0.00011 exceeds 0.2 u(K_")
+    assert solve(tumble, *arguments)[0]["second_order"]["shifts"] == []

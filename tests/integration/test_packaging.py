@@ -24,6 +24,17 @@ def test_requirements_are_those_of_the_project():
         assert (PYTHON / file).read_text().split("\n")[:-1] == section(project, name)
 
 
+def test_the_installed_program_is_what_a_checkout_runs():
+    """The entry point is there and takes signals; and the wheel has what `tumble bench` starts, where it looks for it."""
+    project = (PYTHON / "pyproject.toml").read_text()
+    module, function = re.search(r'^tumble = "(\S+):(\w+)"$', project, re.MULTILINE).groups()
+    program = f"import sys; from {module} import {function}; sys.argv[1:] = ['--version']; {function}()"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"tumble {__version__}\n", "")
+    assert '"tumble-bench"' in re.search(r"^build.targets = .*", project, re.MULTILINE)[0]
+    assert "install(TARGETS tumble-bench RUNTIME DESTINATION tumble/bench " in (PYTHON / "CMakeLists.txt").read_text()
+
+
 def test_version(tumble):
     assert tumble("--version").stdout == f"tumble {__version__}\n"
 

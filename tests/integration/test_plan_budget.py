@@ -1,6 +1,7 @@
 """Error budgets: reference values worked out independently, weights against brute force, and what is refused."""
 
 import json
+import re
 from dataclasses import replace
 
 import jsonschema
@@ -17,9 +18,11 @@ from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.gains import linearise
 from tumble.planning.published import NAMES, SOURCES
+from tumble.planning.validate import validate
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
 from tumble.stand import COMMON, Stand
+from tumble.standfile import read_stand
 
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
@@ -173,3 +176,20 @@ def test_refusals(case, refused, tmp_path):
     (tmp_path / "one_turn.toml").write_text(ONE_TURN)
     arguments, message = REFUSED[case]
     assert message in refused("plan", *arguments, cwd=tmp_path)
+
+
+@pytest.mark.parametrize("key, source", [("axis_tilt_rad", "alpha1"), ("level_rad", "alpha2")])
+def test_a_large_tilt_or_level_is_flagged_but_not_for_optimal(key, source, tumble, tmp_path):
+    """They shorten every scale factor by half their square, which Monte Carlo confirms."""
+    text = re.sub(f"{key} = 2e-5", f"{key} = 15e-3", (EXAMPLES / "paper_stand.toml").read_text())
+    (tmp_path / "stand.toml").write_text(text)
+    flagged = plan(tumble, "budget", "--stand", tmp_path / "stand.toml")["second_order"]
+    assert flagged["matters"] and [shift["source"] for shift in flagged["shifts"]] == [source]
+    shift = flagged["shifts"][0]
+    assert shift["bias_relative"] == pytest.approx(0.015**2 / 2) and shift["bias_relative"] > shift["limit"]
+    assert f"{source}^2/2 = 0.00011 exceeds 0.2 u(K_" in tumble("plan", "budget", "--stand", tmp_path / "stand.toml").stdout
+    optimal = plan(tumble, "budget", "--stand", tmp_path / "stand.toml", "--estimator", "optimal")["second_order"]
+    assert not optimal["matters"] and optimal["shifts"] == []
+    case = Case.of(read_stand(tmp_path / "stand.toml"), "", None)
+    bias = validate(case, ("refined",), 20000, 1)[0].tally.bias
+    assert bias[[0, 4, 8]] == pytest.approx(np.diag(case.nominal_k()) * -(0.015**2) / 2, rel=0.1)

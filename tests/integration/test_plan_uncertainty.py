@@ -194,4 +194,4 @@ def test_a_stand_beyond_all_numbers_is_bad_input(refused, tmp_path):
     text = (EXAMPLES / "paper_stand.toml").read_text().replace("noise_v = 3e-4", "noise_v = 1e200")
     (tmp_path / "stand.toml").write_text(text)
     said = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
-    assert "no uncertainties from this stand" in said
+    assert "[stand] noise_v must be 0 to 1e+09" in said

@@ -1,6 +1,7 @@
 """The stand seen in the data: do its numbers lie where they say, on the exact geometry and on all example stands?"""
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,8 +12,10 @@ from blocks import random_block, random_means, usable_schedule
 
 from tumble import core, core_stand_seen, reference
 from tumble.distributions import student_quantile
-from tumble.schedule import Schedule
+from tumble.crosscheck import compare_seen
+from tumble.schedule import CHECK, Position, Schedule
 from tumble.standfile import read_stand
+from tumble.standseen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STANDS = ("paper", "angle", "lab")
@@ -176,3 +179,52 @@ def test_a_stand_that_declares_no_noise_is_no_disagreement(tumble, tmp_path):
     stand.write_text("".join("noise_v = 0\n" if line.startswith("noise_v") else line for line in text.splitlines(True)))
     done = tumble("solve", EXAMPLES / "paper_stand.csv", "--stand", stand)
     assert done.returncode == 0, done.stderr
+
+
+def drawn_in_three_mountings(schedule):
+    """What core and witness tell of a run on a schedule that holds the paper's positions and others."""
+    geometry, stand = reference.Geometry(schedule), stand_named("paper")
+    yaws = [{3: 1e-3, 1: 4e-4, 2: -2e-4}[mounting.number] for mounting in schedule.mountings]
+    means = geometry.outputs(NOMINAL_K, U0, alpha1=2e-5, alpha2=1e-5, alpha3=np.array(yaws), delta=0.0)
+    measured, variance = np.ones(len(means), bool), np.full(len(means), 1e-9)
+    k, u0 = core.estimate(core.CoreSchedule(schedule), means, measured, "least_squares")
+    shown = core_stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0)
+    return [run.fit(stand.sigma("angle"), variance) for run in (shown, reference.RunSeen(schedule, means, k))]
+
+
+@pytest.mark.parametrize("first", [False, True])
+@pytest.mark.parametrize("checks", [0, 1])
+def test_a_mounting_without_fit_positions_takes_no_part(first, checks):
+    """It has a yaw, but nothing to show it by: that must not hide those of the others."""
+    third = replace(PAPER.mountings[0], number=3)
+    mountings = (third, *PAPER.mountings) if first else (*PAPER.mountings, third)
+    schedule = Schedule(mountings, PAPER.positions + (Position(3, 1, 20.0, CHECK),) * checks)
+    assert len(schedule.fitted_mountings) == 2
+    for found in drawn_in_three_mountings(schedule):
+        for name, value in {"alpha1": 2e-5, "alpha2_plus_alpha3": 1.1e-4, "alpha3_difference": 6e-4}.items():
+            assert found[name].value == pytest.approx(value, abs=3e-6)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_coarse_converter_is_no_disagreement(seed, tumble, tmp_path):
+    """Steps of 4.9 mV under a noise of 1 uV: residuals are 10,000 times what the noise allows."""
+    text = (EXAMPLES / "paper_stand.toml").read_text(encoding="utf-8")
+    text = text.replace("noise_v = 3e-4", "noise_v = 1e-6").replace("delta_g_limit_g = 3e-4", "delta_g_limit_g = 0.01")
+    stand = tmp_path / "stand.toml"
+    stand.write_text(text.replace("[block]\n", "[block]\nconverter_bits = 12\nrange_v = 10.0\n"))
+    done = tumble("bench", "--stand", stand, "--seed", str(seed), "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("spread", [5e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("noise", [1e-6, 1e-9])
+def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
+    rng, schedule = np.random.default_rng(87), core.CoreSchedule(PAPER)
+    stand, samples, scatter = replace(stand_named("paper"), noise=noise), np.full(18, 50), np.full((18, 3), noise)
+    for _ in range(10):
+        means = simulated(rng, reference.Geometry(PAPER), stand)[0] + rng.normal(size=(18, 3)) * spread
+        k, u0 = core.estimate(schedule, means)
+        shown = core_stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
+        for trust in (True, False):
+            seen = look(shown, core_stand_seen.noise(samples, scatter), samples, stand, trust)
+            compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)

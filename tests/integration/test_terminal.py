@@ -79,3 +79,24 @@ def test_the_truth_fits_beside_the_coefficients(tmp_path):
     assert "\u2026" not in shown
     assert max(len(line) for line in shown.split("run folder:")[1].splitlines()[1:]) <= 80
     assert "truth" in shown and "error/u" in shown
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_the_widest_table_fits_eighty_columns(estimator, tumble, tmp_path):
+    """Of the bench, which knows the truth: large errors and uncertainties."""
+    stand = tmp_path / "stand.toml"
+    text = (EXAMPLES / "lab_stand.toml").read_text().replace("remount_rad = 2e-3", "remount_rad = 2e-2")
+    stand.write_text(text.replace("noise_v = 5e-4", "noise_v = 5e-3"))
+    done = tumble("bench", "--stand", stand, "--estimator", estimator, "--limit", "1", "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    assert max(map(len, done.stdout.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["solve", "bench", "export", "fixture check"]
+    + [f"plan {subject}" for subject in ("budget", "require", "optimize", "validate", "paper")],
+)
+def test_help_fits_eighty_columns(command, tumble):
+    done = tumble(*command.split(), "--help", COLUMNS="80")
+    assert done.returncode == 0 and max(map(len, done.stdout.splitlines())) <= 80

@@ -41,8 +41,12 @@ def test_uncertainties_follow_the_unit(unit, factor, tumble, tmp_path):
 def test_another_unit_takes_the_place_of_the_volt(tumble, tmp_path):
     run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
     other, volts = (solved(tumble, file, "--stand", STAND) for file in (run, EXAMPLES / "paper_stand.csv"))
-    assert {**other, "unit": "V", "units": volts["units"]} == volts
-    assert "m/s^2, declared 3.00e-04 m/s^2\n" in tumble("solve", run, "--stand", STAND).stdout
+    assert {**other, "unit": "V", "units": volts["units"], "run_file": volts["run_file"]} == volts
+    done = tumble("solve", run, "--stand", STAND)
+    assert "m/s^2, declared 3.00e-04\n" in done.stdout
+    warning = "outputs in m/s^2: noise_v of the stand file, 0.0003, is in m/s^2 too"
+    assert done.stderr == f"tumble: warning: {warning}\n"
+    assert tumble("solve", run).stderr == ""
 
 
 @pytest.mark.parametrize("header", ["ux [V],uy [mV],uz [V]", "ux,uy,uz [mV]"])

@@ -1,11 +1,24 @@
-"""`python -m tumble`: the command line."""
+"""`python -m tumble`, and the program `tumble`: the command line."""
 
-import signal
 import sys
 
-# Until the command itself can clean up, an interrupt simply ends the process: there is nothing to clean up yet.
-_HANDLER = signal.signal(signal.SIGINT, signal.SIG_DFL)
+from tumble import interruption
+
+# Before anything else is loaded, which takes its time.
+interruption.end_at_once()
 
 from tumble.cli import main  # noqa: E402
 
-sys.exit(main(interrupt=_HANDLER))
+
+def run() -> int:
+    """One command, as a process of its own. Returns its exit code."""
+    try:
+        return main(interruptible=True)
+    except KeyboardInterrupt:  # while something else was being said
+        return interruption.exit_code()
+    finally:
+        interruption.ignore()
+
+
+if __name__ == "__main__":
+    sys.exit(run())

@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import io
 import os
-import signal
+import re
 import sys
 import traceback
 
-from tumble import __version__
-from tumble.commands import bench, export, fixture, plan, solve
-from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_INTERRUPTED, TumbleError, UsageError
+from tumble import __version__, interruption
+from tumble.commands import bench, export, fixture, plan, replay, solve
+from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, Interrupted, TumbleError, UsageError
 from tumble.files import reason
+from tumble.messages import tell
 
-_COMMANDS = (solve, bench, plan, fixture, export)
+_COMMANDS = (solve, bench, replay, plan, fixture, export)
+_NEGATIVE = re.compile(r"-\.?\d")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -22,6 +24,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, *args, **options):
         super().__init__(*args, **{**options, "allow_abbrev": False})
+        self._negative_number_matcher = _NEGATIVE  # argparse's own, before Python 3.14, takes -1e-4 for an option
 
     def error(self, message: str):
         raise UsageError(f"{message} (see {self.prog} --help)")
@@ -41,39 +44,45 @@ def _parser() -> argparse.ArgumentParser:
 
 def _complain(message: str) -> None:
     """Whatever is in it, a message is one line. Where nobody can read it, the exit code alone has to tell."""
-    try:
-        print("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"), file=sys.stderr or io.StringIO())
-    except OSError:
-        sys.stderr = None
+    tell("tumble: " + message.replace("\r", "\\r").replace("\n", "\\n"))
 
 
 def _prepare_output() -> None:
-    """What the output's encoding does not have is escaped instead of failing in the middle."""
+    """What the output's encoding does not have is escaped instead of failing in the middle. A standard stream that is
+    closed does not become one of our files."""
+    for stream in range(3):
+        try:
+            os.fstat(stream)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
     if sys.stdout is None:
         raise UsageError("standard output is closed")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
-def main(argv: list[str] | None = None, interrupt=None) -> int:
+def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
     """Run one command. Returns the exit code; never raises, except SystemExit for --help and --version.
 
-    `interrupt`: the handler of SIGINT to take up from here on, if any.
+    `interruptible`: this process is the command's own, and signals that end it are to be handled from here on.
     """
     try:
-        if interrupt is not None:
-            signal.signal(signal.SIGINT, interrupt)
+        if interruptible:
+            interruption.watch()
         _prepare_output()
         arguments = _parser().parse_args(argv)
         code = arguments.run_command(arguments)
         sys.stdout.flush()
         return code
+    except Interrupted as error:
+        _complain(str(error))
+        return interruption.exit_code()
     except TumbleError as error:
         _complain(str(error))
         return error.exit_code
     except KeyboardInterrupt:
         _complain("interrupted")
-        return EXIT_INTERRUPTED
+        return interruption.exit_code()
     except BrokenPipeError:
         _discard_output()
         return EXIT_BAD_INPUT

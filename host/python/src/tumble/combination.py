@@ -10,19 +10,24 @@ Weights by the own covariances are the best there are: the shared part moves all
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference
+from tumble import reference, weighted
 from tumble.distributions import chi_squared_quantile
+from tumble.planning.gains import optimal_table
+from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.solution import Solution, measured_part
+from tumble.stand import OPTIMAL, volts_per
 from tumble.standseen import averaged_over
 
 _LEVELLING = ("alpha1", "alpha2")
 _NEGLIGIBLE = 1e-12
+_ROUNDING = 1e-13  # of the largest output, in a coefficient
 
 
 @dataclass(frozen=True)
@@ -44,11 +49,15 @@ class Combination:
         return self.chi_squared <= self.limit
 
 
-def combine(solutions: list[Solution], levelled_once: bool, confidence: float) -> Combination:
-    """Combine runs of one block on one declared stand. All in one unit, by one linear estimator; at least two."""
+def combine(solutions: list[Solution], levelled_once: bool, confidence: float, step_v: float = 0.0) -> Combination:
+    """Combine runs of one block on one declared stand. All in one unit, by one estimator; at least two. `step_v`: of
+    the converter, 0: unknown."""
     values = np.array([np.concatenate([s.found.k.ravel(), s.found.u0]) for s in solutions])
-    parts = [covariances(solution, levelled_once) for solution in solutions]
-    own, shared = np.array([part[0] for part in parts]), np.mean([part[1] for part in parts], axis=0)
+    parts = [covariances(solution, levelled_once, step_v) for solution in solutions]
+    # of a stand without any error nothing else would be left to compare runs by
+    rounded = [(_ROUNDING * float(np.nanmax(np.abs(s.run.means)))) ** 2 * np.eye(12) for s in solutions]
+    own = np.array([part[0] for part in parts]) + rounded
+    shared = np.mean([part[1] for part in parts], axis=0)
     information = np.array([np.linalg.pinv(covariance, rcond=_NEGLIGIBLE, hermitian=True) for covariance in own])
     total = np.linalg.pinv(information.sum(axis=0), rcond=_NEGLIGIBLE, hermitian=True)
     mean = values.mean(axis=0)
@@ -62,15 +71,16 @@ def combine(solutions: list[Solution], levelled_once: bool, confidence: float) -
     return Combination(mean[:9].reshape(3, 3), mean[9:], u[:9].reshape(3, 3), u[9:], chi_squared, freedom, limit)
 
 
-def covariances(solution: Solution, levelled_once: bool) -> tuple[np.ndarray, np.ndarray]:
+def covariances(solution: Solution, levelled_once: bool, step_v: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Covariance (12, 12) of a run's coefficients, K row by row, then U0: what is its own, and what all runs share."""
     run, k = solution.run, solution.found.k
     schedule = measured_part(solution.schedule, run.measured)
-    stand = solution.stand.in_unit(run.unit)
+    stand = solution.stand.in_unit(run.unit).with_step(step_v / volts_per(run.unit))
     errors = sources(schedule, k, stand, run.samples[run.measured])
+    linear = _estimator(solution, schedule, step_v)
     own, shared = np.zeros((2, 12, 12))
     for name, source in errors.items():
-        draws = _coefficients(schedule, source.derivative, solution.found.estimator) * source.sigma[:, None]
+        draws = linear(source.derivative) * source.sigma[:, None]
         if levelled_once and name in _LEVELLING:
             shared += draws.T @ draws
         else:
@@ -78,6 +88,18 @@ def covariances(solution: Solution, levelled_once: bool) -> tuple[np.ndarray, np
     return own, shared
 
 
-def _coefficients(schedule: Schedule, outputs: np.ndarray, estimator: str) -> np.ndarray:
-    k, u0 = reference.estimate(schedule, outputs, estimator)
-    return np.concatenate([k.reshape(-1, 9), u0], axis=1)
+def _estimator(solution: Solution, schedule: Schedule, step_v: float) -> Callable[[np.ndarray], np.ndarray]:
+    """From outputs (draws, positions, 3) to coefficients (draws, 12); of `optimal` the weights for this run."""
+    run, estimator = solution.run, solution.found.estimator
+
+    def closed_form(outputs: np.ndarray) -> np.ndarray:
+        k, u0 = reference.estimate(schedule, outputs, estimator)
+        return np.concatenate([k.reshape(-1, 9), u0], axis=1)
+
+    if estimator != OPTIMAL:
+        return closed_form
+    step = step_v / volts_per(run.unit)
+    weighting = weighted.Weighting(solution.stand.in_unit(run.unit), run.samples, step)
+    samples = weighted.samples_in_a_mean(solution.schedule, run.measured, weighting)
+    gains = optimal_table(schedule, solution.found.k, weighting.stand, step, samples).gains
+    return lambda outputs: outputs[:, fit_indices(schedule)].reshape(len(outputs), -1) @ gains.T

@@ -13,7 +13,7 @@ from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
 from tumble.stand import Stand
-from tumble.standseen import ANGLES, StandSeen, look
+from tumble.standseen import ANGLES, StandSeen, look, own_variance
 
 RELATIVE_LIMIT = 1e-12
 OPTIMAL_LIMIT_U = 1e-6
@@ -85,17 +85,21 @@ def compare_seen(
 ) -> None:
     """Look at the stand again, through the witness. Raises Disagreement.
 
-    Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what
-    rounding leaves of the largest output; uncertainties likewise.
+    Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
+    leaves of the largest output; uncertainties likewise. Where the outputs fit worse than the noise allows, as behind a
+    coarse converter, the uncertainty is that which they show: times their misfit.
     """
     noise, u_noise = reference.pooled_noise(samples, scatter)
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
-    witness = look(run, None if noise is None else Estimate(noise, u_noise), samples, stand, trust_stand)
+    seen = None if noise is None else Estimate(noise, u_noise)
+    witness = look(run, seen, samples, stand, trust_stand)
+    variances = [own_variance(one, samples, stand) for one in (seen, None)]  # by the run and by the stand
+    misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
     _require_seen("noise", found.noise, witness.noise, 0.0)
-    _require_seen("alpha4", found.alpha4, witness.alpha4, rounded)
+    _require_seen("alpha4", found.alpha4, witness.alpha4, rounded, misfit)
     for name in ANGLES:
-        _require_seen(name, found.angles[name], witness.angles[name], rounded)
-        _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded)
+        _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
+        _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
 
 
 def compare_uncertainties(
@@ -111,12 +115,13 @@ def compare_uncertainties(
         _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
 
 
-def _require_seen(name: str, core, witness, rounded: float) -> None:
+def _require_seen(name: str, core, witness, rounded: float, misfit: float = 1.0) -> None:
     if core is None or witness is None:
         _require_same(f"{name} of the stand seen", core, witness, 0.0)
         return
-    _require(f"{name} of the stand seen", core.value, witness.value, max(SEEN_LIMIT_U * witness.u, rounded))
-    _require(f"u of {name} of the stand seen", core.u, witness.u, max(SEEN_LIMIT_U * witness.u, rounded))
+    allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
+    _require(f"{name} of the stand seen", core.value, witness.value, allowed)
+    _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
 
 
 def _allowed(schedule: Schedule, means: np.ndarray, largest_k: float) -> float:

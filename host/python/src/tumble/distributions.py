@@ -1,6 +1,6 @@
 """Chi-squared, Student's t and F: distribution functions and quantiles, from the regularised incomplete gamma and beta
-functions (series and continued fractions, to about 1e-13). Degrees of freedom are any positive numbers, for F also
-infinite."""
+functions (series and continued fractions, to about 1e-13; of F with more than 1e6 degrees of freedom below to 1e-8).
+Degrees of freedom are any positive numbers, for F also infinite, for chi-squared also 0: then it is always 0."""
 
 from __future__ import annotations
 
@@ -11,18 +11,20 @@ _TINY = 1e-300
 _SETTLED = 1e-16
 _MOST_TERMS = 100000
 _BISECTIONS = 200
+_AS_GOOD_AS_INFINITE = 1e9
+_STIRLING_FROM = 50.0
 
 
 def chi_squared_cdf(x: float, freedom: float) -> float:
     """Probability of at most `x`."""
-    return _gamma_p(freedom / 2, max(x, 0.0) / 2)
+    return _gamma_p(freedom / 2, max(x, 0.0) / 2) if freedom > 0.0 else float(x >= 0.0)
 
 
 def f_cdf(x: float, freedom: float, below: float) -> float:
     """Probability of at most `x`, with `freedom` degrees of freedom over `below`, which may be infinite."""
     if x <= 0.0:
         return 0.0
-    if math.isinf(below):
+    if below > _AS_GOOD_AS_INFINITE:
         return chi_squared_cdf(x * freedom, freedom)
     scaled = freedom * x
     return _beta_i(freedom / 2, below / 2, scaled / (scaled + below), below / (scaled + below))
@@ -30,7 +32,7 @@ def f_cdf(x: float, freedom: float, below: float) -> float:
 
 def chi_squared_quantile(p: float, freedom: float) -> float:
     """The value that is not exceeded with probability `p`, 0 < p < 1."""
-    return _inverse(lambda x: chi_squared_cdf(x, freedom), p)
+    return _inverse(lambda x: chi_squared_cdf(x, freedom), p) if freedom > 0.0 else 0.0
 
 
 def f_quantile(p: float, freedom: float, below: float) -> float:
@@ -79,9 +81,15 @@ def _gamma_p(a: float, x: float) -> float:
 def _beta_i(a: float, b: float, x: float, rest: float) -> float:
     """The regularised incomplete beta function of x; `rest` is 1 - x, given apart so that neither loses digits."""
     if x > (a + 1.0) / (a + b + 2.0):
-        return 1.0 - _beta_i(b, a, rest, x)
-    log_beta = math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
-    front = math.exp(a * math.log(x) + b * math.log(rest) - log_beta) if x > 0.0 else 0.0
+        return 1.0 - _beta_fraction(b, a, rest, x)
+    return _beta_fraction(a, b, x, rest)
+
+
+def _beta_fraction(a: float, b: float, x: float, rest: float) -> float:
+    """Likewise, where the continued fraction converges fast."""
+    if x <= 0.0:
+        return 0.0
+    front = math.exp(a * _log(x, rest) + b * _log(rest, x) - _log_beta(a, b))
 
     def numerator(n: int) -> float:
         half = n // 2
@@ -90,6 +98,26 @@ def _beta_i(a: float, b: float, x: float, rest: float) -> float:
         return -(a + half) * (a + b + half) * x / ((a + n - 1) * (a + n))
 
     return front / a * _continued(numerator, lambda n: 1.0)
+
+
+def _log(x: float, rest: float) -> float:
+    """Of a number whose distance from 1 is known as well."""
+    return math.log(x) if x < 0.5 else math.log1p(-rest)
+
+
+def _log_beta(a: float, b: float) -> float:
+    """Of the complete beta function. Of a large argument the log-gammas would cancel; Stirling's series do not."""
+    small, large = min(a, b), max(a, b)
+    if large < _STIRLING_FROM:
+        return math.lgamma(a) + math.lgamma(b) - math.lgamma(a + b)
+    both = small + large
+    rest = _stirling(large) - _stirling(both)
+    return math.lgamma(small) + small - small * math.log(both) - (large - 0.5) * math.log1p(small / large) + rest
+
+
+def _stirling(z: float) -> float:
+    """Log-gamma beyond (z - 1/2) log z - z + log(2 pi)/2."""
+    return (1.0 / 12.0 - (1.0 / 360.0 - (1.0 / 1260.0 - 1.0 / (1680.0 * z * z)) / (z * z)) / (z * z)) / z
 
 
 def _continued(numerator: Callable[[int], float], denominator: Callable[[int], float]) -> float:

@@ -1,6 +1,7 @@
 """What can go wrong, as the user is told: one line, and an exit code.
 
-0 pass   1 limits failed   2 usage or bad input   3 fault of the bench, disagreement with numpy   130 interrupted
+0 pass   1 limits failed   2 usage or bad input   3 fault of the bench, disagreement with numpy   77 skipped: what it needs
+is not there   130 interrupted
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ EXIT_PASS = 0
 EXIT_LIMITS_FAILED = 1
 EXIT_BAD_INPUT = 2
 EXIT_DISAGREEMENT = 3
+EXIT_SKIPPED = 77
 EXIT_INTERRUPTED = 130
 
 _LONGEST_QUOTE = 40
@@ -44,6 +46,7 @@ class BadInput(TumbleError):
     def __init__(self, message: str, file: str | os.PathLike, row: int | None = None, column: str | None = None):
         place = [] if row is None else [f"row {row}"]
         place += [] if column is None else [f"column {column}"]
+        self.fault = message
         self.row = row
         self.column = column
         super().__init__(": ".join([file_name(file), *([", ".join(place)] if place else []), message]))
@@ -53,6 +56,12 @@ class BenchFault(TumbleError):
     """A run on the bench that failed: a fault of the stand, of the block, of the bus, or of the bench itself."""
 
     exit_code = EXIT_DISAGREEMENT
+
+
+class Skipped(TumbleError):
+    """This machine lacks something that the command needs. Says what to install."""
+
+    exit_code = EXIT_SKIPPED
 
 
 class Interrupted(TumbleError):

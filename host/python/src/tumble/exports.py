@@ -14,10 +14,11 @@ _C_HEADER = """\
  * acceleration along axis j; U0_i in {unit}. Estimator: {estimator}.
  * Gravity check: {verdict}, largest error {largest!r} g, limit {limit!r} g.
  * Standard uncertainties (one sigma): {known}.
- */
+{origin} */
 #ifndef TUMBLE_COEFFICIENTS_H
 #define TUMBLE_COEFFICIENTS_H
 
+#define TUMBLE_OUTPUT_UNIT "{unit}"
 #define TUMBLE_GRAVITY_CHECK_PASSED {passed}
 #define TUMBLE_UNCERTAINTY_KNOWN {is_known}
 
@@ -72,12 +73,37 @@ def to_c(result: dict[str, Any]) -> str:
         largest=verification["max_abs_delta_g_g"],
         limit=verification["limit_g"],
         known="TUMBLE_U_..., below" if is_known else "unknown, no stand was declared",
+        origin="".join(f" * {line}\n" for line in _origin(result)),
         passed=int(verification["pass"]),
         is_known=int(is_known),
         definitions="\n".join(definitions),
         rows=", \\\n        ".join(f"{{ {', '.join(f'TUMBLE_K_{i}{j}' for j in 'XYZ')} }}" for i in "XYZ"),
         biases=", ".join(f"TUMBLE_U0_{i}" for i in "XYZ"),
     )
+
+
+def warnings(result: dict[str, Any]) -> list[str]:
+    """What whoever uses these coefficients should know first."""
+    found, check = [], result["verification"]
+    if not check["pass"]:
+        sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
+        found.append(f"the gravity check FAILED: {sizes}")
+    if result["stand_doubts"]:
+        found.append("the run does not fit the stand file: the uncertainties are too small")
+    return found
+
+
+def _origin(result: dict[str, Any]) -> list[str]:
+    """Where the coefficients come from, as lines that fit into a comment."""
+    told = [("Block", result["serial"]), ("Run file", result["run_file"])]
+    told += [(f"{name}.{key}", text) for name in ("item", "environment") for key, text in (result[name] or {}).items()]
+    lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
+    return lines + [f"WARNING: {warning}" for warning in warnings(result)]
+
+
+def _comment(text: object) -> str:
+    """Foreign text, made fit for a comment in C: ASCII in one line that neither ends nor opens one."""
+    return ascii(str(text))[1:-1].replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
 
 
 def _literal(value: float) -> str:

@@ -48,8 +48,15 @@ def write_bytes(file: str, data: bytes) -> None:
 def refuse_overwriting(out: str | None, *sources: str | None, option: str = "--out") -> None:
     """An output, given by `option`, must not replace what it is made from. Raises UsageError."""
     for source in sources:
-        if out and source and os.path.realpath(out) == os.path.realpath(source):
+        if out and source and _is_same(out, source):
             raise UsageError(f"{option}: {quoted(out)} is an input of this command")
+
+
+def _is_same(one: str, other: str) -> bool:
+    try:
+        return os.path.realpath(one) == os.path.realpath(other)
+    except (OSError, ValueError):  # the working folder is gone; a name with a zero byte
+        return False
 
 
 def _replace(target: str, data: bytes) -> None:

@@ -77,15 +77,22 @@ class RunView:
 
     @classmethod
     def of(cls, solution: Solution, schedule: CoreSchedule, file: str) -> RunView:
-        """Look at a solved run. Raises Disagreement."""
+        """Look at a solved run, core and witness. Raises Disagreement."""
+        view, run = cls.by_core(solution, schedule, file), solution.run
+        part = measured_part(solution.schedule, run.measured)
+        witness = reference.RunSeen(part, run.means[run.measured], solution.found.k)
+        seen_by_both = run.samples[run.measured], run.scatter[run.measured], solution.stand.in_unit(run.unit)
+        compare_seen(view.seen, witness, *seen_by_both, trust_stand=False)
+        return view
+
+    @classmethod
+    def by_core(cls, solution: Solution, schedule: CoreSchedule, file: str = "") -> RunView:
+        """Likewise, by the core alone."""
         run, found = solution.run, solution.found
         stand = solution.stand.in_unit(run.unit)
         shown = core_stand_seen.RunSeen(schedule, run.means, run.measured, found.k, found.u0)
         noise = core_stand_seen.noise(run.samples, run.scatter)
         seen = look(shown, noise, run.samples, stand, trust_stand=False)
-        part = measured_part(solution.schedule, run.measured)
-        witness = reference.RunSeen(part, run.means[run.measured], found.k)
-        compare_seen(seen, witness, run.samples[run.measured], run.scatter[run.measured], stand, trust_stand=False)
         return cls(file, solution, seen, shown, own_variance(noise, run.samples, stand))
 
     def angle(self, source: str):
@@ -109,9 +116,18 @@ class Limits:
 
     @classmethod
     def declared(cls, stand: Stand, mountings: int) -> Limits:
-        """What a stand file declares, for a schedule with so many mountings."""
+        """What a stand file declares, for a schedule with fit positions in so many mountings."""
         sources = ("axis_tilt", "level", "remount", "angle", "noise")
         return cls.of([stand.sigma(source) for source in sources], stand.remounting, mountings)
+
+    @classmethod
+    def needed(cls, sigma: Iterable[float], remounting: str, mountings: int) -> Limits:
+        """What an acceptance limit needs, of the same five. Nothing of the yaws' difference where they are declared
+        common: whether they are is asked of the declaration."""
+        limits = cls.of(sigma, remounting, mountings)
+        if remounting != COMMON:
+            return limits
+        return cls({**limits.sigma, "alpha3_difference_rad": math.inf}, limits.shared)
 
     @classmethod
     def of(cls, sigma: Iterable[float], remounting: str, mountings: int) -> Limits:
@@ -155,11 +171,13 @@ class Draws:
 @dataclass(frozen=True)
 class Judge:
     """Judges runs of one stand. `levelled_once`: the axis tilt is the same in all runs, and the zero of the table
-    angle; else each run has its own."""
+    angle; else each run has its own. `ranges`: are the standard deviations that fit wanted? They take most of the
+    time."""
 
     views: list[RunView]
     confidence: float
     levelled_once: bool
+    ranges: bool = True
 
     @property
     def verdict_confidence(self) -> float:
@@ -208,8 +226,10 @@ class Judge:
         u = float(draws.u[0]) if count == 1 else float(np.linalg.norm(draws.x * draws.u)) / (count * (value or 1.0))
         return Judgement(value, u, limit, verdict, square, count, *self._range(draws.chi_squared, count))
 
-    def _range(self, chi_squared: Callable[[float], float], freedom: int) -> tuple[float, float]:
+    def _range(self, chi_squared: Callable[[float], float], freedom: int) -> tuple[float | None, float | None]:
         """The standard deviations that what was seen is compatible with."""
+        if not self.ranges:
+            return None, None
         tails = ((1 + self.confidence) / 2, (1 - self.confidence) / 2)
         low, high = (_sigma_at(chi_squared, chi_squared_quantile(p, freedom)) for p in tails)
         return low, high

@@ -12,17 +12,11 @@ from tumble.combination import Combination
 from tumble.fixture import NEED_SIGMAS, SYSTEMATIC, Judgement, Limits, RunView, Verdict
 from tumble.result import per_g
 from tumble.stand import Stand, noise_unit, volts_per
+from tumble.standseen import NAMES
 
 SCHEMA = "tumble.fixture/1"
 DECLARED = "declared"
 NEEDED = "needed"
-_NAMES = {
-    "alpha1_rad": "axis tilt",
-    "alpha2_plus_alpha3_rad": "level+yaw",
-    "alpha3_difference_rad": "yaw change",
-    "alpha4_rad": "set angle",
-    "noise_v": "noise",
-}
 _HEADINGS = ("", "seen", "u", "declared", "verdict", "needed", "verdict")
 _WIDTH = 80
 
@@ -59,7 +53,7 @@ class Outcome:
 
     def sources_with(self, verdict: Verdict) -> list[str]:
         """Names, for people, of the sources with this verdict."""
-        return [name for source, name in _NAMES.items() if self.verdict(source) is verdict]
+        return [name for source, name in NAMES.items() if self.verdict(source) is verdict]
 
     @property
     def passed(self) -> bool:
@@ -88,7 +82,7 @@ def document(outcome: Outcome) -> dict[str, Any]:
         "levelled": outcome.levelled,
         "delta_g_limit_g": outcome.limit_g,
         "runs": [_run(view) for view in outcome.views],
-        "sources": {source: _source(outcome, source) for source in _NAMES},
+        "sources": {source: _source(outcome, source) for source in NAMES},
         "combined": None if outcome.combined is None else _combined(outcome),
         "pass": outcome.passed,
     }
@@ -120,12 +114,10 @@ def _source(outcome: Outcome, source: str) -> dict[str, Any]:
 
 def _combined(outcome: Outcome) -> dict[str, Any]:
     combined, unit = outcome.combined, outcome.views[0].solution.run.unit
+    values = {"K": combined.k, "U0": combined.u0, "u_K": combined.u_k, "u_U0": combined.u_u0}
     return {
         "units": {"K": per_g(unit), "U0": unit},
-        "K": combined.k.tolist(),
-        "U0": combined.u0.tolist(),
-        "u_K": combined.u_k.tolist(),
-        "u_U0": combined.u_u0.tolist(),
+        **{name: value.tolist() if combined.consistent else None for name, value in values.items()},
         "chi_squared": combined.chi_squared,
         "freedom": combined.freedom,
         "chi_squared_limit": combined.limit,
@@ -149,7 +141,7 @@ def _title(outcome: Outcome) -> str:
 
 def _table(outcome: Outcome) -> list[str]:
     rows = [_HEADINGS if outcome.needs is not None else _HEADINGS[:5]]
-    rows += [_row(outcome, source) for source in _NAMES]
+    rows += [_row(outcome, source) for source in NAMES]
     widths = [max(map(len, column)) for column in zip(*rows)]
     aligned = [str.ljust, str.rjust, str.rjust, str.rjust, str.ljust, str.rjust, str.ljust]
     return ["  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip() for row in rows]
@@ -160,7 +152,7 @@ def _row(outcome: Outcome, source: str) -> tuple[str, ...]:
     sign = "+" if source in SYSTEMATIC and judged.freedom == 1 else ""
     seen = "-" if judged.value is None else f"{judged.value:{sign}.2e}"
     u = "-" if judged.u is None else f"{judged.u:.1e}"
-    row = (_NAMES[source], seen, u, f"{judged.limit:.1e}", judged.verdict.value)
+    row = (NAMES[source], seen, u, f"{judged.limit:.1e}", judged.verdict.value)
     if need is None:
         return row
     return (*row, "-" if need["limit"] is None else f"{need['limit']:.1e}", need["verdict"])
@@ -183,18 +175,21 @@ def _notes(outcome: Outcome) -> list[str]:
 
 def _combined_lines(outcome: Outcome) -> list[str]:
     combined, unit = outcome.combined, outcome.views[0].solution.run.unit
+    square = (
+        f"chi-squared {combined.chi_squared:.1f}, {combined.freedom} degrees of freedom, limit {combined.limit:.1f}"
+    )
+    if not combined.consistent:
+        return _wrapped(
+            f"The runs do not agree ({square}): they are not of one block, or not of this stand as declared and"
+            f" levelled {outcome.levelled} (--levelled). There is no combined result."
+        )
     lines = [f"Combined of {len(outcome.views)} runs, stand levelled {outcome.levelled}:"]
     names = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
     values = [*combined.k.ravel().tolist(), *combined.u0.tolist()]
     uncertainties = [*combined.u_k.ravel().tolist(), *combined.u_u0.tolist()]
     for name, value, u in zip(names, values, uncertainties):
         lines.append(f"  {name}  {value:+.9f}  {u:.1e}  {per_g(unit) if name.startswith('K') else unit}")
-    word = "agree" if combined.consistent else "do not agree"
-    lines.append(
-        f"The runs {word}: chi-squared {combined.chi_squared:.1f}, {combined.freedom} degrees of freedom,"
-        f" limit {combined.limit:.1f}"
-    )
-    return lines
+    return [*lines, f"The runs agree: {square}"]
 
 
 def _sentence(outcome: Outcome) -> str:
@@ -202,12 +197,15 @@ def _sentence(outcome: Outcome) -> str:
     asked = "what the stand declares" if outcome.against == DECLARED else f"what {outcome.limit_g:g} g needs"
     missed, open_ = (outcome.sources_with(v) for v in (Verdict.DOES_NOT_MEET, Verdict.CANNOT_TELL))
     failed = outcome.gravity_failures
+    apart = "" if outcome.combined is None or outcome.combined.consistent else "; the runs do not agree with each other"
     if outcome.passed:
-        rest = f", which cannot tell {_listed(open_)}" if open_ else ""
-        return f"PASS: nothing exceeds {asked} in {runs}{rest}."
-    faults = [f"{_listed(missed)} does not meet {asked}"] if missed else []
+        decided = len(open_) < len(NAMES)
+        rest = f", which cannot tell {_listed(open_)}" if open_ and decided else ""
+        rest += "" if decided else ", which cannot tell anything yet; more runs can (docs/method.md, Fixture check)"
+        return f"PASS{'' if decided else ', not conclusive'}: nothing exceeds {asked} in {runs}{rest}{apart}."
+    faults = [f"{_listed(missed)} {'does' if len(missed) == 1 else 'do'} not meet {asked}"] if missed else []
     faults += [f"the gravity check fails in {_listed(failed)}"] if failed else []
-    return f"FAIL: {' and '.join(faults)}."
+    return f"FAIL: {' and '.join(faults)}{apart}."
 
 
 def _listed(words: list[str]) -> str:

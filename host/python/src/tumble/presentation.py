@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from dataclasses import dataclass
 
 import numpy as np
 
+from tumble import doubts
+from tumble.fixture import SYSTEMATIC, Limits
 from tumble.result import per_g
 from tumble.schedule import CHECK
-from tumble.solution import Solution
+from tumble.solution import Solution, measured_part
 from tumble.stand import noise_unit, volts_per
+from tumble.standseen import NAMES
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 HINT = "For uncertainties, describe the stand: --stand FILE"
 BAR_WIDTH = 36
+PAPER_ESTIMATORS = ("averaged", "refined")
 _UNKNOWN = "unknown"
 
 
@@ -47,7 +52,8 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy; of a
     simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
-    An uncertainty of K is given relative to the coefficient, in ppm; one of U0 over the channel's scale, in ug.
+    An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
+    angle that it is, in urad, of U0 in ug.
     """
     unit, rows = solution.run.unit, []
     errors = None if solution.truth is None else _errors_over_u(solution)
@@ -55,14 +61,14 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
             u = None if solution.u_k is None else solution.u_k[i, j]
-            relative = _ratio(u, solution.found.k[i, j], "ppm")
+            relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if solution.truth is None else _known(solution.truth.k[i, j], errors[0][i, j], decimals)
             rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if solution.u_u0 is None else solution.u_u0[i]
-        relative = _ratio(u, solution.found.k[i, i], "ug ")
+        relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
         known = () if solution.truth is None else _known(solution.truth.u0[i], errors[1][i], decimals)
@@ -94,6 +100,8 @@ def _ratio(u: float | None, of: float, millionths: str) -> str:
     if u is None or of == 0.0:
         return "-"
     ratio = abs(u / of) * 1e6
+    if ratio >= 1e5:
+        return f"{ratio:.0e} {millionths}"
     return f"{ratio:.0f} {millionths}" if ratio >= 100 else f"{ratio:.3g} {millionths}"
 
 
@@ -125,25 +133,27 @@ def remarks(solution: Solution) -> list[str]:
         for mounting, difference in solution.found.closure.items()
     ]
     if solution.found.residual_rms is not None:
-        lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}")
+        yaw = " (yaw included)" if solution.found.estimator in PAPER_ESTIMATORS else ""
+        lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
     return lines + _stand_remarks(solution)
 
 
 def _stand_remarks(solution: Solution) -> list[str]:
-    seen, stand, lines = solution.stand_seen, solution.stand, []
-    if seen.angles["alpha1"] is not None:
-        names = ("axis tilt", "level + yaw", "yaw 1 - yaw 2")
-        told = [_measured(seen.angles[key], seen.source is not None) for key in seen.angles]
-        lines += [f"{'Stand seen:':11} {name} {angle} rad" for name, angle in zip(names, told)]
-        lines[-2:] = [line.replace("Stand seen:", "           ") for line in lines[-2:]]
-    if seen.alpha4 is not None:
-        declared = "" if stand is None else f", declared {stand.sigma('angle'):.2e} rad"
-        lines.append(f"Error of a set angle: {_measured(seen.alpha4).lstrip('+')} rad{declared}")
-    if seen.noise is not None:
-        unit, factor = noise_unit(solution.run.unit), volts_per(solution.run.unit)
-        declared = "" if stand is None else f", declared {stand.sigma('noise'):.2e} {unit}"
-        noise = f"{seen.noise.value * factor:.2e} +- {seen.noise.u * factor:.1e}"
-        lines.append(f"Noise of a sample: {noise} {unit}{declared}")
+    """What the run shows of every source, and what is declared of it: standard deviations."""
+    seen, stand, unit = solution.stand_seen, solution.stand, solution.run.unit
+    told = {f"{name}_rad": angle for name, angle in seen.angles.items()}
+    told |= {"alpha4_rad": seen.alpha4, "noise_v": seen.noise}
+    mountings = len(measured_part(solution.schedule, solution.run.measured).fitted_mountings)
+    declared = {} if stand is None else Limits.declared(stand, mountings).sigma
+    lines = []
+    for source, one in told.items():
+        if one is not None:
+            its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
+            has_u = seen.source is not None or source not in SYSTEMATIC
+            measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
+            end = f", declared {declared[source]:.2e}" if source in declared else ""
+            begin = "" if lines else "Stand seen:"
+            lines.append(f"{begin:11} {NAMES[source]:11} {measured} {its_unit}{end}")
     return lines
 
 
@@ -171,8 +181,17 @@ def _three(values: np.ndarray) -> str:
     return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
 
 
-def _measured(seen, has_u: bool = True) -> str:
-    return f"{seen.value:+.2e}" + (f" +- {seen.u:.1e}" if has_u else "")
+def _measured(seen, has_u: bool, factor: float, sign: str) -> str:
+    return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
+
+
+def beware(solution: Solution) -> list[str]:
+    """That the run does not fit the declared stand, if so: a paragraph, and an empty line."""
+    complaint = doubts.complaint(solution)
+    if complaint is None:
+        return []
+    warning = f"Beware: {complaint}. The uncertainties above are too small."
+    return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
 
 
 def verdict(solution: Solution) -> str:

@@ -27,11 +27,19 @@ def per_g(unit: str) -> str:
     return f"({unit})/g" if "/" in unit else f"{unit}/g"
 
 
-def document(solution: Solution, item: dict[str, Any] | None, environment: dict[str, Any] | None) -> dict[str, Any]:
-    """The result of a solve, ready for JSON."""
+def document(
+    solution: Solution,
+    item: dict[str, Any] | None,
+    environment: dict[str, Any] | None,
+    serial: str | None = None,
+    run_file: str | None = None,
+) -> dict[str, Any]:
+    """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved."""
     unit = solution.run.unit
     return {
         "schema": SCHEMA,
+        "run_file": run_file,
+        "serial": serial,
         "estimator": solution.found.estimator,
         "unit": unit,
         "units": {"K": per_g(unit), "U0": unit, "u_K": per_g(unit), "u_U0": unit},
@@ -41,6 +49,7 @@ def document(solution: Solution, item: dict[str, Any] | None, environment: dict[
         "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
         "second_order": None if solution.second_order is None else solution.second_order.document(),
         "misfit": solution.misfit,
+        "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
         "verification": _verification(solution),
         "stand_seen": standseen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
@@ -120,7 +129,8 @@ def to_json(result: dict[str, Any]) -> str:
 
 
 def read_coefficients(file: str) -> dict[str, Any]:
-    """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked.
+    """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
+    it has them serial, run_file, item, environment and stand_doubts, else None.
 
     Raises BadInput.
     """
@@ -145,6 +155,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
         "limit_g": _is_uncertainty,
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
+    for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
+        _require(result, key, lambda value: value is None or isinstance(value, kind), file, default=None)
     return result
 
 
@@ -163,7 +175,10 @@ def _parse(file: str) -> dict[str, Any]:
     return result
 
 
-def _require(table: dict[str, Any], key: str, is_valid, file: str, prefix: str = "") -> None:
+def _require(table: dict[str, Any], key: str, is_valid, file: str, prefix: str = "", **otherwise: Any) -> None:
+    """`default`, if given, is what a key that is not there comes to."""
+    if key not in table and "default" in otherwise:
+        table[key] = otherwise["default"]
     if key not in table:
         raise BadInput(f"not a result of schema {SCHEMA}: no {prefix}{key}", file)
     if not is_valid(table[key]):

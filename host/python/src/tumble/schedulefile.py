@@ -16,9 +16,10 @@ _LARGEST_ANGLE_DEG = 3600.0
 _LARGEST_TILT_DEG = 89.0
 
 
-def read_schedule(file: str) -> CoreSchedule:
-    """Read a schedule file that identifies all coefficients. Raises BadInput with file, row and table."""
-    top = read_toml(file).only("mounting", "position")
+def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
+    """Read a schedule file that identifies all coefficients; `data`: what is in it, if that has been read. Raises
+    BadInput with file, row and table."""
+    top = read_toml(file, data).only("mounting", "position")
     mountings, positions = top.tables("mounting"), top.tables("position")
     schedule = Schedule(tuple(map(_mounting, mountings)), tuple(map(_position, positions)))
     try:

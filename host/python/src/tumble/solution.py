@@ -39,7 +39,8 @@ class Solution:
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
     `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
-    that was measured.
+    that was measured; `doubts`: what the run shows to be worse than declared (tumble.doubts), None where nobody
+    looked.
     """
 
     schedule: Schedule
@@ -53,13 +54,15 @@ class Solution:
     stand_seen: StandSeen
     misfit: float | None = None
     truth: Truth | None = None
+    doubts: tuple | None = None
 
     @property
     def second_order(self) -> SecondOrder | None:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
         if self.stand is None:
             return None
-        return SecondOrder.of(self.stand, float(self.found.k[0, 0]), float(self.u_k[0, 0]))
+        claimed = np.diag(self.found.k), np.diag(self.u_k)
+        return SecondOrder.of(self.stand.shared_angles, *claimed, self.found.estimator)
 
     @property
     def worst_position(self) -> int:
@@ -84,11 +87,12 @@ def solve(
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
-    declared = None if stand is None else stand.in_unit(run.unit)
+    step = step_v / volts_per(run.unit)
+    declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
     weighting = None
     if estimator == OPTIMAL:
-        weighting = weighted.Weighting(declared, run.samples, step_v / volts_per(run.unit), known)
+        weighting = weighted.Weighting(declared, run.samples, step, known)
     try:
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
     except core.CoreRefusal as refusal:
@@ -101,7 +105,7 @@ def solve(
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     u_k, u_u0, misfit = None, None, None
     if declared is not None:
-        u_k, u_u0 = _state(core_schedule, run, found.k, declared, estimator, step_v / volts_per(run.unit), file)
+        u_k, u_u0 = _state(core_schedule, run, found.k, declared, estimator, step, file)
         if optimal is None:
             witness = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
         else:
@@ -142,7 +146,8 @@ def measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
     """A refusal of the core, in terms of what the user gave."""
     if refusal.name == "TUMBLE_E_MISSING_POSITION":
-        return f"{estimator} needs all 2 x 9 positions; missing {', '.join(refusal.details['missing'])}"
+        missing = ", ".join(refusal.details["missing"])
+        return f"{estimator} needs all 2 x 9 positions (for other ones: --schedule FILE); missing {missing}"
     if refusal.name == "TUMBLE_E_NOT_HARMONIC":
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":

@@ -16,10 +16,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from tumble.core_averaging import MAX_SAMPLES
+from tumble.errors import BadInput
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 from tumble.tomlfile import Table, read_toml
 
 _LARGEST_ANGLE_RAD = 0.5
+_LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
     "temperature_c": (-100.0, 300.0),
@@ -42,14 +44,19 @@ class StandFile:
     delta_g_limit_g: float | None
 
     @property
+    def serial(self) -> str | None:
+        """Of the block; None if unknown."""
+        return None if self.block is None else self.block.get("serial")
+
+    @property
     def step_v(self) -> float:
         """Size of a count of the block's converter, whose range is from -range_v to +range_v; 0 if unknown."""
         return 0.0 if self.block is None else converter_step_v(self.block)
 
 
-def read_stand(file: str) -> StandFile:
-    """Read a stand file. Raises BadInput with file and row."""
-    top = read_toml(file).only("stand", "block", "motion", "item", "environment", "accept")
+def read_stand(file: str, data: bytes | None = None) -> StandFile:
+    """Read a stand file; `data`: what is in it, if that has been read. Raises BadInput with file and row."""
+    top = read_toml(file, data).only("stand", "block", "motion", "item", "environment", "accept")
     stand, block, motion = top.table("stand"), top.table("block"), top.table("motion")
     item, environment, accept = top.table("item"), top.table("environment"), top.table("accept")
     if stand is None:
@@ -72,12 +79,17 @@ def converter_step_v(block: dict[str, Any]) -> float:
     return math.ldexp(block["range_v"], 1 - block["converter_bits"])
 
 
-def read_block(file: str) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Read a file of [block] and [block.true] alone, which overrides a stand file's. Raises BadInput."""
-    top = read_toml(file).only("block")
+def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Read a file of [block] and [block.true] alone, which overrides a stand file's. `data`: as for `read_stand`.
+    Raises BadInput."""
+    top = read_toml(file, data)
     block = top.table("block")
     if block is None:
-        raise top.refuse("no table [block]")
+        raise top.refuse("no table [block]: a block file holds [block] and [block.true] alone")
+    try:
+        top.only("block")
+    except BadInput as error:
+        raise BadInput(f"{error.fault}: a block file holds [block] and [block.true] alone", file, error.row) from None
     return _block(block), _truth(block)
 
 
@@ -90,7 +102,7 @@ def _stand(table: Table) -> Stand:
         level=level,
         remount=remount,
         angle=angle,
-        noise=table.number("noise_v", 0.0),
+        noise=table.number("noise_v", 0.0, _LARGEST_V),
         samples=table.integer("samples", 1, MAX_SAMPLES),
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
@@ -111,6 +123,9 @@ def _block(table: Table) -> dict[str, Any]:
     for key in ("scale_v_per_g", "range_v", "sample_rate_hz"):
         if block[key] == 0.0:
             raise table.refuse("must not be 0", key)
+    for key in ("scale_v_per_g", "range_v"):
+        if block[key] is not None and not 1.0 / _LARGEST_V <= abs(block[key]) <= _LARGEST_V:
+            raise table.refuse(f"must be of a size from {1.0 / _LARGEST_V:g} to {_LARGEST_V:g}", key)
     return block
 
 

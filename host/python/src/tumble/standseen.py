@@ -14,6 +14,13 @@ import numpy as np
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
+NAMES = {  # of what is seen, for people
+    "alpha1_rad": "axis tilt",
+    "alpha2_plus_alpha3_rad": "level + yaw",
+    "alpha3_difference_rad": "yaw change",
+    "alpha4_rad": "set angle",
+    "noise_v": "noise",
+}
 
 
 @dataclass(frozen=True)

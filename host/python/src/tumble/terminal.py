@@ -29,7 +29,10 @@ def show(solution: Solution, file: str) -> None:
     console.print()
     for line in presentation.remarks(solution):
         console.print(Text(line))
-    console.print(Text("\n" + presentation.verdict(solution), style=_colour(solution.found.gravity.passed) + " bold"))
+    console.print()
+    for line in presentation.beware(solution):
+        console.print(Text(line, style="yellow"))
+    console.print(Text(presentation.verdict(solution), style=_colour(solution.found.gravity.passed) + " bold"))
 
 
 def _colour(good: bool) -> str:

@@ -16,9 +16,9 @@ _PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)")
 _REQUIRED: Any = object()
 
 
-def read_toml(file: str) -> Table:
-    """The top-level table of a TOML file. Raises BadInput."""
-    data = read_bytes(file)
+def read_toml(file: str, data: bytes | None = None) -> Table:
+    """The top-level table of a TOML file; `data`: what is in it, if that has been read. Raises BadInput."""
+    data = read_bytes(file) if data is None else data
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:

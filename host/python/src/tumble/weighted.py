@@ -19,10 +19,11 @@ from tumble.stand import Stand
 
 @dataclass(frozen=True)
 class Known:
-    """What a table was made for that existed before the run: the block's `k` (3, 3), `samples` in every mean."""
+    """What a table was made for that existed before the run: the block's `k` (3, 3), `samples` expected in every mean,
+    not necessarily a whole number."""
 
     k: np.ndarray
-    samples: int
+    samples: float
 
 
 @dataclass(frozen=True)

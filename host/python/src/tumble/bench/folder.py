@@ -11,8 +11,9 @@ import os
 import shutil
 from pathlib import Path
 
-from tumble.errors import BadInput
-from tumble.files import read_bytes, reason
+from tumble import interruption
+from tumble.errors import BadInput, file_name
+from tumble.files import reason
 
 DEFAULT_PARENT = "runs"
 SCENARIO = "scenario.txt"
@@ -38,39 +39,58 @@ class RunFolder:
 
     def __init__(self, path: str, *, may_make_parent: bool = False):
         self.path = path
-        self._target = Path(os.path.realpath(_checked(path)))
+        self._may_make_parent = may_make_parent
         self._made_parent = False
+        _check(path)
         try:
+            self._target = Path(os.path.realpath(path))
             self._existed = self._target.is_dir()
             if self._existed and any(self._target.iterdir()):
                 raise BadInput("is there already and is not an empty folder", path)
             if not self._existed and os.path.lexists(self._target):
                 raise BadInput("is there already and is not a folder", path)
             self.stage = (self._target if self._existed else self._target.parent) / f".{self._target.name}.part"
-            if may_make_parent and not self._target.parent.exists():
+        except OSError as error:
+            raise self._cannot_be_made(error) from None
+
+    def _cannot_be_made(self, error: OSError) -> BadInput:
+        return BadInput(f"the folder cannot be made: {reason(error)}", self.path)
+
+    def __enter__(self) -> RunFolder:
+        try:
+            if self._may_make_parent and not self._target.parent.exists():
                 self._target.parent.mkdir()
                 self._made_parent = True
             self.stage.mkdir()
+            return self
+        except FileExistsError:
+            message = f"{file_name(self.stage)} is there, of a run that goes on or was killed"
+            raise BadInput(message, self.path) from None
         except OSError as error:
-            raise BadInput(f"the folder cannot be made: {reason(error)}", path) from None
-
-    def __enter__(self) -> RunFolder:
-        return self
+            self._remove_made_parent()
+            raise self._cannot_be_made(error) from None
+        except KeyboardInterrupt:
+            self.__exit__()
+            raise
 
     def __exit__(self, *_) -> None:
-        if self.stage.exists():
-            shutil.rmtree(self.stage, ignore_errors=True)
-            if self._made_parent:
-                _remove_if_empty(self._target.parent)
+        with interruption.Postponed():
+            if self.stage.exists():
+                shutil.rmtree(self.stage, ignore_errors=True)
+                self._remove_made_parent()
 
-    def add_inputs(self, files: list[str], scenario: str, gains: bytes | None = None) -> Path:
-        """Copies of the given files, the scenario and the gain record if there is one, in inputs/. Returns the
-        scenario's path."""
+    def _remove_made_parent(self) -> None:
+        if self._made_parent:
+            _remove_if_empty(self._target.parent)
+
+    def add_inputs(self, files: dict[str, bytes], scenario: str, gains: bytes | None = None) -> Path:
+        """Copies of the given files (name and contents), the scenario and the gain record if there is one, in inputs/.
+        Returns the scenario's path."""
         inputs = self.stage / "inputs"
-        contents = [(os.path.basename(file), read_bytes(file)) for file in files]
         try:
             inputs.mkdir()
-            for number, (name, data) in enumerate(contents, start=1):
+            for number, (file, data) in enumerate(files.items(), start=1):
+                name = os.path.basename(file)
                 free = not (inputs / name).exists() and name not in (SCENARIO, GAINS)
                 (inputs / (name if free else f"{number}-{name}")).write_bytes(data)
             (inputs / SCENARIO).write_text(scenario, encoding="ascii")
@@ -89,6 +109,7 @@ class RunFolder:
                 (self.stage / unwanted).unlink()
             else:
                 (self.stage / unwanted).rename(self.stage / renamed)
+            interruption.ignore()
             self._publish()
         except OSError as error:
             raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
@@ -102,10 +123,9 @@ class RunFolder:
         self.stage.rmdir()
 
 
-def _checked(path: str) -> str:
+def _check(path: str) -> None:
     if not path or "\0" in path:
         raise BadInput("not a folder name", path)
-    return path
 
 
 def _remove_if_empty(folder: Path) -> None:

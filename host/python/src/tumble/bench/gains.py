@@ -11,6 +11,10 @@ from tumble.standfile import converter_step_v
 from tumble.weighted import Known
 
 _USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
+_USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # likewise, where the file leaves it open
+
+_FEWEST_SAMPLES = 16  # before which the procedure does not look at an error budget
+_MOST = 1e6  # times the budget that one sample's noise counts as, at most
 
 
 def known(setup: Setup) -> Known:
@@ -18,12 +22,23 @@ def known(setup: Setup) -> Known:
     block = _USUAL_BLOCK if setup.block is None else setup.block
     shape = np.full((3, 3), block["misalignment_rad"])
     np.fill_diagonal(shape, 1.0)
-    return Known(block["scale_v_per_g"] * shape, setup.samples)
+    return Known(block["scale_v_per_g"] * shape, _expected_samples(setup))
+
+
+def _expected_samples(setup: Setup) -> float:
+    """All that are asked for; with an error budget as many as bring the noise of a mean to it, but no fewer than the
+    procedure takes before it looks."""
+    if setup.error_budget_v == 0.0:
+        return float(setup.samples)
+    one_sample = setup.stand.with_step(step_v(setup)).sigma("noise")
+    wanted = (one_sample / setup.error_budget_v) ** 2 if one_sample < _MOST * setup.error_budget_v else _MOST**2
+    return max(wanted, float(min(_FEWEST_SAMPLES, setup.samples)))
 
 
 def step_v(setup: Setup) -> float:
-    """Size of a count as the stand file declares it; 0 where it does not."""
-    return 0.0 if setup.block is None else converter_step_v(setup.block)
+    """Size of a count of the simulated converter."""
+    block = setup.block or {}
+    return converter_step_v({key: block.get(key) or usual for key, usual in _USUAL_CONVERTER.items()})
 
 
 def record(setup: Setup) -> bytes:

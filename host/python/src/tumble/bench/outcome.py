@@ -12,7 +12,8 @@ import numpy as np
 from tumble import reference
 from tumble.bench import gains
 from tumble.bench.setup import Setup
-from tumble.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT
+from tumble.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
+from tumble.doubts import look_for_doubts
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.runfile import Run, read_run
 from tumble.solution import Solution, Truth, solve
@@ -49,7 +50,7 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
 
     The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
     confirm it within 1e-12 of max|K| (the optimal estimator: 1e-6 of u), once from these means and once from the
-    samples in run.csv, averaged anew.
+    samples in run.csv, averaged anew. And it must confirm the standard uncertainties that the firmware states.
     """
     recorded = read_run(str(stage / "run.csv"), setup.schedule.data)
     run = _as_averaged(recorded, document)
@@ -63,6 +64,8 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
     _require_same_estimate(solution, recorded, setup)
+    _require_same_uncertainties(solution, document, setup)
+    solution = look_for_doubts(solution, setup.schedule, gains.step_v(setup))
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 
@@ -100,6 +103,20 @@ def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> N
     k, u0 = reference.estimate(schedule, recorded.means, setup.estimator)
     _require_close("K", found.k, k, RELATIVE_LIMIT * np.abs(k).max())
     _require_close("U0", found.u0, u0, RELATIVE_LIMIT * np.abs(k).max())
+
+
+def _require_same_uncertainties(solution: Solution, document: dict[str, Any], setup: Setup) -> None:
+    """Those of the optimal estimator are for the gains on board, at the K that they were made for."""
+    if document["u_K"] is None:
+        raise Disagreement("the firmware states no uncertainties; no result is given")
+    schedule, samples = setup.schedule.data, solution.run.samples
+    if setup.estimator == OPTIMAL:
+        known, step = gains.known(setup), gains.step_v(setup)
+        witness = reference.optimal_uncertainties(schedule, known.k, setup.stand, samples, step, known.samples)
+    else:
+        witness = reference.standard_uncertainties(schedule, solution.found.k, setup.stand, samples, setup.estimator)
+    stated = np.array(document["u_K"]).reshape(3, 3), np.array(document["u_U0"])
+    compare_uncertainties(stated, witness, setup.estimator == OPTIMAL)
 
 
 def _require_close(name: str, firmware: np.ndarray, witness: np.ndarray, allowed: np.ndarray | float) -> None:

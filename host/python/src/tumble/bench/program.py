@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from tumble.errors import BenchFault, file_name
+from tumble.bench import programs
+from tumble.errors import BenchFault
 
-VARIABLE = "TUMBLE_BENCH"  # of the environment: the program to use
 _NAME = "tumble-bench"
 _PATIENCE_S = 15.0
 
@@ -31,41 +29,27 @@ class Ended:
 
 
 def find() -> str:
-    """Path of the program: as the environment says, in the build tree beside the extension module, or installed.
-    Raises BenchFault."""
-    if chosen := os.environ.get(VARIABLE):
-        return chosen
-    import _tumble_core
-
-    built = Path(_tumble_core.__file__).resolve().parents[1] / "host/bench" / _NAME
-    found = str(built) if os.access(built, os.X_OK) else shutil.which(_NAME)
-    if found is None:
-        raise BenchFault(f"the program {_NAME} is not built: no {file_name(built)}; {VARIABLE} may say where it is")
-    return found
+    """Path of the program. Raises BenchFault."""
+    return programs.find(_NAME, "host/bench")
 
 
-def run(arguments: list[str], on_event: Callable[[Event], str | None], interactive: bool) -> Ended:
-    """Run the program to its end. `on_event` gets every progress line and returns an answer to it, or None.
+def run(
+    arguments: list[str], on_event: Callable[[Event], str | None], interactive: bool, path: str | None = None
+) -> Ended:
+    """Run the program to its end. `on_event` gets every progress line and returns an answer to it, or None. `path`: of
+    another program with the same progress lines.
 
     Ctrl-C goes to this process alone (the program has a session of its own), which tells the program to stop: it stops
-    the table, and then ends.
+    the table, and then ends. It does the same by itself when nobody reads its progress any more.
     """
     ours, theirs = os.pipe()
     options = [*(["--interactive"] if interactive else []), "--progress-fd", str(theirs)]
     try:
-        child = subprocess.Popen(
-            [find(), *arguments, *options],
-            stdin=subprocess.PIPE if interactive else subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            pass_fds=(theirs,),
-            start_new_session=True,
-            text=True,
-            errors="replace",
-        )
+        child = _start([path or find(), *arguments, *options], theirs, interactive)
     except OSError as error:
         os.close(ours)
-        raise BenchFault(f"{_NAME} cannot be started: {(error.strerror or 'unknown').lower()}") from None
+        name = os.path.basename(path or _NAME)
+        raise BenchFault(f"{name} cannot be started: {(error.strerror or 'unknown').lower()}") from None
     finally:
         os.close(theirs)
     with child, open(ours, encoding="utf-8", errors="replace") as lines:
@@ -79,6 +63,19 @@ def run(arguments: list[str], on_event: Callable[[Event], str | None], interacti
     return Ended(code, complaint, interrupted)
 
 
+def _start(command: list[str], progress: int, interactive: bool) -> subprocess.Popen:
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE if interactive else subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        pass_fds=(progress,),
+        start_new_session=True,
+        text=True,
+        errors="replace",
+    )
+
+
 def _watch(child: subprocess.Popen, lines, on_event: Callable[[Event], str | None]) -> bool:
     """Until the program has nothing more to tell. True: the user interrupted it."""
     try:
@@ -88,7 +85,7 @@ def _watch(child: subprocess.Popen, lines, on_event: Callable[[Event], str | Non
                 _tell(child, answer)
         return False
     except KeyboardInterrupt:
-        child.send_signal(signal.SIGINT)
+        child.send_signal(signal.SIGTERM)
         _close(child.stdin)
         try:
             child.wait(_PATIENCE_S)  # what it still has to tell fits into the pipe

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tumble.messages import tell
 from tumble.schedule import Mounting, Schedule
 
 _AXES = ("h (horizontal, across the axis)", "n (along the axis)", "v (up at table angle 0)")
@@ -64,7 +65,7 @@ class Progress:
 
     def say(self, line: str) -> None:
         """One line."""
-        print(line, file=sys.stderr, flush=True)
+        tell(line)
 
     def ask(self, event: dict[str, Any]) -> str:
         """Put a question, return the answer as the program takes it."""
@@ -79,7 +80,10 @@ class Progress:
 
     def read_answer(self) -> str:
         """A line of standard input; its end is an abort."""
-        line = sys.stdin.readline()
+        try:
+            line = "" if sys.stdin is None else sys.stdin.readline()
+        except (OSError, ValueError):  # a folder, a terminal that is gone, what is not text
+            line = ""
         return "abort" if not line else line.strip() or "done"
 
 

@@ -21,8 +21,9 @@ _RATES_HZ = (1.0, 1000.0)
 _MOTION = {  # by key of [motion]: key of the scenario, least, most
     "velocity_deg_per_s": ("motion.speed_deg_s", 0.1, 1e4),
     "acceleration_deg_per_s2": ("motion.acceleration_deg_s2", 0.1, 1e5),
-    "settling_s": ("motion.settling_s", 0.0, 60.0),
+    "settling_s": ("motion.settling_s", 0.0, 4.095),  # less than a turn of the block's timestamp
 }
+_BIAS_G = 0.05  # drawn biases lie within this: the same share of every block's range
 _USUAL_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "settling_s": 0.5}
 _USUAL_CABLE_DEG = (-30.0, 400.0)
 _CABLE_SLACK_DEG = 30.0
@@ -73,6 +74,7 @@ def _block(setup: Setup) -> Iterator[tuple[str, str]]:
     block = setup.block
     if block is not None:
         yield "block.scale_v_per_g", _numbers(block["scale_v_per_g"])
+        yield "block.bias_v", _numbers(_BIAS_G * abs(block["scale_v_per_g"]))
         yield "block.misalignment_rad", _numbers(block["misalignment_rad"])
         if block["converter_bits"] is not None:
             _require(block["converter_bits"], 8, _MOST_BITS, "[block] converter_bits", setup.block_file)

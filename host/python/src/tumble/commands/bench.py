@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
+import signal
 
 from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, OPTIMAL, parse_limit, print_solution, warn
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, BenchFault, Interrupted, UsageError, quoted
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, BenchFault, Interrupted, UsageError, file_name, quoted
+from tumble.messages import on_terminal, tell
 
-BUSES = ("inprocess",)
-FIRMWARES = ("host",)
+FIRMWARES = ("host", "zcu102")
 _LARGEST_SEED = 2**64 - 1
 
 
@@ -22,7 +22,8 @@ def add_to(subparsers) -> None:
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
         " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
-        " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 130 interrupted, the table stopped.",
+        " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here,"
+        " 130 interrupted, the table stopped.",
     )
     parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; replays a run exactly; default: 1")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
@@ -35,8 +36,20 @@ def add_to(subparsers) -> None:
         help="average at a position only until the standard error of every channel's mean is at most this; --samples"
         " is then the most that may be taken",
     )
-    parser.add_argument("--estimator", choices=(*ESTIMATORS, OPTIMAL), default="refined", help="default: refined")
-    parser.add_argument("--bus", choices=BUSES, default=BUSES[0], help="default: inprocess")
+    parser.add_argument(
+        "--estimator",
+        choices=(*ESTIMATORS, OPTIMAL),
+        default="refined",
+        metavar="NAME",
+        help="averaged, refined (default), least_squares or optimal",
+    )
+    parser.add_argument(
+        "--bus",
+        metavar="BUS",
+        default="inprocess",
+        help="inprocess: simulated, in virtual time; socketcan:IF: on this CAN interface, in real time; uml: likewise,"
+        " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
+    )
     parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
     parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
     parser.add_argument(
@@ -51,12 +64,19 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
-    from tumble.bench import folder, gains, outcome, setup
+    from tumble.bench import board, folder, gains, outcome, realbus, setup
 
-    wanted, stand_file = _read_setup(arguments)
+    bus = realbus.require_bus(arguments.bus)
+    if bus != realbus.INPROCESS and arguments.interactive:
+        raise UsageError("--interactive: only with --bus inprocess")
+    if bus != realbus.INPROCESS and arguments.estimator == OPTIMAL:
+        raise UsageError("--estimator optimal: only with --bus inprocess")
+    if arguments.firmware == board.FIRMWARE:
+        board.require_there(bus)
+    given = _read_files(arguments)
+    wanted, stand_file = _read_setup(arguments, given)
     scenario = setup.scenario_text(wanted)
     gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
-    given = [file for file in (arguments.stand, arguments.block, arguments.schedule) if file is not None]
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=arguments.out is None) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
@@ -69,13 +89,21 @@ def run(arguments: argparse.Namespace) -> int:
             raise
         text = _result_text(solution, wanted, arguments, stand_file)
         made.keep(outcome.DOCUMENT, result=text)
-    print(f"run folder: {path}", file=sys.stderr)
+    tell(f"run folder: {file_name(path)}")
     warn(solution)
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
 
-def _read_setup(arguments: argparse.Namespace):
+def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
+    """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
+    from tumble.files import read_bytes
+
+    given = (arguments.stand, arguments.block, arguments.schedule)
+    return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
+
+
+def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
     """Everything that the files and options say: the setup, and the stand file or None."""
     seed = parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
     limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
@@ -89,12 +117,12 @@ def _read_setup(arguments: argparse.Namespace):
 
     samples = None if arguments.samples is None else parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
-    schedule = _read_schedule(arguments)
-    file = None if arguments.stand is None else standfile.read_stand(arguments.stand)
+    schedule = _read_schedule(arguments, given)
+    file = None if arguments.stand is None else standfile.read_stand(arguments.stand, given[arguments.stand])
     stand = PAPER_STAND if file is None else file.stand
     block, truth = (None, None) if file is None else (file.block, file.truth)
     if arguments.block is not None:
-        block, truth = standfile.read_block(arguments.block)
+        block, truth = standfile.read_block(arguments.block, given[arguments.block])
     if limit_g is None:
         limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
@@ -133,14 +161,14 @@ def parse_whole(text: str, option: str, low: int, high: int) -> int:
     raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
 
 
-def _read_schedule(arguments: argparse.Namespace):
+def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
     from tumble.core import CoreRefusal, CoreSchedule, paper_schedule
     from tumble.schedulefile import read_schedule
 
     if arguments.schedule is None:
         return CoreSchedule(paper_schedule())
-    schedule = read_schedule(arguments.schedule)
+    schedule = read_schedule(arguments.schedule, given[arguments.schedule])
     try:
         if arguments.estimator not in ("least_squares", OPTIMAL):
             schedule.harmonic()
@@ -152,17 +180,24 @@ def _read_schedule(arguments: argparse.Namespace):
 
 def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
     """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
-    from tumble.bench import folder, outcome, program
+    from tumble.bench import board, folder, outcome, program, realbus
 
     options = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
     if wanted.estimator == OPTIMAL:
         options += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
     with _progress(wanted.schedule.data, arguments.interactive) as progress:
-        ended = program.run(options, progress, arguments.interactive)
+        if arguments.bus == realbus.INPROCESS:
+            ended = program.run(options, progress, arguments.interactive)
+        elif arguments.firmware == board.FIRMWARE:
+            ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
+        else:
+            ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress)
     document = outcome.read_document(made.stage / "bench")
     if ended.interrupted or ended.code == Interrupted.exit_code:
-        at_rest = document is not None and document["table"]["at_rest"]
+        never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
+        at_rest = never_began or (document is not None and document["table"]["at_rest"])
         raise Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+    _require_written(ended, made)
     complaint = ended.complaint.replace(str(scenario_path), "scenario")
     if ended.code == BadInput.exit_code:
         raise UsageError(f"this cannot be simulated: {complaint}")
@@ -174,8 +209,15 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
     return document
 
 
+def _require_written(ended, made) -> None:
+    """Raise BadInput if the program could not write what it had to."""
+    at_fault, _, why = ended.complaint.removeprefix("tumble-bench: ").partition(f"{made.stage / 'bench'}: ")
+    if ended.code == BadInput.exit_code and why and not at_fault:
+        raise BadInput(why, made.path)
+
+
 def _progress(schedule, interactive: bool):
-    if sys.stderr.isatty():
+    if on_terminal():
         from tumble.bench.live import LiveProgress
 
         return LiveProgress(schedule, interactive)
@@ -188,6 +230,7 @@ def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) ->
     from tumble import result
 
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
-    document = result.document(solution, item, environment)
+    serial = None if wanted.block is None else wanted.block.get("serial")
+    document = result.document(solution, item, environment, serial, "run.csv")
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     return result.to_json({**document, **origin, "truth": result.truth(solution.truth)})

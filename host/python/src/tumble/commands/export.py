@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 
-from tumble.errors import EXIT_PASS
+from tumble.errors import EXIT_PASS, file_name
+from tumble.messages import tell
 
 FORMATS = ("c", "csv")
 
@@ -26,12 +27,14 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
-    from tumble.exports import to_c, to_csv
+    from tumble.exports import to_c, to_csv, warnings
     from tumble.files import refuse_overwriting, write_text
     from tumble.result import read_coefficients
 
     refuse_overwriting(arguments.out, arguments.result)
     result = read_coefficients(arguments.result)
+    for warning in warnings(result):
+        tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
     text = {"c": to_c, "csv": to_csv}[arguments.format](result)
     if arguments.out is None:
         sys.stdout.write(text)

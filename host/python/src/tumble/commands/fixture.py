@@ -7,7 +7,7 @@ import math
 import os
 import sys
 
-from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, parse_limit
+from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, OPTIMAL, parse_limit
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
 
 LEVELLED = ("once", "anew")
@@ -33,7 +33,13 @@ def add_to(subparsers) -> None:
     parser.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
     parser.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
-    parser.add_argument("--estimator", choices=ESTIMATORS, default="refined", help="default: refined")
+    parser.add_argument(
+        "--estimator",
+        choices=(*ESTIMATORS, OPTIMAL),
+        default="refined",
+        metavar="NAME",
+        help="averaged, refined (default), least_squares or optimal",
+    )
     parser.add_argument(
         "--limit",
         metavar="G",
@@ -62,18 +68,17 @@ def check(arguments: argparse.Namespace) -> int:
     _refuse_repetition(arguments.runs)
 
     from tumble import fixture_report, result
-    from tumble.combination import combine
     from tumble.core import CoreSchedule, paper_schedule
-    from tumble.fixture import Judge, Limits, levelled_once
+    from tumble.fixture import Judge, Limits
     from tumble.schedulefile import read_schedule
     from tumble.standfile import read_stand
 
     stand_file = read_stand(arguments.stand)
     schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
     limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
-    views = _views(arguments, stand_file.stand, schedule, limit_g)
-    mountings = len((schedule or CoreSchedule(paper_schedule())).data.mountings)
-    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
+    views = _views(arguments, stand_file, schedule, limit_g)
+    mountings = len((schedule or CoreSchedule(paper_schedule())).data.fitted_mountings)
+    once, combined = _combined(arguments, views, confidence, stand_file.step_v)
     judge = Judge(views, confidence, once)
     needed = _needed(arguments, stand_file, schedule, limit_g, mountings)
     outcome = fixture_report.Outcome(
@@ -86,7 +91,7 @@ def check(arguments: argparse.Namespace) -> int:
         limit_g=limit_g,
         confidence=confidence,
         levelled="once" if once else "anew",
-        combined=combine([view.solution for view in views], once, confidence) if len(views) > 1 else None,
+        combined=combined,
     )
     text = result.to_json(fixture_report.document(outcome)) if arguments.json else fixture_report.render(outcome)
     sys.stdout.write(text)
@@ -112,7 +117,29 @@ def _refuse_repetition(runs: list[str]) -> None:
         seen.add(path)
 
 
-def _views(arguments: argparse.Namespace, stand, schedule, limit_g: float) -> list:
+def _combined(arguments: argparse.Namespace, views: list, confidence: float, step_v: float):
+    """Was the stand levelled once for all runs, and several runs in one: None of one run.
+
+    Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
+    of the table angle, which no run shows by itself, must then have moved.
+    """
+    from tumble.combination import combine
+    from tumble.fixture import levelled_once
+
+    def combined(once: bool):
+        return combine([view.solution for view in views], once, confidence, step_v)
+
+    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
+    if len(views) == 1:
+        return once, None
+    found = combined(once)
+    if arguments.levelled is None and once and not found.consistent:
+        anew = combined(False)
+        return (False, anew) if anew.consistent else (once, found)
+    return once, found
+
+
+def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) -> list:
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.fixture import RunView
@@ -125,15 +152,16 @@ def _views(arguments: argparse.Namespace, stand, schedule, limit_g: float) -> li
         run = read_run(file, core_schedule.data)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
-        solution = solve(run, schedule, arguments.estimator, limit_g, stand, file)
+        solution = solve(run, schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
         views.append(RunView.of(solution, core_schedule, file))
     return views
 
 
 def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float, mountings: int):
-    """What the acceptance limit needs of the stand; None where the stand file does not describe the block.
+    """What the acceptance limit needs of the stand; None where the stand file does not describe the block,
+    or nothing can be said.
 
-    Raises UsageError where that is what the verdict should go by.
+    Raises BadInput, UsageError where that is what the verdict should go by.
     """
     if stand_file.block is None:
         if arguments.against == "needed":
@@ -143,9 +171,14 @@ def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float,
 
     from tumble.fixture import Limits
     from tumble.planning.case import Case
-    from tumble.planning.require import requirements
+    from tumble.planning.require import allowed
 
     case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
-    found = requirements(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+    try:
+        found = allowed(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+    except UsageError:
+        if arguments.against == "needed":
+            raise
+        return None
     found[4] *= math.sqrt(stand_file.stand.samples)
-    return Limits.of(found, stand_file.stand.remounting, mountings)
+    return Limits.needed(found, stand_file.stand.remounting, mountings)

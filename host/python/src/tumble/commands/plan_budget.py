@@ -53,5 +53,6 @@ def _show(found, case) -> None:
     out.print(tables.table(("", "alpha1", "alpha2", "alpha3", "alpha4", "noise", "all"), rows))
     out.print("alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles")
     if found.second_order.matters:
-        out.print(f"Beware, {found.second_order.warning}:", style="yellow")
-        out.print("that is the bias of a linear estimate of K_xx, and in no column above", style="yellow")
+        for shift in found.second_order.shifts:
+            out.print(f"Beware: {shift}", style="yellow")
+        out.print("That is a bias of the scale factors, and in no column above", style="yellow")

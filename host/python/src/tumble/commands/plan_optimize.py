@@ -1,4 +1,8 @@
-"""`tumble plan optimize`: the gain table that is best for a stand, for people, programs and the firmware."""
+"""`tumble plan optimize`: the gain table that is best for a stand, for people, programs and the firmware.
+
+A table bears the serial of the block that it was made for, a gain record a CRC of it. That is for people: nothing
+checks it, as the firmware does not know which block is mounted.
+"""
 
 from __future__ import annotations
 
@@ -69,8 +73,8 @@ def _show(found) -> None:
     out.print(tables.table(headings, rows, left=(0, 1)))
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
-    if found.second_order.matters:
-        out.print(f"Beware: {found.second_order.warning}", style="yellow")
+    for shift in found.second_order.shifts:
+        out.print(f"Beware: {shift}", style="yellow")
 
 
 def _kind(out: str | None) -> str | None:

@@ -26,7 +26,11 @@ def add_case_options(parser: argparse.ArgumentParser, default_estimator: str | N
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
     if default_estimator is not None:
         parser.add_argument(
-            "--estimator", choices=ESTIMATORS, default=default_estimator, help=f"default: {default_estimator}"
+            "--estimator",
+            choices=ESTIMATORS,
+            default=default_estimator,
+            metavar="NAME",
+            help=f"averaged, refined, least_squares or optimal; default: {default_estimator}",
         )
 
 

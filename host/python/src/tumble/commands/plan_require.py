@@ -12,9 +12,8 @@ from tumble.commands.plan_options import (
     read_case,
     write_json,
 )
+from tumble.commands.solve import parse_limit
 from tumble.errors import EXIT_PASS, UsageError, quoted
-
-_LARGEST_LIMIT_G = 1.0
 
 
 def add_to(subparsers) -> None:
@@ -38,30 +37,24 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    limit_g = None if arguments.limit is None else _limit(arguments.limit)
+    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
     case = read_case(arguments)
     limit_g = case.limit_g if limit_g is None else limit_g
     split = _split(arguments.split)
 
-    from tumble.planning.headroom import headroom
+    from tumble.planning.headroom import headroom, margins
     from tumble.planning.require import requirements
     from tumble.planning.requirement_report import document, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
-    plan = document(found, room, case, arguments.weights, arguments.estimator, limit_g, split)
+    of_all = margins(case, limit_g) if arguments.weights == "derived" else {arguments.estimator: room.margin}
+    plan = document(found, room, of_all, case, arguments.weights, arguments.estimator, limit_g, split)
     if arguments.json:
         write_json(plan)
     else:
         show(plan, case)
     return EXIT_PASS
-
-
-def _limit(text: str) -> float:
-    limit_g = parse_positive(text, "--limit")
-    if limit_g > _LARGEST_LIMIT_G:
-        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
-    return limit_g
 
 
 def _split(text: str | None):
@@ -72,9 +65,12 @@ def _split(text: str | None):
 
     parts = dict.fromkeys(SOURCES, 1.0)
     given = [] if text is None else text.split(",")
+    named = [item.partition("=")[0].strip() for item in given]
     for item in given:
         source, equals, part = item.partition("=")
         if not equals or source.strip() not in parts:
             raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(SOURCES)}")
+        if named.count(source.strip()) > 1:
+            raise UsageError(f"--split: {source.strip()} is given twice")
         parts[source.strip()] = parse_positive(part.strip(), "--split")
     return np.array(list(parts.values()))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import contextmanager
 
 from tumble.commands.plan_options import ESTIMATORS, add_case_options, add_subject, read_case, write_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.messages import on_terminal
 
 DEFAULT_RUNS = 20_000
 FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
@@ -26,7 +26,9 @@ def add_to(subparsers) -> None:
         epilog="Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 130 interrupted.",
     )
     add_case_options(parser, None)
-    parser.add_argument("--estimator", choices=ESTIMATORS, help="default: all that the schedule allows")
+    parser.add_argument(
+        "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of the four; default: all that the schedule allows"
+    )
     parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"default: {DEFAULT_RUNS}")
     parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; default: 1")
     parser.add_argument(
@@ -79,7 +81,7 @@ def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
 @contextmanager
 def _progress(runs: int):
     """A function that is told of runs done; on a terminal it moves a bar."""
-    if not sys.stderr.isatty():
+    if not on_terminal():
         yield lambda done: None
         return
     from rich.console import Console

@@ -8,6 +8,7 @@ import os
 import sys
 
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.messages import tell
 
 ESTIMATORS = ("averaged", "refined", "least_squares")  # that need no stand
 OPTIMAL = "optimal"
@@ -25,7 +26,11 @@ def add_to(subparsers) -> None:
     )
     parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz")
     parser.add_argument(
-        "--estimator", choices=(*ESTIMATORS, OPTIMAL), default="refined", help="default: refined; optimal needs --stand"
+        "--estimator",
+        choices=(*ESTIMATORS, OPTIMAL),
+        default="refined",
+        metavar="NAME",
+        help="averaged, refined (default), least_squares, or optimal, which needs --stand",
     )
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
@@ -52,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     wishes = _wishes(arguments)
 
     from tumble import core, result
+    from tumble.doubts import look_for_doubts
     from tumble.files import refuse_overwriting, write_text
     from tumble.runfile import read_run
     from tumble.solution import solve
@@ -77,10 +83,14 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.run,
         0.0 if stand_file is None else stand_file.step_v,
     )
+    step_v = 0.0 if stand_file is None else stand_file.step_v
+    solution = look_for_doubts(solution, schedule or core.CoreSchedule(core.paper_schedule()), step_v)
     text = None
     if arguments.json or arguments.out is not None:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
-        text = result.to_json(result.document(solution, item, environment))
+        serial = None if stand_file is None else stand_file.serial
+        name = os.path.basename(arguments.run)
+        text = result.to_json(result.document(solution, item, environment, serial, name))
     if arguments.out is not None:
         write_text(arguments.out, text)
     warn(solution)
@@ -110,11 +120,20 @@ def _wishes(arguments: argparse.Namespace):
 
 
 def warn(solution) -> None:
-    """One line on stderr where a solution's uncertainties claim too much."""
-    if solution.second_order is not None and solution.second_order.matters:
-        print(f"tumble: warning: {solution.second_order.warning}", file=sys.stderr)
+    """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
+    from tumble.doubts import complaint
+    from tumble.stand import noise_unit
+
+    unit = solution.run.unit
+    if solution.stand is not None and noise_unit(unit) != "V":
+        tell(f"tumble: warning: outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
+    for shift in [] if solution.second_order is None else solution.second_order.shifts:
+        tell(f"tumble: warning: {shift}")
     if solution.misfit is not None and solution.misfit > NOTABLE_MISFIT:
-        print(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares", file=sys.stderr)
+        tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
+    doubt = complaint(solution)
+    if doubt is not None:
+        tell(f"tumble: warning: {doubt}; the uncertainties are too small")
 
 
 def print_solution(solution, json_text: str | None, title: str) -> None:

@@ -13,12 +13,11 @@ import numpy as np
 
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.published import NAMES, SOURCES
+from tumble.planning.published import NAMES
 from tumble.stand import SecondOrder
 
 _ATTRIBUTES = ("axis_tilt", "level", "remount", "angle", "noise")
 SIZE_KEYS = ("alpha1_rad", "alpha2_rad", "alpha3_rad", "alpha4_rad", "noise_v")
-SECOND_ORDER_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -39,9 +38,9 @@ class Budget:
 
     @property
     def second_order(self) -> SecondOrder:
-        """Whether a yaw of the size of alpha3 shifts K_xx by more than a budget, which is linear, may leave out."""
-        bias = float(self.sizes[SOURCES.index("alpha3")] ** 2 / 2.0)
-        return SecondOrder(bias, SECOND_ORDER_SHARE * float(self.total[NAMES.index("K_xx")]))
+        """Whether the angles shift the scale factors by more than a budget, which is linear, may leave out."""
+        relative = self.total[[NAMES.index(name) for name in ("K_xx", "K_yy", "K_zz")]]
+        return SecondOrder.of(self.sizes[:3], np.ones(3), relative, self.estimator)
 
 
 def sizes(case: Case, published: bool) -> np.ndarray:

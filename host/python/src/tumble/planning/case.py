@@ -19,8 +19,9 @@ DEFAULT_LIMIT_G = 3e-4
 
 @dataclass(frozen=True)
 class Case:
-    """`scale` in V/g, of any sign but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the
-    converter, 0 if unknown; `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's."""
+    """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
+    but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the converter, 0 if unknown;
+    `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's."""
 
     stand: Stand
     scale: float
@@ -39,7 +40,8 @@ class Case:
             raise BadInput("no table [block]: a plan needs scale_v_per_g and misalignment_rad", name)
         limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
         nominal = block["scale_v_per_g"], block["misalignment_rad"]
-        return cls(stand_file.stand, *nominal, _step_v(block), schedule, limit_g)
+        step_v = stand_file.step_v
+        return cls(stand_file.stand.with_step(step_v), *nominal, step_v, schedule, limit_g)
 
     @property
     def schedule(self) -> Schedule:
@@ -57,10 +59,3 @@ class Case:
         misaligned = self.misalignment * (np.ones((3, 3)) if signs is None else np.array(signs, dtype=float))
         np.fill_diagonal(misaligned, 1.0)
         return self.scale * misaligned
-
-
-def _step_v(block: dict) -> float:
-    """Size of a count of the converter; its range is from -range_v to +range_v."""
-    if block["converter_bits"] is None or block["range_v"] is None:
-        return 0.0
-    return 2.0 * block["range_v"] / 2.0 ** block["converter_bits"]

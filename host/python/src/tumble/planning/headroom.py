@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.errors import UsageError
 from tumble.planning import weights
 from tumble.planning.budget import sizes as declared_sizes
 from tumble.planning.case import Case
 from tumble.planning.published import SOURCES
 from tumble.planning.require import CEILING_RAD, sign_patterns, stand_of, weights_by_pattern, with_noise_row
 
+ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 _STEPS = 50
 _NOISE = SOURCES.index("noise")
 
@@ -32,18 +34,36 @@ class Headroom:
 def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom:
     """Of the case's stand, against a third of the limit in every row, for the worst signs of the misalignments."""
     row_limit, sizes = limit_g / 3.0, declared_sizes(case, which == "published")
-    if which == "published":
-        gamma = with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
-    else:
-        declared = stand_of(case, sizes)
-        gamma = weights_by_pattern(declared, estimator, sign_patterns())
-    largest = np.linalg.norm(gamma * sizes, axis=2).max()
-    margin = row_limit / largest if largest > 0.0 else np.inf
+    gamma = _weights(case, which, estimator, sizes)
     if estimator == "optimal":
+        declared = stand_of(case, sizes)
         alone = np.array([_bisect(declared, sizes, source, row_limit) for source in range(len(SOURCES))])
     else:
         alone = _closed_form(gamma, sizes, row_limit)
-    return Headroom(alone, float(margin))
+    return Headroom(alone, _margin(gamma, sizes, row_limit))
+
+
+def margins(case: Case, limit_g: float) -> dict[str, float]:
+    """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
+    sizes, found = declared_sizes(case, False), {}
+    for estimator in ESTIMATORS:
+        try:
+            found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
+        except UsageError:
+            pass  # the schedule lacks positions that it needs
+    return found
+
+
+def _weights(case: Case, which: str, estimator: str, sizes: np.ndarray) -> np.ndarray:
+    """Weights (patterns, 7, 5)."""
+    if which == "published":
+        return with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
+    return weights_by_pattern(stand_of(case, sizes), estimator, sign_patterns())
+
+
+def _margin(gamma: np.ndarray, sizes: np.ndarray, row_limit: float) -> float:
+    largest = np.linalg.norm(gamma * sizes, axis=2).max()
+    return float(row_limit / largest) if largest > 0.0 else np.inf
 
 
 def _closed_form(gamma: np.ndarray, sizes: np.ndarray, row_limit: float) -> np.ndarray:

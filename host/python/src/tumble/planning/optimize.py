@@ -40,7 +40,7 @@ class Optimized:
     @property
     def second_order(self) -> SecondOrder:
         """Whether the linear theory is enough on this stand."""
-        return SecondOrder.of(self.case.stand, float(self.table.k[0, 0]), float(self.u[0]))
+        return SecondOrder.of(self.case.stand.shared_angles, np.diag(self.table.k), self.u[[0, 4, 8]], OPTIMAL)
 
 
 def optimize(case: Case, k: np.ndarray | None = None, serial: str | None = None) -> Optimized:

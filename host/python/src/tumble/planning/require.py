@@ -3,7 +3,7 @@
 By (10), (13) and (14) the six scale factors and biases, and the noise of a mean on its own, may each take a third of
 the limit. In each of these rows the sources that enter it share that third; a source's requirement is what the
 strictest row allows it. `derived`: worst signs of the misalignments, sizes as standard deviations. The optimal
-estimator's weights follow the stand, so its requirements are those of a stand for which it was made: a fixed point.
+estimator's weights follow the stand, so its requirements are those of a stand for which it was made, with full rows.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.gains import linearise
 from tumble.planning.published import NAMES, SOURCES
+from tumble.reference.estimators import paper_slots
 from tumble.stand import COMMON, Stand
 
 ROWS = ("K_xx", "K_yy", "K_zz", "a0_x", "a0_y", "a0_z", "noise")
 CEILING_RAD = 0.01  # beyond it nobody has tried the optimal estimator: what it bears up to here limits nothing
 _ROW_INDICES = [NAMES.index(name) for name in ROWS[:-1]]
 _NOISE = SOURCES.index("noise")
-_NEGLIGIBLE = 1e-3  # of a row's limit, by a source at the ceiling: takes less than a millionth of the row's square
 _TIE = 1e-9
-_MOST_ROUNDS = 400
-_SETTLED = 1e-9
+_FULL = 1e-8
+_BISECTIONS = 50
 
 
 @dataclass(frozen=True)
@@ -49,17 +49,21 @@ def requirements(case: Case, which: str, estimator: str, limit_g: float, split: 
 
     Raises UsageError where weights do not exist or no number of samples suffices.
     """
+    found = allowed(case, which, estimator, limit_g, split)
+    noise = case.stand.noise if which == "published" else case.stand.sigma("noise")
+    return replace(found, samples=samples_for(noise, found.limits[_NOISE]))
+
+
+def allowed(case: Case, which: str, estimator: str, limit_g: float, split: np.ndarray) -> Requirements:
+    """The same, without asking how many samples it takes. Raises UsageError where weights do not exist."""
     share_of = _Shares(limit_g / 3.0, split)
     if which == "published":
         gamma = with_noise_row(case, weights.published(case, estimator, weights.WORST))
-        found = share_of.requirements(gamma, gamma > 0.0)
     elif estimator == "optimal":
-        found = _fixed_point(case, share_of)
+        return _grown(case, share_of)
     else:
         gamma = worst_weights(case, estimator)
-        found = share_of.requirements(gamma, gamma > 0.0)
-    noise = case.stand.noise if which == "published" else case.stand.sigma("noise")
-    return replace(found, samples=samples_for(noise, found.limits[_NOISE]))
+    return share_of.requirements(gamma, gamma > 0.0)
 
 
 def samples_for(noise_v: float, limit_v: float) -> int:
@@ -134,42 +138,80 @@ def stand_of(case: Case, sizes: np.ndarray) -> Case:
     return replace(case, stand=stand, step_v=0.0)
 
 
-def _fixed_point(case: Case, share_of: _Shares) -> Requirements:
-    """Requirements on a stand for which the optimal gains are made: each source as large as its shares allow there.
+def _grown(case: Case, share_of: _Shares) -> Requirements:
+    """Requirements of the optimal estimator, whose weights follow the stand.
 
-    Searched for with the patterns of signs that were worst so far, confirmed with all of them.
+    It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
+    felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
     """
-    every = sign_patterns()
+    estimator = "least_squares" if paper_slots(case.fitted) is None else "refined"
+    start = worst_weights(case, estimator)
     ceiling = np.array([CEILING_RAD] * _NOISE + [abs(case.scale)])
-    start = worst_weights(case, "least_squares")
     sizes = np.minimum(share_of.requirements(start, start > 0.0).limits, ceiling)
-    chosen: set[int] = set()
-    while True:
-        by_pattern = weights_by_pattern(stand_of(case, sizes), "optimal", every)
-        worst = set(by_pattern.reshape(len(every), -1).argmax(axis=0).tolist())
-        if worst <= chosen:
-            break
-        chosen |= worst
-        sizes = _settle(case, share_of, sizes, every[sorted(chosen)], ceiling)
-    gamma = by_pattern.max(axis=0)
-    found = share_of.requirements(gamma, _counted(gamma, ceiling, share_of))
-    unlimited = sizes >= ceiling
-    set_by = tuple(None if free else name for free, name in zip(unlimited, found.set_by))
-    return replace(found, limits=np.where(unlimited, np.inf, found.limits), set_by=set_by)
+    rows = _Rows(case, share_of.row_limit)
+    if not rows.fit(sizes):
+        raise UsageError("unreachable: no optimal weights can be made for noise as low as this limit asks for")
+    raised = [np.where(np.arange(len(sizes)) == angle, ceiling, sizes) for angle in range(_NOISE)]
+    for angle in np.argsort([rows.terms(one)[1].max() for one in raised]):
+        tried = np.where(np.arange(len(sizes)) == angle, ceiling, sizes)
+        sizes = tried if rows.fit(tried) else sizes
+    set_by: list[str | None] = [None] * len(sizes)
+    growing = sizes < ceiling
+    while growing.any():
+        sizes = rows.grow(sizes, growing, ceiling)
+        terms, totals = rows.terms(sizes)
+        full = totals >= share_of.row_limit * (1.0 - _FULL)
+        stopped = growing & (terms[full] > 0.0).any(axis=0)
+        for source in np.flatnonzero(stopped):
+            set_by[source] = ROWS[int(np.argmax(np.where(full, terms[:, source], -1.0)))]
+        growing = growing & ~stopped & (sizes < ceiling)
+    limits = np.where([name is None for name in set_by], np.inf, sizes)
+    return Requirements(limits, tuple(set_by), 1, np.divide(terms, sizes), terms)
 
 
-def _settle(case: Case, share_of: _Shares, sizes: np.ndarray, patterns: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
-    """Sizes that reproduce themselves as requirements. Raises UsageError if there are none."""
-    for _ in range(_MOST_ROUNDS):
-        gamma = weights_by_pattern(stand_of(case, sizes), "optimal", patterns).max(axis=0)
-        allowed = share_of.requirements(gamma, _counted(gamma, ceiling, share_of)).limits
-        better = np.sqrt(sizes * np.minimum(allowed, ceiling))
-        if np.abs(better / sizes - 1.0).max() < _SETTLED:
-            return np.where(better > ceiling * (1.0 - 1e-6), ceiling, better)
-        sizes = better
-    raise UsageError("no requirements found: the optimal weights do not settle; try another split or limit")
+@dataclass(frozen=True)
+class _Rows:
+    """The rows of a case with optimal weights made for the stand that is asked about."""
 
+    case: Case
+    row_limit: float
 
-def _counted(gamma: np.ndarray, ceiling: np.ndarray, share_of: _Shares) -> np.ndarray:
-    """Which sources enter which row: at the ceiling they could take more than a negligible part of it."""
-    return gamma * ceiling > _NEGLIGIBLE * share_of.row_limit
+    def by_pattern(self, sizes: np.ndarray, patterns: np.ndarray) -> np.ndarray:
+        """Terms (n, 7, 5) for choices of the misalignments' signs."""
+        return weights_by_pattern(stand_of(self.case, sizes), "optimal", patterns) * sizes
+
+    def terms(self, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Terms (7, 5) and total (7,) of every row, under the signs that are worst for its total."""
+        found = self.by_pattern(sizes, sign_patterns())
+        totals = np.linalg.norm(found, axis=2)
+        worst, rows = totals.argmax(axis=0), np.arange(len(ROWS))
+        return found[worst, rows], totals[worst, rows]
+
+    def fit(self, sizes: np.ndarray) -> bool:
+        """Whether no row is more than full."""
+        return bool(self.terms(sizes)[1].max() <= self.row_limit * (1.0 + _FULL))
+
+    def grow(self, sizes: np.ndarray, growing: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+        """The same with some larger by one factor, up to the ceiling, such that a row is full if any can be. Signs that
+        are worst at what was found are added until none is worse."""
+        every, chosen = sign_patterns(), []
+        most = float((ceiling / sizes)[growing].max())
+
+        def grown(factor: float) -> np.ndarray:
+            return np.where(growing, np.minimum(sizes * factor, ceiling), sizes)
+
+        def worst(factor: float, patterns: np.ndarray) -> tuple[float, int]:
+            totals = np.linalg.norm(self.by_pattern(grown(factor), patterns), axis=2).max(axis=1)
+            return float(totals.max()), int(totals.argmax())
+
+        while True:
+            low, high = 1.0, most
+            if chosen and worst(high, every[chosen])[0] > self.row_limit:
+                for _ in range(_BISECTIONS):
+                    middle = (low * high) ** 0.5
+                    low, high = (middle, high) if worst(middle, every[chosen])[0] <= self.row_limit else (low, middle)
+                high = low
+            total, pattern = worst(high, every)
+            if total <= self.row_limit * (1.0 + _FULL) or pattern in chosen:
+                return grown(high)
+            chosen.append(pattern)

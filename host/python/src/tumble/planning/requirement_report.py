@@ -25,7 +25,14 @@ def printed(case: Case, formulas: dict[str, str], limit_g: float) -> dict[str, f
 
 
 def document(
-    found: Requirements, room: Headroom, case: Case, which: str, estimator: str, limit_g: float, split: np.ndarray
+    found: Requirements,
+    room: Headroom,
+    margins: dict[str, float],
+    case: Case,
+    which: str,
+    estimator: str,
+    limit_g: float,
+    split: np.ndarray,
 ) -> dict[str, Any]:
     """The requirements for JSON, schema tumble.plan/1. `published` has (19) as printed, and beside it what
     the rule gives."""
@@ -55,6 +62,7 @@ def document(
         "declared": dict(zip(SIZE_KEYS, sizes(case, which == "published").tolist())),
         "alone": dict(zip(SIZE_KEYS, map(finite, room.alone))),
         "margin": finite(room.margin),
+        "margins": {name: finite(margin) for name, margin in margins.items()},
     }
 
 
@@ -72,34 +80,61 @@ def show(plan: dict[str, Any], case: Case) -> None:
     out.print(tables.heading(f"Requirements for {plan['limit_g']:g} g, {plan['weights']} weights, {plan['estimator']}"))
     out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad; numbers are {plan['numbers']}")
     rule = plan["rule"] if published else plan
-    headings = ["", "unit", *(["(19)"] if published else []), "at most", "set by", "stand has", "alone", ""]
+    headings = ["", "unit", *(["(19)"] if published else []), "at most", "set by", "stand has", "its share", "alone"]
     rows = []
     for key, source in zip(SIZE_KEYS, SOURCES):
         limit, has = rule[key], plan["declared"][key]
-        verdict = "ok" if limit is None or has <= limit else "too large"
+        verdict = "within" if limit is None or has <= limit else "over"
         cells = [source, "rad" if key.endswith("rad") else "V, mean"]
         cells += [tables.scientific(plan[key])] if published else []
         cells += [_limit(limit), rule["set_by"][source] or "-"]
-        cells += [tables.scientific(has), _limit(plan["alone"][key]), verdict]
+        cells += [tables.scientific(has), verdict, _limit(plan["alone"][key])]
         rows.append(cells)
     out.print(tables.table(headings, rows, left=(0, 1)))
     out.print(f"Samples at each position: {plan['samples']} at least; the stand has {case.stand.samples}")
-    margin = plan["margin"]
-    if margin is not None:
-        out.print(f"All sources together may be {margin:.3g} times what the stand has")
-    out.print(_EXPLANATION.format(ceiling=CEILING_RAD))
+    for line in _explanations(plan, rule):
+        out.print(line)
     if published:
-        out.print("(19): the formula as printed; at most: what its own rule gives (see tumble plan paper)")
+        out.print("(19): as printed; at most: what its own rule gives (see tumble plan paper)")
+    out.print()
+    out.print(_sentence(plan), style="bold")
 
 
 def _limit(value: float | None) -> str:
     from tumble.planning import tables
 
-    return "no limit" if value is None else tables.scientific(value)
+    return "no limit" if value is None else "none left" if value == 0.0 else tables.scientific(value)
 
 
-_EXPLANATION = (
-    "at most: all sources at once, each at its share of the row named\n"
-    "alone: one source, the others as the stand has them\n"
-    "no limit: none; of optimal, none up to {ceiling:g} rad, as far as it was tried"
-)
+_AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
+_AT_MOST_OPTIMAL = "at most: all sources at once; what refined allows, grown until the row named is full"
+
+
+def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
+    """Of the words in the table."""
+    lines = [
+        _AT_MOST_OPTIMAL if plan["estimator"] == "optimal" else _AT_MOST,
+        "its share: one may be over it where others leave room; the last line counts",
+        "alone: one source, the others as the stand has them",
+    ]
+    shown = [plan["alone"][key] for key in SIZE_KEYS] + [rule[key] for key in SIZE_KEYS]
+    if 0.0 in shown:
+        lines.append("none left: the others alone exceed the limit already")
+    if None in shown:
+        up_to = f" up to {CEILING_RAD:g} rad, as far as was tried" if plan["estimator"] == "optimal" else ""
+        lines.append(f"no limit: the source limits nothing{up_to}")
+    return lines
+
+
+def _sentence(plan: dict[str, Any]) -> str:
+    """Whether the stand will do, with every estimator."""
+    found = [
+        f"with {name}: " + ("yes (no errors)" if margin is None else _reached(margin))
+        for name, margin in plan["margins"].items()
+    ]
+    meaning = "Margin: the factor by which all its errors may grow together; 1 is just enough."
+    return f"This stand reaches {plan['limit_g']:g} g {'; '.join(found)}. {meaning}"
+
+
+def _reached(margin: float) -> str:
+    return f"{'yes' if margin >= 1.0 else 'no'} (margin {margin:.3g})"

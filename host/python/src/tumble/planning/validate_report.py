@@ -11,6 +11,12 @@ from tumble.planning.validate import COVERAGE_FACTORS, Validated
 from tumble.planning.verdict import CHANCE_SIGMAS, COVERAGE_LIMITS, Judged, bias_limit, tolerance
 
 
+_HONEST = (
+    "PASS: the stated uncertainties are honest: every figure within its limits.\n"
+    "Whether the stand is good enough for a limit is another question: tumble plan require"
+)
+
+
 def document(case: Case, found: list[tuple[Validated, Judged]], seed: int, table: str) -> dict[str, Any]:
     """The campaign for JSON, schema tumble.plan/1. Arrays run over `names`."""
     runs = found[0][0].tally.runs
@@ -67,7 +73,7 @@ def show(case: Case, found: list[tuple[Validated, Judged]], seed: int) -> None:
             out.print(f"Outside: {complaint}", style="red")
     out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
     outside = sum(len(judged.outside) for _, judged in found)
-    verdict = f"FAIL: {outside} figures lie outside their limits" if outside else "PASS: every figure within its limits"
+    verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
     out.print(verdict, style="red bold" if outside else "green bold")
 
 

@@ -28,7 +28,8 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 class OptimalEstimate:
     """What the run says: `k` (3, 3), `u0` (3,), their standard uncertainties `u_k`, `u_u0`; `alpha1`, `alpha2`,
     `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
-    coefficient; `misfit`: rms of the residuals over what the stand declares, about 1 where that is true."""
+    coefficient; `misfit`: rms of the residuals over what the stand declares for as many samples as each mean has, about
+    1 where that is true."""
 
     k: np.ndarray
     u0: np.ndarray
@@ -48,13 +49,22 @@ def optimal(
     samples: np.ndarray,
     step: float = 0.0,
     known_k: np.ndarray | None = None,
-    known_samples: int | None = None,
+    known_samples: float | None = None,
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
     converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
     take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`."""
     k = least_squares(schedule, means)[0] if known_k is None else known_k
     return _Whitened(schedule, k, stand, samples, step, known_samples).solve(means)
+
+
+def optimal_uncertainties(
+    schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray, step: float, known_samples: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as of
+    `optimal`."""
+    u = _Whitened(schedule, k, stand, samples, step, known_samples).standard_uncertainties()
+    return u[:9].reshape(3, 3), u[9:]
 
 
 class _Whitened:
@@ -67,7 +77,7 @@ class _Whitened:
         stand: Stand,
         samples: np.ndarray,
         step: float,
-        known_samples: int | None = None,
+        known_samples: float | None = None,
     ):
         self.schedule, self.stand, self.samples, self.step = schedule, stand, samples, step
         self.fit = fit_indices(schedule)
@@ -109,12 +119,17 @@ class _Whitened:
         return OptimalEstimate(k, u0, u[:9].reshape(3, 3), u[9:], alpha1, alpha2, alpha3, largest, misfit)
 
     def _misfit(self, residuals: np.ndarray, x: np.ndarray) -> float:
+        """With each position's own noise, whatever the weights took it for."""
+        noise = np.repeat(self._noise_of_means()[self.fit], 3)[:, None]
         freedom = max(1, len(residuals) - 12)
-        return float(np.sqrt(((residuals / self.noise) ** 2).sum() + (x[12:] ** 2).sum()) / np.sqrt(freedom))
+        return float(np.sqrt(((residuals / noise) ** 2).sum() + (x[12:] ** 2).sum()) / np.sqrt(freedom))
+
+    def _noise_of_means(self) -> np.ndarray:
+        return np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
 
     def standard_uncertainties(self) -> np.ndarray:
         """Of an estimate (12,), K row by row, that is linearised here: with each position's own noise."""
-        noise = np.repeat(np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor), 3)
+        noise = np.repeat(self._noise_of_means(), 3)
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
         return np.sqrt(sum(part**2 for part in contributions(self._linear, errors).values()))
 

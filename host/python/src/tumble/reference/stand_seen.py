@@ -77,12 +77,14 @@ class Model:
         by_angle += [self._derivative(alpha3=yaw) for yaw in np.eye(mountings)]
         self.design = np.column_stack([dense_design(schedule), *by_angle])
         self.by_set_angle = np.array([self._derivative(delta=one) for one in np.eye(positions)])
-        mean, pair = np.full(mountings, 1 / mountings), np.zeros(mountings)
-        pair[:2] = [1.0, -1.0][:mountings]
+        mean, pair = np.zeros(mountings), np.zeros(mountings)
+        used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
+        mean[used] = 1 / len(used)
+        pair[used[:2]] = [1.0, -1.0][: len(used)]
         self.combinations = {
             "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
             "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
-            "alpha3_difference": np.array([0.0, 0.0, *pair]) if mountings > 1 else None,
+            "alpha3_difference": np.array([0.0, 0.0, *pair]) if len(used) > 1 else None,
         }
 
     def _derivative(self, **draw) -> np.ndarray:
@@ -162,6 +164,14 @@ class RunSeen:
         """Chi-squared of the residuals that errors of set angles move, and its degrees of freedom."""
         values, gains = self._components(variance)
         return float((values**2 / (1 + alpha4**2 * gains)).sum()), len(values)
+
+    def misfit(self, variance: np.ndarray) -> float:
+        """Rms of what no coefficient and no angle explains, in units of the noise: about 1 where that is the truth."""
+        design, by_set_angle, right = self._whitened(variance)
+        left, singular, _ = np.linalg.svd(np.hstack([design, by_set_angle]), full_matrices=False)
+        explaining = left[:, singular > _NULL * singular[0]]
+        rest = right - explaining @ (explaining.T @ right)
+        return float(np.linalg.norm(rest) / np.sqrt(max(1, len(right) - explaining.shape[1])))
 
     def _whitened(self, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the

@@ -1,0 +1,199 @@
+"""What stands at the bench of a board on a CAN interface: starts the simulated stand, the emulated board and candump,
+tells the board to begin, follows it, reads its result by SDO.
+
+    console.py JOB.json
+
+A program of its own, of the standard library alone: it runs inside user-mode Linux, where every import is slow. JOB
+holds `interface`, and the commands `stand` and `board`. Everything goes into the job's folder: bus.log, serial.log,
+stand.json, stand.err, board.err; `progress`, a line of JSON for every state PDO; and board.json {end, state, reason, numbers (twelve, hexadecimal bits), counters}. `end`: "done", "failed", "stopped", or a
+sentence. A file `stop` in that folder ends it: the table is stopped first.
+"""
+
+import json
+import os
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+COMMAND, START, ABORT = 0x2002, 1, 2
+DONE, FAULT, ABORTED = 12, 13, 14
+STATE_PDO, ANSWER, REQUEST, HEARTBEAT = 0x181, 0x581, 0x601, 0x701
+
+_BOOT_S = 90.0  # an emulator inside an emulator takes its time
+_SILENCE_S = 5.0  # of a heartbeat that comes ten times a second
+_ANSWER_S = 3.0
+_REST_S = 15.0
+_FRAME = struct.Struct("<IB3x8s")
+_COUNTERS = {0x2030: ("sent", "received", "busy", "down", "invalid"), 0x2032: ("samples", "lost")}
+
+
+class Ended(Exception):
+    """The run is over; says how."""
+
+
+class Bus:
+    """The interface, as an SDO client of node 1 that also hears its state."""
+
+    def __init__(self, interface, on_state):
+        self._socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        filters = b"".join(struct.pack("<II", number, 0xC00007FF) for number in (STATE_PDO, ANSWER, HEARTBEAT))
+        self._socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
+        self._socket.bind((interface,))
+        self._on_state = on_state
+        self.heard = None
+
+    def take(self, timeout_s):
+        """The next answer of the SDO server, or None when the time is over."""
+        end = time.monotonic() + timeout_s
+        while (left := end - time.monotonic()) > 0 and select.select([self._socket], [], [], left)[0]:
+            number, length, data = _FRAME.unpack(self._socket.recv(_FRAME.size))
+            self.heard = time.monotonic()
+            if number == STATE_PDO and length == 8:
+                self._on_state(data)
+            elif number == ANSWER:
+                return data
+        return None
+
+    def ask(self, data):
+        """The answer to one request."""
+        self._socket.send(_FRAME.pack(REQUEST, 8, data))
+        answer = self.take(_ANSWER_S)
+        if answer is None:
+            raise Ended("the board does not answer by SDO")
+        if answer[0] == 0x80:
+            raise Ended(f"the board refuses an SDO request: {answer[3::-1].hex()} {answer[:3:-1].hex()}")
+        return answer
+
+    def read(self, index, subindex):
+        """The bytes of an object."""
+        answer = self.ask(struct.pack("<BHB4x", 0x40, index, subindex))
+        if answer[0] & 2:
+            return answer[4 : 8 - (answer[0] >> 2 & 3)]
+        data, toggle, last = b"", 0, 0
+        while not last:
+            answer = self.ask(bytes([0x60 | toggle]) + bytes(7))
+            data += answer[1 : 8 - (answer[0] >> 1 & 7)]
+            last, toggle = answer[0] & 1, toggle ^ 0x10
+        return data
+
+    def command(self, command):
+        """Give node 1 a command without an argument."""
+        for subindex, value in ((1, 0), (2, command)):
+            self.ask(struct.pack("<BHBB3x", 0x2F, COMMAND, subindex, value))
+
+
+class Console:
+    """A run."""
+
+    def __init__(self, job, folder):
+        self._job, self._folder = job, folder
+        self._state, self._reason = None, 0
+        self._began = time.monotonic()
+        self._progress = open(folder / "progress", "a", buffering=1)
+        self._bus = Bus(job["interface"], self._on_state)
+        self._processes = {}
+
+    def run(self):
+        """To its end. Returns the document."""
+        document = {"numbers": None, "counters": {}}
+        try:
+            self._start()
+            self._wait_for_boot()
+            self._bus.command(START)
+            self._follow()
+            document = self._read()
+            end = "done"
+        except Ended as ended:
+            end = str(ended)
+        finally:
+            self._stop_all()
+        return {"end": end, "state": self._state, "reason": self._reason, **document}
+
+    def _spawn(self, name, command, out, err=os.devnull):
+        with open(self._folder / out, "w") as stdout, open(self._folder / err, "w") as stderr:
+            self._processes[name] = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
+
+    def _start(self):
+        self._spawn("candump", ["candump", "-L", self._job["interface"]], "bus.log")
+        time.sleep(0.3)  # it listens
+        self._spawn("stand", self._job["stand"], "stand.json", "stand.err")
+        self._spawn("board", self._job["board"], "serial.log", "board.err")
+
+    def _look(self):
+        for name in ("board", "stand", "candump"):
+            if self._processes[name].poll() is not None:
+                raise Ended(f"{name} ended by itself ({self._processes[name].returncode})")
+        if (self._folder / "stop").exists():
+            self._abort()
+            raise Ended("stopped")
+
+    def _abort(self):
+        try:
+            self._bus.command(ABORT)
+            self._bus.take(0.5)
+        except Ended:
+            pass  # the stand's drive stops by itself, without its master
+
+    def _wait_for_boot(self):
+        end = time.monotonic() + _BOOT_S
+        while self._bus.heard is None:
+            self._look()
+            self._bus.take(0.2)
+            if time.monotonic() > end:
+                raise Ended(f"the board does not boot within {_BOOT_S:.0f} s")
+        self._bus.take(0.2)
+
+    def _on_state(self, data):
+        moved = (data[0], data[1]) != (self._state, self._reason)
+        self._state, self._reason = data[0], data[1]
+        event = {"state": data[0], "reason": data[1], "index": data[2], "finished": data[3]}
+        event |= {"samples": struct.unpack("<I", data[4:])[0], "moved": moved, "s": time.monotonic() - self._began}
+        print(json.dumps(event), file=self._progress)
+
+    def _follow(self):
+        while self._state != DONE:
+            self._look()
+            self._bus.take(0.2)
+            if self._state in (FAULT, ABORTED):
+                raise Ended("failed")
+            if time.monotonic() - self._bus.heard > _SILENCE_S:
+                raise Ended("the board has fallen silent")
+
+    def _read(self):
+        numbers = [self._bus.read(0x2020, i) for i in range(1, 10)] + [self._bus.read(0x2021, i) for i in range(1, 4)]
+        counters = {}
+        for index, names in _COUNTERS.items():
+            for subindex, name in enumerate(names, 1):
+                counters[name] = int.from_bytes(self._bus.read(index, subindex), "little")
+        return {"numbers": [number[::-1].hex() for number in numbers], "counters": counters}
+
+    def _stop_all(self):
+        """The stand first, which comes to rest and reports."""
+        for name, patience_s in (("stand", _REST_S), ("board", 3.0), ("candump", 3.0)):
+            process = self._processes.get(name)
+            if process is None:
+                continue
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(patience_s)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def main(path):
+    """Run a job. Returns the exit code: 0, whatever came of it."""
+    folder = Path(path).resolve().parent
+    document = Console(json.loads(Path(path).read_text()), folder).run()
+    (folder / "board.part").write_text(json.dumps(document))
+    (folder / "board.part").rename(folder / "board.json")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

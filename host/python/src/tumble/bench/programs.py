@@ -1,0 +1,30 @@
+"""Programs of the project that the package starts: where they are."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+from tumble.errors import BenchFault, file_name
+
+
+def built(path: str) -> Path:
+    """A file of the build tree that the extension module is in, whether or not it exists."""
+    import _tumble_core
+
+    return Path(_tumble_core.__file__).resolve().parents[1] / path
+
+
+def find(name: str, folder: str) -> str:
+    """Path of the program `name`: as the environment says (TUMBLE_BENCH for tumble-bench, and so on), in `folder` of
+    the build tree, or installed. Raises BenchFault."""
+    variable = name.upper().replace("-", "_")
+    if chosen := os.environ.get(variable):
+        return chosen
+    path = built(f"{folder}/{name}")
+    beside = next((str(one) for one in (path, Path(__file__).with_name(name)) if os.access(one, os.X_OK)), None)
+    found = beside or shutil.which(name)
+    if found is None:
+        raise BenchFault(f"the program {name} is not built: no {file_name(path)}; {variable} may say where it is")
+    return found

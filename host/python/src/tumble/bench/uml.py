@@ -1,0 +1,215 @@
+"""User-mode Linux: a kernel with CAN as an ordinary process, for machines whose own kernel has none.
+
+It starts in a few seconds, with this machine's files as its own (read only) and an interface vcan0. What it runs is a
+shell script; the folder of the run is the one place where it may write, and is at the same path inside and outside.
+Programs are to be built outside: system calls and page faults are slow in there.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from tumble.bench.programs import built
+from tumble.errors import BenchFault, Skipped
+
+INTERFACE = "vcan0"
+PACKAGES = "user-mode-linux kmod iproute2"
+
+_KERNEL = "linux.uml"
+_SHIM = "tumble_uml_ptrace.so"
+_MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
+_MODULE_FOLDERS = "/usr/lib/uml/modules"
+_PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
+_TICK_S = 0.05
+_BOOT_S = 60.0  # until it must have begun
+_SILENCE_S = 60.0  # between two signs of life
+_NO_BUS = 71
+
+_INIT = """#!/bin/sh
+PATH={path}; export PATH
+mount -t proc proc /proc
+mount -t sysfs sysfs /sys
+mount -t tmpfs tmpfs /run
+mount -t hostfs -o {folder} hostfs {folder}
+cd {folder}
+(while :; do # a sign of life, and the end of all when nobody outside has watched for 20 s
+    echo beat >alive
+    read -r now <watched
+    [ "$now" != "$before" ] && idle=0 || idle=$((${{idle:-0}} + 1))
+    before=$now
+    [ $idle -lt 40 ] || echo o >/proc/sysrq-trigger
+    sleep 0.5
+done) &
+ip link set up lo
+modules={modules}/$(uname -r)/kernel
+{{ for module in {names}; do insmod $modules/$module.ko || exit; done &&
+    ip link add dev {interface} type vcan && ip link set up {interface}; }} && sh job.sh
+code=$?
+[ -e /sys/class/net/{interface} ] || code={no_bus}
+echo $code >code.part && mv code.part code
+echo o >/proc/sysrq-trigger
+sleep 10
+"""
+
+
+def missing() -> str | None:
+    """What keeps user-mode Linux from running here, for one line to the user; None: nothing."""
+    search = f"{os.environ.get('PATH', '')}:{_PATH}"
+    programs = (_KERNEL, "insmod", "ip")
+    lacking = [name for name in programs if shutil.which(name, path=search) is None]
+    if not lacking and not any(Path(_MODULE_FOLDERS).glob(f"*/kernel/{_MODULES[-1]}.ko")):
+        lacking = [f"its module {_MODULES[-1]}.ko"]
+    return f"no {', '.join(lacking)}: install {PACKAGES}" if lacking else None
+
+
+def run(
+    job: str,
+    folder: Path,
+    *,
+    on_tick: Callable[[], None] = lambda: None,
+    on_interrupt: Callable[[], None] | None = None,
+    memory_mb: int = 128,
+    timeout_s: float = float("inf"),
+) -> int:
+    """Run the shell script `job` in there. Returns its exit code.
+
+    `folder`: the run's own (its working folder, writable); files appear outside when they are closed inside. `on_tick`
+    is called all the while, `on_interrupt` at Ctrl-C, which without it ends all at once. Raises Skipped where it is not
+    installed, BenchFault where it does not start, falls silent or takes longer than `timeout_s`; whatever on_tick
+    raises ends it.
+    """
+    if (lacking := missing()) is not None:
+        raise Skipped(f"user-mode Linux is not there: {lacking}")
+    _write_scripts(job, folder)
+    with open(folder / "console.log", "wb") as console:
+        process = subprocess.Popen(
+            _command(folder, memory_mb),
+            stdin=subprocess.DEVNULL,
+            stdout=console,
+            stderr=subprocess.STDOUT,
+            env=_environment(folder, memory_mb),
+            start_new_session=True,
+        )
+    try:
+        _watch(process, folder, on_tick, on_interrupt, timeout_s)
+    finally:
+        _end(process)
+    return _exit_code(folder)
+
+
+def stop(folder: Path) -> None:
+    """Tell the job, which has to look for it, by the file `stop`."""
+    (folder / "stop").touch()
+
+
+def work_folder() -> tempfile.TemporaryDirectory:
+    """A folder to run in: its path can stand in the command line of a kernel."""
+    parent = tempfile.gettempdir()
+    plain = re.fullmatch(r"[\w./-]+", parent, re.ASCII)
+    return tempfile.TemporaryDirectory(prefix="tumble-", dir=parent if plain else "/tmp", ignore_cleanup_errors=True)
+
+
+def _write_scripts(job: str, folder: Path) -> None:
+    init = _INIT.format(
+        path=_PATH,
+        folder=folder,
+        modules=_MODULE_FOLDERS,
+        names=" ".join(_MODULES),
+        interface=INTERFACE,
+        no_bus=_NO_BUS,
+    )
+    (folder / "job.sh").write_text(job)
+    (folder / "watched").write_text("0\n")
+    (folder / "init.sh").write_text(init)
+    (folder / "init.sh").chmod(0o755)
+
+
+def _command(folder: Path, memory_mb: int) -> list[str]:
+    kernel = shutil.which(_KERNEL, path=f"{os.environ.get('PATH', '')}:{_PATH}")
+    return [
+        kernel,
+        f"mem={memory_mb}M",
+        "root=/dev/root",
+        "rootfstype=hostfs",
+        "rootflags=/",
+        "ro",
+        f"init={folder}/init.sh",
+        f"uml_dir={folder}/",
+        "con=null",
+        "con0=fd:0,fd:1",
+        "quiet",
+    ]
+
+
+def _environment(folder: Path, memory_mb: int) -> dict[str, str]:
+    """Its memory is a file: in shared memory where there is room for it."""
+    memory = Path("/dev/shm")
+    roomy = os.access(memory, os.W_OK) and shutil.disk_usage(memory).free > 2 * memory_mb * 2**20
+    environment = {**os.environ, "TMPDIR": str(memory if roomy else folder)}
+    shim = built(f"boards/linux/{_SHIM}")
+    if shim.exists():
+        environment["LD_PRELOAD"] = str(shim)
+    return environment
+
+
+def _watch(process: subprocess.Popen, folder: Path, on_tick, on_interrupt, timeout_s: float) -> None:
+    """Until it has ended."""
+    began = time.monotonic()
+    ticks = 0
+    while process.poll() is None:
+        try:
+            on_tick()
+            ticks += 1
+            if ticks % 20 == 0:
+                (folder / "watched").write_text(f"{ticks}\n")
+                _require_life(folder, began)
+            if time.monotonic() - began > timeout_s:
+                raise BenchFault(f"user-mode Linux: no end after {timeout_s:.0f} s")
+            time.sleep(_TICK_S)
+        except KeyboardInterrupt:
+            if on_interrupt is None:
+                raise
+            on_interrupt()
+    on_tick()
+
+
+def _require_life(folder: Path, began: float) -> None:
+    alive = folder / "alive"
+    if alive.exists():
+        if time.time() - alive.stat().st_mtime > _SILENCE_S:
+            raise BenchFault(f"user-mode Linux has been silent for {_SILENCE_S:.0f} s: {_last_words(folder)}")
+    elif time.monotonic() - began > _BOOT_S:
+        raise BenchFault(f"user-mode Linux does not start: {_last_words(folder)}")
+
+
+def _end(process: subprocess.Popen) -> None:
+    if process.poll() is None:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.wait()
+
+
+def _exit_code(folder: Path) -> int:
+    path = folder / "code"
+    if not path.exists():
+        raise BenchFault(f"user-mode Linux ended without a word about the run: {_last_words(folder)}")
+    code = int(path.read_text())
+    if code == _NO_BUS:
+        raise BenchFault(f"user-mode Linux has no interface {INTERFACE}: {_last_words(folder)}")
+    return code
+
+
+def _last_words(folder: Path) -> str:
+    lines = (folder / "console.log").read_text(errors="replace").splitlines()
+    words = [line.strip() for line in lines if line.strip()]
+    return ascii(words[-1][:200])[1:-1] if words else "it says nothing"

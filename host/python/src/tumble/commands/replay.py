@@ -1,0 +1,61 @@
+"""`tumble replay`: a recorded bus log through the firmware again, here or on the emulated board; same bits."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
+
+FIRMWARES = ("host", "zcu102")
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "replay",
+        help="a recorded bus log through the firmware again, here or on the emulated board",
+        description="Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
+        " what it sends: the coefficients come out with the same bits as in the run, on every processor.",
+        epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
+        " emulator is not there, 130 interrupted.",
+    )
+    parser.add_argument("log", metavar="BUS.log", help="as candump -L writes it; of a run folder or of any interface")
+    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="of the recorded run; default: inputs/scenario.txt beside the log, else the paper's stand",
+    )
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Replay, print. Returns the exit code; raises TumbleError."""
+    import json
+
+    from tumble.bench import replay
+
+    scenario = arguments.scenario or replay.default_scenario(arguments.log)
+    document = replay.replay(arguments.log, scenario, arguments.firmware)
+    if document["K"] is None:
+        state, reason = document["state"], document["reason"]
+        raise BenchFault(f"{document['log']}: the firmware comes to no result in this log ({state}, {reason})")
+    if arguments.json:
+        print(json.dumps(document, allow_nan=False))
+    else:
+        _print(document)
+    return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
+
+
+def _print(document) -> None:
+    verdict = "passes" if document["pass"] else "FAILS"
+    counters = document["counters"]
+    print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
+    print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
+    names = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
+    numbers = [*sum(document["K"], []), *document["U0"]]
+    for name, number, bits in zip(names, numbers, document["bits"], strict=True):
+        print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
+    sys.stdout.flush()

@@ -1,0 +1,75 @@
+"""Ctrl-C, SIGTERM and SIGHUP: the first of them ends the command in good order; more of them do not disturb that."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_watched: list[int] = []
+_received: list[int] = []  # the first one
+_postponed = False
+
+
+def end_at_once() -> None:
+    """While there is nothing to clean up, an interrupt simply ends the process."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def watch() -> None:
+    """From now on the first of the signals raises KeyboardInterrupt, but for those that whoever started this process
+    wants ignored."""
+    for number in _SIGNALS:
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
+            _watched.append(number)
+    sys.unraisablehook = _raise_again
+
+
+def ignore() -> None:
+    """What has been watched for comes too late from here on: all is done."""
+    for number in _watched:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def exit_code() -> int:
+    """128 and the number of the signal that came; of Ctrl-C where none is known."""
+    return 128 + (_received[0] if _received else signal.SIGINT)
+
+
+class Postponed:
+    """`with Postponed():` what is in there is finished first; the KeyboardInterrupt comes at its end."""
+
+    def __enter__(self) -> None:
+        global _postponed
+        _postponed = True
+        self._before = len(_received)
+
+    def __exit__(self, *_) -> None:
+        global _postponed
+        _postponed = False
+        if len(_received) > self._before:
+            raise KeyboardInterrupt
+
+
+def _raise_again(unraisable) -> None:
+    """Where Python cannot raise it, such as at certain moments of an import, it comes once more a moment later."""
+    if unraisable.exc_type is not KeyboardInterrupt or not _received:
+        sys.__unraisablehook__(unraisable)
+        return
+    import threading
+
+    def again() -> None:
+        os.kill(os.getpid(), _received.pop())
+
+    threading.Timer(0.01, again).start()
+
+
+def _stop(number: int, _frame) -> None:
+    if _received:
+        return
+    _received.append(number)
+    if not _postponed:
+        raise KeyboardInterrupt

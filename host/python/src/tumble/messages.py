@@ -1,0 +1,19 @@
+"""What is said on standard error. Where nobody can read it, it is dropped; results and exit codes stay the same."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+
+def tell(line: str) -> None:
+    """One line."""
+    try:
+        print(line, file=sys.stderr or io.StringIO(), flush=True)
+    except (OSError, ValueError):  # full, gone, or closed
+        sys.stderr = None
+
+
+def on_terminal() -> bool:
+    """Is there a person who watches?"""
+    return sys.stderr is not None and sys.stderr.isatty()

@@ -1,0 +1,151 @@
+"""Signals to `tumble bench`: it ends as documented, nothing is left, and tumble-bench does not outlive it."""
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from bench_program import wait_until
+from conftest import ROOT
+from test_bench import BENCH, wrapper
+
+SLOW = 'exec "$REAL" "$@" --pace 3'
+
+
+def start(tmp_path, *options, **others):
+    """A run that turns in real time, and its first line on stderr."""
+    child = subprocess.Popen(
+        [*BENCH, "--out", str(tmp_path / "run"), *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TUMBLE_BENCH": wrapper(tmp_path, SLOW)},
+        **others,
+    )
+    return child, child.stderr.readline()
+
+
+def programs(tmp_path):
+    """Processes of tumble-bench that work for a run under `tmp_path`."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            arguments = (entry / "cmdline").read_bytes() if entry.name.isdigit() else b""
+        except OSError:  # it has ended
+            continue
+        if b"tumble-bench" in arguments.partition(b"\0")[0] and os.fsencode(tmp_path) in arguments:
+            found.append(int(entry.name))
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+@pytest.mark.parametrize("interactive", [False, True])
+def test_a_signal_ends_the_run_in_good_order(number, interactive, tmp_path):
+    options = ["--interactive"] if interactive else []
+    child, first = start(tmp_path, *options, stdin=subprocess.PIPE)
+    assert ("Mount the block" if interactive else "mounting 1") in first
+    child.send_signal(number)
+    out, err = child.communicate(timeout=30)
+    assert (child.returncode, out) == (128 + number, "")
+    assert err.splitlines()[-1] == "tumble: interrupted; the table is at rest"
+    assert os.listdir(tmp_path) == ["wrapper"] and programs(tmp_path) == []
+
+
+@pytest.mark.parametrize("interactive", [False, True])
+def test_the_program_does_not_outlive_a_killed_command(interactive, tmp_path):
+    """What cannot be handled by the command itself is noticed by the program."""
+    child, _ = start(tmp_path, *(["--interactive"] if interactive else []), stdin=subprocess.PIPE)
+    assert len(programs(tmp_path)) == 1
+    child.kill()
+    child.communicate(timeout=30)
+    wait_until(lambda: programs(tmp_path) == [])
+
+
+def test_what_a_killed_run_left_is_named(tumble, tmp_path):
+    (tmp_path / ".run.part").mkdir()
+    done = tumble("bench", "--out", "run", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"tumble: run: {tmp_path}/.run.part is there, of a run that goes on or was killed\n"
+
+
+def test_many_interrupts_do_not_disturb_the_cleaning_up(tmp_path):
+    child, _ = start(tmp_path)
+    for _ in range(30):
+        child.send_signal(signal.SIGINT)
+        time.sleep(0.001)
+    out, err = child.communicate(timeout=30)
+    assert (child.returncode, out) == (130, "")
+    assert err.splitlines()[-1] == "tumble: interrupted; the table is at rest" and "Traceback" not in err
+    assert os.listdir(tmp_path) == ["wrapper"]
+
+
+def test_hang_up_is_ignored_where_that_is_wanted(tmp_path):
+    """As nohup does it. The program heeds it as well."""
+    start_ignored = {"preexec_fn": lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)}
+    child, _ = start(tmp_path, **start_ignored)
+    child.send_signal(signal.SIGHUP)
+    for process in programs(tmp_path):
+        os.kill(process, signal.SIGHUP)
+    time.sleep(0.5)
+    assert child.poll() is None and len(programs(tmp_path)) == 1
+    child.send_signal(signal.SIGTERM)
+    child.communicate(timeout=30)
+    assert child.returncode == 128 + signal.SIGTERM
+
+
+def test_an_early_interrupt_ends_quietly(tmp_path):
+    """In every moment of the first quarter of a second, the launcher's included."""
+    launched = ["env", "--block-signal=INT", sys.executable, str(ROOT / "host/python/launch.py"), "bench", "--out=run"]
+    for step in range(50):
+        child = subprocess.Popen(
+            launched, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        time.sleep(0.005 * step)
+        child.send_signal(signal.SIGINT)
+        _, err = child.communicate(timeout=30)
+        assert "Traceback" not in err and "KeyboardInterrupt" not in err, err
+        if child.returncode == 0:  # on time
+            break
+        assert child.returncode in (-signal.SIGINT, 130), err
+        assert os.listdir(tmp_path) == []
+
+
+def test_the_launcher_of_a_checkout_holds_early_interrupts_back():
+    assert 'env --block-signal=INT "$root/.venv/bin/python" "$root/host/python/launch.py"' in (
+        ROOT / "tools/tumble"
+    ).read_text()
+
+
+def test_an_interrupt_that_python_cannot_raise_comes_again():
+    """In a destructor an exception is lost."""
+    program = """
+import os, signal, time
+from tumble import interruption
+class Last:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.01)
+interruption.watch()
+last = Last()
+del last
+try:
+    time.sleep(20)
+except KeyboardInterrupt:
+    print(interruption.exit_code())
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=15)
+    assert (done.stdout, done.stderr) == (f"{128 + signal.SIGTERM}\n", "")
+
+
+def test_a_command_ends_by_its_signal_from_a_shell(tmp_path):
+    """128 and the number, as of a program that has died of it."""
+    pipe = tmp_path / "run.csv"
+    os.mkfifo(pipe)
+    solve = f"{shlex.quote(sys.executable)} -m tumble solve run.csv"
+    script = f"{solve} & exec 3>run.csv; kill -TERM $!; exec 3>&-; wait $!"
+    done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "", "tumble: interrupted\n")

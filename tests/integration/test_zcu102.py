@@ -1,0 +1,169 @@
+"""The board zcu102, bare metal, in its emulator: its CAN driver conforms, and it computes the same bits as this
+machine. Calibrations by it take a minute each."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from conftest import EXAMPLES
+
+from tumble.bench import console, emulator, programs, uml
+from tumble.errors import BenchFault
+
+
+def need(image):
+    if (lacking := emulator.missing(image)) is not None:
+        pytest.skip(f"the emulated board is not there: {lacking}")
+
+
+@pytest.mark.parametrize("layout", ["silicon", "emulated"])
+def test_the_two_controllers_conform(layout):
+    need(f"conformance-{layout}")
+    wire = ["-object", "can-bus,id=wire", "-machine", "canbus0=wire,canbus1=wire"]
+    command = emulator.command(f"conformance-{layout}", *wire)
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    verdicts = [line.split()[0] for line in ended.stdout.splitlines()[:-1]]
+    assert verdicts.count("passed") == 11 and verdicts.count("skipped") == 2 and len(verdicts) == 13, ended.stdout
+    assert ended.stdout.splitlines()[-1] == "conforms"
+
+
+def test_the_suite_fails_without_a_wire():
+    """Canary: the exit code comes through."""
+    need("conformance-silicon")
+    command = emulator.command("conformance-silicon")
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert ended.returncode == 1 and "does not conform" in ended.stdout
+
+
+def bench(tumble, folder, *options):
+    """Document of a run in the process; its folder is run."""
+    ended = tumble("bench", "--out", "run", "--json", *options, cwd=folder)
+    assert ended.returncode == 0, ended.stderr
+    return json.loads(ended.stdout)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--seed", 1], ["--seed", 2, "--samples", 80, "--estimator", "averaged"],
+     ["--seed", 3, "--estimator", "least_squares", "--limit", "1e-3"],
+     *(["--seed", 4, "--stand", EXAMPLES / f"{name}_stand.toml"] for name in ("paper", "angle", "lab")),
+     ["--schedule", EXAMPLES / "six_faces.toml", "--estimator", "least_squares"]],
+    ids=["as it is", "averaged", "least squares", "paper's stand", "angle stand", "lab stand", "six faces"],
+)
+def test_the_board_computes_the_same_bits(options, tumble, tmp_path):
+    need("replay")
+    result = bench(tumble, tmp_path, *options)
+    documents = []
+    for firmware in ("host", "zcu102"):
+        ended = tumble("replay", "run/bus.log", "--firmware", firmware, "--json", cwd=tmp_path)
+        assert ended.returncode == 0, ended.stderr
+        documents.append(json.loads(ended.stdout))
+    host, board = documents
+    assert board["firmware"] == "zcu102"
+    assert host["bits"] == board["bits"] and len(set(board["bits"])) == 12
+    assert (board["K"], board["U0"]) == (result["K"], result["U0"])
+    for name in ("samples", "averaged", "lost", "retries", "commands_refused"):
+        assert host["counters"][name] == board["counters"][name]
+
+
+def test_another_log_gives_other_bits(tumble, tmp_path):
+    """Canary: the board's numbers come from the log."""
+    need("replay")
+    first = bench(tumble, tmp_path, "--seed", 1)
+    shutil.rmtree(tmp_path / "run")
+    bench(tumble, tmp_path, "--seed", 2)
+    board = json.loads(tumble("replay", "run/bus.log", "--firmware", "zcu102", "--json", cwd=tmp_path).stdout)
+    assert board["K"] != first["K"]
+
+
+def test_a_spoilt_recording_is_refused(tumble, tmp_path):
+    need("replay")
+    bench(tumble, tmp_path)
+    program = programs.find("tumble-replay", "host/replay")
+    subprocess.run([program, tmp_path / "run/bus.log", "--recording", tmp_path / "recording"], check=True)
+    data = bytearray((tmp_path / "recording").read_bytes())
+    data[5000] ^= 4
+    (tmp_path / "recording").write_bytes(data)
+    loader = f"loader,file={tmp_path}/recording,addr=0x2000000,force-raw=on"
+    ended = subprocess.run(emulator.command("replay", "-device", loader), capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout.strip()) == (2, "refused TUMBLE_E_CRC")
+
+
+def test_a_spoilt_commissioning_record_is_refused(tumble, tmp_path):
+    need("replay")
+    bench(tumble, tmp_path)
+    program = programs.find("tumble-replay", "host/replay")
+    subprocess.run([program, tmp_path / "run/bus.log", "--recording", tmp_path / "recording"], check=True)
+    subprocess.run([program, "--commissioning", tmp_path / "record"], check=True)
+    data = bytearray((tmp_path / "record").read_bytes())
+    data[100] ^= 1
+    (tmp_path / "record").write_bytes(data)
+    with pytest.raises(BenchFault, match="refused TUMBLE_E_CRC"):
+        emulator.replay(tmp_path / "recording", tmp_path / "record")
+
+
+def test_what_is_missing_is_said(tumble, tmp_path):
+    bench(tumble, tmp_path)
+    nothing = {"TUMBLE_ZCU102": str(tmp_path), "PATH": str(tmp_path)}
+    ended = tumble("replay", "run/bus.log", "--firmware", "zcu102", cwd=tmp_path, **nothing)
+    assert (ended.returncode, ended.stdout) == (77, "") and "install qemu-system-arm" in ended.stderr
+    ended = tumble("bench", "--firmware", "zcu102", cwd=tmp_path)
+    assert ended.returncode == 2 and "on a real bus only" in ended.stderr
+
+
+def test_the_console_needs_the_standard_library_alone():
+    """Isolated, without site packages: so it runs where every import is slow."""
+    code = f"import runpy; runpy.run_path({console.__file__!r})"
+    subprocess.run([sys.executable, "-I", "-S", "-c", code], check=True)
+
+
+def need_bus():
+    need("navcomp-emulated")
+    if (lacking := uml.missing()) is not None:
+        pytest.skip(f"user-mode Linux is not there: {lacking}")
+    if shutil.which("candump") is None:
+        pytest.skip("no candump: install can-utils")
+
+
+@pytest.mark.slow
+def test_the_board_calibrates_the_simulated_stand(tumble, tmp_path):
+    need_bus()
+    begin = time.monotonic()
+    command = ["bench", "--bus", "uml", "--firmware", "zcu102", "--seed", 11, "--samples", 60, "--out", "run", "--json"]
+    ended = tumble(*command, cwd=tmp_path, timeout=300)
+    assert ended.returncode == 0, ended.stderr
+    assert time.monotonic() - begin < 180
+    result = json.loads(ended.stdout)
+    assert (result["bus"], result["firmware"], result["verification"]["pass"]) == ("uml", "zcu102", True)
+    counters = result["counters"]
+    for name in ("board_lost", "board_busy", "board_down", "board_controller_receive_overflows",
+                 "board_controller_bus_off", "stand_kernel_dropped", "samples_lost"):
+        assert counters[name] == 0, name
+    assert counters["samples_averaged"] == 18 * 60
+    for firmware in ("host", "zcu102"):
+        again = json.loads(tumble("replay", "run/bus.log", "--firmware", firmware, "--json", cwd=tmp_path).stdout)
+        assert (again["K"], again["U0"]) == (result["K"], result["U0"])
+
+
+@pytest.mark.slow
+def test_an_interrupt_stops_the_table(tmp_path):
+    need_bus()
+    command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--firmware", "zcu102", "--out", "run"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=dict(os.environ))
+    try:
+        assert "mounting 1: position 1" in process.stderr.readline()
+        time.sleep(2.0)
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130, complaint
+    assert "the table is at rest" in complaint
+    assert not (tmp_path / "run").exists()
