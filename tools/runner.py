@@ -1,4 +1,4 @@
-"""Running stages of tests one after another, counting what they say, and telling a person how it went."""
+"""Running stages of tests, counting what they say, and telling a person how it went."""
 import os
 import re
 import subprocess
@@ -6,6 +6,7 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable
@@ -39,6 +40,7 @@ class Stage:
     about: str
     run: Callable  # run(log) -> Outcome
     needs: tuple = ()  # names of what tools/setup could not always install
+    beside: bool = False  # it waits more than it computes: the stages behind it need not wait for it
 
 
 class Log:
@@ -112,7 +114,7 @@ def read_junit(report):
 
 def ctest(log, directory):
     """The cases that the Unity programs of a build directory ran; a program that crashed counts as one failure."""
-    status = log.run("ctest", "--test-dir", str(directory), "--no-tests=error", "--verbose")
+    status = log.run("ctest", "--test-dir", str(directory), "--no-tests=error", "--verbose", "-j", str(os.cpu_count()))
     text = log.text()
     totals = [tuple(map(int, line)) for line in re.findall(r"(\d+) Tests (\d+) Failures (\d+) Ignored", text)]
     ran, failed, ignored = (sum(column) for column in zip(*totals)) if totals else (0, 0, 0)
@@ -130,6 +132,7 @@ def ctest(log, directory):
 
 def run_stages(stages, log_folder, missing=None, timeout_s=1800):
     """Run the stages, print their results, and return the exit status: 0 only if something passed and nothing failed.
+    Those that run beside the others are told of last.
 
     `missing` maps the name of a thing that could not be installed to the reason.
     """
@@ -139,18 +142,28 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         print(f"  {stage.name:12} {stage.about}")
     print(flush=True)
     total = Outcome()
-    for stage in stages:
-        begin = time.monotonic()
-        log = Log(Path(log_folder) / f"{stage.name}.log", timeout_s)
-        lacking = [f"{need} is not installed ({missing[need]})" for need in stage.needs if need in missing]
-        outcome = skipped(lacking[0]) if lacking else stage.run(log)
-        report(stage, outcome, time.monotonic() - begin, log)
-        total.passed += outcome.passed
-        # A stage in which no test ran at all has failed, and the sum must say so.
-        total.failed += outcome.failed or (outcome.verdict == "FAILED")
-        total.skipped += outcome.skipped
+    with ThreadPoolExecutor(max_workers=1) as waiting:
+        begun = [(stage, waiting.submit(run_stage, stage, log_folder, missing, timeout_s) if stage.beside else None)
+                 for stage in stages]
+        for stage, other in sorted(begun, key=lambda one: one[1] is not None):
+            done = other.result() if other else run_stage(stage, log_folder, missing, timeout_s)
+            report(stage, *done)
+            outcome = done[0]
+            total.passed += outcome.passed
+            # A stage in which no test ran at all has failed, and the sum must say so.
+            total.failed += outcome.failed or (outcome.verdict == "FAILED")
+            total.skipped += outcome.skipped
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
+
+
+def run_stage(stage, log_folder, missing, timeout_s):
+    """Outcome, seconds and log of a stage."""
+    begin = time.monotonic()
+    log = Log(Path(log_folder) / f"{stage.name}.log", timeout_s)
+    lacking = [f"{need} is not installed ({missing[need]})" for need in stage.needs if need in missing]
+    outcome = skipped(lacking[0]) if lacking else stage.run(log)
+    return outcome, time.monotonic() - begin, log
 
 
 def report(stage, outcome, seconds, log):

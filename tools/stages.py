@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from runner import Stage, ctest, gate, pytest, run_stages
+from runner import SKIPPED, Outcome, Stage, ctest, gate, pytest, read_junit, run_stages, skipped
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
@@ -59,6 +59,17 @@ def campaigns(log):
     return pytest(log, "tests/integration", "--full", env={"PYTHONPATH": paths("host")})
 
 
+def realbus(log):
+    report = log.path.with_suffix(".xml")
+    status = log.run(PYTHON, "tools/realbus.py", str(report))
+    if status == SKIPPED:
+        return skipped(log.text().splitlines()[-1])
+    outcome = read_junit(report) if report.exists() else Outcome()
+    if status and not outcome.failed:
+        outcome.failed = 1
+    return outcome
+
+
 def sanitized(log):
     built = build_sanitized(log)
     if not built.passed:
@@ -77,6 +88,17 @@ def cortex_m4(log):
     built = gate(log, ["cmake", "--preset", "cortex-m4"], ["cmake", "--build", "--preset", "cortex-m4"])
     tables = sorted(map(str, (BUILD / "cortex-m4/boards/mps2_an386").glob("budget_*.csv")))
     return gate(log, ["cmake", "-E", "cat", *tables]) if built.passed else built
+
+
+def zcu102(log):
+    return gate(log, ["cmake", "--preset", "zcu102"], ["cmake", "--build", "--preset", "zcu102"])
+
+
+def target(log):
+    """What runs on the target itself, which QEMU emulates."""
+    preset = "cortex-m4-tests"
+    built = gate(log, ["cmake", "--preset", preset], ["cmake", "--build", "--preset", preset])
+    return ctest(log, BUILD / preset) if built.passed else built
 
 
 def canaries(full):
@@ -101,8 +123,14 @@ def plan(full):
               ("Unity",)),
         Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv", cortex_m4,
               ("gcc-arm-none-eabi",)),
+        Stage("zcu102", "the firmware for the Cortex-A53, bare metal: warnings, images for the emulator", zcu102,
+              ("gcc-aarch64-linux-gnu",)),
+        Stage("target", "the core's Unity tests, bit identity with this machine and painted stacks, on a Cortex-M4 in QEMU",
+              target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
         Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
         if full else Stage("integration", "the package and the command line, C against numpy", integration),
+        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none", realbus,
+              beside=True),
         Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized),
     ]
     if full:
