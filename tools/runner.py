@@ -40,7 +40,7 @@ class Stage:
     about: str
     run: Callable  # run(log) -> Outcome
     needs: tuple = ()  # names of what tools/setup could not always install
-    beside: bool = False  # it waits more than it computes: the stages behind it need not wait for it
+    beside: bool = False  # those after it need not wait for it
 
 
 class Log:
@@ -142,19 +142,27 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         print(f"  {stage.name:12} {stage.about}")
     print(flush=True)
     total = Outcome()
-    with ThreadPoolExecutor(max_workers=1) as waiting:
-        begun = [(stage, waiting.submit(run_stage, stage, log_folder, missing, timeout_s) if stage.beside else None)
-                 for stage in stages]
-        for stage, other in sorted(begun, key=lambda one: one[1] is not None):
-            done = other.result() if other else run_stage(stage, log_folder, missing, timeout_s)
-            report(stage, *done)
-            outcome = done[0]
-            total.passed += outcome.passed
-            # A stage in which no test ran at all has failed, and the sum must say so.
-            total.failed += outcome.failed or (outcome.verdict == "FAILED")
-            total.skipped += outcome.skipped
+    with ThreadPoolExecutor() as others:
+        beside = []
+        for stage in stages:
+            arguments = (stage, log_folder, missing, timeout_s)
+            if stage.beside:
+                beside.append((stage, others.submit(run_stage, *arguments)))
+            else:
+                add_up(total, stage, *run_stage(*arguments))
+        for stage, running in beside:
+            add_up(total, stage, *running.result())
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
+
+
+def add_up(total, stage, outcome, seconds, log):
+    """Print how a stage went, and count it."""
+    report(stage, outcome, seconds, log)
+    total.passed += outcome.passed
+    # A stage in which no test ran at all has failed, and the sum must say so.
+    total.failed += outcome.failed or (outcome.verdict == "FAILED")
+    total.skipped += outcome.skipped
 
 
 def run_stage(stage, log_folder, missing, timeout_s):

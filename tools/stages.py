@@ -127,11 +127,12 @@ def plan(full):
               ("gcc-aarch64-linux-gnu",)),
         Stage("target", "the core's Unity tests, bit identity with this machine and painted stacks, on a Cortex-M4 in QEMU",
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
-        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
-        if full else Stage("integration", "the package and the command line, C against numpy", integration),
         Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none", realbus,
               beside=True),
-        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized),
+        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized,
+              beside=True),
+        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
+        if full else Stage("integration", "the package and the command line, C against numpy", integration),
     ]
     if full:
         stages += [

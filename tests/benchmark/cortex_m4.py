@@ -146,7 +146,7 @@ def navcomp_steps(folder, optimise):
     for source in [*sources, *(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]:
         more = ["-flto"] if source in sources else ["-Wno-error"]
         more += FAST if source.stem in FAST_SOURCES else []
-        objects.append(folder / f"step_{source.stem}.o")
+        objects.append(folder / f"step_{source.parent.name}_{source.stem}.o")
         command = ["arm-none-eabi-gcc", *options, *more, "-c", source, "-o", objects[-1]]
         subprocess.run(command, check=True, capture_output=True)
     elf = folder / "steps"

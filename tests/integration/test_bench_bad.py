@@ -68,10 +68,7 @@ STANDS = {
         PAPER + "\n[motion]\nsettling_s = 4.096\n",
         "settling_s must be 0 to 4.095 on the bench, not 4.096",
     ),
-    "range too small for the program": (
-        PAPER.replace("[block]", "[block]\nrange_v = 1e-12"),
-        "this cannot be simulated: tumble-bench: scenario:",
-    ),
+    "range of nothing": (PAPER.replace("[block]", "[block]\nrange_v = 1e-12"), "range_v must be of a size from 1e-09"),
     "not TOML": ("[stand", "not valid TOML"),
 }
 
