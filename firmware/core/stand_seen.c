@@ -21,12 +21,6 @@ typedef struct {
     double factor;
 } closed_form_t;
 
-static const closed_form_t closed_forms[] = {
-    {mean_weights, -1.0, -1.0, 0.5 / 8.0}, /* alpha1: (v_y - v_z) / 2 */
-    {sine_weights, 1.0, 1.0, -0.5 / 8.0},  /* alpha2 + alpha3: (w_y + w_z) / 2 */
-    {sine_weights, -1.0, 1.0, -1.0 / 8.0}, /* yaw 1 - yaw 2: w_y - w_z */
-};
-
 tumble_seen_t tumble_seen_noise(const uint32_t *samples, const double (*scatter)[TUMBLE_CHANNELS], uint8_t positions)
 {
     double freedom = 0.0;
@@ -83,6 +77,11 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
                                    const tumble_calibration_t *calibration, const tumble_random_errors_t *errors,
                                    tumble_seen_angles_t *angles)
 {
+    static const closed_form_t closed_forms[] = {
+        {mean_weights, -1.0, -1.0, 0.5 / 8.0}, /* alpha1: (v_y - v_z) / 2 */
+        {sine_weights, 1.0, 1.0, -0.5 / 8.0},  /* alpha2 + alpha3: (w_y + w_z) / 2 */
+        {sine_weights, -1.0, 1.0, -1.0 / 8.0}, /* yaw 1 - yaw 2: w_y - w_z */
+    };
     if ((schedule == NULL) || (means == NULL) || (calibration == NULL) || (angles == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }

@@ -148,7 +148,7 @@ BAD = {
     "no result": (["--result", "bare.toml"], "not valid JSON: expecting value"),
     "other unit": (["--result", "counts.json"], "counts.json: K is in 'counts' per g; a gain table needs volts"),
     "rank": (["--schedule", "flat.toml"], "flat.toml: these positions cannot identify K_xy, K_yy, K_zy"),
-    "noise": (["--stand", "loud.toml"], "no optimal weights"),
+    "noise": (["--stand", "loud.toml"], "noise_v must be 0 to 1e+09"),
     "estimator": (["--estimator", "refined"], "unrecognized arguments: --estimator refined"),
 }
 
