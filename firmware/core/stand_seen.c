@@ -9,8 +9,6 @@
 #define ROOT_2 1.4142135623730951
 
 /* Weights of the mean of a circle and of its sine, times 8. */
-static const double mean_weights[POSITIONS] = {0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5};
-static const double sine_weights[POSITIONS] = {0.0, ROOT_2, 2.0, ROOT_2, 0.0, -ROOT_2, -2.0, -ROOT_2, 0.0};
 
 /* A quantity of the closed form: the sum over the paper's positions of weight times (y component of the specific force
  * plus `z` times the z component), the second mounting's with the sign `second`. */
@@ -77,6 +75,8 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
                                    const tumble_calibration_t *calibration, const tumble_random_errors_t *errors,
                                    tumble_seen_angles_t *angles)
 {
+    static const double mean_weights[POSITIONS] = {0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5};
+    static const double sine_weights[POSITIONS] = {0.0, ROOT_2, 2.0, ROOT_2, 0.0, -ROOT_2, -2.0, -ROOT_2, 0.0};
     static const closed_form_t closed_forms[] = {
         {mean_weights, -1.0, -1.0, 0.5 / 8.0}, /* alpha1: (v_y - v_z) / 2 */
         {sine_weights, 1.0, 1.0, -0.5 / 8.0},  /* alpha2 + alpha3: (w_y + w_z) / 2 */
