@@ -8,8 +8,6 @@
 #define POSITIONS 9
 #define ROOT_2 1.4142135623730951
 
-/* Weights of the mean of a circle and of its sine, times 8. */
-
 /* A quantity of the closed form: the sum over the paper's positions of weight times (y component of the specific force
  * plus `z` times the z component), the second mounting's with the sign `second`. */
 typedef struct {
@@ -75,6 +73,7 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
                                    const tumble_calibration_t *calibration, const tumble_random_errors_t *errors,
                                    tumble_seen_angles_t *angles)
 {
+    /* Weights of the mean of a circle and of its sine, times 8. */
     static const double mean_weights[POSITIONS] = {0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5};
     static const double sine_weights[POSITIONS] = {0.0, ROOT_2, 2.0, ROOT_2, 0.0, -ROOT_2, -2.0, -ROOT_2, 0.0};
     static const closed_form_t closed_forms[] = {
