@@ -129,8 +129,7 @@ def plan(full):
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
         Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none", realbus,
               beside=True),
-        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized,
-              beside=True),
+        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized),
         Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
         if full else Stage("integration", "the package and the command line, C against numpy", integration),
     ]
