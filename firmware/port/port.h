@@ -1,4 +1,5 @@
-/* port.h - everything the firmware needs of a board: a clock and CAN frames.
+/* port.h - everything the firmware needs of a board: a clock, CAN frames and, where it keeps coefficients, non-volatile
+ * memory.
  *
  * A board fills in one const table of non-blocking functions; nothing else reaches hardware. Every call returns at once.
  * What a port returns is checked and counted by its caller: a status outside the lists below counts as
@@ -21,6 +22,31 @@ typedef struct {
     uint8_t data[TUMBLE_CAN_MAX_BYTES];
 } tumble_can_frame_t;
 
+/* The largest granule that the store can fill. */
+#define TUMBLE_NV_MAX_GRANULE 32U
+
+/* Non-volatile memory as flash has it, addressed from 0: erased by the sector (every byte becomes FFh), programmed by
+ * the granule (once after each erase), read by the byte. FRAM and EEPROM are the special case of an erase that fills.
+ *
+ * An operation may take long: until it has ended every call returns TUMBLE_E_PORT_BUSY at once, and the caller makes the
+ * same call, with the same arguments and bytes, at a later step. Loss of power in the middle of an operation may
+ * leave the bytes it addresses, and no others, with any values.
+ * All functions return TUMBLE_OK, TUMBLE_E_PORT_BUSY, or TUMBLE_E_NV (it failed, or the memory has no such place). */
+typedef struct {
+    void *context;          /* handed to every function */
+    uint32_t size_bytes;    /* whole sectors */
+    uint32_t sector_bytes;  /* whole granules */
+    uint32_t granule_bytes; /* 1 to TUMBLE_NV_MAX_GRANULE, a power of two */
+
+    /* `offset` is that of a sector. */
+    tumble_status_t (*erase)(void *context, uint32_t offset);
+
+    /* `offset` and `size` are whole granules, all of one sector. */
+    tumble_status_t (*program)(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size);
+
+    tumble_status_t (*read)(void *context, uint32_t offset, uint8_t *bytes, uint32_t size);
+} tumble_nv_t;
+
 typedef struct {
     void *context; /* handed to every function */
 
@@ -33,6 +59,8 @@ typedef struct {
 
     /* Take the oldest received frame. TUMBLE_OK; TUMBLE_E_PORT_EMPTY: nothing there; TUMBLE_E_PORT_DOWN. */
     tumble_status_t (*can_receive)(void *context, tumble_can_frame_t *frame);
+
+    const tumble_nv_t *nv; /* null: the board has none, and keeps nothing */
 } tumble_port_t;
 
 #endif
