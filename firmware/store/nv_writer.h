@@ -1,0 +1,47 @@
+/* nv_writer.h - one erase or one program of the non-volatile memory, and reading back that it is so (private to the store).
+ *
+ * Begun, then stepped until it is done; a step makes at most one call of the memory. What is to be programmed must stay
+ * where it is until then.
+ */
+#ifndef TUMBLE_STORE_NV_WRITER_H
+#define TUMBLE_STORE_NV_WRITER_H
+
+#include "core/status.h"
+#include "port/port.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TUMBLE_NV_CHUNK 64U
+
+typedef struct {
+    const tumble_nv_t *nv;
+    const uint8_t *bytes; /* null: blank */
+    uint32_t offset;
+    uint32_t size;
+    uint32_t checked;    /* bytes read back so far */
+    bool changes;        /* the erase or program is still to be made */
+    bool failed_to_hold; /* the memory said it was done, and it was not */
+    uint8_t chunk[TUMBLE_NV_CHUNK];
+} tumble_nv_writer_t;
+
+void tumble_nv_writer_init(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
+
+/* Erase the sector at `offset`; its first `size` bytes must be blank then. Sizes are multiples of TUMBLE_NV_MAX_GRANULE. */
+void tumble_nv_begin_erase(tumble_nv_writer_t *writer, uint32_t offset, uint32_t size);
+
+/* Program `bytes`, which must be there then. */
+void tumble_nv_begin_program(tumble_nv_writer_t *writer, uint32_t offset, const uint8_t *bytes, uint32_t size);
+
+/* Nothing but look whether `size` bytes are blank. */
+void tumble_nv_begin_blank(tumble_nv_writer_t *writer, uint32_t offset, uint32_t size);
+
+/* Returns TUMBLE_E_PORT_BUSY (step again), TUMBLE_OK, or TUMBLE_E_NV (a call failed, or what is read back differs). */
+tumble_status_t tumble_nv_writer_step(tumble_nv_writer_t *writer);
+
+/* One read; whatever a port answers beyond TUMBLE_OK and _PORT_BUSY becomes TUMBLE_E_NV. */
+tumble_status_t tumble_nv_read(const tumble_nv_t *nv, uint32_t offset, uint8_t *bytes, uint32_t size);
+
+bool tumble_nv_is_blank(const uint8_t *bytes, uint32_t size);
+
+#endif

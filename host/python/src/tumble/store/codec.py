@@ -1,0 +1,182 @@
+"""The records of the store as bytes, with struct: sets, entries of the history, positions of a run."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from dataclasses import dataclass
+
+SET_BYTES = 320
+MARK_BYTES = 32
+PLACE_BYTES = SET_BYTES + MARK_BYTES
+ENTRY_BYTES = 128
+CELL_BYTES = 64
+
+ORIGINS = {1: "factory", 2: "committed", 3: "accepted", 4: "rolled back", 5: "held"}
+HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED = (1 << bit for bit in range(6))
+
+_SET_HEAD = struct.pack("<4sHH", b"TSET", 1, SET_BYTES)
+_SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2x5I")
+_ENTRY = struct.Struct("<4sIIBBHQf12f12f")
+_RUN_HEAD = struct.pack("<4sHH", b"TRUN", 1, CELL_BYTES)
+_POSITION = struct.Struct("<2sBxI3q3f16x")
+
+
+class NotARecord(Exception):
+    """The bytes hold no such record; says why."""
+
+
+@dataclass
+class CoefficientSet:
+    """One set, numbers as docs/store.md names them; None: unknown."""
+
+    sequence: int
+    origin: int
+    estimator: int
+    serial: str
+    date_utc_s: int | None
+    temperature_c: float | None
+    gravity_m_s2: float | None
+    k: list[float]  # 9, row by row, V/g
+    u0: list[float]  # 3, V
+    u_k: list[float] | None
+    u_u0: list[float] | None
+    check: list[float] | None  # largest on fit and on check positions, limit; g
+    closure_v: float | None
+    samples: int
+    fit_positions: int
+    check_positions: int
+    schedule_crc: int
+    stand_crc: int
+    reasons: int
+    restores: int
+    from_crc: int
+    resumed: bool
+
+
+@dataclass
+class HistoryEntry:
+    """One line of the history."""
+
+    number: int
+    sequence: int
+    origin: int
+    estimator: int
+    flags: int
+    date_utc_s: int | None
+    temperature_c: float
+    values: list[float]  # K row by row, then U0
+    u: list[float]
+
+
+@dataclass
+class Position:
+    """One finished position of a run."""
+
+    index: int
+    samples: int
+    sums: list[int]
+    scatter: list[float]
+
+
+def _sealed(bytes_: bytes, before: int = 0) -> bytes:
+    return bytes_ + struct.pack("<I", zlib.crc32(bytes_, before))
+
+
+def _check_seal(bytes_: bytes, before: int = 0) -> None:
+    if struct.pack("<I", zlib.crc32(bytes_[:-4], before)) != bytes_[-4:]:
+        raise NotARecord("its checksum does not agree")
+
+
+def encode_set(s: CoefficientSet) -> bytes:
+    """The 320 bytes of a set."""
+    known = ((HAS_TEMPERATURE, s.temperature_c), (HAS_GRAVITY, s.gravity_m_s2), (HAS_UNCERTAINTY, s.u_k),
+             (HAS_CHECK, s.check), (HAS_CLOSURE, s.closure_v))
+    flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
+    serial = s.serial.encode()
+    if len(serial) > 24 or b"\0" in serial:
+        raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
+    return _sealed(_SET.pack(
+        _SET_HEAD, s.sequence, s.origin, s.estimator, flags, serial, s.date_utc_s or 0, s.temperature_c or 0.0,
+        s.gravity_m_s2 or 0.0, *s.k, *s.u0, *(s.u_k or [0.0] * 9), *(s.u_u0 or [0.0] * 3), *(s.check or [0.0] * 3),
+        s.closure_v or 0.0, s.samples, s.fit_positions, s.check_positions, s.schedule_crc, s.stand_crc, s.reasons,
+        s.restores, s.from_crc))
+
+
+def decode_set(bytes_: bytes) -> CoefficientSet:
+    """The set in 320 bytes. Raises NotARecord."""
+    if len(bytes_) != SET_BYTES or bytes_[:8] != _SET_HEAD:
+        raise NotARecord("there is no set of coefficients")
+    _check_seal(bytes_)
+    _, sequence, origin, estimator, flags, serial, date, temperature, gravity, *rest = _SET.unpack(bytes_[:-4])
+    doubles, (samples, fit, check, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
+    if origin not in ORIGINS or flags >> 6 or not all(map(math.isfinite, [temperature, gravity, *doubles])):
+        raise NotARecord("a field is out of its range")
+    known = lambda bit, value: value if flags & bit else None  # noqa: E731
+    return CoefficientSet(
+        sequence, origin, estimator, serial.rstrip(b"\0").decode("utf-8", "backslashreplace"), date or None,
+        known(HAS_TEMPERATURE, temperature), known(HAS_GRAVITY, gravity), doubles[:9], doubles[9:12],
+        known(HAS_UNCERTAINTY, doubles[12:21]), known(HAS_UNCERTAINTY, doubles[21:24]), known(HAS_CHECK, doubles[24:27]),
+        known(HAS_CLOSURE, doubles[27]), samples, fit, check, schedule, stand, reasons, restores, from_crc,
+        bool(flags & RESUMED))
+
+
+def mark_of(record: bytes) -> bytes:
+    """The 32 bytes behind a record that make it valid."""
+    return (b"DONE" + record[-4:]).ljust(MARK_BYTES, b"\xff")
+
+
+def decode_place(bytes_: bytes) -> CoefficientSet:
+    """The set of a place, with its mark. Raises NotARecord."""
+    record = bytes_[:SET_BYTES]
+    found = decode_set(record)
+    if bytes_[SET_BYTES : SET_BYTES + 8] != mark_of(record)[:8]:
+        raise NotARecord("it was not written to its end: the mark is missing")
+    return found
+
+
+def encode_entry(e: HistoryEntry) -> bytes:
+    """The 128 bytes of an entry of the history."""
+    return _sealed(_ENTRY.pack(b"THS1", e.number, e.sequence, e.origin, e.estimator, e.flags, e.date_utc_s or 0,
+                               e.temperature_c, *e.values, *e.u))
+
+
+def decode_entry(bytes_: bytes) -> HistoryEntry:
+    """The entry in 128 bytes. Raises NotARecord."""
+    if bytes_[:4] != b"THS1":
+        raise NotARecord("there is no entry of a history")
+    _check_seal(bytes_)
+    _, number, sequence, origin, estimator, flags, date, temperature, *numbers = _ENTRY.unpack(bytes_[:-4])
+    return HistoryEntry(number, sequence, origin, estimator, flags, date or None, temperature, numbers[:12], numbers[12:])
+
+
+def encode_run(fingerprint: int) -> bytes:
+    """The 64 bytes that begin the checkpoint of a run."""
+    return _sealed((_RUN_HEAD + struct.pack("<I", fingerprint)).ljust(CELL_BYTES - 4, b"\0"))
+
+
+def decode_run(bytes_: bytes) -> int:
+    """The fingerprint of the run that is kept. Raises NotARecord."""
+    if bytes_[:8] != _RUN_HEAD:
+        raise NotARecord("no run is kept")
+    _check_seal(bytes_)
+    return struct.unpack_from("<I", bytes_, 8)[0]
+
+
+def encode_position(p: Position, fingerprint: int) -> bytes:
+    """The 64 bytes of a finished position of that run."""
+    return _sealed(_POSITION.pack(b"TP", p.index, p.samples, *p.sums, *p.scatter), _seed(fingerprint))
+
+
+def decode_position(bytes_: bytes, fingerprint: int) -> Position:
+    """The position in 64 bytes. Raises NotARecord, also where it is of another run."""
+    if bytes_[:2] != b"TP":
+        raise NotARecord("there is no position")
+    _check_seal(bytes_, _seed(fingerprint))
+    _, index, samples, *numbers = _POSITION.unpack(bytes_[:-4])
+    return Position(index, samples, numbers[:3], numbers[3:])
+
+
+def _seed(fingerprint: int) -> int:
+    return zlib.crc32(struct.pack("<I", fingerprint))

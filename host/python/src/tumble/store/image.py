@@ -1,0 +1,138 @@
+"""An image of the memory, read as the firmware would: which set is active, what else there is, and what is torn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+
+from tumble.errors import BadInput
+from tumble.store.codec import (
+    CELL_BYTES, ENTRY_BYTES, ORIGINS, PLACE_BYTES, SET_BYTES, CoefficientSet, HistoryEntry, NotARecord, Position, decode_entry,
+    decode_place, decode_position, decode_run,
+)
+
+SECTORS = 8
+MIN_SECTOR = 4096
+FACTORY_PLACES, FACTORY_PITCH = 4, 512
+
+
+@dataclass
+class Image:
+    """What an image holds. `torn`: places that are neither blank nor valid, in words."""
+
+    factory: CoefficientSet | None = None
+    slots: dict[str, CoefficientSet] = field(default_factory=dict)
+    proposal: CoefficientSet | None = None
+    history: list[HistoryEntry] = field(default_factory=list)  # newest first
+    run: int | None = None  # fingerprint
+    positions: dict[int, Position] = field(default_factory=dict)
+    torn: list[str] = field(default_factory=list)
+
+    @property
+    def active_slot(self) -> str | None:
+        return max(self.slots, key=lambda name: self.slots[name].sequence, default=None)
+
+    @property
+    def active(self) -> CoefficientSet | None:
+        return self.slots[self.active_slot] if self.slots else self.factory
+
+
+def read_image(image: bytes, sector: int = MIN_SECTOR, name: str = "image") -> Image:
+    """Read an image of at least eight sectors. Raises BadInput."""
+    if sector < MIN_SECTOR:
+        raise BadInput(f"a sector has at least {MIN_SECTOR} bytes, not {sector}", name)
+    if len(image) < SECTORS * sector or len(image) % sector:
+        raise BadInput(f"{len(image)} bytes are not whole sectors of {sector} bytes, {SECTORS} at least", name)
+    found = Image()
+    _read_sets(image, sector, found)
+    _drop_stale(found, image[3 * sector : 3 * sector + SET_BYTES])
+    _read_history(image, sector, found)
+    _read_run(image, sector, found)
+    return found
+
+
+def _read(decode, bytes_: bytes, where: str, found: Image):
+    """What is decoded; None where there is nothing, or something torn, which is noted."""
+    if bytes_.count(0xFF) == len(bytes_):
+        return None
+    try:
+        return decode(bytes_)
+    except NotARecord as reason:
+        found.torn.append(f"{where}: {reason}")
+        return None
+
+
+def _read_sets(image: bytes, sector: int, found: Image) -> None:
+    def place(offset, where):
+        return _read(decode_place, image[offset : offset + PLACE_BYTES], where, found)
+
+    for number in range(FACTORY_PLACES):
+        found.factory = place(number * FACTORY_PITCH, f"factory place {number + 1}") if not found.factory else found.factory
+    for number, name in ((1, "A"), (2, "B")):
+        if (slot := place(number * sector, f"slot {name}")) is not None:
+            found.slots[name] = slot
+    found.proposal = place(3 * sector, "proposal")
+
+
+def _drop_stale(found: Image, proposal: bytes) -> None:
+    """A proposal that has become active, and only has not been cleared, is none."""
+    if found.slots and found.proposal and found.active.from_crc == int.from_bytes(proposal[-4:], "little"):
+        found.proposal = None
+
+
+def _read_history(image: bytes, sector: int, found: Image) -> None:
+    for number in (4, 5):
+        for cell in range(MIN_SECTOR // ENTRY_BYTES):
+            offset = number * sector + cell * ENTRY_BYTES
+            where = f"history, sector {number}, entry {cell + 1}"
+            if (entry := _read(decode_entry, image[offset : offset + ENTRY_BYTES], where, found)) is not None:
+                found.history.append(entry)
+    found.history.sort(key=lambda entry: -entry.number)
+
+
+def _read_run(image: bytes, sector: int, found: Image) -> None:
+    cells = [image[start : start + CELL_BYTES] for base in (6 * sector, 7 * sector)
+             for start in range(base, base + MIN_SECTOR, CELL_BYTES)]
+    found.run = _read(decode_run, cells[0], "checkpoint", found)
+    for number, cell in enumerate(cells[1:], 1):
+        if found.run is not None:
+            where = f"checkpoint, position entry {number}"
+            if (position := _read(lambda bytes_: decode_position(bytes_, found.run), cell, where, found)) is not None:
+                found.positions[position.index] = position
+
+
+def _date(date_utc_s: int | None) -> str:
+    if date_utc_s is None:
+        return "date unknown"
+    try:
+        return datetime.fromtimestamp(date_utc_s, timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
+    except (OverflowError, OSError, ValueError):
+        return f"{date_utc_s} s UTC"
+
+
+def _set_line(name: str, found: CoefficientSet | None) -> str:
+    if found is None:
+        return f"{name}: none"
+    diagonal = ", ".join(f"{found.k[i]:.9g}" for i in (0, 4, 8))
+    parts = [f"sequence {found.sequence}", ORIGINS[found.origin], f"block {ascii(found.serial)}", _date(found.date_utc_s),
+             f"K_xx, K_yy, K_zz {diagonal} V/g", f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V"]
+    parts += [f"gravity check {max(found.check[:2]):.2g} of {found.check[2]:.2g} g"] if found.check else []
+    parts += [f"reasons {found.reasons:#06x}"] if found.reasons else []
+    return f"{name}: {', '.join(parts)}"
+
+
+def _history_line(history: list[HistoryEntry]) -> str:
+    if not history:
+        return "history: empty"
+    return f"history: {len(history)}, the newest of {_date(history[0].date_utc_s)} with sequence {history[0].sequence}"
+
+
+def describe(found: Image) -> list[str]:
+    """What is in an image, in a few lines."""
+    where = f"active (slot {found.active_slot})" if found.slots else "active (the factory set)" if found.factory else "active"
+    lines = [_set_line(where, found.active), _set_line("factory", found.factory)]
+    lines += [_set_line(f"slot {name}", found.slots[name]) for name in found.slots if name != found.active_slot]
+    lines += [_set_line("proposal", found.proposal)]
+    lines += [_history_line(found.history)]
+    kept = f"run {found.run:#010x}, {len(found.positions)} positions" if found.run is not None else "no run is kept"
+    return [*lines, f"checkpoint: {kept}", *(f"torn: {place}" for place in found.torn)]

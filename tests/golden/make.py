@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+"""Write the golden files of the store from their numbers, store.json, with the package's encoder (struct).
+
+    make.py [--check]     with PYTHONPATH=host/python/src; --check: exit 1 if a file is not what it would write
+
+Each file is one record: what C and Python must both read as the numbers of store.json, and both write.
+"""
+import json
+import sys
+from pathlib import Path
+
+from tumble.store import codec
+
+HERE = Path(__file__).resolve().parent
+
+
+def encode(case):
+    """The bytes of one case of store.json."""
+    kind, numbers = case["kind"], {name: exact(value) for name, value in case["numbers"].items()}
+    if kind == "set":
+        return codec.encode_set(codec.CoefficientSet(**numbers))
+    if kind == "entry":
+        return codec.encode_entry(codec.HistoryEntry(**numbers))
+    if kind == "run":
+        return codec.encode_run(**numbers)
+    fingerprint = numbers.pop("fingerprint")
+    return codec.encode_position(codec.Position(**numbers), fingerprint)
+
+
+def exact(value):
+    """Doubles stand in JSON as the hexadecimal text of their bits' value, 0x1.8p+0, so that nothing is rounded."""
+    if isinstance(value, list):
+        return [exact(item) for item in value]
+    return float.fromhex(value) if isinstance(value, str) and value.lstrip("-").startswith("0x") else value
+
+
+def cases():
+    """Name and case of each golden file."""
+    return json.loads((HERE / "store.json").read_text(encoding="utf-8")).items()
+
+
+def main(arguments):
+    stale = [name for name, case in cases() if not is_written(HERE / f"{name}.bin", encode(case))]
+    if arguments == ["--check"]:
+        print("\n".join(f"{name}.bin is stale" for name in stale) or "golden files: all right")
+        return 1 if stale else 0
+    for name, case in cases():
+        (HERE / f"{name}.bin").write_bytes(encode(case))
+    return 0
+
+
+def is_written(path, wanted):
+    return path.exists() and path.read_bytes() == wanted
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

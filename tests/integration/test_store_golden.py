@@ -1,0 +1,221 @@
+"""The store's records, byte by byte: tests/golden/ by the independent encoder, by the firmware, and back. And the dump."""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tumble.store import codec
+from tumble.store.image import read_image
+
+ROOT = Path(__file__).resolve().parents[2]
+GOLDEN = ROOT / "tests" / "golden"
+STORE = ("set_record", "layout", "nv_writer", "regions", "history_entry", "checkpoint")
+
+_spec = importlib.util.spec_from_file_location("golden_make", GOLDEN / "make.py")
+golden = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(golden)
+CASES = dict(golden.cases())
+
+
+@pytest.fixture(scope="module")
+def firmware(tmp_path_factory):
+    """A function: kind and bytes of a record in, what the firmware reads of it and writes out."""
+    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
+    assert compiler, "no C compiler: set CC"
+    program = tmp_path_factory.mktemp("codec") / "store_codec"
+    sources = [f"firmware/store/{name}.c" for name in STORE] + ["firmware/core/arith.c", "firmware/core/crc32.c"]
+    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", "-Ifirmware", "-Itests/unit",
+                    "tests/integration/store_codec_harness.c", *sources, "-lm", "-o", program], cwd=ROOT, check=True)
+
+    def run(kind, record, fingerprint=0):
+        done = subprocess.run([program, kind, hex(fingerprint)], input=record, capture_output=True, timeout=60)
+        *lines, written = done.stdout.decode().splitlines() or [""]
+        fields = {name: values for name, *values in map(str.split, lines)}
+        return done.returncode, fields, bytes.fromhex(written)
+
+    return run
+
+
+def expected_fields(case):
+    """What the firmware must print of a case."""
+    numbers = {name: golden.exact(value) for name, value in case["numbers"].items()}
+    numbers.pop("fingerprint", None)
+    if case["kind"] == "set":
+        known = ("temperature_c", "gravity_m_s2", "u_k", "check", "closure_v")
+        numbers["flags"] = sum(1 << bit for bit, name in enumerate(known) if numbers[name] is not None)
+        numbers["flags"] |= codec.RESUMED if numbers.pop("resumed") else 0
+        numbers["serial"] = numbers["serial"].encode().ljust(24, b"\0").hex()
+        lengths = {"u_k": 9, "u_u0": 3, "check": 3}
+        numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
+    return numbers
+
+
+def as_printed(text, like):
+    return text if isinstance(like, str) else float.fromhex(text) if isinstance(like, float) else int(float.fromhex(text)
+                                                                                                 if "x" in text else text)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_firmware_reads_the_numbers_and_writes_the_bytes(firmware, name):
+    record = (GOLDEN / f"{name}.bin").read_bytes()
+    status, fields, written = firmware(CASES[name]["kind"], record, CASES[name]["numbers"].get("fingerprint", 0))
+    assert status == 0 and written == record
+    for field, value in expected_fields(CASES[name]).items():
+        values = value if isinstance(value, list) else [value]
+        found = [as_printed(text, like) for text, like in zip(fields[field], values, strict=True)]
+        assert list(map(repr, found)) == list(map(repr, values)), field  # repr: a negative zero is one
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_python_writes_the_golden_files_and_reads_them(name):
+    case, record = CASES[name], (GOLDEN / f"{name}.bin").read_bytes()
+    numbers = {key: golden.exact(value) for key, value in case["numbers"].items()}
+    assert golden.encode(case) == record
+    fingerprint = numbers.pop("fingerprint", None)
+    read = {"set": codec.decode_set, "entry": codec.decode_entry, "run": lambda r: codec.decode_run(r),
+            "position": lambda r: codec.decode_position(r, fingerprint)}[case["kind"]](record)
+    assert read == fingerprint if case["kind"] == "run" else vars(read) == numbers
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_an_altered_bit_is_noticed_by_both(firmware, name):
+    case, record = CASES[name], bytearray((GOLDEN / f"{name}.bin").read_bytes())
+    record[len(record) // 2] ^= 0x10
+    fingerprint = case["numbers"].get("fingerprint", 0)
+    decode = {"set": codec.decode_set, "entry": codec.decode_entry, "run": codec.decode_run,
+              "position": lambda r: codec.decode_position(r, fingerprint)}[case["kind"]]
+    with pytest.raises(codec.NotARecord, match="its checksum does not agree"):
+        decode(bytes(record))
+    if case["kind"] != "run":
+        assert firmware(case["kind"], bytes(record), fingerprint)[0] != 0
+
+
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+POSITIVE = st.floats(min_value=0.0, allow_infinity=False).map(abs)
+WORD = st.integers(0, 2**32 - 1)
+
+
+@given(st.builds(
+    codec.CoefficientSet, sequence=WORD, origin=st.integers(1, 5), estimator=st.integers(0, 255),
+    serial=st.text(st.characters(codec="ascii", exclude_characters="\0"), max_size=24),
+    date_utc_s=st.integers(1, 2**64 - 1) | st.none(), temperature_c=FINITE | st.none(), gravity_m_s2=st.just(9.81) | st.none(),
+    k=st.lists(FINITE, min_size=9, max_size=9), u0=st.lists(FINITE, min_size=3, max_size=3),
+    u_k=st.lists(POSITIVE, min_size=9, max_size=9), u_u0=st.lists(POSITIVE, min_size=3, max_size=3),
+    check=st.lists(POSITIVE, min_size=3, max_size=3) | st.none(), closure_v=POSITIVE | st.none(), samples=WORD,
+    fit_positions=st.integers(0, 255), check_positions=st.integers(0, 255), schedule_crc=WORD, stand_crc=WORD,
+    reasons=WORD, restores=WORD, from_crc=WORD, resumed=st.booleans()))
+def test_any_set_comes_back(found):
+    assert codec.decode_set(codec.encode_set(found)) == found
+
+
+def a_set(**changes):
+    numbers = {key: golden.exact(value) for key, value in CASES["set_full"]["numbers"].items()}
+    return codec.CoefficientSet(**{**numbers, "from_crc": 0, **changes})
+
+
+def put(image, offset, record):
+    image[offset : offset + len(record)] = record
+
+
+def place(found):
+    record = codec.encode_set(found)
+    return record + codec.mark_of(record)
+
+
+def an_image(sector=4096):
+    image = bytearray(b"\xff" * 8 * sector)
+    held = place(a_set(sequence=3, origin=5))
+    put(image, 0, place(a_set(sequence=0, origin=1)))
+    put(image, sector, place(a_set(sequence=1, origin=2)))
+    put(image, 2 * sector, place(a_set(sequence=2, origin=2, serial="active")))
+    put(image, 3 * sector, held)
+    put(image, 4 * sector, (GOLDEN / "history_entry.bin").read_bytes())
+    put(image, 6 * sector, (GOLDEN / "run.bin").read_bytes())
+    put(image, 6 * sector + 64, (GOLDEN / "position.bin").read_bytes())
+    return image
+
+
+def dump(*arguments):
+    return subprocess.run([sys.executable, "-m", "tumble.store", "dump", *map(str, arguments)], capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("sector", [4096, 8192])
+def test_the_dump_says_what_is_there(tmp_path, sector):
+    image = tmp_path / "nv"
+    image.write_bytes(an_image(sector))
+    done = dump(image, "--sector", sector)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("active (slot B): sequence 2, committed, block 'active', ")
+    assert [line.split(",")[0] for line in lines[1:4]] == ["factory: sequence 0", "slot A: sequence 1", "proposal: sequence 3"]
+    assert lines[4:] == ["history: 1, the newest of 2026-11-21 00:00 UTC with sequence 17",
+                         "checkpoint: run 0xc0ffee42, 1 positions"]
+
+
+def test_the_dump_finds_what_is_torn_and_what_is_left_over():
+    image = an_image()
+    held = bytes(image[3 * 4096 : 3 * 4096 + 352])
+    put(image, 2 * 4096, place(a_set(sequence=3, origin=3, from_crc=int.from_bytes(held[316:320], "little"))))
+    image[4096 + 320] = 0
+    image[4 * 4096 + 10] ^= 1
+    image[6 * 4096 + 70] ^= 1
+    found = read_image(bytes(image))
+    assert found.active.sequence == 3 and found.proposal is None and list(found.slots) == ["B"]
+    assert found.torn == ["slot A: it was not written to its end: the mark is missing",
+                          "history, sector 4, entry 1: its checksum does not agree",
+                          "checkpoint, position entry 1: its checksum does not agree"]
+
+
+def test_an_erased_memory_is_no_fault(tmp_path):
+    image = tmp_path / "nv"
+    image.write_bytes(b"\xff" * 8 * 4096)
+    assert dump(image).stdout.splitlines() == ["active: none", "factory: none", "proposal: none", "history: empty",
+                                               "checkpoint: no run is kept"]
+
+
+def test_bad_input_is_one_line_and_exit_2(tmp_path):
+    short = tmp_path / "short"
+    short.write_bytes(b"\xff" * 5000)
+    for arguments, message in (
+        ((short,), f"tumble.store: {short}: 5000 bytes are not whole sectors of 4096 bytes, 8 at least\n"),
+        ((short, "--sector", "512"), f"tumble.store: {short}: a sector has at least 4096 bytes, not 512\n"),
+        ((tmp_path / "none",), f"tumble.store: {tmp_path / 'none'}: no such file or folder\n"),
+        ((tmp_path,), f"tumble.store: {tmp_path}: a folder, not a file\n"),
+    ):
+        done = dump(*arguments)
+        assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
+    done = dump()
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+
+
+def test_the_gate_of_the_golden_files_can_fail(tmp_path):
+    for file in GOLDEN.iterdir():
+        if file.is_file():
+            shutil.copy(file, tmp_path)
+    def check():
+        return subprocess.run([sys.executable, "-B", tmp_path / "make.py", "--check"], capture_output=True, text=True)
+
+    assert check().returncode == 0
+    record = bytearray((tmp_path / "run.bin").read_bytes())
+    record[0] ^= 1
+    (tmp_path / "run.bin").write_bytes(record)
+    assert (check().returncode, check().stdout) == (1, "run.bin is stale\n")
+
+
+def test_the_factory_set_of_the_page_is_one(tmp_path):
+    """docs/store.md, the last block of code, as it stands there."""
+    page = (ROOT / "docs" / "store.md").read_text(encoding="utf-8")
+    code = page[page.index("    from tumble.store.codec import") :]
+    script = "\n".join(line[4:] for line in code.splitlines())
+    subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
+    image = tmp_path / "nv"
+    image.write_bytes((tmp_path / "sector0.bin").read_bytes().ljust(8 * 4096, b"\xff"))
+    done = dump(image)
+    assert done.stdout.startswith("active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"), done
