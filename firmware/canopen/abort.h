@@ -10,6 +10,7 @@
 
 #define TUMBLE_ABORT_LIST(X)                                                                                           \
     X(TUMBLE_ABORT_NONE, 0x00000000, "not aborted")                                                                   \
+    X(TUMBLE_ABORT_LATER, 0x00000001, "the answer is not known yet") /* never on the bus: see sdo.h */                \
     X(TUMBLE_ABORT_TOGGLE, 0x05030000, "toggle bit did not alternate")                                                \
     X(TUMBLE_ABORT_TIMEOUT, 0x05040000, "SDO protocol timed out")                                                     \
     X(TUMBLE_ABORT_COMMAND, 0x05040001, "command specifier unknown or not valid here")                                \
@@ -30,6 +31,7 @@
     X(TUMBLE_ABORT_TOO_HIGH, 0x06090031, "value is too high")                                                         \
     X(TUMBLE_ABORT_TOO_LOW, 0x06090032, "value is too low")                                                           \
     X(TUMBLE_ABORT_GENERAL, 0x08000000, "general error")                                                              \
+    X(TUMBLE_ABORT_STORE, 0x08000020, "data cannot be transferred or stored")                                         \
     X(TUMBLE_ABORT_LOCAL_CONTROL, 0x08000021, "refused because of local control")                                     \
     X(TUMBLE_ABORT_DEVICE_STATE, 0x08000022, "refused in the present state of the device")                            \
     X(TUMBLE_ABORT_NO_DATA, 0x08000024, "no data available")

@@ -6,14 +6,22 @@
 #include <stddef.h>
 #include <string.h>
 
+const tumble_entry_t *tumble_dictionary_row(const tumble_dictionary_t *dictionary, uint8_t place)
+{
+    const uint8_t first = dictionary->table->count;
+
+    return (place < first) ? &dictionary->table->entries[place] : &dictionary->extension->table->entries[place - first];
+}
+
 tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
                                        uint8_t *place)
 {
-    const tumble_object_table_t *table = dictionary->table;
+    const uint8_t further = (dictionary->extension != NULL) ? dictionary->extension->table->count : 0U;
+    const uint8_t count = (uint8_t)(dictionary->table->count + further);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_OBJECT;
 
-    for (uint8_t i = 0; i < table->count; ++i) {
-        const tumble_entry_t *entry = &table->entries[i];
+    for (uint8_t i = 0; i < count; ++i) {
+        const tumble_entry_t *entry = tumble_dictionary_row(dictionary, i);
 
         if ((index >= entry->index) && ((index - entry->index) <= entry->more_objects)) {
             *place = i;
@@ -30,7 +38,7 @@ tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, ui
 tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, uint8_t place, uint16_t index,
                                        uint8_t subindex)
 {
-    tumble_entry_t entry = dictionary->table->entries[place];
+    tumble_entry_t entry = *tumble_dictionary_row(dictionary, place);
 
     if (subindex < entry.subindex) {
         const uint8_t highest = (uint8_t)(entry.subindex + entry.more_subindices);
@@ -43,6 +51,9 @@ tumble_entry_t tumble_dictionary_entry(const tumble_dictionary_t *dictionary, ui
         entry.offset = highest;
     } else {
         entry.offset = (uint16_t)(entry.offset + ((subindex - entry.subindex) * entry.size));
+    }
+    if (place >= dictionary->table->count) {
+        entry.access |= TUMBLE_ACCESS_EXTENSION;
     }
     entry.index = index;
     entry.subindex = subindex;
@@ -66,9 +77,29 @@ static bool is_string(const tumble_entry_t *entry)
     return entry->type == TUMBLE_TYPE_VISIBLE_STRING;
 }
 
-static const tumble_object_owner_t *owner_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
+static bool is_further(const tumble_entry_t *entry)
 {
-    return (entry->home == TUMBLE_HOME_COMMUNICATION) ? &dictionary->communication : &dictionary->application;
+    return (entry->access & TUMBLE_ACCESS_EXTENSION) != 0U;
+}
+
+/* The table that an entry came from. */
+static const tumble_object_table_t *table_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
+{
+    return is_further(entry) ? dictionary->extension->table : dictionary->table;
+}
+
+static tumble_object_owner_t owner_of(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry)
+{
+    tumble_object_owner_t owner = dictionary->application;
+
+    if (entry->home == TUMBLE_HOME_COMMUNICATION) {
+        owner = dictionary->communication;
+    } else if (is_further(entry)) {
+        owner.hooks = dictionary->extension->hooks;
+    } else {
+        /* the application's */
+    }
+    return owner;
 }
 
 /* The variable of an entry whose home is RAM, else null. */
@@ -125,9 +156,10 @@ void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, u
     }
 }
 
-/* The reverse. */
-static void unpack(const tumble_entry_t *entry, uint8_t *at, const uint8_t *bytes, uint8_t size)
+void tumble_dictionary_unpack(const tumble_entry_t *entry, void *variable, const uint8_t *bytes, uint8_t size)
 {
+    uint8_t *at = (uint8_t *)variable;
+
     if (is_string(entry)) {
         (void)memset(at, 0, entry->size);
         (void)memcpy(at, bytes, size);
@@ -137,13 +169,14 @@ static void unpack(const tumble_entry_t *entry, uint8_t *at, const uint8_t *byte
 }
 
 /* A hook can make a string shorter, never a value longer. */
-static tumble_abort_t read_by_hook(const tumble_object_owner_t *owner, const tumble_entry_t *entry, uint8_t *bytes,
+static tumble_abort_t read_by_hook(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry, uint8_t *bytes,
                                    uint8_t *size)
 {
+    const tumble_object_owner_t owner = owner_of(dictionary, entry);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_DATA;
 
-    if ((owner->hooks != NULL) && (owner->hooks->read != NULL)) {
-        refusal = owner->hooks->read(owner->context, entry, bytes, size);
+    if ((owner.hooks != NULL) && (owner.hooks->read != NULL)) {
+        refusal = owner.hooks->read(owner.context, entry, bytes, size);
     }
     if ((*size > entry->size) || !is_string(entry)) {
         *size = entry->size;
@@ -163,11 +196,12 @@ tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, con
     } else if (entry->home == TUMBLE_HOME_IMMEDIATE) {
         tumble_put_u64(bytes, entry->offset);
     } else if (entry->home == TUMBLE_HOME_CONSTANT) {
-        tumble_dictionary_pack(entry, (const uint8_t *)dictionary->table->constants + entry->offset, bytes, size);
+        tumble_dictionary_pack(entry, (const uint8_t *)table_of(dictionary, entry)->constants + entry->offset, bytes,
+                               size);
     } else if (variable != NULL) {
         tumble_dictionary_pack(entry, variable, bytes, size);
     } else {
-        refusal = read_by_hook(owner_of(dictionary, entry), entry, bytes, size);
+        refusal = read_by_hook(dictionary, entry, bytes, size);
     }
     return refusal;
 }
@@ -220,7 +254,7 @@ static tumble_abort_t check_value(const tumble_dictionary_t *dictionary, const t
         if ((number - number) != 0.0) { /* infinite or not a number */
             refusal = TUMBLE_ABORT_VALUE;
         } else if (entry->limit != 0U) {
-            const tumble_limit_t *limit = &dictionary->table->limits[entry->limit - 1U];
+            const tumble_limit_t *limit = &table_of(dictionary, entry)->limits[entry->limit - 1U];
 
             if (number > limit->high) {
                 refusal = TUMBLE_ABORT_TOO_HIGH;
@@ -255,15 +289,16 @@ tumble_abort_t tumble_dictionary_accepts(const tumble_entry_t *entry, uint32_t s
 }
 
 /* Ask the entry's owner. Without a hook a variable may be written, what is computed may not. */
-static tumble_abort_t write_by_hook(const tumble_object_owner_t *owner, const tumble_entry_t *entry,
+static tumble_abort_t write_by_hook(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                     const uint8_t *bytes, uint8_t size)
 {
+    const tumble_object_owner_t owner = owner_of(dictionary, entry);
     bool computed = (entry->home == TUMBLE_HOME_COMPUTED) ||
                     (entry->home == TUMBLE_HOME_COMMUNICATION);
     tumble_abort_t refusal = computed ? TUMBLE_ABORT_ACCESS : TUMBLE_ABORT_NONE;
 
-    if ((owner->hooks != NULL) && (owner->hooks->write != NULL)) {
-        refusal = owner->hooks->write(owner->context, entry, bytes, size);
+    if ((owner.hooks != NULL) && (owner.hooks->write != NULL)) {
+        refusal = owner.hooks->write(owner.context, entry, bytes, size);
     }
     return refusal;
 }
@@ -277,13 +312,13 @@ tumble_abort_t tumble_dictionary_write(const tumble_dictionary_t *dictionary, co
         refusal = check_value(dictionary, entry, bytes);
     }
     if ((refusal == TUMBLE_ABORT_NONE) && (entry->home != TUMBLE_HOME_IMMEDIATE)) {
-        refusal = write_by_hook(owner_of(dictionary, entry), entry, bytes, size);
+        refusal = write_by_hook(dictionary, entry, bytes, size);
     }
     if (refusal == TUMBLE_ABORT_NONE) {
         uint8_t *variable = variable_of(dictionary, entry);
 
         if (variable != NULL) {
-            unpack(entry, variable, bytes, size);
+            tumble_dictionary_unpack(entry, variable, bytes, size);
         }
     }
     return refusal;

@@ -4,6 +4,9 @@
  * TUMBLE_HOME_VARIABLES and TUMBLE_HOME_OTHER cost RAM, and that RAM is the caller's.
  * Values go in and out as little-endian bytes (bytes.h), whatever the machine.
  *
+ * A second table may stand behind the first: the extension, for objects that only some computers have. It has limits,
+ * constants and hooks of its own, and shares the rest. Places run on from the first table into it.
+ *
  * A write is checked in this order, and the first refusal counts: exists, access, length, limits, hook; then it is
  * stored whole. Nothing here waits, allocates or keeps state. Not re-entrant on one set of values.
  */
@@ -37,6 +40,7 @@
 #define TUMBLE_ACCESS_WRITE 0x02U
 #define TUMBLE_ACCESS_MAP_RECEIVE 0x04U  /* may be mapped into a receive PDO */
 #define TUMBLE_ACCESS_MAP_TRANSMIT 0x08U /* may be mapped into a transmit PDO */
+#define TUMBLE_ACCESS_EXTENSION 0x80U    /* of the extension: set in an entry that was found, not in its table */
 
 /* tumble_entry_t.home: where the value lives. */
 #define TUMBLE_HOME_IMMEDIATE 0U     /* the entry's offset is the value; a write (dummy mapping) goes nowhere */
@@ -86,7 +90,8 @@ typedef struct {
 
     /* A value that passed type, length and limits is about to be stored; for a COMPUTED entry this is the store.
      * Returns TUMBLE_ABORT_NONE to accept, else the reason to refuse; a refused value changes nothing. Called for SDO
-     * and for receive PDOs alike. Without this hook a COMPUTED entry refuses with TUMBLE_ABORT_ACCESS. */
+     * and for receive PDOs alike. Without this hook a COMPUTED entry refuses with TUMBLE_ABORT_ACCESS. What takes its
+     * time returns TUMBLE_ABORT_LATER, for a COMPUTED entry alone: see tumble_sdo_server_answer (sdo.h). */
     tumble_abort_t (*write)(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size);
 } tumble_object_hooks_t;
 
@@ -95,17 +100,27 @@ typedef struct {
     void *context;
 } tumble_object_owner_t;
 
-/* A table bound to its memory. */
+/* A second table: objects that the first does not have, whole; 255 entries together. */
 typedef struct {
     const tumble_object_table_t *table;
-    void *variables;                     /* may be null when no entry lives there; likewise `other` */
+    const tumble_object_hooks_t *hooks; /* may be null; their context is the application's */
+} tumble_object_extension_t;
+
+/* Tables bound to their memory. */
+typedef struct {
+    const tumble_object_table_t *table;
+    const tumble_object_extension_t *extension; /* null: none */
+    void *variables;                            /* may be null when no entry lives there; likewise `other` */
     void *other;
     tumble_object_owner_t application;
-    tumble_object_owner_t communication; /* set by the node */
+    tumble_object_owner_t communication;        /* set by the node */
 } tumble_dictionary_t;
 
-/* Where in the table an object is described: `place`. Returns TUMBLE_ABORT_NONE, _NO_OBJECT or _NO_SUBINDEX. Looks
- * through the whole table. */
+/* The row of a table at a place that was found. */
+const tumble_entry_t *tumble_dictionary_row(const tumble_dictionary_t *dictionary, uint8_t place);
+
+/* Where in the tables an object is described: `place`. Returns TUMBLE_ABORT_NONE, _NO_OBJECT or _NO_SUBINDEX. Looks
+ * through them all. */
 tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
                                        uint8_t *place);
 
@@ -130,6 +145,9 @@ tumble_abort_t tumble_dictionary_write(const tumble_dictionary_t *dictionary, co
 /* From a variable in the machine's own form to the entry's little-endian bytes, and its length; for hooks that have the
  * value in memory. `variable` must be of the entry's type, a string entry->size bytes. */
 void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, uint8_t *bytes, uint8_t *size);
+
+/* The reverse, for a value that `write` has been given. */
+void tumble_dictionary_unpack(const tumble_entry_t *entry, void *variable, const uint8_t *bytes, uint8_t size);
 
 /* Could a value of `size` bytes be written, as far as access and length tell? For refusing a long transfer at its
  * start. Returns TUMBLE_ABORT_NONE, _READ_ONLY, _TOO_LONG, _TOO_SHORT. */

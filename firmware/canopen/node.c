@@ -68,16 +68,24 @@ static bool is_usable(const tumble_node_config_t *config, const tumble_node_bind
            are_usable(defaults->transmit, defaults->transmit_count, TUMBLE_MAX_TRANSMIT_PDOS);
 }
 
+/* A place is one byte. */
+static bool fits(const tumble_object_table_t *table, const tumble_object_extension_t *extension)
+{
+    return (extension == NULL) ||
+           ((extension->table != NULL) && (((uint32_t)table->count + extension->table->count) <= UINT8_MAX));
+}
+
 tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,
                                  const tumble_node_binding_t *binding)
 {
-    if ((node == NULL) || !is_usable(config, binding)) {
+    if ((node == NULL) || !is_usable(config, binding) || !fits(config->table, config->extension)) {
         return TUMBLE_E_ARGUMENT;
     }
     (void)memset(node, 0, sizeof *node);
     node->config = config;
     node->dictionary = (tumble_dictionary_t){
         .table = config->table,
+        .extension = config->extension,
         .variables = binding->variables,
         .other = binding->other,
         .application = {.hooks = config->hooks, .context = binding->context},

@@ -63,6 +63,7 @@ typedef struct {
 /* The constant part of a node. */
 typedef struct {
     const tumble_object_table_t *table;
+    const tumble_object_extension_t *extension; /* null: none */
     const tumble_node_defaults_t *defaults;
     const tumble_object_hooks_t *hooks;  /* may be null */
     const tumble_node_events_t *events;  /* may be null */
@@ -74,7 +75,7 @@ typedef struct {
     const tumble_port_t *port;
     void *variables; /* TUMBLE_HOME_VARIABLES; may be null if the table has none */
     void *other;     /* TUMBLE_HOME_OTHER; likewise */
-    void *context;   /* of hooks and events */
+    void *context;   /* of hooks, the extension's too, and events */
 } tumble_node_binding_t;
 
 typedef struct {
@@ -90,10 +91,11 @@ typedef struct {
     uint8_t on_error; /* 1029h:1 */
 } tumble_node_t;
 
-static_assert(sizeof(tumble_node_t) <= ((sizeof(void *) == 4) ? 600 : 760), "a node must leave room for the rest");
+static_assert(sizeof(tumble_node_t) <= ((sizeof(void *) == 4) ? 648 : 760), "a node must leave room for the rest");
 
 /* Power on: variables are the caller's to set before. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may
- * not be null, a node number out of range, or defaults that the node's own rules refuse. */
+ * not be null, a node number out of range, tables of more than 255 entries together, or defaults that the node's own
+ * rules refuse. */
 tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,
                                  const tumble_node_binding_t *binding);
 

@@ -16,7 +16,9 @@ static inline tumble_entry_t tumble_pdo_mapped(const tumble_dictionary_t *dictio
 {
     const uint8_t place = pdo->place[slot];
 
-    return tumble_dictionary_entry(dictionary, place, dictionary->table->entries[place].index, pdo->subindex[slot]);
+    const uint16_t index = tumble_dictionary_row(dictionary, place)->index;
+
+    return tumble_dictionary_entry(dictionary, place, index, pdo->subindex[slot]);
 }
 
 #endif

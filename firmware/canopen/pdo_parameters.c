@@ -234,7 +234,7 @@ static tumble_abort_t write_count(tumble_pdo_t *pdo, const tumble_dictionary_t *
         if ((pdo->written & (1U << slot)) == 0U) {
             return TUMBLE_ABORT_NOT_MAPPABLE;
         }
-        length += dictionary->table->entries[pdo->place[slot]].size;
+        length += tumble_dictionary_row(dictionary, pdo->place[slot])->size;
     }
     if (length > TUMBLE_CAN_MAX_BYTES) {
         return TUMBLE_ABORT_MAP_LENGTH;

@@ -18,7 +18,12 @@
 #define TUMBLE_SDO_SERVER_TIMEOUT_US 1000000U /* of a client that falls silent within a segmented transfer */
 #define TUMBLE_SDO_CLIENT_TIMEOUT_US 500000U  /* of one answer of a server */
 
-typedef enum { TUMBLE_SDO_IDLE = 0, TUMBLE_SDO_UPLOAD, TUMBLE_SDO_DOWNLOAD } tumble_sdo_transfer_t;
+typedef enum {
+    TUMBLE_SDO_IDLE = 0,
+    TUMBLE_SDO_UPLOAD,
+    TUMBLE_SDO_DOWNLOAD,
+    TUMBLE_SDO_LATER /* server: written, and its answer will be told */
+} tumble_sdo_transfer_t;
 
 /* Server. A value is read whole when its upload starts and written whole when its download ends, so that neither is
  * torn. While an answer waits for the port, a further request (which no correct client sends) is dropped, counted. */
@@ -47,6 +52,10 @@ void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node);
  * can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. */
 void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                                const tumble_can_frame_t *frame, uint64_t now_us);
+
+/* The answer to a write for which its hook returned TUMBLE_ABORT_LATER: TUMBLE_ABORT_NONE or the reason of a refusal.
+ * Without effect when the client gave up meanwhile, or asked for something else. */
+void tumble_sdo_server_answer(tumble_sdo_server_t *server, tumble_abort_t refusal);
 
 /* Send the answer that is due; abort a transfer whose client fell silent. */
 void tumble_sdo_server_step(tumble_sdo_server_t *server, tumble_link_t *link, uint64_t now_us);

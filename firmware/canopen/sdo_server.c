@@ -128,7 +128,26 @@ static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *
     if (!server->held || !is_held(&server->entry)) {
         refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
     }
-    if (refusal != TUMBLE_ABORT_NONE) {
+    if (refusal == TUMBLE_ABORT_LATER) {
+        server->transfer = (uint8_t)TUMBLE_SDO_LATER;
+        server->deadline_us = TUMBLE_NEVER;
+        server->answer_due = false; /* it is ready, should it be good */
+    } else if (refusal != TUMBLE_ABORT_NONE) {
+        refuse(server, refusal);
+    } else {
+        /* written */
+    }
+}
+
+void tumble_sdo_server_answer(tumble_sdo_server_t *server, tumble_abort_t refusal)
+{
+    if (server->transfer != (uint8_t)TUMBLE_SDO_LATER) {
+        return;
+    }
+    if (refusal == TUMBLE_ABORT_NONE) {
+        end_transfer(server);
+        server->answer_due = true;
+    } else {
         refuse(server, refusal);
     }
 }
@@ -279,7 +298,7 @@ void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_diction
         tumble_sdo_server_drop(server);
     } else {
         serve(server, dictionary, frame);
-        if (server->transfer != (uint8_t)TUMBLE_SDO_IDLE) {
+        if ((server->transfer == (uint8_t)TUMBLE_SDO_UPLOAD) || (server->transfer == (uint8_t)TUMBLE_SDO_DOWNLOAD)) {
             server->deadline_us = now_us + TUMBLE_SDO_SERVER_TIMEOUT_US;
         }
     }

@@ -148,7 +148,7 @@ static void test_parameters_that_are_not_there(void)
     uint32_t value;
     tumble_pdos_t *pdos = &at.node.pdos;
     const tumble_dictionary_t *dictionary = &at.node.dictionary;
-    static const uint16_t indices[] = {0x1402, 0x1602, 0x1803, 0x1A03, 0x15FF, 0x1BFF, 0x1500, 0x1900};
+    static const uint16_t indices[] = {0x1402, 0x1602, 0x1804, 0x1A04, 0x15FF, 0x1BFF, 0x1500, 0x1900};
 
     for (size_t i = 0; i < COUNT_OF(indices); i++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT,
@@ -225,7 +225,7 @@ static void test_a_refused_configuration_leaves_the_pdo_invalid(void)
     }
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_MAP_LENGTH, configure(TUMBLE_PDO_RECEIVE, 0, &bad[4]));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_RECEIVE, 2, &setup));
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_TRANSMIT, 3, &setup));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_TRANSMIT, TUMBLE_MAX_TRANSMIT_PDOS, &setup));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, configure(TUMBLE_PDO_TRANSMIT, 255, &setup));
 }
 
