@@ -98,6 +98,34 @@ tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tum
     return status;
 }
 
+/* Could samples that passed the gates have left these numbers? */
+static bool is_possible(const tumble_average_t *average, const tumble_averaging_config_t *config)
+{
+    const int64_t largest = (int64_t)average->samples * (config->saturation_counts - 1);
+    bool possible = (int64_t)average->samples <= TUMBLE_MAX_SAMPLES;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double scatter = (double)average->scatter_counts[i];
+        possible = possible && (average->sum_counts[i] >= -largest) && (average->sum_counts[i] <= largest) &&
+                   tumble_is_finite(scatter) && !tumble_is_positive(-scatter);
+    }
+    return possible;
+}
+
+tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                         uint8_t index, const tumble_average_t *average)
+{
+    if ((config == NULL) || (average == NULL) || (tumble_averaging_begin(averaging, index) != TUMBLE_OK)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    averaging->averages[index] = *average;
+    const tumble_status_t status = is_possible(average, config) ? judge_open(averaging, config) : TUMBLE_E_ARGUMENT;
+    if (status != TUMBLE_OK) {
+        averaging->averages[index] = (tumble_average_t){0};
+    }
+    averaging->open.index = NONE_OPEN;
+    return status;
+}
+
 uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging)
 {
     return tumble_averaging_is_open(averaging) ? averaging->averages[averaging->open.index].samples : 0U;

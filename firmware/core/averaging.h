@@ -93,6 +93,13 @@ void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t co
  * biased), _LOST, _TOO_FEW, _STUCK, _NOT_STILL. */
 tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
 
+/* Put back a position that `finish` had accepted, as it was kept elsewhere meanwhile; an open one is abandoned and left
+ * empty. It must pass the gates that can still be judged: TUMBLE_OK, _ARGUMENT (null, index, a sum that so many samples
+ * below saturation cannot have, more than TUMBLE_MAX_SAMPLES, a scatter that is none), _TOO_FEW, _NOT_STILL. On any
+ * refusal the position is left empty. */
+tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                         uint8_t index, const tumble_average_t *average);
+
 /* Samples in the open position so far; 0 when none is open. */
 uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging);
 

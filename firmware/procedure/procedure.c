@@ -229,6 +229,7 @@ tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure)
     procedure->begun = false;
     procedure->warm = false;
     procedure->homed = false;
+    procedure->restored = false;
     procedure->solved = false;
     procedure->mounted = TUMBLE_NOT_MOUNTED;
     procedure->index = 0;
@@ -239,25 +240,35 @@ tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure)
     return TUMBLE_OK;
 }
 
+void tumble_procedure_give_up(tumble_procedure_t *procedure, tumble_reason_t reason)
+{
+    if (!allows(procedure, COMMAND_ABORT)) {
+        return;
+    }
+    if (procedure->state != TUMBLE_STATE_FAULT) {
+        procedure->failed_in = procedure->state;
+    }
+    procedure->reason = reason;
+    go_to(procedure, TUMBLE_STATE_ABORT);
+}
+
 tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure)
 {
     if (!allows(procedure, COMMAND_ABORT)) {
         procedure->stand->stop(procedure->stand->self);
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
-    if (procedure->state != TUMBLE_STATE_FAULT) {
-        procedure->failed_in = procedure->state;
-    }
-    procedure->reason = TUMBLE_REASON_COMMAND;
-    go_to(procedure, TUMBLE_STATE_ABORT);
+    tumble_procedure_give_up(procedure, TUMBLE_REASON_COMMAND);
     return TUMBLE_OK;
 }
 
 tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure)
 {
-    if (!allows(procedure, COMMAND_RESUME)) {
+    const bool failed = (procedure->state == TUMBLE_STATE_FAULT);
+    if (!allows(procedure, COMMAND_RESUME) || (!failed && !procedure->restored)) {
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
+    procedure->restart_run = procedure->restart_run || !failed;
     tumble_add_up(&procedure->counters.resumes, 1U);
     go_to(procedure, TUMBLE_STATE_PREFLIGHT);
     return TUMBLE_OK;
@@ -290,7 +301,10 @@ tumble_status_t tumble_procedure_confirm_mounting(tumble_procedure_t *procedure,
         return refuse_command(procedure, TUMBLE_E_ARGUMENT);
     }
     procedure->mounted = tumble_mounting_index(schedule, procedure->index);
-    forget_mounting(procedure, procedure->mounted); /* it sits a little differently now */
+    if (!procedure->restored) {
+        forget_mounting(procedure, procedure->mounted); /* it sits a little differently now */
+    }
+    procedure->restored = false;
     go_to(procedure, failed ? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_NEXT);
     return TUMBLE_OK;
 }

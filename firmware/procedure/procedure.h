@@ -134,6 +134,7 @@ typedef struct {
     bool begun;         /* averaging is initialised for this run */
     bool warm;
     bool homed;
+    bool restored; /* means of a run that lost power are in, and no mounting has been confirmed since */
     bool solved; /* there is a result */
     bool block_alive;
     bool bus_up;
@@ -213,13 +214,27 @@ tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure);
  * refused. */
 tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure);
 
+/* The same for another reason than a command, in the same states; else nothing, not even a count. */
+void tumble_procedure_give_up(tumble_procedure_t *procedure, tumble_reason_t reason);
+
 /* The mounting with this number has been put on the table; its positions are (all) measured from now on. WAIT_MOUNTING,
  * and FAULT when it came from the mounting (not confirmed, wrong, swapped channels): the run then goes on at once.
  * _ARGUMENT: another mounting is wanted. */
 tumble_status_t tumble_procedure_confirm_mounting(tumble_procedure_t *procedure, uint8_t mounting);
 
-/* Go on at the failed position after a fault has been mended; a fault of the stand is cleared first. FAULT. */
+/* Go on at the failed position after a fault has been mended; a fault of the stand is cleared first. FAULT.
+ * In IDLE, once means have been put back by `restore`: go on with that run. Mounting and homing are asked for again; the
+ * first mounting that is confirmed keeps its means, so whoever confirms it says that nobody has touched the block. If
+ * somebody has, it is to be repeated (repeat_mounting). */
 tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure);
+
+/* Put back the mean of a position, finished by a run that then lost power; all in the order in which they were measured.
+ * IDLE, before `resume`; `start` forgets them. The configuration must have passed tumble_procedure_validate. The mean
+ * must pass the gates (tumble_averaging_restore) and the checks of direction and closure, as it did then. Returns
+ * TUMBLE_OK, _STATE, _ARGUMENT (index; a mean that this run would not have kept), or what the gates say; refused, the
+ * position counts as not measured. */
+tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index,
+                                         const tumble_average_t *average);
 
 /* Measure one position anew. Only of the mounting that is on the table, because every mounting sits a little
  * differently: TUMBLE_E_STATE otherwise. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
@@ -279,6 +294,9 @@ typedef struct {
 
 /* The result, valid until the next start or repetition. Returns TUMBLE_OK, or TUMBLE_E_STATE before PROPOSE. */
 tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tumble_result_t *result);
+
+/* Has the position at `index` a finished mean? */
+bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t index);
 
 /* Closure of a mounting (index in the schedule) as last found: the largest |U9 - U1| of its channels over the nominal
  * scale, in g; 0 before it is complete, or when it has no such pair. */

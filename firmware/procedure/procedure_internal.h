@@ -6,6 +6,7 @@
  *     procedure_solve.c       SOLVE, VERIFY, PROPOSE
  *     procedure_checks.c      is the configuration usable, is the block mounted as it should be, did it slip
  *     procedure.c             time, samples and commands; the engine that follows the table
+ *     procedure_restore.c     what a run that lost power had measured
  *     procedure_report.c      the readable side
  */
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H

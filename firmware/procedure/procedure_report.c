@@ -47,6 +47,12 @@ static uint8_t count_finished(const tumble_procedure_t *procedure)
     return finished;
 }
 
+bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t index)
+{
+    return procedure->begun && (index < procedure->config->schedule->position_count) &&
+           tumble_is_measured(procedure, index);
+}
+
 void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progress_t *progress)
 {
     const tumble_schedule_t *schedule = procedure->config->schedule;

@@ -15,7 +15,7 @@ static_assert(sizeof(tumble_procedure_config_t) <= UINT8_MAX, "an offset into th
 /* clang-format off */
 const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT] = {
     [TUMBLE_STATE_IDLE] = {
-        .commands = COMMAND_START,
+        .commands = COMMAND_START | COMMAND_RESUME, /* a run that lost power */
     },
     [TUMBLE_STATE_PREFLIGHT] = {
         .enter = tumble_preflight_enter, .poll = tumble_preflight_poll, .sample = tumble_preflight_sample,

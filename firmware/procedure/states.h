@@ -52,7 +52,8 @@
     X(TUMBLE_REASON_SINGULAR, "the coefficients found cannot be inverted")                                             \
     X(TUMBLE_REASON_GRAVITY_CHECK, "the result fails the gravity check")                                               \
     X(TUMBLE_REASON_BUS, "the CAN controller is off the bus")                                                          \
-    X(TUMBLE_REASON_UNCERTAIN, "the noise keeps a mean from its error budget, with all samples allowed")
+    X(TUMBLE_REASON_UNCERTAIN, "the noise keeps a mean from its error budget, with all samples allowed")               \
+    X(TUMBLE_REASON_INHIBITED, "host or board allow no run at this time")
 
 typedef enum {
 #define TUMBLE_STATE_ENUM(name, sentence) name,
