@@ -67,14 +67,6 @@ uint8_t tumble_block_frame_crc(const tumble_can_frame_t *frame)
     return (uint8_t)(tumble_block_crc8(crc, frame->data, CRC) ^ TUMBLE_BLOCK_CRC_XOR);
 }
 
-static void put_int24(uint8_t bytes[3], int32_t value)
-{
-    const uint32_t bits = (uint32_t)value;
-    bytes[0] = (uint8_t)(bits & 0xFFU);
-    bytes[1] = (uint8_t)((bits >> 8U) & 0xFFU);
-    bytes[2] = (uint8_t)((bits >> 16U) & 0xFFU);
-}
-
 static int32_t get_int24(const uint8_t bytes[3])
 {
     const int32_t value = (int32_t)((uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8U) | ((uint32_t)bytes[2] << 16U));
@@ -85,43 +77,6 @@ static int32_t get_int24(const uint8_t bytes[3])
 static uint8_t frame_counter(uint8_t sample_counter)
 {
     return (uint8_t)((2U * sample_counter) + 1U);
-}
-
-static bool can_be_sent(const tumble_block_sample_t *sample)
-{
-    bool in_range = (sample->timestamp_ms < TUMBLE_TIMESTAMP_PERIOD_MS) && (sample->status < 16U);
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const int32_t counts = sample->raw.counts[i];
-        in_range = in_range && (counts >= TUMBLE_BLOCK_MIN_COUNTS) && (counts <= TUMBLE_BLOCK_MAX_COUNTS);
-    }
-    return in_range;
-}
-
-tumble_status_t tumble_block_encode(const tumble_block_sample_t *sample, tumble_can_frame_t *xy, tumble_can_frame_t *z)
-{
-    if ((sample == NULL) || (xy == NULL) || (z == NULL) || !can_be_sent(sample)) {
-        return TUMBLE_E_ARGUMENT;
-    }
-    const uint8_t counter = (uint8_t)(sample->raw.counter & 0xFFU);
-    const uint16_t time_and_status = (uint16_t)(sample->timestamp_ms | (unsigned)(sample->status << 12U));
-    *xy = (tumble_can_frame_t){.id = TUMBLE_BLOCK_ID_XY, .length = TUMBLE_BLOCK_FRAME_BYTES};
-    put_int24(&xy->data[0], sample->raw.counts[0]);
-    put_int24(&xy->data[3], sample->raw.counts[1]);
-    xy->data[XY_COUNTER] = counter;
-    xy->data[CRC] = tumble_block_frame_crc(xy);
-
-    *z = (tumble_can_frame_t){.id = TUMBLE_BLOCK_ID_Z, .length = TUMBLE_BLOCK_FRAME_BYTES};
-    put_int24(&z->data[0], sample->raw.counts[2]);
-    z->data[Z_COUNTER] = frame_counter(counter);
-    tumble_put_u16(&z->data[Z_TIMESTAMP], time_and_status);
-    z->data[Z_TEMPERATURE] = (uint8_t)sample->temperature_half_c;
-    z->data[CRC] = tumble_block_frame_crc(z);
-    return TUMBLE_OK;
-}
-
-void tumble_block_receiver_init(tumble_block_receiver_t *receiver)
-{
-    *receiver = (tumble_block_receiver_t){0};
 }
 
 void tumble_block_receiver_restart(tumble_block_receiver_t *receiver)

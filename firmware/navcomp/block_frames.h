@@ -17,7 +17,6 @@
 #ifndef TUMBLE_NAVCOMP_BLOCK_FRAMES_H
 #define TUMBLE_NAVCOMP_BLOCK_FRAMES_H
 
-#include "core/status.h"
 #include "port/port.h"
 #include "procedure/procedure.h"
 
@@ -29,8 +28,7 @@
 #define TUMBLE_BLOCK_ID_Z 0x693U
 #define TUMBLE_BLOCK_FRAME_BYTES 8
 
-#define TUMBLE_BLOCK_MAX_COUNTS 8388607 /* int24 */
-#define TUMBLE_BLOCK_MIN_COUNTS (-8388608)
+#define TUMBLE_BLOCK_MAX_COUNTS 8388607 /* int24; the smallest is one farther from 0 */
 
 /* How many bits the CRC takes at one time: 4, by a table of 16 bytes, or 8, by one of 256 in half the time. */
 #ifndef TUMBLE_BLOCK_CRC_BITS
@@ -46,10 +44,6 @@ uint8_t tumble_block_crc8(uint8_t crc, const uint8_t *bytes, size_t length);
 /* The CRC that belongs in byte 7 of this frame: over the low byte of its identifier and bytes 0 to 6. */
 uint8_t tumble_block_frame_crc(const tumble_can_frame_t *frame);
 
-/* One sample as two frames, in the order in which they are sent. Counts within int24, timestamp below 4096, status
- * below 16; of the counter the low eight bits travel. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
-tumble_status_t tumble_block_encode(const tumble_block_sample_t *sample, tumble_can_frame_t *xy, tumble_can_frame_t *z);
-
 /* What a frame turned out to be. */
 typedef enum {
     TUMBLE_BLOCK_OTHER = 0, /* not one of the two identifiers: not counted */
@@ -60,7 +54,7 @@ typedef enum {
     TUMBLE_BLOCK_CORRUPTED  /* length, CRC, or halves that do not belong together; dropped */
 } tumble_block_event_t;
 
-/* Monotonic since init; they stop at UINT32_MAX. A sample spoilt by a refused half is also counted as lost, once a
+/* Monotonic; they stop at UINT32_MAX. A sample spoilt by a refused half is also counted as lost, once a
  * later sample shows the gap. */
 typedef struct {
     uint32_t samples;       /* complete, in order, handed on */
@@ -73,6 +67,7 @@ typedef struct {
     uint32_t lone_halves;   /* halves whose partner never came */
 } tumble_block_counters_t;
 
+/* All zero: nothing has come yet. */
 typedef struct {
     tumble_block_counters_t counters;
     int32_t x_counts; /* of the pending first half */
@@ -81,9 +76,6 @@ typedef struct {
     uint8_t pending_counter;
     uint8_t flags; /* private to block_frames.c */
 } tumble_block_receiver_t;
-
-/* Begin, with all counters zero. */
-void tumble_block_receiver_init(tumble_block_receiver_t *receiver);
 
 /* The block has restarted: forget the pending half and the last counter, so that its new count is not taken for
  * reordering. The counters stay. */

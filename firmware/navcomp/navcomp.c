@@ -95,9 +95,12 @@ static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
 
 static tumble_status_t init_node(tumble_navcomp_t *navcomp)
 {
+    const tumble_keeping_t *keeping = navcomp->config->keeping;
+    const bool more = (keeping != NULL) && (keeping->objects != NULL);
     navcomp->node_config = (tumble_node_config_t){
         .table = &tumble_navcomp_table,
-        .defaults = &tumble_navcomp_defaults,
+        .extension = more ? keeping->objects : NULL,
+        .defaults = more ? keeping->defaults : &tumble_navcomp_defaults,
         .hooks = &tumble_navcomp_object_hooks,
         .events = &tumble_navcomp_node_events,
         .node = navcomp->config->node,
@@ -121,7 +124,11 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
     if (status == TUMBLE_OK) {
         status = join_bus(navcomp, config->port->now_us(config->port->context));
     }
-    return (status == TUMBLE_OK) ? init_procedure(navcomp) : status;
+    if (status == TUMBLE_OK) {
+        status = init_procedure(navcomp);
+    }
+    return ((status == TUMBLE_OK) && (config->keeping != NULL)) ? config->keeping->init(config->keeper, navcomp)
+                                                                 : status;
 }
 
 /* After an NMT reset, which has ended the run: the axis is brought up again from the start. */
@@ -132,6 +139,9 @@ static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
     (void)join_bus(navcomp, now_us); /* as it passed at power-on */
     if (application) {
         (void)init_procedure(navcomp);
+        if (navcomp->config->keeping != NULL) {
+            navcomp->config->keeping->reset(navcomp->config->keeper);
+        }
     }
 }
 
@@ -162,11 +172,15 @@ static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *sample)
 {
     const tumble_navcomp_hooks_t *hooks = navcomp->config->hooks;
+    const tumble_keeping_t *keeping = navcomp->config->keeping;
     tumble_taken_t taken;
     navcomp->temperature_half_c = sample->temperature_half_c;
-    if (tumble_procedure_sample(&navcomp->procedure, sample, &taken) && (hooks != NULL) &&
-        (hooks->on_sample_averaged != NULL)) {
+    const bool averaged = tumble_procedure_sample(&navcomp->procedure, sample, &taken);
+    if (averaged && (hooks != NULL) && (hooks->on_sample_averaged != NULL)) {
         hooks->on_sample_averaged(hooks->context, taken, sample);
+    }
+    if (keeping != NULL) {
+        keeping->sample(navcomp->config->keeper, sample, averaged);
     }
 }
 
@@ -293,6 +307,9 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
     if (block_waits(navcomp)) {
         due_us = earlier(due_us, navcomp->block_start_us);
     }
+    if (navcomp->config->keeping != NULL) {
+        due_us = earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
+    }
     if (navcomp->more) {
         due_us = 0;
     }
@@ -320,6 +337,9 @@ void tumble_navcomp_step(tumble_navcomp_t *navcomp)
     }
     keep_operational(navcomp, now_us);
     advance(navcomp, now_us);
+    if (navcomp->config->keeping != NULL) {
+        navcomp->config->keeping->step(navcomp->config->keeper, now_us);
+    }
     tumble_procedure_set_bus_up(&navcomp->procedure, !is_bus_off(navcomp));
     navcomp->more = navcomp->more || is_bus_off(navcomp);
     navcomp->due_us = next_due_us(navcomp);

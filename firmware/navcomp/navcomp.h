@@ -22,6 +22,7 @@
 #include "canopen/node.h"
 #include "navcomp/block_frames.h"
 #include "navcomp/commands.h"
+#include "navcomp/keeping.h"
 #include "navcomp/objects.h"
 #include "navcomp/sample_source.h"
 #include "port/port.h"
@@ -50,6 +51,8 @@ typedef struct {
     const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
     const tumble_navcomp_hooks_t *hooks;        /* may be null */
     const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: states no uncertainties */
+    const tumble_keeping_t *keeping;            /* &tumble_keeper_calls; null: keeps nothing over a loss of power */
+    void *keeper;                               /* with `keeping`: the tumble_keeper_t */
     uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
                                     * heartbeat of ours together (block_frames.h); ignored with a source of one's own */
     uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */
@@ -72,7 +75,7 @@ typedef struct {
 } tumble_navcomp_events_t;
 
 /* The object. Its fields are private: read them through the functions below. */
-typedef struct {
+typedef struct tumble_navcomp {
     int8_t temperature_half_c;
     uint8_t restart;         /* an NMT reset came: what of */
     bool woken;              /* this step has more to do than to take samples */
@@ -102,7 +105,7 @@ static_assert(sizeof(tumble_navcomp_t) <= ((sizeof(void *) == 4U) ? 4096U : 4608
 /* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
  * is checked when a run starts. Returns TUMBLE_OK, or _ARGUMENT: a null pointer that may not be null, a time of 0, node
  * numbers out of range or equal, a sample timeout too long for the block's counter, a drive profile or operator
- * configuration that its own room refuses. */
+ * configuration that its own room refuses; or what the keeper's init says. */
 tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config);
 
 /* One step: drain what was received, advance timers, stand and procedure, send what is due. Returns at once; the work
@@ -118,6 +121,12 @@ uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp);
  * the latest. Returns TUMBLE_OK, TUMBLE_E_STATE (not allowed in this state), TUMBLE_E_ARGUMENT (no such command,
  * position or mounting). Refusals are counted. */
 tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
+
+/* TUMBLE_COMMAND_TURN_AXIS to this angle (degrees of the table), for the validation of a fixture: straight there, with no
+ * regard to the approach from below. Between runs only (IDLE, DONE, ABORT), once TUMBLE_COMMAND_HOME_AXIS, also
+ * between runs only, has homed it; TUMBLE_COMMAND_ABORT stops the table although it is refused. Returns TUMBLE_OK,
+ * TUMBLE_E_STATE (not now), TUMBLE_E_ARGUMENT (not within the cable's limits). */
+tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg);
 
 /* Where the calibration stands. */
 typedef struct {

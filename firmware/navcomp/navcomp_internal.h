@@ -38,6 +38,9 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
     return (state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT);
 }
 
+/* A command that no keeper deals with. Returns as tumble_navcomp_command. */
+tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
+
 /* The block streams, or is none of our business. Tell the procedure. */
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp);
 

@@ -6,6 +6,7 @@
 
 /* Subindices that are more than a member of a struct. */
 #define COMMAND_COMMAND 2U
+#define PROGRESS_STAND 12U
 #define FAILURE_STATE 1U
 #define FAILURE_STATUS 2U
 #define GRAVITY_LIMIT 3U
@@ -44,6 +45,9 @@ static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumbl
     }
     if (entry->index == TUMBLE_NAVCOMP_INDEX_REASON) {
         return one_byte((unsigned)progress.run.reason, bytes);
+    }
+    if ((entry->index == TUMBLE_NAVCOMP_INDEX_PROGRESS) && (entry->subindex == PROGRESS_STAND)) {
+        return one_byte((unsigned)progress.stand, bytes);
     }
     if ((entry->index == TUMBLE_NAVCOMP_INDEX_FAILURE) && (entry->subindex == FAILURE_STATE)) {
         return one_byte((unsigned)progress.run.failed_in, bytes);
@@ -164,7 +168,7 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     if (entry->index == TUMBLE_NAVCOMP_INDEX_CONFIGURATION) {
         return write_configuration(navcomp, entry->subindex, bytes);
     }
-    return TUMBLE_ABORT_NONE; /* variables of the dictionary: the argument, and what the drive's PDOs write */
+    return TUMBLE_ABORT_NONE; /* variables of the dictionary: the arguments, and what the drive's PDOs write */
 }
 
 const tumble_object_hooks_t tumble_navcomp_object_hooks = {.read = read, .write = write};

@@ -19,7 +19,23 @@ static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
     return (status == TUMBLE_OK) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
-static tumble_status_t obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
+/* The table in the hands of whoever validates it: what no run may do meanwhile it may not do in a run. */
+static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
+{
+    const tumble_procedure_config_t *config = &navcomp->procedure_config;
+    const tumble_stand_t *stand = &navcomp->stand;
+    const double angle_deg = navcomp->objects.command_angle;
+    if (turn && !((angle_deg >= config->cable_min_deg) && (angle_deg <= config->cable_max_deg))) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (tumble_run_is_on(navcomp)) {
+        return TUMBLE_E_STATE;
+    }
+    const tumble_status_t status = turn ? stand->move(stand->self, angle_deg) : stand->home(stand->self);
+    return (status == TUMBLE_E_STAND_STATE) ? TUMBLE_E_STATE : status;
+}
+
+tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
 {
     tumble_procedure_t *procedure = &navcomp->procedure;
     tumble_status_t status = TUMBLE_E_ARGUMENT;
@@ -51,6 +67,15 @@ static tumble_status_t obey(tumble_navcomp_t *navcomp, tumble_command_t command,
     case TUMBLE_COMMAND_CLEAR_FAULT:
         status = clear_fault(navcomp);
         break;
+    case TUMBLE_COMMAND_HOME_AXIS:
+    case TUMBLE_COMMAND_TURN_AXIS:
+        status = serve(navcomp, command == TUMBLE_COMMAND_TURN_AXIS);
+        break;
+    case TUMBLE_COMMAND_ACCEPT:
+    case TUMBLE_COMMAND_DISCARD:
+    case TUMBLE_COMMAND_ROLLBACK:
+        status = TUMBLE_E_STATE; /* there is no keeper to obey them */
+        break;
     case TUMBLE_COMMAND_COUNT:
     default:
         break;
@@ -69,7 +94,15 @@ static tumble_status_t account(tumble_navcomp_t *navcomp, tumble_status_t status
 
 tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
 {
-    return account(navcomp, obey(navcomp, command, argument));
+    const tumble_keeping_t *keeping = navcomp->config->keeping;
+    return account(navcomp, (keeping != NULL) ? keeping->command(navcomp->config->keeper, command, argument)
+                                              : tumble_navcomp_obey(navcomp, command, argument));
+}
+
+tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg)
+{
+    navcomp->objects.command_angle = angle_deg;
+    return tumble_navcomp_command(navcomp, TUMBLE_COMMAND_TURN_AXIS, 0);
 }
 
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg)

@@ -33,6 +33,7 @@
 
 /* The variables: TUMBLE_HOME_VARIABLES. */
 typedef struct {
+    double command_angle; /* 2002h:3, deg */
     uint8_t command_argument; /* 2002h:1 */
 } tumble_navcomp_objects_t;
 

@@ -18,9 +18,10 @@ typedef struct tumble_declared {
                                 tumble_uncertainty_t *uncertainty);
 } tumble_declared_t;
 
-/* Of the result at hand, for the estimator that is configured: before another one is written for the next run. Some 80
- * double operations for each of the twelve coefficients and each position: no business of a control loop. `uncertainty`
- * is written on TUMBLE_OK, and set to zero on _NOT_FINITE.
+/* Of the result at hand, for the estimator that is configured: before another one is written for the next run. On a
+ * Cortex-M4 without floating point hardware it takes 0.7 million instructions (`refined`) to 1.2 million
+ * (`least_squares`) for 18 positions: no business of a control loop. `uncertainty` is written on TUMBLE_OK, and set to
+ * zero on _NOT_FINITE.
  * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; a number out of range), or as the
  * function of core/uncertainty.h or core/optimal_uncertainty.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, tumble_uncertainty_t *uncertainty);

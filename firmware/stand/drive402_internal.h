@@ -13,7 +13,7 @@
 #include "stand/drive402.h"
 
 typedef enum {
-    PHASE_ABSENT = 0, /* no heartbeat */
+    PHASE_ABSENT = 0, /* no heartbeat; it is asked for one */
     PHASE_CONFIGURE,  /* objects are written by SDO */
     PHASE_START,      /* NMT start; waiting for its first transmit PDO */
     PHASE_POWER,      /* up to Operation enabled, then on to `wanted` */
@@ -79,7 +79,10 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive);
 /* Give up what is under way by SDO or NMT. */
 void tumble_drive_leave_sdo(tumble_drive402_t *drive);
 
+#define TUMBLE_DRIVE_HEARTBEAT 0x1017U /* of the drive: what it is to send */
+
 /* What the phases do, by their names. */
+void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_enter_configure(tumble_drive402_t *drive);
 void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh);
 void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh);

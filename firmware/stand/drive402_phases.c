@@ -113,7 +113,7 @@ static_assert(sizeof(tumble_drive_profile_t) <= UINT8_MAX, "an offset into the p
 /* clang-format off */
 const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
     /*                    enter             look             lasts           or else       to the stand  power, moves */
-    [PHASE_ABSENT]    = {NULL,             NULL,            0,              0,            IS(OFFLINE),  false, false},
+    [PHASE_ABSENT]    = {NULL,             LOOK(absent),    0,              0,            IS(OFFLINE),  false, false},
     [PHASE_CONFIGURE] = {ENTER(configure), LOOK(configure), 0,              0,            IS(OFFLINE),  false, false},
     [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  false, false},
     [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  false, false},

@@ -7,7 +7,6 @@
 
 /* Objects of the bus that are written here. */
 #define CONSUMER_HEARTBEAT 0x1016U
-#define PRODUCER_HEARTBEAT 0x1017U
 #define RECEIVE_COMMUNICATION 0x1400U
 #define TRANSMIT_COMMUNICATION 0x1800U
 #define MAPPING_AWAY 0x200U /* from there to 1600h, 1A00h */
@@ -42,7 +41,7 @@ typedef struct {
 /* clang-format off */
 static const object_row_t object_rows[] = {
     {CONSUMER_HEARTBEAT,                 1, 4, VALUE_CONSUMER,     AT(heartbeat_timeout_ms)},
-    {PRODUCER_HEARTBEAT,                 0, 2, VALUE_WORD,         AT(heartbeat_ms)},
+    {TUMBLE_DRIVE_HEARTBEAT,             0, 2, VALUE_WORD,         AT(heartbeat_ms)},
     {TUMBLE_402_MODE,                    0, 1, VALUE_CONSTANT,     TUMBLE_402_MODE_PROFILE_POSITION},
     {TUMBLE_402_HOMING_METHOD,           0, 1, VALUE_BYTE,         AT(homing_method)},
     {TUMBLE_402_PROFILE_VELOCITY,        0, 4, VALUE_VELOCITY,     AT(velocity_deg_s)},

@@ -33,6 +33,27 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive)
     return true;
 }
 
+/* A drive that was there before us, and sends no heartbeat of its own accord, is asked for one: so it is heard. Nobody who
+ * answers is absent; one who refuses cannot be watched, and must not move. */
+void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
+{
+    (void)fresh;
+    const tumble_sdo_client_t *client = &drive->node->client;
+    if ((tumble_sdo_client_result(client) == TUMBLE_E_SDO_BUSY) ||
+        (tumble_node_state(drive->node) == TUMBLE_NMT_INITIALISING)) {
+        return;
+    }
+    const bool silent = client->abort == (uint32_t)TUMBLE_ABORT_TIMEOUT;
+    if ((drive->asked == ASKED_NOTHING) || ((drive->asked == ASKED_WRITE) && silent)) {
+        const tumble_drive_write_t write = {TUMBLE_DRIVE_HEARTBEAT, 0, 2, drive->profile->heartbeat_ms};
+        ask_write(drive, &write);
+    } else if (tumble_drive_is_answered(drive)) {
+        drive->asked = ASKED_START; /* now it is to be heard */
+    } else {
+        /* refused */
+    }
+}
+
 void tumble_drive_enter_configure(tumble_drive402_t *drive)
 {
     tumble_drive_leave_sdo(drive);

@@ -1,0 +1,350 @@
+#include "navcomp/keeper.h"
+
+#include "navcomp/keeper_internal.h"
+#include "navcomp/keeper_objects.h"
+#include "navcomp/keeper_values.h"
+#include "navcomp/navcomp_internal.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define BOOT_CALLS 2048 /* of the memory: more than it takes to look through all that is kept */
+#define RETRY_US 1000U  /* to the next call of the memory */
+
+void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status)
+{
+    keeper->status = (uint8_t)status;
+    tumble_count(&keeper->counters.failures);
+}
+
+bool tumble_keeper_is_busy(const tumble_keeper_t *keeper)
+{
+    return tumble_store_busy(&keeper->store) || tumble_history_busy(&keeper->history) ||
+           tumble_checkpoint_busy(&keeper->checkpoint) || tumble_parameters_busy(&keeper->parameters);
+}
+
+/* Jobs of the store. */
+
+void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status)
+{
+    if (status == TUMBLE_OK) {
+        keeper->job = job;
+        keeper->verdict = TUMBLE_VERDICT_WORKING;
+    } else {
+        keeper->verdict = TUMBLE_VERDICT_FAILED;
+        tumble_keeper_fail(keeper, status);
+    }
+}
+
+static void count_job(tumble_keeper_t *keeper, uint8_t job)
+{
+    tumble_keeper_counters_t *counters = &keeper->counters;
+    uint32_t *const counted[JOB_ROLLBACK + 1] = {
+        [JOB_COMMIT] = &counters->committed, [JOB_HOLD] = &counters->held,         [JOB_ACCEPT] = &counters->accepted,
+        [JOB_DISCARD] = &counters->discarded, [JOB_ROLLBACK] = &counters->rolled_back,
+    };
+    tumble_count(counted[job]);
+}
+
+static void end_job(tumble_keeper_t *keeper)
+{
+    static const uint8_t verdicts[JOB_ROLLBACK + 1] = {
+        [JOB_COMMIT] = TUMBLE_VERDICT_COMMITTED,     [JOB_HOLD] = TUMBLE_VERDICT_HELD,
+        [JOB_ACCEPT] = TUMBLE_VERDICT_ACCEPTED,      [JOB_DISCARD] = TUMBLE_VERDICT_DISCARDED,
+        [JOB_ROLLBACK] = TUMBLE_VERDICT_ROLLED_BACK,
+    };
+    const uint8_t job = keeper->job;
+    const tumble_status_t outcome = tumble_store_outcome(&keeper->store);
+    keeper->job = JOB_NONE;
+    keeper->stale = true;
+    if (job == (uint8_t)JOB_NONE) {
+        return; /* it only looked what is there */
+    }
+    if (outcome != TUMBLE_OK) {
+        keeper->verdict = TUMBLE_VERDICT_FAILED;
+        tumble_keeper_fail(keeper, outcome);
+        return;
+    }
+    keeper->verdict = verdicts[job];
+    count_job(keeper, job);
+    if ((job == (uint8_t)JOB_COMMIT) || (job == (uint8_t)JOB_HOLD)) {
+        tumble_keeper_end_checkpoint(keeper); /* the run has come to its end */
+    }
+}
+
+/* What the active set is. */
+
+static void note_active(tumble_keeper_t *keeper, const tumble_set_t *set)
+{
+    const bool known = (set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U;
+    const double half_c = 2.0 * set->temperature_c;
+    keeper->has_active_half_c = known && (half_c >= (double)INT8_MIN) && (half_c <= (double)INT8_MAX);
+    keeper->active_half_c = (int16_t)(keeper->has_active_half_c ? half_c : 0.0);
+    keeper->active_utc_s = set->date_utc_s;
+}
+
+/* A commit whose entry in the history a loss of power prevented is caught up on here. */
+static void write_history(tumble_keeper_t *keeper, const tumble_set_t *set)
+{
+    tumble_history_entry_t entry;
+    if ((set->sequence == 0U) || (set->sequence == tumble_history_sequence(&keeper->history))) {
+        return;
+    }
+    tumble_status_t status = tumble_history_from_set(set, &entry);
+    if (status == TUMBLE_OK) {
+        status = tumble_history_append(&keeper->history, &entry);
+    }
+    if (status != TUMBLE_OK) {
+        tumble_keeper_fail(keeper, status);
+    }
+}
+
+static void note_change(tumble_keeper_t *keeper)
+{
+    const uint32_t sequence = tumble_store_sequence(&keeper->store);
+    if (keeper->sequence != sequence) {
+        keeper->sequence = sequence;
+        keeper->active_us = keeper->now_us;
+        keeper->shown = UINT32_MAX;
+    }
+}
+
+static void refresh(tumble_keeper_t *keeper)
+{
+    tumble_set_t active;
+    const tumble_status_t status = tumble_store_read(&keeper->store, TUMBLE_SET_ACTIVE, &active);
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return;
+    }
+    keeper->stale = false;
+    keeper->has_active = (status == TUMBLE_OK);
+    keeper->off_temperature = 0;
+    note_change(keeper);
+    if (keeper->has_active) {
+        note_active(keeper, &active);
+        write_history(keeper, &active);
+    } else {
+        keeper->has_active_half_c = false;
+        keeper->active_utc_s = 0;
+        if (status != TUMBLE_E_STATE) {
+            tumble_keeper_fail(keeper, status);
+        }
+    }
+    tumble_keeper_count_resumable(keeper);
+}
+
+/* Commands about sets wait until the memory is free. */
+static void begin_command(tumble_keeper_t *keeper)
+{
+    if ((keeper->wants & WANT_ACCEPT) != 0U) {
+        tumble_keeper_begin_job(keeper, JOB_ACCEPT, tumble_store_accept(&keeper->store));
+    } else if ((keeper->wants & WANT_DISCARD) != 0U) {
+        tumble_keeper_begin_job(keeper, JOB_DISCARD, tumble_store_discard(&keeper->store));
+    } else {
+        tumble_keeper_begin_job(keeper, JOB_ROLLBACK, tumble_store_rollback(&keeper->store));
+    }
+    keeper->wants &= (uint8_t)~(unsigned)WANT_COMMANDS;
+}
+
+/* The step. */
+
+/* Go on with what the memory is doing: one call. */
+static void step_memory(tumble_keeper_t *keeper)
+{
+    tumble_status_t status = TUMBLE_OK;
+    if (tumble_store_busy(&keeper->store)) {
+        if (tumble_store_step(&keeper->store) != TUMBLE_E_PORT_BUSY) {
+            end_job(keeper);
+        }
+    } else if (tumble_history_busy(&keeper->history)) {
+        status = tumble_history_step(&keeper->history);
+    } else if (tumble_checkpoint_busy(&keeper->checkpoint)) {
+        status = tumble_checkpoint_step(&keeper->checkpoint);
+    } else {
+        tumble_parameters_step(&keeper->parameters);
+    }
+    if ((status != TUMBLE_OK) && (status != TUMBLE_E_PORT_BUSY)) {
+        tumble_keeper_fail(keeper, status);
+    }
+}
+
+/* One call of the memory, or one job begun. */
+static void work(tumble_keeper_t *keeper)
+{
+    if (tumble_keeper_is_busy(keeper)) {
+        step_memory(keeper);
+    } else if (keeper->stale) {
+        refresh(keeper);
+    } else if (keeper->task == (uint8_t)TASK_RESTORE) {
+        tumble_keeper_restore(keeper);
+    } else if (keeper->task != (uint8_t)TASK_NONE) {
+        tumble_keeper_judge(keeper);
+    } else if ((keeper->wants & WANT_COMMANDS) != 0U) {
+        begin_command(keeper);
+    } else {
+        tumble_keeper_keep(keeper);
+    }
+}
+
+static bool has_work(const tumble_keeper_t *keeper)
+{
+    return tumble_keeper_is_busy(keeper) || keeper->stale || (keeper->task != (uint8_t)TASK_NONE) ||
+           (keeper->wants != 0U);
+}
+
+/* The PDO goes when one of these has changed, and by its event timer. */
+static void show(tumble_keeper_t *keeper)
+{
+    const uint32_t shown =
+        ((uint32_t)keeper->objections << 16) | ((uint32_t)keeper->verdict << 8) | tumble_keeper_due(keeper);
+    if (keeper->shown != shown) {
+        keeper->shown = shown;
+        tumble_pdo_trigger(&keeper->navcomp->node.pdos, TUMBLE_KEEPER_PDO);
+    }
+}
+
+static void step(void *context, uint64_t now_us)
+{
+    tumble_keeper_t *keeper = context;
+    keeper->now_us = now_us;
+    tumble_keeper_obey_inhibit(keeper);
+    tumble_keeper_watch(keeper);
+    work(keeper);
+    if (!has_work(keeper)) {
+        tumble_keeper_start_if_due(keeper);
+    }
+    show(keeper);
+    keeper->due_us = has_work(keeper) ? (now_us + RETRY_US) : UINT64_MAX;
+}
+
+static uint64_t next_us(const void *context)
+{
+    return ((const tumble_keeper_t *)context)->due_us;
+}
+
+/* Commands. */
+
+/* A command about sets: allowed while no run is on, nothing is being decided, and there is what it is about. */
+static tumble_status_t want(tumble_keeper_t *keeper, unsigned wanted, tumble_which_set_t which)
+{
+    const bool free_to = (keeper->task == (uint8_t)TASK_NONE) && ((keeper->wants & WANT_COMMANDS) == 0U) &&
+                         !tumble_run_is_on(keeper->navcomp) && tumble_store_has(&keeper->store, which);
+    const bool held = tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL);
+    if (!free_to || ((wanted == (unsigned)WANT_ROLLBACK) && held)) {
+        tumble_count(&keeper->counters.refused);
+        return TUMBLE_E_STATE;
+    }
+    keeper->wants |= (uint8_t)wanted;
+    keeper->verdict = TUMBLE_VERDICT_WORKING;
+    return TUMBLE_OK;
+}
+
+/* Does it begin or go on with a run, or turn the table? */
+static bool is_inhibitable(tumble_command_t command)
+{
+    return (command == TUMBLE_COMMAND_START) || (command == TUMBLE_COMMAND_RESUME) ||
+           (command == TUMBLE_COMMAND_CONFIRM_MOUNTING) || (command == TUMBLE_COMMAND_REPEAT_POSITION) ||
+           (command == TUMBLE_COMMAND_REPEAT_MOUNTING) || (command == TUMBLE_COMMAND_HOME_AXIS) ||
+           (command == TUMBLE_COMMAND_TURN_AXIS);
+}
+
+static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, uint8_t argument)
+{
+    const bool idle = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE);
+    tumble_status_t status;
+    switch (command) {
+    case TUMBLE_COMMAND_ACCEPT:
+        status = want(keeper, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
+        break;
+    case TUMBLE_COMMAND_DISCARD:
+        status = want(keeper, WANT_DISCARD, TUMBLE_SET_PROPOSAL);
+        break;
+    case TUMBLE_COMMAND_ROLLBACK:
+        status = want(keeper, WANT_ROLLBACK, TUMBLE_SET_PREVIOUS);
+        break;
+    case TUMBLE_COMMAND_RESUME:
+        status = idle ? tumble_keeper_resume(keeper) : tumble_navcomp_obey(keeper->navcomp, command, argument);
+        break;
+    default:
+        status = tumble_navcomp_obey(keeper->navcomp, command, argument);
+        break;
+    }
+    return status;
+}
+
+static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t argument)
+{
+    tumble_keeper_t *keeper = context;
+    if (is_inhibitable(wanted) && tumble_keeper_is_inhibited(keeper)) {
+        tumble_count(&keeper->counters.inhibited);
+        return TUMBLE_E_STATE;
+    }
+    tumble_keeper_watch(keeper); /* what ended before must be seen before anything begins anew */
+    const tumble_status_t status = obey(keeper, wanted, argument);
+    tumble_keeper_watch(keeper);
+    if ((wanted == TUMBLE_COMMAND_HOME_AXIS) || (wanted == TUMBLE_COMMAND_TURN_AXIS)) {
+        tumble_keeper_pause(keeper); /* somebody is at work there */
+    }
+    return status;
+}
+
+/* Getting ready. */
+
+static bool is_usable(const tumble_keeper_config_t *config)
+{
+    if ((config == NULL) || (config->serial == NULL) || (config->settings == NULL)) {
+        return false;
+    }
+    const uint8_t length = tumble_serial_length(config);
+    return (length != 0U) && (length <= TUMBLE_SET_SERIAL_BYTES) && tumble_keeper_settings_valid(config->settings);
+}
+
+static tumble_status_t open_memory(tumble_keeper_t *keeper, const tumble_nv_t *nv)
+{
+    tumble_status_t status = tumble_store_init(&keeper->store, nv);
+    if (status == TUMBLE_OK) {
+        status = tumble_history_init(&keeper->history, nv);
+    }
+    return (status == TUMBLE_OK) ? tumble_checkpoint_init(&keeper->checkpoint, nv) : status;
+}
+
+/* As after power-on: the board's settings, then what was saved. The sets stay what they are. */
+static void reset(void *context)
+{
+    tumble_keeper_t *keeper = context;
+    keeper->settings = *keeper->config->settings;
+    tumble_parameters_restore(&keeper->parameters);
+}
+
+static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
+{
+    tumble_keeper_t *keeper = context;
+    const tumble_port_t *port = navcomp->config->port;
+    if ((keeper == NULL) || !is_usable(keeper->config)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    *keeper = (tumble_keeper_t){.config = keeper->config, .navcomp = navcomp, .settings = *keeper->config->settings};
+    const tumble_status_t status = open_memory(keeper, port->nv);
+    tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node);
+    keeper->now_us = port->now_us(port->context);
+    for (int calls = 0; (calls < BOOT_CALLS) && tumble_keeper_is_busy(keeper); calls++) {
+        step_memory(keeper);
+    }
+    if ((status == TUMBLE_OK) && !tumble_keeper_is_busy(keeper)) {
+        refresh(keeper);
+    }
+    keeper->active_us = keeper->now_us;
+    keeper->stale = keeper->stale || tumble_keeper_is_busy(keeper);
+    return status;
+}
+
+const tumble_keeping_t tumble_keeper_calls = {
+    .init = init,
+    .step = step,
+    .next_us = next_us,
+    .sample = tumble_keeper_sample,
+    .command = command,
+    .reset = reset,
+    .objects = &tumble_keeper_extension,
+    .defaults = &tumble_keeper_defaults,
+};

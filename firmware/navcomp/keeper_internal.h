@@ -1,0 +1,88 @@
+/* keeper_internal.h - what the files of the keeper share (private to it).
+ *
+ *     keeper.c         init, the step: what is done when the memory is free, commands
+ *     keeper_judge.c   from a result to a verdict
+ *     keeper_resume.c  fingerprints, checkpoints, going on after a loss of power
+ *     keeper_due.c     calendar, inhibit, when a run is due
+ *     keeper_report.c  settings and the readable side
+ */
+#ifndef TUMBLE_NAVCOMP_KEEPER_INTERNAL_H
+#define TUMBLE_NAVCOMP_KEEPER_INTERNAL_H
+
+#include "navcomp/keeper.h"
+
+#define TUMBLE_US_PER_S UINT64_C(1000000)
+
+/* tumble_keeper_t.task */
+enum {
+    TASK_NONE = 0,
+    TASK_COMPARE_SETS,    /* is the result one of the sets that the store holds? `at`: which */
+    TASK_COMPARE_HISTORY, /* or of those it held? `at`: age */
+    TASK_DECIDE,
+    TASK_RESTORE          /* take the means out of the checkpoint; `at`: position */
+};
+
+/* tumble_keeper_t.job, and what becomes of it in `tumble_verdict_t` when it is done. */
+enum {
+    JOB_NONE = 0,
+    JOB_COMMIT,
+    JOB_HOLD,
+    JOB_ACCEPT,
+    JOB_DISCARD,
+    JOB_ROLLBACK
+};
+
+/* tumble_keeper_t.wants */
+enum {
+    WANT_ACCEPT = 1,
+    WANT_DISCARD = 2,
+    WANT_ROLLBACK = 4,
+    WANT_COMMANDS = WANT_ACCEPT | WANT_DISCARD | WANT_ROLLBACK,
+    WANT_BEGIN = 8, /* a new checkpoint */
+    WANT_CLEAR = 16, /* none */
+    WANT_APPEND = 32 /* there is a mean that is not in it */
+};
+
+/* Characters of the block's serial number, counted up to one more than it may have. */
+static inline uint8_t tumble_serial_length(const tumble_keeper_config_t *config)
+{
+    uint8_t length = 0;
+    while ((length <= TUMBLE_SET_SERIAL_BYTES) && (config->serial[length] != '\0')) {
+        length++;
+    }
+    return length;
+}
+
+/* keeper.c */
+void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status); /* count a failure of the memory */
+bool tumble_keeper_is_busy(const tumble_keeper_t *keeper);                /* store, history or checkpoint */
+void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status);
+
+/* keeper_judge.c */
+void tumble_keeper_take_result(tumble_keeper_t *keeper);
+void tumble_keeper_judge(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
+
+/* keeper_resume.c */
+uint32_t tumble_keeper_schedule_crc(const tumble_keeper_t *keeper);
+uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper);
+void tumble_keeper_watch(tumble_keeper_t *keeper); /* has a run begun, ended, or lost a position? */
+void tumble_keeper_keep(tumble_keeper_t *keeper);  /* begin, append or clear: at most one job */
+void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper); /* its run is stored; unless the next has begun */
+void tumble_keeper_count_resumable(tumble_keeper_t *keeper);
+tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper);
+void tumble_keeper_restore(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
+
+/* keeper_due.c */
+uint64_t tumble_keeper_utc_s(const tumble_keeper_t *keeper);
+uint64_t tumble_keeper_age_s(const tumble_keeper_t *keeper);
+uint8_t tumble_keeper_due(const tumble_keeper_t *keeper);
+bool tumble_keeper_is_inhibited(const tumble_keeper_t *keeper);
+void tumble_keeper_obey_inhibit(tumble_keeper_t *keeper);
+void tumble_keeper_pause(tumble_keeper_t *keeper); /* no start by itself for some time from now */
+void tumble_keeper_start_if_due(tumble_keeper_t *keeper);
+void tumble_keeper_sample(void *keeper, const tumble_block_sample_t *sample, bool averaged);
+
+/* keeper_report.c */
+bool tumble_keeper_settings_valid(const tumble_keeper_settings_t *settings);
+
+#endif

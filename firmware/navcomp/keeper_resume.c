@@ -1,0 +1,292 @@
+/* Fingerprints, checkpoints, and how a run that lost power goes on. */
+#include "navcomp/keeper_internal.h"
+#include "navcomp/navcomp_internal.h"
+
+#include "canopen/bytes.h"
+#include "core/crc32.h"
+#include "core/gain_record.h"
+#include "navcomp/uncertainty.h"
+
+#include <stddef.h>
+
+#define NUMBER_BYTES 8
+
+/* Fingerprints: CRC-32 over little-endian doubles, the same on every machine. */
+
+static uint32_t add_numbers(uint32_t crc, const double *numbers, size_t count)
+{
+    for (size_t n = 0; n < count; n++) {
+        uint8_t bytes[NUMBER_BYTES];
+        tumble_put_f64(bytes, numbers[n]);
+        crc = tumble_crc32(crc, bytes, sizeof bytes);
+    }
+    return crc;
+}
+
+#define ADD(crc, numbers) add_numbers((crc), (numbers), sizeof(numbers) / sizeof((numbers)[0]))
+
+/* The one that gain records carry, too. */
+uint32_t tumble_keeper_schedule_crc(const tumble_keeper_t *keeper)
+{
+    return tumble_gain_record_schedule_crc(keeper->navcomp->procedure_config.schedule);
+}
+
+/* What is declared of it, and how it is turned. */
+uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper)
+{
+    const tumble_navcomp_config_t *config = keeper->navcomp->config;
+    uint32_t crc = 0;
+    if (config->declared != NULL) {
+        const tumble_stand_record_t *stand = config->declared->stand;
+        const double numbers[] = {stand->axis_tilt_rad, stand->level_rad,     stand->remount_rad, stand->angle_rad,
+                                  stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
+        crc = ADD(crc, numbers);
+    }
+    if (config->drive != NULL) {
+        const double numbers[] = {config->drive->counts_per_revolution, (double)config->drive->sign,
+                                  (double)config->drive->homing_method};
+        crc = ADD(crc, numbers);
+    }
+    return crc;
+}
+
+/* How samples become means, and means a result. */
+static uint32_t add_configuration(uint32_t crc, const tumble_procedure_config_t *config)
+{
+    const tumble_averaging_config_t *averaging = config->averaging;
+    const double numbers[] = {(double)config->estimate,
+                              (double)config->samples,
+                              config->error_budget_v,
+                              config->v_per_count,
+                              config->nominal_scale_v_per_g,
+                              config->gravity_limit_g,
+                              config->closure_limit_g,
+                              config->approach_deg,
+                              (double)config->settle_ms,
+                              (double)averaging->saturation_counts,
+                              (double)averaging->min_samples,
+                              (double)averaging->max_lost,
+                              (double)averaging->stuck_run,
+                              (double)averaging->noise_counts,
+                              (double)averaging->stillness_ratio};
+    return ADD(crc, numbers);
+}
+
+/* Positions that only check are not in the schedule's own. */
+static uint32_t add_positions(uint32_t crc, const tumble_schedule_t *schedule)
+{
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        const tumble_position_t *position = &schedule->positions[p];
+        const double numbers[] = {(double)position->mounting, (double)position->number, (double)position->use,
+                                  position->angle.deg};
+        crc = ADD(crc, numbers);
+    }
+    return crc;
+}
+
+/* All that must not have changed. The active set's sequence as well: a result that was committed is no run to go on with.
+ */
+static uint32_t fingerprint(const tumble_keeper_t *keeper)
+{
+    const tumble_procedure_config_t *config = &keeper->navcomp->procedure_config;
+    const double numbers[] = {(double)tumble_keeper_schedule_crc(keeper), (double)tumble_keeper_stand_crc(keeper),
+                              (double)tumble_store_sequence(&keeper->store)};
+    uint32_t crc = ADD(0U, numbers);
+    crc = tumble_crc32(crc, keeper->config->serial, tumble_serial_length(keeper->config));
+    return add_positions(add_configuration(crc, config), config->schedule);
+}
+
+/* The run under way. */
+
+static uint8_t position_count(const tumble_keeper_t *keeper)
+{
+    return keeper->navcomp->procedure_config.schedule->position_count;
+}
+
+static bool is_saved(const tumble_keeper_t *keeper, uint8_t index)
+{
+    return (keeper->saved & (UINT64_C(1) << index)) != 0U;
+}
+
+static void begin_run(tumble_keeper_t *keeper)
+{
+    keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
+    keeper->run_resumed = false;
+    keeper->warmth_half_c = 0;
+    keeper->warm_samples = 0;
+    keeper->saved = 0;
+    keeper->resumable = 0;
+    keeper->wants = (uint8_t)((keeper->wants & ~(unsigned)WANT_CLEAR) | WANT_BEGIN);
+}
+
+static void end_run(tumble_keeper_t *keeper)
+{
+    const tumble_state_t state = tumble_run_state(keeper->navcomp);
+    tumble_keeper_pause(keeper);
+    if (state == TUMBLE_STATE_DONE) {
+        tumble_keeper_take_result(keeper);
+    } else if (state == TUMBLE_STATE_ABORT) {
+        keeper->wants = (uint8_t)((keeper->wants & ~(unsigned)(WANT_BEGIN | WANT_APPEND)) | WANT_CLEAR);
+    } else {
+        keeper->stale = true; /* IDLE: the application was reset, as at power-on */
+    }
+}
+
+/* A mean that is gone must not come back with the next power-on: the checkpoint is written anew without it. */
+static void look_at_means(tumble_keeper_t *keeper)
+{
+    for (uint8_t p = 0; p < position_count(keeper); p++) {
+        const bool measured = tumble_procedure_has_mean(&keeper->navcomp->procedure, p);
+        if (measured && !is_saved(keeper, p)) {
+            keeper->wants |= WANT_APPEND;
+        }
+        if (!measured && is_saved(keeper, p)) {
+            keeper->wants |= WANT_BEGIN;
+        }
+    }
+    if ((keeper->wants & WANT_BEGIN) != 0U) {
+        keeper->saved = 0;
+    }
+}
+
+void tumble_keeper_watch(tumble_keeper_t *keeper)
+{
+    const bool on = tumble_run_is_on(keeper->navcomp);
+    if (on && !keeper->run_was_on) {
+        begin_run(keeper);
+    }
+    if (!on && keeper->run_was_on) {
+        end_run(keeper);
+    }
+    keeper->run_was_on = on;
+    if (on) {
+        look_at_means(keeper);
+    }
+}
+
+/* The checkpoint. */
+
+static void append(tumble_keeper_t *keeper)
+{
+    const tumble_averaging_t *averages = tumble_procedure_averages(&keeper->navcomp->procedure);
+    uint8_t p = 0;
+    while ((p < position_count(keeper)) &&
+           (is_saved(keeper, p) || !tumble_procedure_has_mean(&keeper->navcomp->procedure, p))) {
+        p++;
+    }
+    if (p == position_count(keeper)) {
+        keeper->wants &= (uint8_t)~(unsigned)WANT_APPEND;
+        return;
+    }
+    const tumble_status_t status = tumble_checkpoint_append(&keeper->checkpoint, p, &averages->averages[p]);
+    if (status == TUMBLE_E_FULL) {
+        keeper->wants |= WANT_BEGIN; /* of what was measured again only the last remains */
+        return;
+    }
+    keeper->saved |= UINT64_C(1) << p;
+    if (status == TUMBLE_OK) {
+        tumble_count(&keeper->counters.checkpoints);
+    } else {
+        tumble_keeper_fail(keeper, status);
+    }
+}
+
+void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper)
+{
+    keeper->wants |= keeper->run_was_on ? 0U : (unsigned)WANT_CLEAR;
+}
+
+void tumble_keeper_keep(tumble_keeper_t *keeper)
+{
+    tumble_status_t status = TUMBLE_OK;
+    if ((keeper->wants & WANT_BEGIN) != 0U) {
+        keeper->wants &= (uint8_t)~(unsigned)WANT_BEGIN;
+        keeper->saved = 0;
+        keeper->fingerprint = fingerprint(keeper); /* now: what the run before has left is stored */
+        status = tumble_checkpoint_begin(&keeper->checkpoint, keeper->fingerprint);
+    } else if ((keeper->wants & WANT_CLEAR) != 0U) {
+        keeper->wants &= (uint8_t)~(unsigned)WANT_CLEAR;
+        keeper->resumable = 0;
+        status = tumble_checkpoint_clear(&keeper->checkpoint);
+    } else if ((keeper->wants & WANT_APPEND) != 0U) {
+        append(keeper);
+    } else {
+        /* nothing to do */
+    }
+    if (status != TUMBLE_OK) {
+        tumble_keeper_fail(keeper, status);
+    }
+}
+
+/* Going on. */
+
+void tumble_keeper_count_resumable(tumble_keeper_t *keeper)
+{
+    const bool idle = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE);
+    keeper->resumable = 0;
+    if (idle && tumble_checkpoint_matches(&keeper->checkpoint, fingerprint(keeper))) {
+        for (uint8_t p = 0; p < position_count(keeper); p++) {
+            keeper->resumable = (uint8_t)(keeper->resumable + (tumble_checkpoint_has(&keeper->checkpoint, p) ? 1U : 0U));
+        }
+    }
+}
+
+static tumble_status_t refuse(tumble_keeper_t *keeper)
+{
+    tumble_count(&keeper->counters.not_resumed);
+    return TUMBLE_E_STATE;
+}
+
+tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper)
+{
+    if ((keeper->task != (uint8_t)TASK_NONE) || keeper->stale || tumble_keeper_is_busy(keeper)) {
+        return refuse(keeper);
+    }
+    tumble_keeper_count_resumable(keeper);
+    if (keeper->resumable == 0U) {
+        return refuse(keeper);
+    }
+    keeper->fingerprint = fingerprint(keeper);
+    keeper->saved = 0;
+    keeper->task = TASK_RESTORE;
+    keeper->at = 0;
+    return TUMBLE_OK;
+}
+
+/* All that is kept has been put back. Nothing but the configuration can have changed since the command. */
+static void go_on(tumble_keeper_t *keeper)
+{
+    keeper->task = TASK_NONE;
+    const bool same = (keeper->fingerprint == fingerprint(keeper)) && !tumble_keeper_is_inhibited(keeper);
+    if (!same || (tumble_procedure_resume(&keeper->navcomp->procedure) != TUMBLE_OK)) {
+        (void)refuse(keeper);
+        return;
+    }
+    tumble_count(&keeper->counters.resumed);
+    keeper->run_was_on = true;
+    keeper->run_resumed = true;
+    keeper->warmth_half_c = 0;
+    keeper->warm_samples = 0;
+    keeper->resumable = 0;
+}
+
+void tumble_keeper_restore(tumble_keeper_t *keeper)
+{
+    tumble_average_t average;
+    while ((keeper->at < position_count(keeper)) && !tumble_checkpoint_has(&keeper->checkpoint, keeper->at)) {
+        keeper->at++;
+    }
+    if (keeper->at == position_count(keeper)) {
+        go_on(keeper);
+        return;
+    }
+    const tumble_status_t status = tumble_checkpoint_read(&keeper->checkpoint, keeper->at, &average);
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return;
+    }
+    if ((status == TUMBLE_OK) &&
+        (tumble_procedure_restore(&keeper->navcomp->procedure, keeper->at, &average) == TUMBLE_OK)) {
+        keeper->saved |= UINT64_C(1) << keeper->at;
+    }
+    keeper->at++;
+}

@@ -1,0 +1,345 @@
+#include "navcomp/keeper_values.h"
+
+#include "canopen/bytes.h"
+#include "navcomp/keeper_internal.h"
+#include "navcomp/keeper_objects.h"
+#include "navcomp/navcomp_internal.h"
+
+#include <assert.h>
+#include <stddef.h>
+
+#define SIGNATURE_SAVE 0x65766173U /* "save" */
+#define SIGNATURE_LOAD 0x64616F6CU /* "load" */
+#define INDEX_SAVE 0x1010U
+#define INDEX_LOAD 0x1011U
+
+/* Subindices that are no member of a struct. */
+#define HOST_CALENDAR 1U
+#define SELECTOR 1U
+#define HISTORY_ENTRIES 2U
+
+/* The four sets lie one behind the other in each kind of object, in the order of tumble_which_set_t. */
+#define WHICH_BITS 3U
+
+/* What a memory at work, and one that fails, means to whoever reads. */
+static tumble_abort_t refusal_of(tumble_status_t status)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_HARDWARE;
+    if (status == TUMBLE_OK) {
+        refusal = TUMBLE_ABORT_NONE;
+    } else if (status == TUMBLE_E_PORT_BUSY) {
+        refusal = TUMBLE_ABORT_DEVICE_STATE;
+    } else if ((status == TUMBLE_E_STATE) || (status == TUMBLE_E_TOO_FEW) || (status == TUMBLE_E_ARGUMENT)) {
+        refusal = TUMBLE_ABORT_NO_DATA;
+    } else {
+        /* it failed */
+    }
+    return refusal;
+}
+
+static tumble_abort_t member(const void *structure, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    tumble_dictionary_pack(entry, (const uint8_t *)structure + entry->offset, bytes, size);
+    return TUMBLE_ABORT_NONE;
+}
+
+/* The sets. */
+
+static_assert((offsetof(tumble_set_t, temperature_c) < offsetof(tumble_set_t, gravity_m_s2)) &&
+                  (offsetof(tumble_set_t, gravity_m_s2) < offsetof(tumble_set_t, coefficients)) &&
+                  (offsetof(tumble_set_t, uncertainty) < offsetof(tumble_set_t, max_abs_fit_g)) &&
+                  (offsetof(tumble_set_t, max_abs_fit_g) < offsetof(tumble_set_t, closure_v)) &&
+                  (offsetof(tumble_set_t, closure_v) < offsetof(tumble_set_t, samples)),
+              "what is known goes by the order of the members");
+
+/* Is the number at this place of the set known? */
+static bool is_known(const tumble_set_t *set, uint16_t offset)
+{
+    static const struct {
+        uint16_t first;
+        uint16_t behind;
+        uint16_t flag;
+    } parts[] = {
+        {offsetof(tumble_set_t, temperature_c), offsetof(tumble_set_t, gravity_m_s2), TUMBLE_SET_HAS_TEMPERATURE},
+        {offsetof(tumble_set_t, gravity_m_s2), offsetof(tumble_set_t, coefficients), TUMBLE_SET_HAS_GRAVITY},
+        {offsetof(tumble_set_t, uncertainty), offsetof(tumble_set_t, max_abs_fit_g), TUMBLE_SET_HAS_UNCERTAINTY},
+        {offsetof(tumble_set_t, max_abs_fit_g), offsetof(tumble_set_t, closure_v), TUMBLE_SET_HAS_CHECK},
+        {offsetof(tumble_set_t, closure_v), offsetof(tumble_set_t, samples), TUMBLE_SET_HAS_CLOSURE},
+    };
+    bool known = true;
+    for (size_t i = 0; i < (sizeof parts / sizeof parts[0]); i++) {
+        if ((offset >= parts[i].first) && (offset < parts[i].behind)) {
+            known = (set->flags & parts[i].flag) != 0U;
+        }
+    }
+    return known;
+}
+
+static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    tumble_set_t set;
+    const tumble_abort_t refusal =
+        refusal_of(tumble_keeper_set(keeper, (tumble_which_set_t)(entry->index & WHICH_BITS), &set));
+    if (refusal != TUMBLE_ABORT_NONE) {
+        return refusal;
+    }
+    return is_known(&set, entry->offset) ? member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+}
+
+/* The result at hand. */
+
+static tumble_abort_t read_uncertainty(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                       uint8_t *size)
+{
+    tumble_uncertainty_t uncertainty;
+    if ((keeper->config->uncertainty == NULL) ||
+        (keeper->config->uncertainty(keeper->navcomp, &uncertainty) != TUMBLE_OK)) {
+        return TUMBLE_ABORT_NO_DATA;
+    }
+    return member(&uncertainty, entry, bytes, size);
+}
+
+static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                 uint8_t *size)
+{
+    const tumble_keeper_config_t *config = keeper->config;
+    const tumble_stand_view_t *view =
+        (config->stand_view != NULL) ? config->stand_view(keeper->navcomp, config->stand_memory) : NULL;
+    if ((view == NULL) || !view->known[(entry->subindex - 1U) / 2U]) {
+        return TUMBLE_ABORT_NO_DATA;
+    }
+    return member(view, entry, bytes, size);
+}
+
+/* False: there is no such position. */
+static bool look_up(const tumble_keeper_t *keeper, tumble_position_view_t *view)
+{
+    const tumble_schedule_t *schedule = keeper->navcomp->procedure_config.schedule;
+    *view = (tumble_position_view_t){.index = keeper->shown_position, .count = schedule->position_count};
+    if (view->index >= view->count) {
+        return false;
+    }
+    const tumble_position_t *position = &schedule->positions[view->index];
+    view->mounting = position->mounting;
+    view->number = position->number;
+    view->use = (uint8_t)position->use;
+    view->angle_deg = position->angle.deg;
+    return true;
+}
+
+static bool look_up_mean(const tumble_keeper_t *keeper, tumble_position_view_t *view)
+{
+    const tumble_averaging_t *averaging = tumble_procedure_averages(&keeper->navcomp->procedure);
+    const double v_per_count = keeper->navcomp->procedure_config.v_per_count;
+    if (tumble_averaging_mean(averaging, view->index, view->mean_v, view->standard_error_v) != TUMBLE_OK) {
+        return false;
+    }
+    view->samples = averaging->averages[view->index].samples;
+    for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+        view->mean_v[c] *= v_per_count;
+        view->standard_error_v[c] *= (v_per_count < 0.0) ? -v_per_count : v_per_count;
+    }
+    return true;
+}
+
+static tumble_abort_t read_position(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                    uint8_t *size)
+{
+    tumble_position_view_t view;
+    bool there = look_up(keeper, &view);
+    if (entry->index == TUMBLE_KEEPER_INDEX_POSITION) {
+        there = (entry->subindex == SELECTOR) || (there && look_up_mean(keeper, &view));
+    } else {
+        there = there || (entry->offset == offsetof(tumble_position_view_t, count));
+    }
+    return there ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+}
+
+/* What was. */
+
+static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    tumble_history_t *history = tumble_keeper_history(keeper);
+    const uint8_t count = tumble_history_count(history);
+    tumble_history_entry_t seen;
+    if ((entry->index == TUMBLE_KEEPER_INDEX_HISTORY) && (entry->subindex <= HISTORY_ENTRIES)) {
+        bytes[0] = (entry->subindex == SELECTOR) ? keeper->shown_entry : count;
+        return TUMBLE_ABORT_NONE;
+    }
+    const tumble_abort_t refusal = refusal_of(tumble_history_read(history, keeper->shown_entry, &seen));
+    if (refusal != TUMBLE_ABORT_NONE) {
+        return refusal;
+    }
+    const bool uncertain = (entry->index == TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES);
+    const bool warm = (entry->offset == offsetof(tumble_history_entry_t, temperature_c));
+    if ((uncertain && ((seen.flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U)) ||
+        (warm && ((seen.flags & TUMBLE_SET_HAS_TEMPERATURE) == 0U))) {
+        return TUMBLE_ABORT_NO_DATA;
+    }
+    return member(&seen, entry, bytes, size);
+}
+
+static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
+{
+    tumble_trend_t trend;
+    const tumble_abort_t refusal = refusal_of(tumble_keeper_trend(keeper, (uint8_t)(entry->subindex - 1U), &trend));
+    if (refusal == TUMBLE_ABORT_NONE) {
+        tumble_put_f64(bytes, (entry->index == TUMBLE_KEEPER_INDEX_TREND) ? trend.per_month : trend.u_per_month);
+    }
+    return refusal;
+}
+
+/* What is told, and what may be changed. */
+
+static tumble_abort_t read_host(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
+{
+    tumble_keeper_state_t state;
+    tumble_keeper_state(keeper, &state);
+    if (entry->subindex == HOST_CALENDAR) {
+        tumble_put_u64(bytes, state.utc_s);
+    } else {
+        tumble_put_u16(bytes, state.inhibit_s);
+    }
+    return TUMBLE_ABORT_NONE;
+}
+
+static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                 uint8_t *size)
+{
+    tumble_keeper_state_t state;
+    tumble_keeper_state(keeper, &state);
+    return member(&state, entry, bytes, size);
+}
+
+static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
+{
+    const tumble_navcomp_t *navcomp = context;
+    tumble_keeper_t *keeper = navcomp->config->keeper;
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+    switch (entry->index) {
+    case INDEX_SAVE:
+    case INDEX_LOAD:
+        tumble_put_u32(bytes, tumble_parameters_room(&keeper->parameters) ? 1U : 0U);
+        break;
+    case TUMBLE_KEEPER_INDEX_U_K:
+    case TUMBLE_KEEPER_INDEX_U_U0:
+        refusal = read_uncertainty(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_KEEPER:
+        refusal = read_state(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_HOST:
+        refusal = read_host(keeper, entry, bytes);
+        break;
+    case TUMBLE_KEEPER_INDEX_RECALIBRATION:
+    case TUMBLE_KEEPER_INDEX_COMMIT_RULES:
+    case TUMBLE_KEEPER_INDEX_UNCERTAINTY_LIMITS:
+    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_MONTH:
+    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_KELVIN:
+        refusal = member(tumble_keeper_settings(keeper), entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS:
+        refusal = member(tumble_keeper_counters(keeper), entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_STORE_COUNTERS:
+        refusal = member(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_STAND_SEEN:
+        refusal = read_stand(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_POSITION:
+    case TUMBLE_KEEPER_INDEX_SCHEDULE:
+        refusal = read_position(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_HISTORY:
+    case TUMBLE_KEEPER_INDEX_HISTORY_VALUES:
+    case TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES:
+        refusal = read_history(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_TREND:
+    case TUMBLE_KEEPER_INDEX_TREND_UNCERTAINTIES:
+        refusal = read_trend(keeper, entry, bytes);
+        break;
+    case TUMBLE_KEEPER_INDEX_PARAMETERS:
+        refusal = member(&keeper->parameters.view, entry, bytes, size);
+        break;
+    default: /* the sets, 2100h to 2117h */
+        refusal = read_set(keeper, entry, bytes, size);
+        break;
+    }
+    return refusal;
+}
+
+/* Writing. Types, lengths and limits have been checked. */
+
+/* The settings are taken or refused as a whole. */
+static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_t *entry, const uint8_t *bytes,
+                                    uint8_t size)
+{
+    tumble_keeper_settings_t settings;
+    settings = *tumble_keeper_settings(keeper);
+    tumble_dictionary_unpack(entry, (uint8_t *)&settings + entry->offset, bytes, size);
+    const tumble_status_t status = tumble_keeper_configure(keeper, &settings);
+    if (status == TUMBLE_E_STATE) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+}
+
+static tumble_abort_t write_host(tumble_keeper_t *keeper, uint8_t subindex, const uint8_t *bytes)
+{
+    tumble_status_t status = TUMBLE_OK;
+    if (subindex == HOST_CALENDAR) {
+        status = tumble_keeper_set_utc(keeper, tumble_get_u64(bytes));
+    } else {
+        tumble_keeper_inhibit(keeper, tumble_get_u16(bytes));
+    }
+    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+}
+
+static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint32_t signature)
+{
+    const bool save = (entry->index == INDEX_SAVE);
+    tumble_abort_t refusal;
+    if (signature != (save ? SIGNATURE_SAVE : SIGNATURE_LOAD)) {
+        refusal = TUMBLE_ABORT_STORE;
+    } else if (!tumble_parameters_room(&keeper->parameters)) {
+        refusal = TUMBLE_ABORT_HARDWARE;
+    } else if (tumble_keeper_is_busy(keeper) || tumble_run_is_on(keeper->navcomp)) {
+        refusal = TUMBLE_ABORT_DEVICE_STATE;
+    } else {
+        refusal = save ? tumble_parameters_save(&keeper->parameters) : tumble_parameters_forget(&keeper->parameters);
+    }
+    return refusal;
+}
+
+static tumble_abort_t write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
+{
+    const tumble_navcomp_t *navcomp = context;
+    tumble_keeper_t *keeper = navcomp->config->keeper;
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+    switch (entry->index) {
+    case INDEX_SAVE:
+    case INDEX_LOAD:
+        refusal = write_parameters(keeper, entry, tumble_get_u32(bytes));
+        break;
+    case TUMBLE_KEEPER_INDEX_HOST:
+        refusal = write_host(keeper, entry->subindex, bytes);
+        break;
+    case TUMBLE_KEEPER_INDEX_POSITION:
+        keeper->shown_position = bytes[0];
+        break;
+    case TUMBLE_KEEPER_INDEX_HISTORY:
+        keeper->shown_entry = bytes[0];
+        break;
+    default: /* the settings, 2122h to 2126h */
+        refusal = write_setting(keeper, entry, bytes, size);
+        break;
+    }
+    return refusal;
+}
+
+const tumble_object_hooks_t tumble_keeper_object_hooks = {.read = read, .write = write};
+
+const tumble_object_extension_t tumble_keeper_extension = {.table = &tumble_keeper_table,
+                                                           .hooks = &tumble_keeper_object_hooks};

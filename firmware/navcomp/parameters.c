@@ -1,0 +1,248 @@
+#include "navcomp/parameters.h"
+
+#include "canopen/bytes.h"
+#include "core/crc32.h"
+#include "navcomp/keeper_objects.h"
+
+#include <assert.h>
+#include <stddef.h>
+#include <string.h>
+
+#define MAGIC 0x52415054U /* "TPAR" */
+#define SCHEMA 1U
+#define AT_SCHEMA 4U
+#define AT_USED 6U
+#define AT_SEQUENCE 8U
+#define AT_VALUES 12U
+#define AT_CRC 284U
+#define AT_MARK 288U
+#define MARK_BYTES (TUMBLE_PARAMETERS_BYTES - AT_MARK)
+#define FIRST_SUBINDEX 1U
+
+static_assert((AT_VALUES + TUMBLE_KEEPER_SAVED_BYTES) <= AT_CRC, "all that is saved must fit the record");
+static_assert((AT_MARK % TUMBLE_NV_MAX_GRANULE) == 0U, "the mark has granules of its own");
+
+static const uint8_t mark[MARK_BYTES] = {
+    'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D', 'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D',
+    'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D', 'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D',
+};
+
+/* tumble_parameters_t.phase */
+enum { IDLE = 0, READ_FIRST, READ_SECOND, READ_BEST, ERASE, PROGRAM, MARK };
+
+bool tumble_parameters_busy(const tumble_parameters_t *parameters)
+{
+    return parameters->phase != (uint8_t)IDLE;
+}
+
+bool tumble_parameters_room(const tumble_parameters_t *parameters)
+{
+    return parameters->nv != NULL;
+}
+
+static bool has_room(const tumble_nv_t *nv)
+{
+    return (tumble_regions_check(nv) == TUMBLE_OK) &&
+           ((nv->size_bytes / nv->sector_bytes) >= (TUMBLE_REGION_PARAMETERS + 2U));
+}
+
+void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node)
+{
+    *parameters = (tumble_parameters_t){.nv = has_room(nv) ? nv : NULL, .node = node};
+    tumble_nv_writer_init(&parameters->writer, nv);
+    tumble_parameters_restore(parameters);
+}
+
+void tumble_parameters_restore(tumble_parameters_t *parameters)
+{
+    parameters->again = tumble_parameters_busy(parameters);
+    if (!parameters->again) {
+        parameters->view = (tumble_parameters_view_t){0};
+        parameters->phase = tumble_parameters_room(parameters) ? (uint8_t)READ_FIRST : (uint8_t)IDLE;
+    }
+}
+
+static void rest(tumble_parameters_t *parameters)
+{
+    parameters->phase = (uint8_t)IDLE;
+    if (parameters->again) {
+        tumble_parameters_restore(parameters);
+    }
+}
+
+/* Reading. */
+
+static uint32_t offset_of(const tumble_parameters_t *parameters, uint8_t slot)
+{
+    return (TUMBLE_REGION_PARAMETERS + slot) * parameters->nv->sector_bytes;
+}
+
+/* The sequence of the record in `bytes`; 0: there is none. */
+static uint32_t sequence_of(const uint8_t *bytes)
+{
+    const bool good = (tumble_get_u32(bytes) == MAGIC) && (tumble_get_u16(&bytes[AT_SCHEMA]) == SCHEMA) &&
+                      (tumble_get_u16(&bytes[AT_USED]) <= (AT_CRC - AT_VALUES)) &&
+                      (tumble_get_u32(&bytes[AT_CRC]) == tumble_crc32(0, bytes, AT_CRC)) &&
+                      (memcmp(&bytes[AT_MARK], mark, sizeof mark) == 0);
+    return good ? tumble_get_u32(&bytes[AT_SEQUENCE]) : 0U;
+}
+
+/* The values of one object, up to `end`. Returns where the next one begins. */
+static uint32_t apply_object(tumble_parameters_t *parameters, uint32_t at, uint32_t end)
+{
+    const uint8_t *bytes = parameters->bytes;
+    const uint16_t index = tumble_get_u16(&bytes[at]);
+    const uint8_t count = bytes[at + 2U];
+    at += 3U;
+    for (uint8_t i = 0; (i < count) && (at < end) && (bytes[at] < (end - at)); i++) {
+        const uint8_t size = bytes[at];
+        const uint8_t subindex = (uint8_t)(FIRST_SUBINDEX + i);
+        if (tumble_node_write(parameters->node, index, subindex, &bytes[at + 1U], size) == TUMBLE_ABORT_NONE) {
+            parameters->view.applied++;
+        } else {
+            parameters->view.refused++;
+        }
+        at += 1U + (uint32_t)size;
+    }
+    return at;
+}
+
+static void apply(tumble_parameters_t *parameters)
+{
+    const uint32_t end = AT_VALUES + (uint32_t)tumble_get_u16(&parameters->bytes[AT_USED]);
+    uint32_t at = AT_VALUES;
+    while ((at + 3U) < end) {
+        at = apply_object(parameters, at, end);
+    }
+}
+
+static void end(tumble_parameters_t *parameters, tumble_abort_t answer)
+{
+    tumble_sdo_server_answer(&parameters->node->server, answer);
+    rest(parameters);
+}
+
+/* Both have been read, and the better one is in `bytes` if there is one. */
+static void end_reading(tumble_parameters_t *parameters, bool good)
+{
+    if (parameters->failed) {
+        parameters->failed = false;
+        end(parameters, TUMBLE_ABORT_HARDWARE);
+        return;
+    }
+    if (good) {
+        apply(parameters);
+    }
+    rest(parameters);
+}
+
+/* A memory that cannot be read holds nothing. */
+static void read_record(tumble_parameters_t *parameters)
+{
+    const uint8_t slot = (parameters->phase == (uint8_t)READ_BEST) ? parameters->slot
+                                                                   : (uint8_t)(parameters->phase - (uint8_t)READ_FIRST);
+    const tumble_status_t status =
+        tumble_nv_read(parameters->nv, offset_of(parameters, slot), parameters->bytes, TUMBLE_PARAMETERS_BYTES);
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return;
+    }
+    const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->bytes) : 0U;
+    if (parameters->phase == (uint8_t)READ_BEST) {
+        end_reading(parameters, sequence != 0U);
+        return;
+    }
+    if (sequence > parameters->view.sequence) {
+        parameters->view.sequence = sequence;
+        parameters->slot = slot;
+    }
+    parameters->phase++;
+}
+
+/* Writing. */
+
+/* One object's present values. Returns where the next one goes. */
+static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_saved_t *saved, uint32_t at)
+{
+    tumble_put_u16(&parameters->bytes[at], saved->index);
+    parameters->bytes[at + 2U] = saved->count;
+    at += 3U;
+    for (uint8_t i = 0; i < saved->count; i++) {
+        uint8_t value[TUMBLE_MAX_OBJECT_BYTES];
+        uint8_t size = 0;
+        (void)tumble_node_read(parameters->node, saved->index, (uint8_t)(FIRST_SUBINDEX + i), value, &size);
+        parameters->bytes[at] = size;
+        (void)memcpy(&parameters->bytes[at + 1U], value, size);
+        at += 1U + (uint32_t)size;
+    }
+    return at;
+}
+
+static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
+{
+    uint32_t at = AT_VALUES;
+    if (!tumble_parameters_room(parameters)) {
+        return TUMBLE_ABORT_HARDWARE;
+    }
+    if (tumble_parameters_busy(parameters)) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    (void)memset(parameters->bytes, 0, sizeof parameters->bytes);
+    for (uint8_t i = 0; i < objects; i++) {
+        at = gather_object(parameters, &tumble_keeper_saved[i], at);
+    }
+    tumble_put_u32(parameters->bytes, MAGIC);
+    tumble_put_u16(&parameters->bytes[AT_SCHEMA], SCHEMA);
+    tumble_put_u16(&parameters->bytes[AT_USED], (uint16_t)(at - AT_VALUES));
+    tumble_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
+    tumble_put_u32(&parameters->bytes[AT_CRC], tumble_crc32(0, parameters->bytes, AT_CRC));
+    tumble_nv_begin_erase(&parameters->writer, offset_of(parameters, parameters->slot ^ 1U), TUMBLE_PARAMETERS_BYTES);
+    parameters->phase = (uint8_t)ERASE;
+    return TUMBLE_ABORT_LATER;
+}
+
+tumble_abort_t tumble_parameters_save(tumble_parameters_t *parameters)
+{
+    return begin(parameters, TUMBLE_KEEPER_SAVED);
+}
+
+tumble_abort_t tumble_parameters_forget(tumble_parameters_t *parameters)
+{
+    return begin(parameters, 0);
+}
+
+static void write_next(tumble_parameters_t *parameters)
+{
+    const uint32_t offset = offset_of(parameters, parameters->slot ^ 1U);
+    if (parameters->phase == (uint8_t)ERASE) {
+        tumble_nv_begin_program(&parameters->writer, offset, parameters->bytes, AT_MARK);
+        parameters->phase = (uint8_t)PROGRAM;
+    } else if (parameters->phase == (uint8_t)PROGRAM) {
+        tumble_nv_begin_program(&parameters->writer, offset + AT_MARK, mark, MARK_BYTES);
+        parameters->phase = (uint8_t)MARK;
+    } else {
+        parameters->slot ^= 1U;
+        parameters->view.sequence++;
+        end(parameters, TUMBLE_ABORT_NONE);
+    }
+}
+
+void tumble_parameters_step(tumble_parameters_t *parameters)
+{
+    if (parameters->phase == (uint8_t)IDLE) {
+        return;
+    }
+    if (parameters->phase <= (uint8_t)READ_BEST) {
+        read_record(parameters);
+        return;
+    }
+    const tumble_status_t status = tumble_nv_writer_step(&parameters->writer);
+    if (status == TUMBLE_OK) {
+        write_next(parameters);
+    } else if (status != TUMBLE_E_PORT_BUSY) {
+        parameters->failed = true;
+        parameters->view.sequence = 0;
+        parameters->phase = (uint8_t)READ_FIRST;
+    } else {
+        /* the memory is at work */
+    }
+}

@@ -1,0 +1,68 @@
+/* parameters.h - what was written over CAN and is to outlast a loss of power (1010h, 1011h).
+ *
+ * The values of the objects that the generator lists (tumble_keeper_saved), as SDO carries them, in one record in two
+ * sectors that take turns (TUMBLE_REGION_PARAMETERS). Little endian:
+ *
+ *       0  magic "TPAR"    4  schema u16, 1    6  bytes of values u16    8  sequence u32
+ *      12  values: index u16, count u8, and for each subindex from 1 on its size u8 and its bytes
+ *     284  CRC-32 of all before    288  mark: "TPARGOOD" four times, programmed when the rest has been read back
+ *
+ * The one of the higher sequence is in force; without any the board's own values are, and so they are with one that
+ * holds none: that is how they are forgotten. Read values are written through the dictionary, under its limits; what it
+ * refuses is counted. Nothing waits: a job is begun, and a step makes at most one call of the memory. One job at a time
+ * on one memory: the keeper sees to it. Not re-entrant on one object.
+ */
+#ifndef TUMBLE_NAVCOMP_PARAMETERS_H
+#define TUMBLE_NAVCOMP_PARAMETERS_H
+
+#include "canopen/node.h"
+#include "core/status.h"
+#include "port/port.h"
+#include "store/nv_writer.h"
+#include "store/regions.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TUMBLE_REGION_PARAMETERS ((uint32_t)TUMBLE_REGION_COUNT) /* and the sector behind it */
+#define TUMBLE_PARAMETERS_BYTES 320U
+
+typedef struct {
+    uint32_t sequence; /* of the record in force: how often something was saved or forgotten; 0: never */
+    uint32_t refused;  /* values of it that the dictionary refused */
+    uint32_t applied;  /* values of it that are in force */
+} tumble_parameters_view_t;
+
+/* Private but for `view`. */
+typedef struct {
+    const tumble_nv_t *nv; /* null: there is no room for parameters */
+    tumble_node_t *node;
+    tumble_nv_writer_t writer;
+    tumble_parameters_view_t view;
+    uint8_t phase;
+    uint8_t slot; /* 0 or 1: where the record in force is */
+    bool failed;  /* a job: it is being looked what that left behind */
+    bool again;   /* to be restored when that is done which is under way */
+    uint8_t bytes[TUMBLE_PARAMETERS_BYTES];
+} tumble_parameters_t;
+
+/* Get ready and begin to read what was saved. A memory without the two sectors (or null) is none: then nothing can be
+ * saved. `node` with its dictionary must be ready. */
+void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node);
+
+/* Is there room for them? */
+bool tumble_parameters_room(const tumble_parameters_t *parameters);
+
+/* Read again and put in force what was saved: after a reset to the board's own values. While busy it waits. */
+void tumble_parameters_restore(tumble_parameters_t *parameters);
+
+/* Begin to save the present values, or to forget what was saved. The SDO server is told the answer at the end
+ * (tumble_sdo_server_answer). Returns TUMBLE_ABORT_LATER; _HARDWARE: no room; _DEVICE_STATE: busy. */
+tumble_abort_t tumble_parameters_save(tumble_parameters_t *parameters);
+tumble_abort_t tumble_parameters_forget(tumble_parameters_t *parameters);
+
+/* Go on: at most one call of the memory. */
+void tumble_parameters_step(tumble_parameters_t *parameters);
+bool tumble_parameters_busy(const tumble_parameters_t *parameters);
+
+#endif

@@ -1,0 +1,74 @@
+#include "navcomp/stand_view.h"
+
+#include "navcomp/uncertainty.h"
+
+#include <stddef.h>
+
+enum { ALPHA1 = 0, ALPHA2_PLUS_ALPHA3, ALPHA3_DIFFERENCE, ALPHA4, NOISE };
+
+static void show(tumble_stand_view_t *view, unsigned quantity, const tumble_seen_t *seen)
+{
+    double *const number = &view->number[(size_t)quantity * 2U];
+    view->known[quantity] = seen->known;
+    number[0] = seen->known ? seen->value : 0.0;
+    number[1] = seen->known ? seen->u : 0.0;
+}
+
+/* Noise of a sample, from the scatter within positions; and what it makes of the means. */
+static tumble_seen_t look_at_noise(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory)
+{
+    const tumble_procedure_config_t *config = &navcomp->procedure_config;
+    const tumble_average_t *averages = tumble_procedure_averages(&navcomp->procedure)->averages;
+    uint32_t samples[TUMBLE_MAX_POSITIONS] = {0};
+    double scatter_v[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS];
+    const uint8_t count = config->schedule->position_count;
+    for (uint8_t p = 0; p < count; p++) {
+        samples[p] = averages[p].samples;
+        for (int c = 0; c < TUMBLE_CHANNELS; c++) {
+            const double volts = config->v_per_count * (double)averages[p].scatter_counts[c];
+            scatter_v[p][c] = (volts < 0.0) ? -volts : volts;
+        }
+    }
+    const tumble_seen_t noise = tumble_seen_noise(samples, (const double (*)[TUMBLE_CHANNELS])scatter_v, count);
+    for (uint8_t p = 0; p < count; p++) {
+        memory->errors.mean_variance_v2[p] =
+            (noise.known && (samples[p] != 0U)) ? ((noise.value * noise.value) / (double)samples[p]) : 0.0;
+    }
+    return noise;
+}
+
+static void look(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory,
+                 const tumble_coefficients_t *coefficients)
+{
+    const tumble_procedure_config_t *config = &navcomp->procedure_config;
+    const tumble_declared_t *declared = navcomp->config->declared;
+    tumble_seen_angles_t angles = {.alpha1 = {.known = false}};
+    tumble_seen_t alpha4 = {.known = false};
+    double freedom;
+    memory->view = (tumble_stand_view_t){.known = {false}};
+    (void)tumble_averaging_means(tumble_procedure_averages(&navcomp->procedure), config->v_per_count, &memory->means);
+    const tumble_seen_t noise = look_at_noise(navcomp, memory);
+    (void)tumble_seen_angle_error(config->schedule, &memory->means, coefficients, &memory->errors, &memory->work,
+                                  &alpha4, &freedom);
+    memory->errors.angle_rad = (declared != NULL) ? declared->stand->angle_rad : alpha4.value;
+    (void)tumble_seen_fit(config->schedule, &memory->means, coefficients, &memory->errors, &memory->work, &angles);
+    show(&memory->view, ALPHA1, &angles.alpha1);
+    show(&memory->view, ALPHA2_PLUS_ALPHA3, &angles.alpha2_plus_alpha3);
+    show(&memory->view, ALPHA3_DIFFERENCE, &angles.alpha3_difference);
+    show(&memory->view, ALPHA4, &alpha4);
+    show(&memory->view, NOISE, &noise);
+}
+
+const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory)
+{
+    const uint32_t at_hand = tumble_procedure_counters(&navcomp->procedure)->positions + 1U;
+    tumble_result_t result;
+    if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
+        return NULL;
+    }
+    if (memory->looked_at != at_hand) {
+        look(navcomp, memory, result.coefficients);
+        memory->looked_at = at_hand;
+    }
+    return &memory->view;
+}
