@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from model import MAX_CONSUMERS, Entry, Node, Object, Pdo, slug
 from standard import MAX_MAPPED
@@ -10,6 +11,20 @@ from standard import MAX_MAPPED
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
 LIMIT_OF_U16 = 0xFFFF
+COLUMNS = 120
+BYTES_TO = ["/* How far behind another a member lies. */",
+            "#define BYTES_TO(type, from, member) (offsetof(type, member) - offsetof(type, from))"]
+
+
+def parts(node: Node) -> list[Node]:
+    """What has C files of its own: the node, and its extension, which has further objects and all PDOs."""
+    mine = [item for item in node.objects if not item.further]
+    if not node.extension:
+        return [node]
+    count = sum(1 for item in mine if item.index & 0xFE00 == 0x1800)
+    first = replace(node, objects=mine, transmit=node.transmit[:count])
+    settings = node.settings | node.extension | {"saves": [item for item in node.objects if item.saved]}
+    return [first, replace(node, objects=[item for item in node.objects if item.further], settings=settings)]
 
 
 def macro(name: str) -> str:
@@ -59,14 +74,28 @@ def comment(entry: Entry) -> str:
     return f"/* {entry.where}{unit} */"
 
 
+def saved_bytes(item: Object) -> int:
+    """Index and count, then every value behind its size."""
+    return 3 + sum(1 + entry.size for entry in item.entries[1:])
+
+
+def title(node: Node) -> str:
+    return f"the object dictionary of node {node.id}, {node.settings['name']}"
+
+
+def table_of(node: Node) -> str:
+    """The file that its objects stand in."""
+    return node.settings.get("table", node.path.name)
+
+
 def header(node: Node) -> str:
     prefix = node.prefix
     guard = macro(node.settings["include"].replace(".h", "_h"))
     name = node.settings["include"].split("/")[-1]
     lines = [
-        f"/* {name} - the object dictionary of node {node.id}, {node.settings['name']}.",
+        f"/* {name} - {node.settings.get('title') or title(node)}.",
         " *",
-        f" * {NOTICE.format(file=node.path.name)}",
+        f" * {NOTICE.format(file=table_of(node))}",
         " */",
         f"#ifndef TUMBLE_{guard}",
         f"#define TUMBLE_{guard}",
@@ -76,8 +105,7 @@ def header(node: Node) -> str:
         "#include <stdbool.h>",
         "#include <stdint.h>",
         "",
-        f"#define {prefix.upper()}_NODE {node.id}U",
-        "",
+        *([] if "title" in node.settings else [f"#define {prefix.upper()}_NODE {node.id}U", ""]),
         "/* Indices of the objects of its own. */",
         *(f"#define {prefix.upper()}_INDEX_{macro(item.name)} 0x{item.index:04X}U" for item in node.objects
           if item.index >= 0x2000),
@@ -92,6 +120,19 @@ def header(node: Node) -> str:
             "",
             "/* Their power-on values. */",
             f"extern const {prefix}_objects_t {prefix}_objects_initial;",
+        ]
+    saves = node.settings.get("saves", [])
+    if saves:
+        lines += [
+            "",
+            "/* What 1010h keeps: objects with so many subindices, of either table. */",
+            "typedef struct {",
+            "    uint16_t index;",
+            "    uint8_t count; /* of subindices, from 1 on */",
+            "} tumble_saved_t;",
+            f"#define {prefix.upper()}_SAVED {len(saves)}",
+            f"#define {prefix.upper()}_SAVED_BYTES {sum(map(saved_bytes, saves))} /* in navcomp/parameters.h */",
+            f"extern const tumble_saved_t {prefix}_saved[{prefix.upper()}_SAVED];",
         ]
     lines += [
         "",
@@ -117,7 +158,7 @@ class Source:
         includes = [f'#include "{settings["include"]}"', ""]
         includes += [f'#include "{name}"' for name in settings.get("includes", [])]
         includes += [""] if settings.get("includes") else []
-        notice = f"/* {NOTICE.format(file=self.node.path.name)} */"
+        notice = f"/* {NOTICE.format(file=table_of(self.node))} */"
         parts = [
             [notice, *includes, "#include <assert.h>", "#include <stddef.h>"],
             self.initial_values(),
@@ -129,6 +170,7 @@ class Source:
             self.pdo_setups("receive", self.node.receive),
             self.pdo_setups("transmit", self.node.transmit),
             self.defaults(),
+            self.saved(),
         ]
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
@@ -160,11 +202,12 @@ class Source:
     def size_checks(self) -> list[str]:
         """The entries must agree with the structs that they point into, which others write."""
         lines = []
-        for run in (run for item in self.node.objects for run in runs_of(item)):
+        apart = [item for item in self.node.objects if item.like in (0, item.index)]
+        for run in (run for item in apart for run in runs_of(item)):
             for place, entry in enumerate(run):
                 if entry.member and entry.home in ("other", "computed"):
                     lines += checks(run[0], entry, place)
-        return lines
+        return [*BYTES_TO, "", *lines] if any("BYTES_TO(" in line for line in lines) else lines
 
     def entry_table(self) -> list[str]:
         rows = []
@@ -178,10 +221,9 @@ class Source:
         entry = run[0]
         home, offset = self.home(entry)
         limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
-        return (
-            f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {access(entry)},\n"
-            f"     TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}, {len(run) - 1}U, {more_objects}U}},"
-        )
+        first = f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {access(entry)},"
+        rest = f"TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}, {len(run) - 1}U, {more_objects}U}},"
+        return one_line_or_two(first, "     ", rest)
 
     def home(self, entry: Entry) -> tuple[str, str]:
         if is_immediate(entry):
@@ -208,8 +250,8 @@ class Source:
         for pdo in pdos:
             maps = [f"0x{entry.map_value:08X}U" for entry in pdo.map] + ["0U"] * (MAX_MAPPED - len(pdo.map))
             lines += [
-                f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U,",
-                f"     .inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
+                f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U, "
+                f".inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
                 f"     .map = {{{', '.join(maps)}}}}},",
             ]
         most = f"TUMBLE_MAX_{name.upper()}_PDOS"
@@ -229,6 +271,14 @@ class Source:
             f"    .on_error = {settings['on_error']}U,",
             "};",
         ]
+
+    def saved(self) -> list[str]:
+        """What 1010h keeps, where the node has it: object and its subindices."""
+        if "saves" not in self.node.settings:
+            return []
+        mine = self.node.settings["saves"]
+        rows = [f"    {{0x{item.index:04X}U, {len(item.entries) - 1}U}}, /* {item.name} */" for item in mine]
+        return [f"const tumble_saved_t {self.prefix}_saved[{self.prefix.upper()}_SAVED] = {{", *rows, "};"]
 
 
 def runs_of(item: Object) -> list[list[Entry]]:
@@ -267,6 +317,8 @@ def alike_objects(objects: list[Object]) -> list[list[Object]]:
 
 def layout(item: Object) -> list[tuple]:
     """What two objects must have in common to share their rows; nothing if they cannot."""
+    if item.like:
+        return [(entry.subindex, shape(entry), entry.member) for entry in item.entries]
     if item.is_var or any(entry.home != "communication" for entry in item.entries[1:]):
         return []
     return [(entry.subindex, shape(entry)) for entry in item.entries]
@@ -276,10 +328,14 @@ def checks(first: Entry, entry: Entry, place: int) -> list[str]:
     size = f"sizeof(((const {entry.struct} *)NULL)->{entry.member}) == {entry.size}U"
     lines = [f"static_assert({size}, \"{entry.where}\");"]
     if place > 0:
-        lines += [f"static_assert(offsetof({entry.struct}, {entry.member}) ==",
-                  f"              (offsetof({first.struct}, {first.member}) + {place * first.size}U), "
-                  f"\"{entry.where}\");"]
+        bytes_to = f"BYTES_TO({entry.struct}, {first.member}, {entry.member}) == {place * first.size}U,"
+        lines.append(one_line_or_two(f"static_assert({bytes_to}", " " * 14, f"\"{entry.where}\");"))
     return lines
+
+
+def one_line_or_two(first: str, indent: str, rest: str) -> str:
+    joined = f"{first} {rest}"
+    return joined if len(joined) <= COLUMNS else f"{first}\n{indent}{rest}"
 
 
 def access(entry: Entry) -> str:

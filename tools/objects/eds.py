@@ -106,6 +106,18 @@ def sections_of(item: Object) -> list[str]:
     return lines
 
 
+def comments(node: Node) -> dict[str, object]:
+    said = [f"Written from tools/objects/{node.path.name}"]
+    if node.extension:
+        said += [f"and tools/objects/{node.extension['table']}:", f"{node.extension['only']}:"]
+        said += [" ".join(row) for row in rows_of([f"{item.index:04X}h" for item in node.objects if item.further])]
+    return {"Lines": len(said)} | {f"Line{number + 1}": line for number, line in enumerate(said)}
+
+
+def rows_of(words: list[str], each: int = 12) -> list[list[str]]:
+    return [words[first:first + each] for first in range(0, len(words), each)]
+
+
 def text(node: Node) -> str:
     objects = [item for item in node.objects if item.index >= FIRST_OBJECT]
     mandatory = [item for item in objects if item.index in MANDATORY]
@@ -115,7 +127,7 @@ def text(node: Node) -> str:
     lines = section("FileInfo", file_info(node))
     lines += section("DeviceInfo", device_info(node))
     lines += section("DummyUsage", {f"Dummy{code:04X}": int(code in dummies) for code in DUMMIES})
-    lines += section("Comments", {"Lines": 1, "Line1": f"Written from tools/objects/{node.path.name}"})
+    lines += section("Comments", comments(node))
     for name, group in (("Mandatory", mandatory), ("Optional", optional), ("Manufacturer", maker)):
         lines += listing(f"{name}Objects", group)
         for item in group:

@@ -5,49 +5,21 @@ Every mistake is a TableError whose text names the file, the object and what is 
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from kinds import TYPES, TableError, Type
+from rules import (
+    ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
+    PDO_BYTES, PDO_KEYS, SHARED_KEYS, check, check_entry, check_keys, check_names, text_size,
+)
 from standard import MAX_MAPPED, dummy_objects, pdo_objects
 
 try:
     import tomllib
 except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
-
-MAX_BYTES = 64  # TUMBLE_MAX_OBJECT_BYTES
-MAX_CONSUMERS = 4  # TUMBLE_MAX_CONSUMERS
-PDO_BYTES = 8
-
-HOMES = ("value", "variable", "other", "computed", "communication")
-ACCESSES = ("ro", "rw", "wo", "const")
-MAPS = (None, "receive", "transmit", "both")
-KINDS = ("var", "array", "record")
-
-# Keys of [[object]] that its subs inherit, and those that only one of the two may have.
-SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct"}
-OBJECT_KEYS = {"index", "name", "kind", "about", "subs", "count_access", "values", "runs"}
-ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size", "apart"}
-NODE_KEYS = {
-    "name", "id", "prefix", "header", "source", "include", "includes", "eds", "about", "device_name",
-    "hardware_version", "software_version", "device_type", "vendor", "product", "revision", "serial", "heartbeat_ms",
-    "consumers", "on_error", "dummies",
-}
-OPTIONAL_NODE_KEYS = {"includes", "dummies"}
-# What is not text.
-NUMBER = (int, float)
-KEY_TYPES = {
-    "object": list, "receive_pdo": list, "transmit_pdo": list, "node": dict, "lists": dict, "index": int, "subs": list,
-    "low": NUMBER, "high": NUMBER, "value": (int, float, str), "size": int, "id": int, "includes": list,
-    "device_type": int, "vendor": int, "product": int, "revision": int, "serial": int, "heartbeat_ms": int,
-    "consumers": list, "on_error": int, "dummies": bool, "cob_id": int, "inhibit_100us": int, "event_ms": int,
-    "map": (str, list), "type": (str, int), "runs": bool, "apart": bool,
-}
-PDO_KEYS = {"cob_id", "type", "inhibit_100us", "event_ms", "map"}
-
 
 @dataclass
 class Entry:
@@ -94,6 +66,10 @@ class Object:
     entries: list[Entry]
     runs: bool = False  # entries of one type that follow each other do so in the struct as well
     common: bool = False  # of all nodes
+    modbus: dict = field(default_factory=dict)  # where its registers are: see registers.py
+    like: int = 0  # the object that this one is laid out as, if their values are told apart by the index alone
+    further: bool = False  # of the node's extension
+    saved: bool = False  # 1010h keeps its values
 
     @property
     def is_var(self) -> bool:
@@ -117,6 +93,7 @@ class Node:
     receive: list[Pdo]
     transmit: list[Pdo]
     lists: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    extension: dict = field(default_factory=dict)  # settings of the table behind the first; none: no such table
 
     @property
     def id(self) -> int:
@@ -136,24 +113,13 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
-def check(good: bool, where: str, what: str) -> None:
-    if not good:
-        raise TableError(f"{where}: {what}")
-
-
-def check_keys(table: object, allowed: set[str], where: str) -> None:
-    check(isinstance(table, dict), where, "is not a table")
-    unknown = sorted(set(table) - allowed)
-    check(not unknown, where, f"unknown key {', '.join(unknown)}")
-    for key, value in table.items():
-        wanted = KEY_TYPES.get(key, str)
-        check(isinstance(value, wanted), where, f"{key} has a value of the wrong type")
-
-
-def check_names(names: list[str], where: str) -> None:
-    """Tools find objects by their names."""
-    twice = sorted({name for name in names if names.count(name) > 1})
-    check(not twice, where, f"the name {', '.join(twice)} is there twice")
+def expanded(tables: list[dict]) -> list[dict]:
+    """An object that is `like` another has all that it does not say itself from that one."""
+    by_index = {table["index"]: table for table in tables if isinstance(table.get("index"), int)}
+    for table in tables:
+        check("like" not in table or table["like"] in by_index, f"object {table.get('index')}", "is like none")
+    return [{key: value for key, value in by_index.get(table.get("like"), {}).items() if key != "modbus"} | table
+            for table in tables]
 
 
 def read_toml(path: Path) -> dict:
@@ -166,16 +132,25 @@ def read_toml(path: Path) -> dict:
 
 
 class NodeReader:
-    """Builds one Node from its own file and the objects common to all nodes."""
+    """Builds one Node from its own file, the objects common to all nodes, and its extension's file if it has one."""
 
-    def __init__(self, path: Path, common: Path, root: Path):
+    def __init__(self, path: Path, common: Path, root: Path, extension: Path | None = None):
         self.path = path
+        self.file = path.name  # whose objects are being read
         self.root = root
         self.document = read_toml(path)
         self.common = read_toml(common)
+        self.further = read_toml(extension) if extension else {}
         check_keys(self.document, {"node", "object", "receive_pdo", "transmit_pdo", "lists"}, path.name)
         check_keys(self.common, {"object"}, common.name)
         self.settings = self.read_settings()
+        if extension:
+            where = f"{extension.name}: [extension]"
+            check_keys(self.further, {"extension", "object", "transmit_pdo", "lists"}, extension.name)
+            check_keys(self.further.get("extension"), EXTENSION_KEYS, where)
+            missing = sorted(EXTENSION_KEYS - set(self.further["extension"]))
+            check(not missing, where, f"lacks {', '.join(missing)}")
+            self.further["extension"]["table"] = extension.name
 
     def read_settings(self) -> dict:
         where = f"{self.path.name}: [node]"
@@ -195,35 +170,50 @@ class NodeReader:
         return settings
 
     def read(self) -> Node:
-        tables = self.common["object"] + self.document.get("object", [])
-        if self.settings.get("dummies"):
-            tables += dummy_objects()
+        pdos = self.document.get("transmit_pdo", [])
         receive = [self.read_pdo(table, "receive_pdo") for table in self.document.get("receive_pdo", [])]
-        transmit = [self.read_pdo(table, "transmit_pdo") for table in self.document.get("transmit_pdo", [])]
-        tables += pdo_objects(receive, 0x1400, False) + pdo_objects(transmit, 0x1800, True)
-        objects = sorted((self.read_object(table) for table in tables), key=lambda item: item.index)
-        node = Node(self.path, self.settings, objects, [], [])
-        indices = [item.index for item in objects]
-        for item in objects:
+        transmit = [self.read_pdo(table, "transmit_pdo") for table in pdos + self.further.get("transmit_pdo", [])]
+        tables = self.common["object"] + self.document.get("object", [])
+        tables += dummy_objects() if self.settings.get("dummies") else []
+        first, behind = (pdo_objects(transmit, 0x1800, True)[part] for part in
+                         (slice(2 * len(pdos)), slice(2 * len(pdos), None)))  # two objects each
+        tables += pdo_objects(receive, 0x1400, False) + first
+        objects = [self.read_object(table) for table in expanded(tables)]
+        self.file = self.further.get("extension", {}).get("table", self.file)
+        for table in expanded(self.further.get("object", [])) + behind:
+            objects.append(self.read_object(table))
+            objects[-1].further = True
+        return self.join(objects, receive, transmit)
+
+    def join(self, objects: list[Object], receive: list[dict], transmit: list[dict]) -> Node:
+        """Check what only all objects together can tell, and resolve the PDOs."""
+        node = Node(self.path, self.settings, sorted(objects, key=lambda item: item.index), [], [],
+                    extension=self.further.get("extension", {}))
+        indices = [item.index for item in node.objects]
+        for item in node.objects:
             item.common = item.index in {table.get("index") for table in self.common["object"]}
-        for index in indices:
-            check(indices.count(index) == 1, self.path.name, f"object {index:04X}h is there twice")
-        check_names([item.name for item in objects], self.path.name)
+            check(indices.count(item.index) == 1, self.path.name, f"object {item.index:04X}h is there twice")
+            for entry in item.entries:
+                check(not item.further or entry.home in ("value", "computed", "communication"), self.path.name,
+                      f"object {item.index:04X}h: an extension has no variables of its own")
+        check_names([item.name for item in node.objects], self.path.name)
         node.receive = self.resolve_pdos(receive, node, "receive", 0x1600)
         node.transmit = self.resolve_pdos(transmit, node, "transmit", 0x1A00)
-        node.lists = {name: read_list(self.root / path, name) for name, path in self.document.get("lists", {}).items()}
+        lists = self.document.get("lists", {}) | self.further.get("lists", {})
+        node.lists = {name: read_list(self.root / path, name) for name, path in lists.items()}
         return node
 
     def read_object(self, table: dict) -> Object:
         index = table.get("index")
-        where = f"{self.path.name}: object {index:04X}h" if isinstance(index, int) else f"{self.path.name}: an object"
+        where = f"{self.file}: object {index:04X}h" if isinstance(index, int) else f"{self.file}: an object"
         check_keys(table, OBJECT_KEYS | ENTRY_KEYS, where)
         check("index" in table and "name" in table, where, "needs index and name")
         kind = table.get("kind", "var")
         check(kind in KINDS, where, f"kind is not one of {', '.join(KINDS)}")
         check(0 < table["index"] <= 0xFFFF, where, "index is out of range")
         item = Object(table["index"], table["name"], kind, table.get("about", ""), table.get("values"), [],
-                      table.get("runs", kind == "array"))
+                      table.get("runs", kind == "array"), modbus=table.get("modbus", {}), like=table.get("like", 0),
+                      saved=table.get("saved", False))
         if item.is_var:
             own = {key: value for key, value in table.items() if key in ENTRY_KEYS and key != "about"}
             item.entries.append(self.read_entry(own, item, 0))
@@ -234,7 +224,7 @@ class NodeReader:
     def read_subs(self, table: dict, item: Object) -> list[Entry]:
         shared = {key: value for key, value in table.items() if key in SHARED_KEYS}
         subs = table.get("subs", [])
-        where = f"{self.path.name}: object {item.index:04X}h"
+        where = f"{self.file}: object {item.index:04X}h"
         check(all(isinstance(sub, dict) for sub in subs), where, "a sub is not a table")
         numbers = [sub.get("sub", position + 1) for position, sub in enumerate(subs)]
         check(subs != [] and numbers == sorted(set(numbers)), where, "its subs are missing or out of order")
@@ -249,7 +239,7 @@ class NodeReader:
         return entries
 
     def read_entry(self, table: dict, item: Object, subindex: int) -> Entry:
-        where = f"{self.path.name}: object {item.index:04X}h:{subindex}"
+        where = f"{self.file}: object {item.index:04X}h:{subindex}"
         check_keys(table, ENTRY_KEYS, where)
         check("name" in table, where, "needs a name")
         check(table.get("type") in TYPES, where, f"type is not one of {', '.join(TYPES)}")
@@ -265,7 +255,7 @@ class NodeReader:
             home=home,
             size=text_size(table, kind, value, home),
             value=value,
-            **{key: table[key] for key in ("map", "low", "high", "unit", "about", "struct", "member", "apart") if key in table},
+            **{key: table[key] for key in OPTIONAL_ENTRY_KEYS if key in table},
         )
         if entry.home == "variable":
             entry.struct = f"{self.settings['prefix']}_objects_t"
@@ -308,51 +298,6 @@ class NodeReader:
             pdos.append(Pdo(table["cob_id"], table["type"], table.get("inhibit_100us", 0), table.get("event_ms", 0),
                             mapped))
         return pdos
-
-
-def text_size(table: dict, kind: Type, value: object, home: str) -> int:
-    if not kind.is_text:
-        return kind.size
-    return table.get("size", len(str(value)) if home == "value" else 0)
-
-
-def check_entry(entry: Entry, where: str) -> None:
-    kind = entry.type
-    check(entry.access in ACCESSES, where, f"access is not one of {', '.join(ACCESSES)}")
-    check(entry.home in HOMES, where, f"home is not one of {', '.join(HOMES)}")
-    check(entry.map in MAPS, where, "map is not receive, transmit or both")
-    check(1 <= entry.size <= MAX_BYTES, where, f"its size is not within 1 to {MAX_BYTES} bytes")
-    check(entry.home != "value" or entry.value is not None, where, "home value without a value")
-    check(entry.home != "value" or entry.access in ("ro", "const") or entry.index < 0x1000, where,
-          "a constant that can be written")
-    check(entry.home != "other" or (entry.struct and entry.member), where, "home other needs struct and member")
-    check(not entry.map or (entry.size <= PDO_BYTES and not kind.is_text and kind.key != "bool"), where,
-          "cannot be mapped into a PDO")
-    writable = entry.access in ("rw", "wo")
-    check(entry.map not in ("receive", "both") or writable, where, "mapped to receive, not writable")
-    check(entry.map not in ("transmit", "both") or entry.access != "wo", where, "mapped to transmit, not readable")
-    check_range(entry, where)
-
-
-def check_range(entry: Entry, where: str) -> None:
-    kind = entry.type
-    limited = entry.low is not None or entry.high is not None
-    check(not limited or (entry.low is not None and entry.high is not None), where, "needs both low and high")
-    check(not limited or not kind.is_text, where, "a text has no limits")
-    check(not limited or kind.size < 8 or kind.is_real, where, "64-bit integers have no limits")
-    check(not limited or entry.low <= entry.high, where, "low is above high")
-    if isinstance(entry.value, str) and entry.value.startswith("$NODEID"):
-        return
-    if kind.is_text:
-        check(entry.value is None or len(str(entry.value).encode()) <= entry.size, where, "its text is too long")
-        return
-    for number in (value for value in (entry.value, entry.low, entry.high) if value is not None):
-        good = isinstance(number, (int, float)) and math.isfinite(number)
-        check(good, where, f"{number!r} is not a number")
-        if kind.is_integer:
-            check(isinstance(number, int) and kind.low <= number <= kind.high, where, f"{number} is not {kind.name}")
-    if limited and entry.value is not None:
-        check(entry.low <= entry.value <= entry.high, where, "its value is outside its limits")
 
 
 def read_list(path: Path, name: str) -> list[tuple[str, str]]:

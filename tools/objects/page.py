@@ -34,14 +34,23 @@ def node_part(node: Node) -> list[str]:
     lines = [f"## Node {node.id}: {node.settings['name']}", "", f"{node.settings['about']} [EDS]({eds}).", ""]
     for name, pdos in (("Receive", node.receive), ("Transmit", node.transmit)):
         lines += [pdo_line(name, number + 1, pdo, node.id) for number, pdo in enumerate(pdos)]
-    lines += ["", "| object | name | type | access | power-on | limits | unit |", "|---|---|---|---|---|---|---|"]
-    for item in node.objects:
-        lines += rows(item)
-    lines.append("")
-    lines += notes(item for item in node.objects if not item.common)
+    lines += object_table([item for item in node.objects if not item.further])
+    if node.extension:
+        lines += [f"### Further objects of node {node.id}", "", f"{node.extension['only']}. In the same EDS file."]
+        lines += object_table([item for item in node.objects if item.further])
+    saved = ", ".join(f"{item.index:04X}h" for item in node.objects if item.saved)
+    lines += [f"Kept by 1010h: {saved}.", ""] if saved else []
     for name, pairs in node.lists.items():
         lines += value_list(name, pairs)
     return lines
+
+
+def object_table(objects: list[Object]) -> list[str]:
+    """The objects, and what those of them that are not every node's mean."""
+    lines = ["", "| object | name | type | access | power-on | limits | unit |", "|---|---|---|---|---|---|---|"]
+    for item in objects:
+        lines += rows(item)
+    return [*lines, "", *notes(item for item in objects if not item.common)]
 
 
 def pdo_line(name: str, number: int, pdo: Pdo, node: int) -> str:
@@ -100,7 +109,8 @@ def notes(objects: Iterable[Object]) -> list[str]:
     lines = []
     for item in objects:
         said = [item.about] if item.about else []
-        said += [f"{entry.name}: {entry.about}" for entry in item.entries if entry.about and not item.is_var]
+        explain = not item.is_var and item.like in (0, item.index)  # those like it mean the same
+        said += [f"{entry.name}: {entry.about}" for entry in item.entries if entry.about and explain]
         if item.values:
             said.append(f"Numbers: see {item.values}_... below.")
         if said:

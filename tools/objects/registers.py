@@ -1,0 +1,257 @@
+"""The Modbus registers of tumble-gateway: those of node 1's objects (their key `modbus`) and its own (gateway.toml)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from model import Entry, Node, Object, check, read_toml, slug
+
+LAST = 0xFFFF
+VALIDITY_BITS = 16
+GROUP_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept"}
+OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
+OWN_TYPES = ("u16", "u32", "i32", "f32")
+
+# Form of a value in registers: number of words (0: the text's own), words for a person.
+WORD, LONG, QUAD, FLOAT, SCALED, TEXT = "WORD", "LONG", "QUAD", "FLOAT", "SCALED", "TEXT"
+WORDS = {WORD: 1, LONG: 2, QUAD: 4, FLOAT: 2, SCALED: 2}
+FORMS = {
+    "bool": (WORD, "u16"), "u8": (WORD, "u16"), "u16": (WORD, "u16"), "i8": (WORD, "i16"), "i16": (WORD, "i16"),
+    "u32": (LONG, "u32"), "i32": (LONG, "i32"), "u64": (QUAD, "u64"), "i64": (QUAD, "i64"),
+    "f32": (FLOAT, "f32"), "f64": (FLOAT, "f32"), "text": (TEXT, "text"),
+}
+
+
+@dataclass
+class Register:
+    """One value in registers, or the validity of a group."""
+
+    table: str  # "input" or "holding"
+    at: int
+    words: int
+    type: str  # for a person: u16, i16, u32, i32, u64, i64, f32, text
+    name: str
+    unit: str = ""
+    about: str = ""
+    access: str = "ro"
+    scale: float | None = None  # of one unit of an integer
+    form: str = ""
+    entry: Entry | None = None
+    validity: int | None = None
+    bit: int | None = None
+    kept: bool = False  # read anew only when a mark has changed
+
+    @property
+    def end(self) -> int:
+        return self.at + self.words
+
+    @property
+    def place(self) -> str:
+        return str(self.at) if self.words == 1 else f"{self.at}-{self.end - 1}"
+
+
+@dataclass
+class Map:
+    version: int
+    input: list[Register]
+    holding: list[Register]
+    counters_at: int
+    counters: list[Register]
+    commands: list[Object]
+    marks: list[Entry]
+    gateway: int  # registers below are the gateway's own
+
+    @property
+    def values(self) -> list[Register]:
+        """Those that come from the node; those of one object together, so that it is read once."""
+        mine = [register for register in self.input if register.entry]
+        return sorted(mine, key=lambda register: (register.entry.key, register.at))
+
+
+def read(path: Path, node: Node) -> Map:
+    document = read_toml(path)
+    where = path.name
+    wanted = {"map_version", "common", "input", "counters", "holding"}
+    check(set(document) == wanted, where, f"must hold {', '.join(sorted(wanted))} and nothing else")
+    objects = {item.index: item for item in node.objects}
+    for table in document["common"]:
+        check(table.get("index") in objects, where, f"no object {table.get('index')}")
+        objects[table["index"]].modbus = table["modbus"]
+    own = [own_register(table, "input", where) for table in document["input"]]
+    counters = counter_registers(document["counters"])
+    mapped = [item for item in node.objects if item.modbus]
+    groups = [register for item in mapped for register in group(item, f"{node.path.name}: object {item.index:04X}h")]
+    holding = [own_register(table, "holding", where) for table in document["holding"]]
+    made = Map(document["map_version"], in_order([*own, *counters, *groups]), in_order(holding),
+               document["counters"]["at"], counters, command_objects(mapped, node),
+               [entry for item in mapped for entry in marks(item)], max(r.end for r in [*own, *counters]))
+    check(min(register.at for register in groups) >= made.gateway, where, "an object lies among the gateway's own")
+    return made
+
+
+def own_register(table: dict, name: str, where: str) -> Register:
+    check({"at", "name", "type"} <= set(table) <= OWN_KEYS, where, f"a register with wrong keys: {table}")
+    check(table["type"] in OWN_TYPES, where, f"{table['name']}: type is not one of {', '.join(OWN_TYPES)}")
+    form, type_name = FORMS[table["type"]]
+    return Register(name, table["at"], WORDS[form], type_name, table["name"], table.get("unit", ""),
+                    table.get("about", ""), table.get("access", "ro"), table.get("scale"))
+
+
+def counter_registers(table: dict) -> list[Register]:
+    return [Register("input", table["at"] + 2 * place, 2, "u32", name, "", about)
+            for place, (name, about) in enumerate(table["names"])]
+
+
+def group(item: Object, where: str) -> list[Register]:
+    """Validity, then the values of an object one after the other; and the same again as scaled integers."""
+    keys = item.modbus
+    check(set(keys) <= GROUP_KEYS, where, f"modbus may have the keys {', '.join(sorted(GROUP_KEYS))}")
+    if "command" in keys:
+        check(set(keys) == {"command"}, where, "a command object has no other registers")
+        return []
+    check("at" in keys, where, "modbus needs at")
+    check(("scaled_at" in keys) == ("scale" in keys), where, "modbus needs both scaled_at and scale, or neither")
+    readable = [entry for entry in item.entries if entry.access != "wo" and (item.is_var or entry.subindex)]
+    check(0 < len(readable) <= VALIDITY_BITS, where, f"modbus: not 1 to {VALIDITY_BITS} values that can be read")
+    made = block(item, readable, keys["at"], None)
+    if "scaled_at" in keys:
+        check(keys["scale"] > 0, where, "modbus: scale is not above 0")
+        made += block(item, readable, keys["scaled_at"], keys["scale"])
+    return made
+
+
+def block(item: Object, entries: list[Entry], at: int, scale: float | None) -> list[Register]:
+    about = "Bit n: the value of place n below is there." if scale is None else "As for the numbers in floating point."
+    title = item.name if scale is None else f"{item.name}, scaled"
+    made = [Register("input", at, 1, "u16", f"{title}: valid", about=about)]
+    for bit, entry in enumerate(entries):
+        if scale is not None and not entry.type.is_real:
+            continue
+        form, type_name = FORMS[entry.type.key] if scale is None else (SCALED, "i32")
+        words = WORDS.get(form) or (entry.size + 1) // 2
+        name = entry.name if item.is_var else f"{item.name}: {entry.name}"
+        made.append(Register("input", made[-1].end, words, type_name, name, entry.unit, entry.about, scale=scale,
+                             form=form, entry=entry, validity=at, bit=bit, kept=item.modbus.get("kept", False)))
+    return made
+
+
+def in_order(registers: list[Register]) -> list[Register]:
+    ordered = sorted(registers, key=lambda register: register.at)
+    for before, after in zip(ordered, ordered[1:]):
+        check(before.end <= after.at, "Modbus map", f"{before.name!r} and {after.name!r} overlap at {after.at}")
+    check(ordered[-1].end <= LAST, "Modbus map", f"ends beyond {LAST}")
+    return ordered
+
+
+def command_objects(items: list[Object], node: Node) -> list[Object]:
+    """In the order of their numbers; each has its argument at subindex 1 and its command at subindex 2, as u8, and may
+    have an angle at subindex 3, as f64."""
+    found = sorted((item for item in items if "command" in item.modbus), key=lambda item: item.modbus["command"])
+    where = f"{node.path.name}: command objects"
+    check([item.modbus["command"] for item in found] == list(range(len(found))), where, "are not numbered from 0 on")
+    for item in found:
+        types = [entry.type.key for entry in item.entries[1:]]
+        check(types in (["u8", "u8"], ["u8", "u8", "f64"]), where, f"{item.index:04X}h is not u8, u8 and maybe f64")
+    check(found != [], where, "there is none")
+    return found
+
+
+def marks(item: Object) -> list[Entry]:
+    """Values that tell by a change that the results, and whatever else is kept, are others."""
+    by_subindex = {entry.subindex: entry for entry in item.entries}
+    wanted = item.modbus.get("marks", [])
+    check(set(wanted) <= set(by_subindex), f"object {item.index:04X}h", "modbus: marks what does not exist")
+    check(all(by_subindex[sub].size <= 8 for sub in wanted), f"object {item.index:04X}h", "modbus: a mark is too long")
+    return [by_subindex[sub] for sub in wanted]
+
+
+NOTICE = "Written by tools/objects/generate from the tables beside it: change them there."
+
+
+def macro(register: Register) -> str:
+    return slug(register.name).upper()
+
+
+def header(registers: Map) -> str:
+    """The numbers of the gateway's own registers."""
+    own = [register for register in registers.input if register.at < registers.counters_at]
+    width = max(register.end for register in registers.input)
+    lines = [
+        f"/* {NOTICE} */",
+        "#ifndef TUMBLE_GATEWAY_REGISTER_MAP_H",
+        "#define TUMBLE_GATEWAY_REGISTER_MAP_H",
+        "",
+        f"#define GATEWAY_MAP_VERSION {registers.version}U",
+        "",
+        "/* Input registers; the gateway's own are those below GATEWAY_OWN_END. */",
+        *(f"#define GATEWAY_INPUT_{macro(register)} {register.at}U" for register in own),
+        f"#define GATEWAY_INPUT_COUNTERS {registers.counters_at}U",
+        f"#define GATEWAY_OWN_END {registers.gateway}U",
+        f"#define GATEWAY_INPUT_END {width}U",
+        "",
+        "/* Holding registers. */",
+        *(f"#define GATEWAY_HOLDING_{macro(register)} {register.at}U" for register in registers.holding),
+        f"#define GATEWAY_HOLDING_END {registers.holding[-1].end}U",
+        "",
+        "/* Counters: two registers each. */",
+        "enum {",
+        *(f"    GATEWAY_COUNT_{macro(register)}," for register in registers.counters),
+        "    GATEWAY_COUNTERS",
+        "};",
+        "",
+        f"#define GATEWAY_VALUES {len(registers.values)}U",
+        f"#define GATEWAY_MARKS {len(registers.marks)}U",
+        f"#define GATEWAY_COMMAND_OBJECTS {len(registers.commands)}U",
+        "",
+        "#endif",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def source(registers: Map) -> str:
+    rows = [f"    {{{one.at}U, {one.words}U, GATEWAY_FORM_{one.form}, {one.validity}U, {one.bit}U, "
+            f"{object_cells(one.entry)}, {str(one.kept).lower()}, {one.scale or 0.0!r}}}," for one in registers.values]
+    parts = [
+        f"/* {NOTICE} */",
+        '#include "registers.h"',
+        "",
+        '#include "canopen/dictionary.h"',
+        "",
+        "const gateway_value_t gateway_values[GATEWAY_VALUES] = {",
+        *rows,
+        "};",
+        "",
+        "const gateway_object_t gateway_marks[GATEWAY_MARKS] = {",
+        *(f"    {{{object_cells(entry)}}}," for entry in registers.marks),
+        "};",
+        "",
+        "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",
+        *(f"    0x{item.index:04X}U, /* {item.name} */" for item in registers.commands),
+        "};",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def object_cells(entry: Entry) -> str:
+    return f"0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {entry.size}U"
+
+
+CSV_HEAD = "table,register,words,type,scale,access,unit,index,subindex,valid_register,valid_bit,name"
+
+
+def csv(registers: Map) -> str:
+    """What scripts read: registers by number from 0; numbers of more than one word have the high word first."""
+    return "\n".join([CSV_HEAD, *(csv_row(register) for register in [*registers.input, *registers.holding])]) + "\n"
+
+
+def csv_row(register: Register) -> str:
+    entry = register.entry
+    cells = [register.table, register.at, register.words, register.type, register.scale, register.access,
+             register.unit, f"{entry.index:04X}" if entry else None, entry.subindex if entry else None,
+             register.validity, register.bit, register.name]
+    return ",".join("" if cell is None else quoted(str(cell)) for cell in cells)
+
+
+def quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"') else text

@@ -1,0 +1,65 @@
+"""From the map of Modbus registers to docs/modbus.md."""
+
+from __future__ import annotations
+
+from registers import Map, Register
+
+HEAD = """\
+# Modbus registers
+
+<!-- Written by tools/objects/generate: change tools/objects/*.toml instead. -->
+
+What `tumble-gateway` serves; how it behaves stands in [gateway.md](gateway.md), the same table for scripts in
+[modbus.csv](modbus.csv). This is version {version} of the map.
+
+- Registers are numbered from 0, as they travel. Many tools count from 1: there it is one more.
+- Input registers are read with function 04, holding registers with 03 and written with 06 or 16. Nothing else is
+  served. A request may have up to 125 registers (16: up to 123) and may span registers that the table does not name:
+  they read as 0.
+- **Order of words and bytes**: big-endian throughout. A number of two or four registers has its high word first (ABCD).
+  Texts have two characters in a register, the first in its high byte, zeros behind. Whoever reads the magic word as
+  5455 4D42h and the known number as 123456.0 has it right.
+- **What is not known**: each group of values begins with a register whose bit n says that the value of place n (from 0,
+  in the order of the table) is there. Where the bit is 0 the value is 0 and means nothing: there is no result yet, the
+  node refused it, or it does not fit the registers. No value is ever infinite or not a number.
+- **Scaled numbers**: multiply the i32 by the scale. They resolve more than f32 does: 1e-8 V/g of 2 V/g against 1.2e-7.
+"""
+
+
+def page(registers: Map) -> str:
+    lines = [HEAD.format(version=registers.version), "## Input registers", "", "### The gateway's own", ""]
+    lines += own_table([register for register in registers.input if register.at < registers.gateway])
+    lines += ["", "### The node's", "", "Objects and subindices are those of [canopen.md](canopen.md), which says what "
+              "they mean; `valid` is register and bit.", ""]
+    lines += ["| register | name | type | unit | object | valid |", "|---|---|---|---|---|---|"]
+    lines += [node_row(register) for register in registers.input if register.at >= registers.gateway]
+    lines += ["", "## Holding registers", "", "Written only with `--allow-commands`, in a session that is unlocked."]
+    lines += [""]
+    lines += own_table(registers.holding)
+    lines += ["", "Command objects:", "", "| number | object | name |", "|---|---|---|"]
+    lines += [f"| {number} | {item.index:04X}h | {item.name} |" for number, item in enumerate(registers.commands)]
+    marks = ", ".join(f"{entry.name} ({entry.where})" for entry in registers.marks)
+    lines += ["", f"A snapshot is published only if these were the same before and after it was read: {marks}."]
+    return "\n".join(lines) + "\n"
+
+
+def own_table(registers: list[Register]) -> list[str]:
+    lines = ["| register | name | type | unit | access | meaning |", "|---|---|---|---|---|---|"]
+    return lines + [f"| {one.place} | {one.name} | {number(one)} | {one.unit} | {one.access} | {cell(one.about)} |"
+                    for one in registers]
+
+
+def node_row(register: Register) -> str:
+    entry = register.entry
+    if entry is None:
+        return f"| {register.place} | **{cell(register.name)}** | bits | | | |"
+    return (f"| {register.place} | {cell(register.name)} | {number(register)} | {cell(register.unit)} | {entry.where} "
+            f"| {register.validity}.{register.bit} |")
+
+
+def number(register: Register) -> str:
+    return register.type if register.scale is None else f"{register.type} x {register.scale:g}"
+
+
+def cell(text: str) -> str:
+    return text.replace("|", "\\|")
