@@ -1,0 +1,168 @@
+#define _GNU_SOURCE /* getopt_long */
+
+#include "options.h"
+
+#include "arguments.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+const char gateway_options_help[] =
+    "usage: tumble-gateway --can INTERFACE [options]\n"
+    "\n"
+    "Serves what the navigation computer on a CAN interface of Linux knows as Modbus registers: over TCP, on\n"
+    "a serial line, or both. Read only, and on this machine alone, unless told otherwise. The registers stand\n"
+    "in docs/modbus.md. Runs until SIGTERM or SIGINT; no root needed.\n"
+    "\n"
+    "  --can INTERFACE           such as can0 or vcan0\n"
+    "  --tcp HOST:PORT           where to listen (default 127.0.0.1:1502; [::1]:1502; port 0: any); none: not\n"
+    "  --rtu DEVICE,BAUD,PARITY  a serial line as well, such as /dev/ttyUSB0,19200,E (parity N, E or O)\n"
+    "  --unit N                  Modbus unit that is answered (default 1)\n"
+    "  --node N                  CANopen node that is asked (default 1)\n"
+    "  --poll MS                 time from one reading of the node to the next (default 1000)\n"
+    "  --idle S                  close a TCP client after such a silence (default 60)\n"
+    "  --allow-commands          a session may command the node once it is unlocked\n"
+    "  --unlock S                it locks itself so long after its last write (default 60)\n"
+    "  --help                    print this\n"
+    "\n"
+    "Exit codes: 0 told to end; 2 bad usage, or no such interface; 3 it cannot listen, or the line cannot be\n"
+    "opened; 77 this kernel has no CAN.\n";
+
+#define DEFAULT_TCP "127.0.0.1:1502"
+#define US_PER_MS 1000U
+#define US_PER_S 1000000U
+
+enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK, HELP };
+
+static const struct option OPTIONS[] = {
+    {"can", required_argument, NULL, CAN},       {"tcp", required_argument, NULL, TCP},
+    {"rtu", required_argument, NULL, RTU},       {"unit", required_argument, NULL, UNIT},
+    {"node", required_argument, NULL, NODE},     {"poll", required_argument, NULL, POLL},
+    {"idle", required_argument, NULL, IDLE},     {"allow-commands", no_argument, NULL, ALLOW},
+    {"unlock", required_argument, NULL, UNLOCK}, {"help", no_argument, NULL, HELP},
+    {0},
+};
+
+/* HOST:PORT; a host in brackets may have colons. */
+static bool take_tcp(gateway_options_t *options, const char *text)
+{
+    uint64_t port = 0;
+    const char *const colon = strrchr(text, ':');
+    options->has_tcp = strcmp(text, "none") != 0;
+    if (!options->has_tcp) {
+        return true;
+    }
+    const bool in_brackets = *text == '[' && colon != NULL && colon > text + 1 && colon[-1] == ']';
+    const char *const host = text + (in_brackets ? 1 : 0);
+    const size_t size = (colon != NULL) ? (size_t)(colon - host) - (in_brackets ? 1U : 0U) : 0U;
+    if (size == 0U || size >= sizeof options->host || (!in_brackets && memchr(host, ':', size) != NULL)) {
+        return arguments_refuse("--tcp", "must be HOST:PORT, [ADDRESS]:PORT or none");
+    }
+    if (!arguments_whole("--tcp: port", colon + 1, 0, 65535, &port)) {
+        return false;
+    }
+    memcpy(options->host, host, size);
+    options->host[size] = '\0';
+    (void)snprintf(options->port, sizeof options->port, "%u", (unsigned)port);
+    return true;
+}
+
+/* DEVICE,BAUD,PARITY */
+static bool take_rtu(gateway_options_t *options, const char *text)
+{
+    char baud_text[12];
+    uint64_t baud = 0;
+    const char *const first = strchr(text, ',');
+    const char *const second = (first != NULL) ? strchr(first + 1, ',') : NULL;
+    const size_t size = (first != NULL) ? (size_t)(first - text) : 0U;
+    if (second == NULL || size == 0U || size >= sizeof options->serial.device || strchr("NEO", second[1]) == NULL ||
+        second[1] == '\0' || second[2] != '\0' || (size_t)(second - first) > sizeof baud_text) {
+        return arguments_refuse("--rtu", "must be DEVICE,BAUD,PARITY with parity N, E or O");
+    }
+    (void)snprintf(baud_text, sizeof baud_text, "%.*s", (int)(second - first - 1), first + 1);
+    if (!arguments_whole("--rtu: baud", baud_text, 1200, 921600, &baud)) {
+        return false;
+    }
+    memcpy(options->serial.device, text, size);
+    options->serial.device[size] = '\0';
+    options->serial.baud = (int)baud;
+    options->serial.parity = second[1];
+    options->has_serial = true;
+    return true;
+}
+
+static bool take_byte(const char *option, uint64_t high, uint8_t *value)
+{
+    uint64_t number = 0;
+    if (!arguments_whole(option, optarg, 1, high, &number)) {
+        return false;
+    }
+    *value = (uint8_t)number;
+    return true;
+}
+
+static bool take_time(const char *option, uint64_t low, uint64_t high, uint64_t unit_us, uint64_t *value_us)
+{
+    if (!arguments_whole(option, optarg, low, high, value_us)) {
+        return false;
+    }
+    *value_us *= unit_us;
+    return true;
+}
+
+static bool take(gateway_options_t *options, int option)
+{
+    gateway_settings_t *const settings = &options->settings;
+    switch (option) {
+    case CAN:
+        options->can = optarg;
+        return true;
+    case TCP:
+        return take_tcp(options, optarg);
+    case RTU:
+        return take_rtu(options, optarg);
+    case UNIT:
+        return take_byte("--unit", 247, &settings->unit);
+    case NODE:
+        return take_byte("--node", 127, &settings->node);
+    case POLL:
+        return take_time("--poll", 50, 3600000, US_PER_MS, &settings->poll_us);
+    case IDLE:
+        return take_time("--idle", 1, 86400, US_PER_S, &settings->idle_us);
+    case ALLOW:
+        settings->allow_commands = true;
+        return true;
+    case UNLOCK:
+        return take_time("--unlock", 1, 3600, US_PER_S, &settings->unlock_us);
+    case HELP:
+        options->help = true;
+        return true;
+    default:
+        return false; /* getopt_long has said what is wrong */
+    }
+}
+
+bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
+{
+    int option;
+    *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
+                                                .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
+    (void)take_tcp(options, DEFAULT_TCP);
+    while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
+        if (!take(options, option)) {
+            return false;
+        }
+    }
+    if (options->help) {
+        return true;
+    }
+    if (optind != count) {
+        return arguments_refuse(arguments[optind], "is no option; see --help");
+    }
+    if (options->can == NULL || *options->can == '\0') {
+        return arguments_refuse("--can", "is missing: the CAN interface");
+    }
+    return options->has_tcp || options->has_serial ||
+           arguments_refuse("--tcp none", "needs --rtu, or there is nothing to serve");
+}

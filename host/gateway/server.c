@@ -1,0 +1,290 @@
+#define _GNU_SOURCE
+
+#include "server.h"
+
+#include "client.h"
+#include "listener.h"
+#include "notify.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#define US_PER_MS 1000U
+#define MAX_READY 16
+#define LONGEST_WAIT_MS 60000U
+#define NAME_BYTES 192
+#define MAX_ACCEPTED 8 /* at one time */
+
+/* What is ready, as epoll's data; clients from CLIENTS on. */
+enum { SIGNALS = 0, LISTENER, BUS, SERIAL, CLIENTS };
+
+typedef struct {
+    gateway_t gateway;
+    gateway_replies_t replies;
+    const tumble_port_t *port;
+    int epoll;
+    int signals;
+    int listener; /* -1: none */
+    bool has_serial;
+    bool has_ended;
+    bool line_hung_up;
+    int watched_line; /* the serial line's descriptor as epoll knows it; -1: it does not */
+    gateway_serial_t serial;
+    gateway_client_t clients[GATEWAY_MAX_CLIENTS];
+    uint32_t watched[GATEWAY_MAX_CLIENTS]; /* EPOLL... bits asked for */
+} server_t;
+
+static uint64_t clock_us(const server_t *server)
+{
+    return server->port->now_us(server->port->context);
+}
+
+static bool watch(const server_t *server, int operation, int fd, uint32_t tag, uint32_t events)
+{
+    struct epoll_event event = {.events = events, .data = {.u32 = tag}};
+    return epoll_ctl(server->epoll, operation, fd, &event) == 0;
+}
+
+/* Clients. */
+
+static void close_client(server_t *server, uint32_t place)
+{
+    gateway_client_close(&server->clients[place], &server->gateway);
+    server->gateway.clients--;
+}
+
+static void step_client(server_t *server, uint32_t place)
+{
+    gateway_client_t *const client = &server->clients[place];
+    if (client->fd < 0) {
+        return;
+    }
+    if (!gateway_client_step(client, &server->gateway, &server->replies, clock_us(server))) {
+        close_client(server, place);
+        return;
+    }
+    const uint32_t events = gateway_client_events(client);
+    if (events != server->watched[place]) {
+        server->watched[place] = events;
+        (void)watch(server, EPOLL_CTL_MOD, client->fd, CLIENTS + place, events);
+    }
+}
+
+static void admit(server_t *server, int fd)
+{
+    uint32_t place = 0;
+    while (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
+        place++;
+    }
+    if (place == GATEWAY_MAX_CLIENTS || !watch(server, EPOLL_CTL_ADD, fd, CLIENTS + place, EPOLLIN)) {
+        gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_REFUSED);
+        (void)close(fd);
+        return;
+    }
+    gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS);
+    gateway_client_open(&server->clients[place], fd, clock_us(server));
+    server->watched[place] = EPOLLIN;
+    server->gateway.clients++;
+}
+
+static void admit_all(server_t *server)
+{
+    int fd;
+    for (int i = 0; i < MAX_ACCEPTED && (fd = gateway_accept(server->listener)) >= 0; i++) {
+        admit(server, fd);
+    }
+}
+
+static void close_idle(server_t *server)
+{
+    const uint64_t now_us = clock_us(server);
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        const gateway_client_t *const client = &server->clients[place];
+        if (client->fd >= 0 && now_us >= gateway_client_deadline_us(client, &server->gateway.settings)) {
+            gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_IDLE);
+            close_client(server, place);
+        }
+    }
+}
+
+/* The serial line. */
+
+static void step_serial(server_t *server)
+{
+    if (!server->has_serial) {
+        return;
+    }
+    gateway_serial_step(&server->serial, &server->gateway, &server->replies, server->line_hung_up, clock_us(server));
+    server->line_hung_up = false;
+    const int fd = server->serial.fd;
+    if (fd >= 0) {
+        const int operation = (server->watched_line == fd) ? EPOLL_CTL_MOD : EPOLL_CTL_ADD;
+        (void)watch(server, operation, fd, SERIAL, gateway_serial_events(&server->serial));
+    }
+    server->watched_line = fd;
+}
+
+/* The loop. */
+
+static void take(server_t *server, const struct epoll_event *ready)
+{
+    switch (ready->data.u32) {
+    case SIGNALS:
+        server->has_ended = true;
+        break;
+    case LISTENER:
+        admit_all(server);
+        break;
+    case BUS: /* the poller is stepped in any case */
+        break;
+    case SERIAL:
+        server->line_hung_up = (ready->events & (EPOLLHUP | EPOLLERR)) != 0U;
+        break;
+    default:
+        step_client(server, ready->data.u32 - CLIENTS);
+        break;
+    }
+}
+
+static uint64_t next_us(const server_t *server)
+{
+    uint64_t next = gateway_poller_next_us(&server->gateway.poller);
+    const uint64_t line_us = server->has_serial ? gateway_serial_next_us(&server->serial) : TUMBLE_NEVER;
+    next = (line_us < next) ? line_us : next;
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        if (server->clients[place].fd >= 0) {
+            const uint64_t at = gateway_client_deadline_us(&server->clients[place], &server->gateway.settings);
+            next = (at < next) ? at : next;
+        }
+    }
+    return next;
+}
+
+static int wait_ms(const server_t *server)
+{
+    const uint64_t now_us = clock_us(server);
+    const uint64_t at_us = next_us(server);
+    const uint64_t ms = (at_us > now_us) ? (at_us - now_us - 1U) / US_PER_MS + 1U : 0U;
+    return (int)((ms < LONGEST_WAIT_MS) ? ms : LONGEST_WAIT_MS);
+}
+
+static void serve(server_t *server)
+{
+    struct epoll_event ready[MAX_READY];
+    while (!server->has_ended) {
+        gateway_poller_step(&server->gateway.poller);
+        step_serial(server);
+        close_idle(server);
+        const int count = epoll_wait(server->epoll, ready, MAX_READY, wait_ms(server));
+        for (int i = 0; i < count; i++) {
+            take(server, &ready[i]);
+        }
+    }
+}
+
+/* Getting ready. */
+
+static int fail(const char *subject, const char *what)
+{
+    (void)fprintf(stderr, "tumble-gateway: %s: %s\n", subject, what);
+    return GATEWAY_EXIT_FAULT;
+}
+
+static int open_signals(void)
+{
+    const struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigset_t set;
+    (void)sigaction(SIGPIPE, &ignore, NULL);
+    (void)sigemptyset(&set);
+    (void)sigaddset(&set, SIGINT);
+    (void)sigaddset(&set, SIGTERM);
+    (void)sigprocmask(SIG_BLOCK, &set, NULL);
+    return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+}
+
+static bool open_events(server_t *server, int can_fd)
+{
+    server->epoll = epoll_create1(EPOLL_CLOEXEC);
+    server->signals = open_signals();
+    return server->epoll >= 0 && watch(server, EPOLL_CTL_ADD, server->signals, SIGNALS, EPOLLIN) &&
+           watch(server, EPOLL_CTL_ADD, can_fd, BUS, EPOLLIN) && gateway_replies_open(&server->replies);
+}
+
+static int open_tcp(server_t *server, const gateway_options_t *options)
+{
+    const char *what = "";
+    server->listener = gateway_listen(options->host, options->port, &what);
+    if (server->listener < 0 || !watch(server, EPOLL_CTL_ADD, server->listener, LISTENER, EPOLLIN)) {
+        return fail(options->host, what);
+    }
+    return GATEWAY_EXIT_TOLD;
+}
+
+static int open_all(server_t *server, const gateway_options_t *options, int can_fd)
+{
+    if (!open_events(server, can_fd)) {
+        return fail("waiting for events", strerror(errno));
+    }
+    if (options->has_serial && !gateway_serial_open(&server->serial, &options->serial)) {
+        return fail(options->serial.device, modbus_strerror(errno));
+    }
+    server->has_serial = options->has_serial;
+    return options->has_tcp ? open_tcp(server, options) : GATEWAY_EXIT_TOLD;
+}
+
+/* One line, for a person, a journal, and whoever asked for any free port. */
+static void announce(const server_t *server, const gateway_options_t *options)
+{
+    char name[NAME_BYTES] = "";
+    if (server->listener >= 0) {
+        gateway_listener_name(server->listener, name, sizeof name);
+    }
+    const char *const between = (server->listener >= 0 && server->has_serial) ? " and " : "";
+    (void)fprintf(stderr, "tumble-gateway: node %u on %s, unit %u at %s%s%s, %s\n", options->settings.node,
+                  options->can, options->settings.unit, name, between,
+                  server->has_serial ? options->serial.device : "",
+                  options->settings.allow_commands ? "commands allowed" : "read only");
+    notify_manager("READY=1");
+}
+
+static void close_all(server_t *server)
+{
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        if (server->clients[place].fd >= 0) {
+            close_client(server, place);
+        }
+    }
+    if (server->has_serial) {
+        gateway_serial_close(&server->serial, &server->gateway);
+    }
+    if (server->listener >= 0) {
+        (void)close(server->listener);
+    }
+    gateway_replies_close(&server->replies);
+    (void)close(server->signals);
+    (void)close(server->epoll);
+}
+
+int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, int can_fd)
+{
+    static server_t server;
+    server = (server_t){.port = port, .listener = -1, .watched_line = -1, .gateway = {.settings = options->settings}};
+    for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
+        server.clients[place].fd = -1;
+    }
+    gateway_poller_init(&server.gateway.poller, port, options->settings.node, options->settings.poll_us,
+                        &server.gateway.counters);
+    const int code = open_all(&server, options, can_fd);
+    if (code == GATEWAY_EXIT_TOLD) {
+        announce(&server, options);
+        serve(&server);
+        notify_manager("STOPPING=1");
+    }
+    close_all(&server);
+    return code;
+}

@@ -1,0 +1,226 @@
+#include "session.h"
+
+#include "image.h"
+
+#include <string.h>
+
+#define MAGIC_WORD 0x54554D42U
+#define KNOWN_NUMBER 123456.0F
+#define NO_AGE UINT32_MAX
+#define US_PER_MS 1000U
+#define US_PER_S 1000000U
+#define LARGEST_BYTE 255U
+#define KEYS 2U
+#define ANGLES_PER_DEG 1e5
+
+#define ACCESS_ALLOWED 1U
+#define ACCESS_UNLOCKED 2U
+
+void gateway_session_open(gateway_session_t *session)
+{
+    *session = (gateway_session_t){0};
+}
+
+static bool is_unlocked(const gateway_session_t *session, uint64_t now_us)
+{
+    return now_us < session->unlocked_until_us;
+}
+
+/* Reading. */
+
+static uint32_t age_ms(const gateway_snapshot_t *snapshot, uint64_t now_us)
+{
+    const uint64_t age = (now_us - snapshot->taken_us) / US_PER_MS;
+    return (snapshot->number == 0U || age > NO_AGE) ? NO_AGE : (uint32_t)age;
+}
+
+/* What is the gateway's own is as it is now, whatever the snapshot. */
+static void put_own(gateway_session_t *session, const gateway_t *gateway, uint64_t now_us)
+{
+    uint16_t *const words = session->snapshot.words;
+    gateway_put_u32(&words[GATEWAY_INPUT_MAGIC_WORD], MAGIC_WORD);
+    words[GATEWAY_INPUT_MAP_VERSION] = GATEWAY_MAP_VERSION;
+    gateway_put_f32(&words[GATEWAY_INPUT_KNOWN_NUMBER], KNOWN_NUMBER);
+    gateway_put_u32(&words[GATEWAY_INPUT_SNAPSHOT_NUMBER], session->snapshot.number);
+    gateway_put_u32(&words[GATEWAY_INPUT_SNAPSHOT_HELD], session->snapshot.number);
+    words[GATEWAY_INPUT_LINK_STATE] = gateway->poller.link_state;
+    gateway_put_u32(&words[GATEWAY_INPUT_AGE_OF_THE_SNAPSHOT], age_ms(&session->snapshot, now_us));
+    words[GATEWAY_INPUT_UNIT] = gateway->settings.unit;
+    words[GATEWAY_INPUT_NODE] = gateway->settings.node;
+    words[GATEWAY_INPUT_ACCESS] = (uint16_t)((gateway->settings.allow_commands ? ACCESS_ALLOWED : 0U) |
+                                             (is_unlocked(session, now_us) ? ACCESS_UNLOCKED : 0U));
+    words[GATEWAY_INPUT_CLIENTS] = gateway->clients;
+    for (size_t i = 0; i < GATEWAY_COUNTERS; i++) {
+        gateway_put_u32(&words[GATEWAY_INPUT_COUNTERS + 2U * i], gateway->counters.count[i]);
+    }
+}
+
+static bool covers_number(uint16_t at, uint16_t count)
+{
+    return at < GATEWAY_INPUT_SNAPSHOT_NUMBER + 2U && at + (unsigned)count > GATEWAY_INPUT_SNAPSHOT_NUMBER;
+}
+
+const uint16_t *gateway_session_input(gateway_session_t *session, const gateway_t *gateway, uint16_t at, uint16_t count,
+                                      uint64_t now_us)
+{
+    const uint64_t held_us = now_us - session->renewed_us;
+    const bool goes_on = at > session->last_at && held_us <= GATEWAY_PASS_US;
+    const bool is_stale = session->snapshot.number == 0U || (held_us > GATEWAY_HOLD_US && !goes_on);
+    if (is_stale || covers_number(at, count)) {
+        session->snapshot = gateway->poller.published;
+        session->renewed_us = now_us;
+    }
+    session->last_at = at;
+    put_own(session, gateway, now_us);
+    return session->snapshot.words;
+}
+
+void gateway_session_holding(const gateway_session_t *session, uint16_t *words, uint64_t now_us)
+{
+    memset(words, 0, GATEWAY_HOLDING_END * sizeof *words);
+    if (is_unlocked(session, now_us)) {
+        words[GATEWAY_HOLDING_UNLOCKED_FOR] =
+            (uint16_t)((session->unlocked_until_us - now_us + US_PER_S - 1U) / US_PER_S);
+    }
+    words[GATEWAY_HOLDING_COMMAND_OBJECT] = session->object;
+    words[GATEWAY_HOLDING_ARGUMENT] = session->argument;
+    words[GATEWAY_HOLDING_ANGLE] = session->angle[0];
+    words[GATEWAY_HOLDING_ANGLE + 1U] = session->angle[1];
+    words[GATEWAY_HOLDING_COMMAND] = session->command;
+    words[GATEWAY_HOLDING_EXECUTE] = session->executed;
+    words[GATEWAY_HOLDING_RESULT] = session->sent.result;
+    words[GATEWAY_HOLDING_RESULT_OF] = session->executed;
+    gateway_put_u32(&words[GATEWAY_HOLDING_ABORT_CODE], session->sent.abort);
+}
+
+/* Writing. */
+
+static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway, const uint16_t *keys, uint64_t now_us)
+{
+    if (keys[0] != GATEWAY_KEY_1 || keys[1] != GATEWAY_KEY_2) {
+        gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_KEYS);
+        session->unlocked_until_us = 0;
+        return GATEWAY_ILLEGAL_VALUE;
+    }
+    session->unlocked_until_us = now_us + gateway->settings.unlock_us;
+    return GATEWAY_OK;
+}
+
+static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16_t value)
+{
+    if (at == GATEWAY_HOLDING_COMMAND_OBJECT) {
+        session->object = value;
+        return (value < GATEWAY_COMMAND_OBJECTS) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    }
+    if (at == GATEWAY_HOLDING_ARGUMENT) {
+        session->argument = value;
+        return (value <= LARGEST_BYTE) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    }
+    if (at == GATEWAY_HOLDING_ANGLE || at == GATEWAY_HOLDING_ANGLE + 1U) {
+        session->angle[at - GATEWAY_HOLDING_ANGLE] = value;
+        session->has_angle = true;
+        return GATEWAY_OK;
+    }
+    if (at == GATEWAY_HOLDING_COMMAND) {
+        session->command = value;
+        return (value <= LARGEST_BYTE) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    }
+    session->executed = value;
+    return (value != 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+}
+
+static double angle_deg(const gateway_session_t *session)
+{
+    const uint32_t bits = (uint32_t)session->angle[0] << 16 | session->angle[1];
+    return (double)(int32_t)bits / ANGLES_PER_DEG;
+}
+
+static gateway_exception_t execute(gateway_session_t *session, gateway_t *gateway)
+{
+    if (gateway->poller.link_state != GATEWAY_LINK_UP) {
+        return GATEWAY_TARGET_FAILED;
+    }
+    session->sent.index = gateway_command_objects[session->object];
+    session->sent.argument = (uint8_t)session->argument;
+    session->sent.command = (uint8_t)session->command;
+    session->sent.has_angle = session->has_angle;
+    session->sent.angle_deg = angle_deg(session);
+    session->has_angle = false;
+    return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
+}
+
+/* All or nothing: what does not go well is taken back. */
+static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                     const uint16_t *words)
+{
+    const gateway_session_t before = *session;
+    gateway_exception_t wrong = GATEWAY_OK;
+    for (uint16_t i = 0; i < count && wrong == GATEWAY_OK; i++) {
+        wrong = stage(session, (uint16_t)(at + i), words[i]);
+    }
+    if (wrong == GATEWAY_OK && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE) {
+        wrong = execute(session, gateway);
+    }
+    if (wrong != GATEWAY_OK) {
+        *session = before;
+    }
+    return wrong;
+}
+
+static gateway_exception_t write_staged(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                        const uint16_t *words, uint64_t now_us)
+{
+    if (at < GATEWAY_HOLDING_COMMAND_OBJECT || at + (unsigned)count > GATEWAY_HOLDING_EXECUTE + 1U) {
+        return GATEWAY_ILLEGAL_ADDRESS;
+    }
+    if (!is_unlocked(session, now_us)) {
+        gateway_count(&gateway->counters, GATEWAY_COUNT_LOCKED);
+        return GATEWAY_ILLEGAL_FUNCTION;
+    }
+    if (session->sent.result == GATEWAY_RESULT_PENDING) {
+        return GATEWAY_BUSY;
+    }
+    const gateway_exception_t wrong = stage_all(session, gateway, at, count, words);
+    if (wrong == GATEWAY_OK) {
+        session->unlocked_until_us = now_us + gateway->settings.unlock_us;
+    }
+    return wrong;
+}
+
+/* The keys, and behind them, with the register between as 0, what is staged: for clients that connect for each request
+ * anew. */
+static gateway_exception_t write_keys(gateway_session_t *session, gateway_t *gateway, uint16_t count,
+                                      const uint16_t *words, uint64_t now_us)
+{
+    const uint64_t before_us = session->unlocked_until_us;
+    gateway_exception_t wrong = unlock(session, gateway, words, now_us);
+    if (wrong != GATEWAY_OK || count == KEYS) {
+        return wrong;
+    }
+    wrong = (words[KEYS] != 0U) ? GATEWAY_ILLEGAL_VALUE
+                                : write_staged(session, gateway, KEYS + 1U, (uint16_t)(count - KEYS - 1U),
+                                               &words[KEYS + 1U], now_us);
+    if (wrong != GATEWAY_OK) {
+        session->unlocked_until_us = before_us;
+    }
+    return wrong;
+}
+
+gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                          const uint16_t *words, uint64_t now_us)
+{
+    if (!gateway->settings.allow_commands) {
+        gateway_count(&gateway->counters, GATEWAY_COUNT_LOCKED);
+        return GATEWAY_ILLEGAL_FUNCTION;
+    }
+    if (at == GATEWAY_HOLDING_UNLOCK_KEY_1 && (count == KEYS || count > KEYS + 1U)) {
+        return write_keys(session, gateway, count, words, now_us);
+    }
+    return write_staged(session, gateway, at, count, words, now_us);
+}
+
+void gateway_session_close(gateway_session_t *session, gateway_t *gateway)
+{
+    gateway_poller_forget(&gateway->poller, &session->sent);
+    gateway_session_open(session);
+}

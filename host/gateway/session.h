@@ -1,0 +1,60 @@
+/* session.h - one Modbus client as the gateway sees it: a TCP connection, or the serial line. Its own frozen snapshot,
+ * its own lock, its own staged command. Never waits. Times are of one monotonic clock, in microseconds. */
+#ifndef TUMBLE_GATEWAY_SESSION_H
+#define TUMBLE_GATEWAY_SESSION_H
+
+#include "gateway.h"
+
+#include <stdint.h>
+
+/* Who never reads the snapshot number sees no state of long ago all the same: a session whose snapshot is older takes
+ * the newest one with a request that does not go on upwards from the one before, and much later with any. */
+#define GATEWAY_HOLD_US 2000000U
+#define GATEWAY_PASS_US 30000000U
+
+#define GATEWAY_KEY_1 0x4F50U
+#define GATEWAY_KEY_2 0x454EU
+
+/* Modbus exceptions; 0 is none. */
+typedef enum {
+    GATEWAY_OK = 0,
+    GATEWAY_ILLEGAL_FUNCTION = 0x01,
+    GATEWAY_ILLEGAL_ADDRESS = 0x02,
+    GATEWAY_ILLEGAL_VALUE = 0x03,
+    GATEWAY_BUSY = 0x06,
+    GATEWAY_NO_PATH = 0x0A,
+    GATEWAY_TARGET_FAILED = 0x0B
+} gateway_exception_t;
+
+typedef struct {
+    gateway_snapshot_t snapshot;
+    uint64_t renewed_us;
+    uint16_t last_at;           /* of input registers, the first one of the last request */
+    uint64_t unlocked_until_us; /* 0: locked */
+    uint16_t object;            /* staged; likewise up to `command` */
+    uint16_t argument;
+    uint16_t angle[2];
+    bool has_angle;             /* written since the last execution */
+    uint16_t command;
+    uint16_t executed;          /* what was written to Execute last */
+    gateway_command_t sent;
+} gateway_session_t;
+
+void gateway_session_open(gateway_session_t *session);
+
+/* The input registers as a request for `count` of them from `at` on gets them: GATEWAY_INPUT_END words, until the next
+ * call. May renew the snapshot. */
+const uint16_t *gateway_session_input(gateway_session_t *session, const gateway_t *gateway, uint16_t at, uint16_t count,
+                                      uint64_t now_us);
+
+/* The holding registers, into GATEWAY_HOLDING_END words. */
+void gateway_session_holding(const gateway_session_t *session, uint16_t *words, uint64_t now_us);
+
+/* Write `count` registers from `at` on, all or none; both within GATEWAY_HOLDING_END. */
+gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                          const uint16_t *words, uint64_t now_us);
+
+/* Its client has gone. */
+void gateway_session_close(gateway_session_t *session, gateway_t *gateway);
+
+#endif

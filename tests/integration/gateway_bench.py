@@ -1,0 +1,292 @@
+"""What the tests of tumble-gateway share: the gateway, instrumented, with a node that the test plays; raw frames."""
+
+import csv
+import functools
+import json
+import os
+import queue
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g", "-O1"]
+SANITIZERS = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
+REGISTERS = ROOT / "docs/modbus.csv"
+
+READ_HOLDING, READ_INPUT, WRITE_ONE, WRITE_SEVERAL = 3, 4, 6, 16
+FUNCTION, ADDRESS, VALUE, BUSY, NO_PATH, TARGET = 1, 2, 3, 6, 10, 11
+KEYS = (0x4F50, 0x454E)
+MOST_CLIENTS = 32
+GOOD = struct.pack(">BHH", READ_INPUT, 0, 2)
+GOOD_ANSWER = b"\4\4\x54\x55\x4d\x42"
+
+
+@functools.cache
+def build(folder):
+    """Compile tests/integration/gateway_harness.c with the gateway, once; returns the program. Skips where libmodbus is
+    not installed."""
+    config = shutil.which("pkg-config")
+    if config is None or subprocess.run([config, "libmodbus"]).returncode:
+        pytest.skip("libmodbus is not installed (Debian: libmodbus-dev, pkg-config)")
+    library = subprocess.run([config, "--cflags", "--libs", "libmodbus"], check=True, capture_output=True, text=True)
+    folder.mkdir()
+    program = folder / "gateway_harness"
+    sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
+    sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")] + ["boards/linux/arguments.c"]
+    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost/gateway", "-Iboards/linux",
+               "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o", str(program)]
+    subprocess.run(command, cwd=ROOT, check=True)
+    return program
+
+
+@functools.cache
+def registers():
+    """docs/modbus.csv: {name: row}, numbers as such."""
+    with open(REGISTERS, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        for key in ("register", "words", "subindex", "valid_register", "valid_bit"):
+            row[key] = int(row[key]) if row[key] else None
+        row["index"] = int(row["index"], 16) if row["index"] else None
+        row["scale"] = float(row["scale"]) if row["scale"] else None
+    return rows
+
+
+def register(name, table="input", scaled=False):
+    """The one of that name; what is there in floating point and scaled: as is asked."""
+    found = [row for row in registers() if (row["name"], row["table"]) == (name, table)]
+    return found[0] if len(found) == 1 else next(row for row in found if (row["scale"] is not None) == scaled)
+
+
+def end_of(table):
+    """One beyond the last register."""
+    return max(row["register"] + row["words"] for row in registers() if row["table"] == table)
+
+
+class Gateway:
+    """The gateway in a process of its own, and the node behind it."""
+
+    def __init__(self, program, *options, tcp="127.0.0.1:0"):
+        command = [program, "--can", "played", "--tcp", tcp, *map(str, options)]
+        environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
+        environment |= {"ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "print_stacktrace=1"}
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        text=True, env=environment)
+        self.line = self.process.stderr.readline()
+        found = re.search(r" at 127\.0\.0\.1:(\d+)", self.line)
+        self.port = int(found[1]) if found else None
+        self.answers, self.written = queue.Queue(), queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            (self.answers if line == "ok\n" else self.written).put(line.strip())
+
+    def tell(self, line):
+        """A line for the node."""
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+        assert self.answers.get(timeout=20) == "ok"
+
+    def set(self, index, sub, data=None, boot=True):
+        """An object of the node has these bytes; or none. By booting the node says that all may be different."""
+        self.tell(f"set {index:X} {sub} {data.hex()}" if data is not None else f"unset {index:X} {sub}")
+        if boot:
+            self.tell("boot")
+
+    def connect(self):
+        """A raw client."""
+        return Raw(self.port)
+
+    def end(self, number=signal.SIGTERM):
+        """(exit code, standard error) after a signal."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        errors = self.process.stderr.read()
+        return self.process.wait(timeout=20), errors
+
+    def wait_fresh(self, client=None):
+        """Until a snapshot has been begun and ended from now on."""
+        mine = client or self.connect()
+        before = mine.snapshot()
+        wait_until(lambda: (mine.snapshot() - before) >= 2)
+        if client is None:
+            mine.close()
+
+
+class Raw:
+    """A TCP client that sends whatever it is told to."""
+
+    def __init__(self, port, timeout=5.0):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.transaction = 0
+
+    def send(self, data):
+        """Bytes as they are."""
+        self.socket.sendall(data)
+
+    def receive(self, timeout=5.0):
+        """One whole frame, b"" when the connection was closed, None when nothing comes in time."""
+        self.socket.settimeout(timeout)
+        try:
+            head = self._exactly(6)
+            return head and head + self._exactly(struct.unpack(">H", head[4:6])[0])
+        except TimeoutError:
+            return None
+        except ConnectionResetError:
+            return b""
+
+    def _exactly(self, count):
+        data = b""
+        while len(data) < count:
+            more = self.socket.recv(count - len(data))
+            if not more:
+                return b""
+            data += more
+        return data
+
+    def ask(self, pdu, unit=1, protocol=0, timeout=5.0):
+        """The PDU of the answer to a PDU; its header is checked."""
+        self.transaction = self.transaction + 1 & 0xFFFF
+        self.send(frame(pdu, unit, protocol, self.transaction))
+        answer = self.receive(timeout)
+        if not answer:
+            return answer
+        assert answer[:2] == struct.pack(">H", self.transaction) and answer[2:4] == b"\0\0" and answer[6] == unit
+        return answer[7:]
+
+    def read(self, at, count, function=READ_INPUT):
+        """Registers, as numbers."""
+        answer = self.ask(struct.pack(">BHH", function, at, count))
+        assert answer[0] == function and answer[1] == 2 * count == len(answer) - 2, answer
+        return struct.unpack(f">{count}H", answer[2:])
+
+    def write(self, at, *words):
+        """None, or the number of the exception."""
+        pdu = struct.pack(f">BHHB{len(words)}H", WRITE_SEVERAL, at, len(words), 2 * len(words), *words)
+        answer = self.ask(pdu)
+        if answer[0] == WRITE_SEVERAL:
+            assert answer == pdu[:5]
+            return None
+        assert answer[0] == WRITE_SEVERAL | 0x80 and len(answer) == 2
+        return answer[1]
+
+    def value(self, row):
+        """A register of the CSV, as a number; None where its bit of validity is not set."""
+        words = self.read(row["register"], row["words"], READ_INPUT if row["table"] == "input" else READ_HOLDING)
+        if row["valid_register"] is not None and not self.read(row["valid_register"], 1)[0] >> row["valid_bit"] & 1:
+            assert not any(words)
+            return None
+        return decode(row, words)
+
+    def number(self, name, table="input", scaled=False):
+        """The same by its name."""
+        return self.value(register(name, table, scaled))
+
+    def snapshot(self):
+        """Number of the newest snapshot, which is this session's now."""
+        return self.number("Snapshot number")
+
+    def unlock(self):
+        """With the keys."""
+        assert self.write(0, *KEYS) is None
+
+    def close(self):
+        """The connection."""
+        self.socket.close()
+
+
+def decode(row, words):
+    """A number from its registers."""
+    data = struct.pack(f">{len(words)}H", *words)
+    if row["type"] == "text":
+        return data.rstrip(b"\0").decode()
+    letter = {"u16": "H", "i16": "h", "u32": "I", "i32": "i", "u64": "Q", "i64": "q", "f32": "f"}[row["type"]]
+    [number] = struct.unpack(">" + letter, data)
+    return number if row["scale"] is None else number * row["scale"]
+
+
+def frame(pdu, unit=1, protocol=0, transaction=0):
+    """A frame of TCP."""
+    return struct.pack(">HHHB", transaction, protocol, len(pdu) + 1, unit) + pdu
+
+
+def wait_until(condition, timeout=20.0):
+    """Look again and again."""
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, "not in time"
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="session")
+def gateway_program(tmp_path_factory):
+    """The instrumented gateway."""
+    return build(tmp_path_factory.getbasetemp() / "gateway")
+
+
+@pytest.fixture
+def start(gateway_program):
+    """Start gateways. In the end each must end well, and no sanitizer may have spoken."""
+    started = []
+
+    def start_one(*options, **keys):
+        started.append(Gateway(gateway_program, "--poll", 50, *options, **keys))
+        assert started[-1].line, started[-1].process.stderr.read()
+        return started[-1]
+
+    yield start_one
+    ends = [gateway.end() for gateway in started]
+    assert all(end == (0, "") for end in ends), ends
+
+
+class Bystander:
+    """A well-behaved client (gateway_bystander.py)."""
+
+    def __init__(self, port):
+        self.process = subprocess.Popen([sys.executable, Path(__file__).with_name("gateway_bystander.py"), str(port)],
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout.readline() == "ready\n"
+        self.began = time.monotonic()
+
+    def again(self):
+        """The abuse is to be repeated until there has been enough time to measure."""
+        yield
+        while time.monotonic() - self.began < 1.0:
+            yield
+
+    def end(self):
+        """Text for the table. It must have been answered, always."""
+        out, _ = self.process.communicate(timeout=30)
+        assert self.process.returncode == 0, out
+        p95_ms, most_ms, count = json.loads(out)
+        assert count >= 10
+        return f"{p95_ms:.2f} | {most_ms:.2f} | {count}"
+
+
+@pytest.fixture
+def abused(start):
+    """A gateway, and a bystander on it; prints what it measured."""
+    gateway = start()
+    gateway.bystander = Bystander(gateway.port)
+    yield gateway
+    told = gateway.bystander.end()
+    print(f"| {gateway.abuse} | {gateway.came_back} | {told} |")
+
+
+def counter(gateway, name):
+    client = gateway.connect()
+    number = client.number(name)
+    client.close()
+    return number

@@ -1,0 +1,367 @@
+"""What tumble-gateway reads from the node is what Modbus clients get: every register, whole snapshots, known or not."""
+
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import time
+
+import pytest
+from gateway_bench import (
+    READ_HOLDING, READ_INPUT, ROOT, decode, end_of, gateway_program, register, registers, start, wait_until,
+)  # fmt: skip
+
+assert gateway_program and start
+pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+NODE = [row for row in registers() if row["index"] is not None]
+canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
+DICTIONARY = canopen.import_od(str(ROOT / "docs/eds/tumble_navcomp.eds"))
+
+
+def key(row):
+    return row["index"], row["subindex"]
+
+
+def variable(row):
+    """The object as the EDS file has it: a witness of its type."""
+    found = DICTIONARY[row["index"]]
+    return found if isinstance(found, canopen.objectdictionary.ODVariable) else found[row["subindex"]]
+
+
+def random_number(row, draw):
+    kind = variable(row).data_type
+    if kind in canopen.objectdictionary.FLOAT_TYPES:
+        return draw.uniform(-2, 2)
+    if kind == canopen.objectdictionary.VISIBLE_STRING:
+        return "".join(draw.choices("ABCdef0123-", k=draw.randrange(1, 2 * row["words"] + 1)))
+    bits = len(variable(row))
+    if kind in canopen.objectdictionary.SIGNED_TYPES:
+        return draw.randrange(-(1 << bits - 1), 1 << bits - 1)
+    return draw.randrange(2 if kind == canopen.objectdictionary.BOOLEAN else 1 << bits)
+
+
+def node_objects():
+    """One row for each object of the node: the one that is not scaled."""
+    return {key(row): row for row in NODE if row["scale"] is None}
+
+
+def test_every_value_arrives_in_every_form(start):
+    gateway, draw = start(), random.Random(7)
+    numbers = {where: random_number(row, draw) for where, row in node_objects().items()}
+    for where, row in node_objects().items():
+        gateway.set(*where, variable(row).encode_raw(numbers[where]))
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    for row in NODE:
+        wanted = numbers[key(row)]
+        if row["scale"] is not None:
+            wanted = round(wanted / row["scale"]) * row["scale"]
+        elif row["type"] == "f32":
+            [wanted] = struct.unpack("<f", struct.pack("<f", wanted))
+        assert client.value(row) == wanted, row
+    assert client.number("Values refused") > 0  # before it had them all
+
+
+def test_word_order_can_be_told(start):
+    client = start().connect()
+    assert client.read(0, 5) == (0x5455, 0x4D42, 1, 0x47F1, 0x2000)
+    assert client.number("Known number") == 123456.0
+
+
+def test_what_the_node_does_not_know_is_not_there(start):
+    gateway = start()
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    for row in NODE:
+        assert client.value(row) is None
+    gateway.set(0x2020, 2, struct.pack("<d", -0.25))
+    gateway.wait_fresh(client)
+    valid = register("K: valid")["register"]
+    assert client.read(valid, 5) == (2, 0, 0, 0xBE80, 0)
+    gateway.set(0x2020, 2)
+    gateway.wait_fresh(client)
+    assert client.read(valid, 5) == (0, 0, 0, 0, 0)
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf"), 1e39])
+def test_no_register_is_ever_not_finite(start, number):
+    gateway = start()
+    gateway.set(0x2021, 1, struct.pack("<d", number))
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    assert client.number("U0: U0_x") is None and client.number("U0: U0_x", scaled=True) is None
+
+
+@pytest.mark.parametrize("units, fits", [(2**31 - 1, True), (2**31, False), (-(2**31), True), (-(2**31) - 1, False)])
+def test_a_scaled_number_that_does_not_fit_is_not_there(start, units, fits):
+    gateway, number = start(), units * 1e-8
+    gateway.set(0x2020, 9, struct.pack("<d", number))
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    assert client.number("K: K_zz", scaled=True) == (pytest.approx(number, rel=1e-15) if fits else None)
+    assert client.number("K: K_zz") == pytest.approx(number, rel=1e-7)
+
+
+@pytest.mark.parametrize("data", [b"\1", b"\1\2\3", b"\1\2\3\4\5"])
+def test_an_object_of_another_size_is_not_there(start, data):
+    gateway = start()
+    gateway.set(0x2030, 1, data)
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    assert client.number("Bus counters: Frames sent") is None
+
+
+def read_all(client, step):
+    """All input registers, in requests of `step` from 0 on."""
+    words = ()
+    while len(words) < end_of("input"):
+        words += client.read(len(words), min(step, end_of("input") - len(words)))
+    return words
+
+
+@pytest.mark.parametrize("step", [7, 10, 50, 125])
+def test_one_pass_over_all_registers_is_one_snapshot(start, step):
+    """All coefficients of a generation are one number; generations come while the client reads."""
+    gateway, generation = start(), 0
+    client, seen = gateway.connect(), set()
+    gateway.wait_fresh()
+    k = [row for row in NODE if row["index"] in (0x2020, 0x2021)]
+
+    def advance():
+        nonlocal generation
+        generation += 1
+        for index, count in ((0x2020, 9), (0x2021, 3)):
+            for sub in range(1, count + 1):
+                gateway.set(index, sub, struct.pack("<d", generation / 1024))
+
+    for _ in range(12):
+        advance()
+        words = read_all(client, step)
+        numbers = {decode(row, words[row["register"]:][: row["words"]]) for row in k if row["scale"] is None}
+        scaled = {round(decode(row, words[row["register"]:][: row["words"]]) * 1024, 3) for row in k if row["scale"]}
+        held = client.number("Snapshot held")
+        assert held == decode(register("Snapshot number"), words[5:7])
+        seen.add((held, len(numbers)))
+        assert scaled == {number * 1024 for number in numbers}
+        gateway.wait_fresh()
+    assert len({held for held, _ in seen}) > 6 and gateway.process.poll() is None
+
+
+def test_a_snapshot_is_torn_when_its_marks_change(start):
+    gateway = start()
+    client = gateway.connect()
+    gateway.set(0x2020, 1, struct.pack("<d", 1.0))
+    gateway.wait_fresh(client)
+    before = client.number("Polls torn")
+    gateway.tell("tear 2")
+    wait_until(lambda: client.number("Polls torn") >= before + 2)
+    gateway.wait_fresh(client)
+    assert client.number("Polls torn") == before + 2
+    gateway.tell("tear 1000000")
+    wait_until(lambda: client.number("Polls torn") > before + 10)
+    held = client.snapshot()
+    wait_until(lambda: client.number("Polls torn") > before + 20)
+    assert client.snapshot() == held  # nothing torn is ever given away
+    gateway.tell("tear 0")
+    gateway.wait_fresh(client)
+
+
+def test_what_is_kept_is_read_anew_when_a_mark_changes(start):
+    gateway = start()
+    client = gateway.connect()
+    for sub, number in ((1, 1.0), (2, 2.0)):
+        gateway.set(0x2020, sub, struct.pack("<d", number))
+    gateway.wait_fresh(client)
+    gateway.set(0x2020, 2, struct.pack("<d", 3.0), boot=False)
+    gateway.wait_fresh(client)
+    assert client.number("K: K_xy") == 2.0  # nothing told of it
+    gateway.set(0x2020, 1, struct.pack("<d", 1.5), boot=False)
+    gateway.wait_fresh(client)
+    assert (client.number("K: K_xx"), client.number("K: K_xy")) == (1.5, 3.0)
+    gateway.set(0x2020, 2, struct.pack("<d", 4.0), boot=False)
+    wait_until(lambda: client.snapshot() and client.number("K: K_xy") == 4.0)  # after a while in any case
+
+
+def test_a_session_keeps_its_snapshot_until_it_asks(start):
+    gateway = start()
+    one, other = gateway.connect(), gateway.connect()
+    gateway.set(0x2000, 0, b"\3")
+    gateway.wait_fresh(one)
+    first = other.snapshot()
+    gateway.set(0x2000, 0, b"\7")
+    gateway.wait_fresh(one)
+    assert (one.number("State"), other.number("State")) == (7, 3)
+    assert other.number("Snapshot held") == first < other.snapshot()
+    assert other.number("State") == 7
+
+
+def test_who_never_asks_for_a_snapshot_sees_no_old_state(start):
+    gateway = start()
+    client, state = gateway.connect(), register("State")
+    gateway.set(0x2000, 0, b"\3")
+    gateway.wait_fresh()
+    assert client.value(state) == 3
+    gateway.set(0x2000, 0, b"\7")
+    wait_until(lambda: client.value(state) == 7, timeout=3.5)
+
+
+def test_a_slow_pass_is_one_snapshot(start):
+    """Each request goes on upwards from the one before; the next pass gets the next snapshot."""
+    gateway = start()
+    client, other, state = gateway.connect(), gateway.connect(), register("State")["register"]
+    gateway.set(0x2000, 0, b"\3")
+    gateway.wait_fresh(other)
+    assert client.read(5, 2) and client.read(state, 1) == (3,)
+    gateway.set(0x2000, 0, b"\7")
+    gateway.wait_fresh(other)
+    time.sleep(2.2)
+    assert client.read(state - 1, 2) == (1, 7)  # not upwards: a new pass
+    gateway.set(0x2000, 0, b"\10")
+    gateway.wait_fresh(other)
+    assert client.read(5, 2)
+    gateway.set(0x2000, 0, b"\11")
+    gateway.wait_fresh(other)
+    for count in (1, 2):  # a pass of more than two seconds, whatever it reads of the holding registers
+        time.sleep(1.2)
+        assert client.read(state - 3 + count, 1) and client.read(0, 2, READ_HOLDING)
+    assert client.read(state, 1) == (8,)
+    assert client.read(state, 1) == (9,)
+
+
+def test_a_silent_node_and_a_bus_that_is_down(start):
+    gateway = start()
+    client = gateway.connect()
+    gateway.set(0x2000, 0, b"\3")
+    gateway.wait_fresh(client)
+    assert client.number("Link state") == 1 and client.number("Age of the snapshot") < 2000
+    gateway.tell("silent 1")
+    wait_until(lambda: client.number("Link state") == 2)
+    held, failed = client.snapshot(), client.number("Polls failed")
+    wait_until(lambda: client.number("Age of the snapshot") > 1500)
+    assert client.snapshot() == held and client.number("State") == 3 and client.number("Polls failed") > failed
+    gateway.tell("down 1")
+    wait_until(lambda: client.number("Link state") == 3)
+    gateway.tell("down 0")
+    gateway.tell("silent 0")
+    wait_until(lambda: client.number("Link state") == 1)
+    wait_until(lambda: client.snapshot() > held)
+
+
+def test_nothing_heard_yet(start):
+    gateway = start("--poll", 3600000)
+    gateway.tell("silent 1")
+    client = gateway.connect()
+    wait_until(lambda: client.number("Link state") in (1, 2))
+    fresh = start("--poll", 3600000, "--node", 5)  # nobody plays node 5
+    client = fresh.connect()
+    assert client.number("Link state") == 0 and client.snapshot() == 0
+    assert client.number("Age of the snapshot") == 0xFFFFFFFF and client.number("Node") == 5
+
+
+def test_other_frames_on_the_bus_do_no_harm(start):
+    gateway = start()
+    gateway.tell("noise 100")
+    gateway.set(0x2000, 0, b"\3")
+    client = gateway.connect()
+    gateway.wait_fresh(client)
+    assert client.number("State") == 3
+
+
+def test_pymodbus_reads_numbers_in_its_own_big_endian_order(start):
+    client_module = pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
+    gateway = start()
+    gateway.set(0x2020, 1, struct.pack("<d", 1.9950940721))
+    gateway.wait_fresh()
+    with client_module.ModbusTcpClient("127.0.0.1", port=gateway.port) as client:
+        def number(row, kind):
+            answer = client.read_input_registers(row["register"], count=row["words"], device_id=1)
+            return client.convert_from_registers(answer.registers, kind, word_order="big")
+
+        assert number(register("Known number"), client.DATATYPE.FLOAT32) == 123456.0
+        assert number(register("Magic word"), client.DATATYPE.UINT32) == 0x54554D42
+        client.read_input_registers(5, count=2, device_id=1)
+        assert number(register("K: K_xx"), client.DATATYPE.FLOAT32) == pytest.approx(1.9950940721, rel=1e-7)
+        assert number(register("K: K_xx", scaled=True), client.DATATYPE.INT32) == 199509407
+
+
+def mbpoll(gateway, *arguments):
+    """What mbpoll prints for registers: {register: text}."""
+    if shutil.which("mbpoll") is None:
+        pytest.skip("mbpoll is not installed")
+    command = ["mbpoll", "-m", "tcp", "-p", gateway.port, "-a", 1, "-0", "-1", "-q", *arguments, "127.0.0.1"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=20)
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = [line for line in done.stdout.splitlines() if line.startswith("[")]
+    return {int(line[1:].split("]")[0]): line.split(":", 1)[1].strip() for line in lines}
+
+
+def test_mbpoll_reads_numbers(start):
+    gateway = start()
+    gateway.set(0x2021, 2, struct.pack("<d", 0.03125))
+    gateway.wait_fresh()
+    assert mbpoll(gateway, "-t", "3:hex", "-r", 0, "-c", 2) == {0: "0x5455", 1: "0x4D42"}
+    assert mbpoll(gateway, "-t", "3:float", "-B", "-r", 3, "-c", 1) == {3: "123456"}
+    assert mbpoll(gateway, "-t", "3:float", "-B", "-r", register("U0: U0_y")["register"], "-c", 1) == {183: "0.03125"}
+    assert mbpoll(gateway, "-t", "3:int", "-B", "-r", 223, "-c", 1) == {223: "3125000"}
+
+
+def test_the_table_for_scripts_names_every_register_once():
+    rows = registers()
+    for table in ("input", "holding"):
+        places = [row["register"] + word for row in rows if row["table"] == table for word in range(row["words"])]
+        assert len(places) == len(set(places))
+        names = [(row["name"], row["scale"]) for row in rows if row["table"] == table]
+        assert len(names) == len(set(names))
+    page = (ROOT / "docs/modbus.md").read_text(encoding="utf-8")
+    assert all(row["name"] in page for row in rows)
+
+
+GENERATE = ROOT / "tools/objects/generate"
+MISTAKES = [
+    ("gateway.toml", "at = 2\n", "at = 1\n", "Modbus map: 'Magic word' and 'Map version' overlap at 1"),
+    ("gateway.toml", 'type = "u16"\n', 'type = "u8"\n', "gateway.toml: Map version: type is not one of u16,"),
+    ("gateway.toml", "map_version = 1\n", "", "gateway.toml: must hold"),
+    ("gateway.toml", "index = 0x1018", "index = 0x1019", "gateway.toml: no object 4121"),
+    ("navcomp.toml", "modbus = { at = 110 }", "modbus = { at = 16 }", "an object lies among the gateway's own"),
+    ("navcomp.toml", "modbus = { at = 110 }", "modbus = { at = 161 }", "'State: valid' and 'K: K_xx' overlap at 161"),
+    ("navcomp.toml", "modbus = { at = 110 }", "modbus = { on = 110 }", "object 2000h: modbus may have the keys"),
+    ("navcomp.toml", "modbus = { at = 110 }", "modbus = { scale = 1.0 }", "object 2000h: modbus needs at"),
+    ("navcomp.toml", "modbus = { at = 110 }", "modbus = 110", "object 2000h: modbus has a value of the wrong type"),
+    ("navcomp.toml", "scaled_at = 230, ", "", "object 2022h: modbus needs both scaled_at and scale, or neither"),
+    ("navcomp.toml", "scale = 1e-9", "scale = 0", "object 2022h: modbus: scale is not above 0"),
+    ("navcomp.toml", "marks = [1]", "marks = [11]", "object 2020h: modbus: marks what does not exist"),
+    ("navcomp.toml", "command = 0", "command = 1", "command objects: are not numbered from 0 on"),
+    ("navcomp.toml", "modbus = { command = 0 }\n", "", "command objects: there is none"),
+    ("navcomp.toml", "modbus = { at = 330 }", "modbus = { at = 65520 }", "Modbus map: ends beyond 65535"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("table, old, new, message", MISTAKES, ids=[row[3][:40] for row in MISTAKES])
+def test_a_mistake_in_the_tables_is_one_line(tmp_path, table, old, new, message):
+    for path in GENERATE.parent.glob("*.toml"):
+        shutil.copy(path, tmp_path)
+    text = (tmp_path / table).read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / table).write_text(text.replace(old, new, 1), encoding="utf-8")
+    done = subprocess.run([sys.executable, GENERATE, "--check", "--tables", tmp_path], text=True, capture_output=True)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done.stderr
+    assert message in done.stderr
+
+
+@pytest.mark.parametrize("product", ["docs/modbus.md", "docs/modbus.csv", "host/gateway/registers.c"])
+def test_a_new_key_makes_the_registers_stale(tmp_path, product):
+    """The canary of the gate."""
+    for path in GENERATE.parent.glob("*.toml"):
+        shutil.copy(path, tmp_path)
+    text = (tmp_path / "navcomp.toml").read_text(encoding="utf-8")
+    (tmp_path / "navcomp.toml").write_text(text.replace("modbus = { at = 110 }", "modbus = { at = 118 }"))
+    done = subprocess.run([sys.executable, GENERATE, "--check", "--tables", tmp_path], text=True, capture_output=True)
+    assert done.returncode == 1 and f"{product} is not what the tables say" in done.stderr
+
+
+def test_reading_beyond_the_end_is_refused(start):
+    client, end = start().connect(), end_of("input")
+    assert len(client.read(end - 125, 125)) == 125
+    assert client.ask(struct.pack(">BHH", READ_INPUT, end - 1, 2)) == b"\x84\2"
+    assert client.ask(struct.pack(">BHH", READ_INPUT, 65535, 125)) == b"\x84\2"

@@ -1,0 +1,196 @@
+"""tumble-gateway between Modbus clients and tumble-node on a CAN interface: whole recalibrations, and what may happen
+to the bus. Needs libmodbus, pymodbus and mbpoll."""
+
+import json
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from gateway_bench import KEYS, decode, register, wait_until
+from processes import HASTE, Node, Stand, scenario
+
+from tumble.bench import programs
+from tumble.errors import BenchFault
+
+client_module = pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
+START, DONE = 1, 12
+K = [f"K: K_{row}{column}" for row in "xyz" for column in "xyz"]
+U0 = [f"U0: U0_{row}" for row in "xyz"]
+
+
+class Served:
+    """tumble-gateway, and a pymodbus client of it."""
+
+    def __init__(self, bus, *options):
+        try:
+            program = programs.find("tumble-gateway", "host/gateway")
+        except BenchFault:
+            pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+        command = [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "100", *options]
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        self.line = self.process.stderr.readline()
+        self.port = int(re.search(r" at 127\.0\.0\.1:(\d+)", self.line)[1])
+        self.client = client_module.ModbusTcpClient("127.0.0.1", port=self.port, timeout=10)
+        self.client.connect()
+
+    def kill(self):
+        self.client.close()
+        self.process.kill()
+        self.process.wait()
+
+    def end(self):
+        """Its last words."""
+        self.client.close()
+        self.process.send_signal(signal.SIGTERM)
+        errors = self.process.communicate(timeout=20)[1]
+        assert self.process.returncode == 0
+        return errors
+
+    def number(self, name, table="input", scaled=False):
+        """Out of the newest snapshot; None: not valid."""
+        row = register(name, table, scaled)
+        read = self.client.read_input_registers if table == "input" else self.client.read_holding_registers
+        if row["valid_register"] is not None:
+            valid = read(row["valid_register"], count=1, device_id=1).registers[0]
+            if not valid >> row["valid_bit"] & 1:
+                return None
+        return decode(row, read(row["register"], count=row["words"], device_id=1).registers)
+
+    def renew(self):
+        """Take the newest snapshot, and say its number."""
+        return self.number("Snapshot number")
+
+    def wait_for(self, name, number, timeout=60):
+        """Until it is that in a new snapshot."""
+        def is_there():
+            self.renew()
+            return self.number(name) == number
+
+        wait_until(is_there, timeout)
+
+    def execute(self, *staged):
+        """Command object, argument, angle (two words), command; in an unlocked session."""
+        at = register("Command object", "holding")["register"]
+        answer = self.client.write_registers(at, [*staged, 77], device_id=1)
+        assert not answer.isError(), answer
+        wait_until(lambda: self.number("Result", "holding") != 1)
+        return self.number("Result", "holding"), self.number("Abort code", "holding")
+
+
+@pytest.fixture
+def serve(bus, started):
+    def run(*options):
+        started.append(Served(bus, *options))
+        return started[-1]
+
+    return run
+
+
+@pytest.fixture
+def calibrating(bus, started, tmp_path):
+    """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands."""
+    path = scenario(tmp_path, **HASTE)
+    stand = Stand(bus, path, "--seed", 11)
+    node = Node(bus, path, folder=tmp_path)
+    started.extend([stand, node])
+    return stand, node
+
+
+def mbpoll(served, *arguments):
+    command = ["mbpoll", "-m", "tcp", "-p", served.port, "-a", 1, "-0", "-1", "-q", "-B", *arguments]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=30)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return {int(line[1:].split("]")[0]): line.split(":", 1)[1].strip()
+            for line in done.stdout.splitlines() if line.startswith("[")}
+
+
+def mbpoll_number(served, name):
+    row = register(name)
+    kind = {"u16": "3", "f32": "3:float"}[row["type"]]
+    return float(mbpoll(served, "-t", kind, "-r", row["register"], "-c", 1, "127.0.0.1")[row["register"]])
+
+
+def test_pymodbus_and_mbpoll_each_drive_a_recalibration(calibrating, serve):
+    if shutil.which("mbpoll") is None:
+        pytest.skip("mbpoll is not installed")
+    stand, node = calibrating
+    served = serve("--allow-commands")
+    served.wait_for("State", 0)
+    assert all(served.number(name) is None for name in K + U0) and served.number("Known number") == 123456.0
+
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    assert served.execute(0, 0, 0, 0, 99) == (3, 0x06090030)  # no such command
+    answer = served.client.write_registers(register("Command", "holding")["register"], [START, 1], device_id=1)
+    assert not answer.isError()
+    wait_until(lambda: served.number("Result", "holding") == 2)
+    served.wait_for("State", DONE)
+    first = [served.number(name) for name in K + U0]
+    scaled = [served.number(name, scaled=True) for name in K + U0]
+    assert served.number("Gravity check: Pass") == 1 and served.number("Reason") == 0
+
+    assert mbpoll_number(served, "State") == DONE
+    mbpoll(served, "-t", "4", "-r", 0, "127.0.0.1", *KEYS, 0, 0, 0, 0, 0, START, 1)
+    wait_until(lambda: mbpoll_number(served, "State") != DONE, 60)
+    wait_until(lambda: mbpoll_number(served, "State") == DONE, 60)
+    second = [mbpoll_number(served, name) for name in K + U0]
+    torn, failed = served.number("Polls torn"), served.number("Polls failed")
+    print(f"polls {served.number('Polls')}, torn {torn}, failed {failed}")
+    assert served.end() == ""
+
+    node.signal()
+    out, errors = node.process.communicate(timeout=60)
+    documents = [json.loads(line) for line in out.splitlines()]
+    assert node.process.returncode == 0 and [one["end"] for one in documents] == ["done", "done"], errors
+    truth = np.concatenate([np.array(part).ravel() for part in map(stand.end()["truth"].get, ("K", "U0"))])
+    for numbers, document in ((first, documents[0]), (second, documents[1])):
+        exact = np.concatenate([np.array(document["K"]).ravel(), document["U0"]])
+        assert np.abs(numbers - exact).max() < 5.1e-6  # mbpoll prints six digits
+        assert np.abs(exact - truth).max() < 3e-3
+    exact = np.concatenate([np.array(documents[0]["K"]).ravel(), documents[0]["U0"]])
+    assert first == [struct.unpack("<f", struct.pack("<f", number))[0] for number in exact]
+    assert np.abs(scaled - exact).max() <= 0.51e-8
+
+
+def test_a_gateway_that_may_not_command_cannot(calibrating, serve):
+    served = serve()
+    assert served.line.endswith("read only\n")
+    served.wait_for("State", 0)
+    answer = served.client.write_registers(0, [*KEYS, 0, 0, 0, 0, 0, START, 1], device_id=1)
+    assert answer.isError() and answer.exception_code == 1
+    time.sleep(0.5)
+    served.renew()
+    assert served.number("State") == 0 and served.number("Locked") == 1
+
+
+def test_the_node_and_the_interface_go_and_come_back(bus, started, serve, tmp_path):
+    path = scenario(tmp_path, **HASTE)
+    served = serve("--allow-commands")
+    wait_until(lambda: served.number("Link state") == 2)  # nobody is there yet
+    stand, node = Stand(bus, path, "--seed", 11), Node(bus, path, folder=tmp_path)
+    started.extend([stand, node])
+    wait_until(lambda: served.number("Link state") == 1)
+    bus.down()
+    wait_until(lambda: served.number("Link state") == 3)
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    answer = served.client.write_registers(register("Command", "holding")["register"], [START, 1], device_id=1)
+    assert answer.isError() and answer.exception_code == 11
+    bus.up()
+    wait_until(lambda: served.number("Link state") == 1)
+    node.kill()
+    wait_until(lambda: served.number("Link state") == 2)
+    wait_until(lambda: served.number("Age of the snapshot") > 1000)
+    assert served.end() == ""
+
+
+def test_no_such_interface():
+    try:
+        program = programs.find("tumble-gateway", "host/gateway")
+    except BenchFault:
+        pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+    done = subprocess.run([program, "--can", "can999"], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stderr) == (2, "tumble-gateway: can999: there is no CAN interface of this name\n")

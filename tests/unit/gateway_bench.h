@@ -1,0 +1,169 @@
+/* gateway_bench.h - the gateway's poller and a node that a test plays, on a clock that it holds.
+ *
+ * The node refuses all objects but 2020h:1, a REAL64 (`k_xx`), and 2000h, which is 5; it takes writes of 2002h.
+ */
+#ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
+#define TUMBLE_TESTS_GATEWAY_BENCH_H
+
+#include "canopen/bytes.h"
+#include "canopen/sdo_frame.h"
+#include "fake_port.h"
+#include "poller.h"
+#include "support.h"
+
+#include <string.h>
+
+#define NODE 9U
+#define PERIOD_US 1000000U
+#define NO_DATA 0x08000024U
+#define STEPS_OF_A_POLL 100000
+
+typedef struct {
+    fake_port_t fake;
+    gateway_counters_t counters;
+    gateway_poller_t poller;
+    double k_xx;         /* what 2020h:1 reads as; 0: refused */
+    bool silent;
+    unsigned reads;
+    unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */
+    uint32_t refuse;     /* of writes */
+    uint32_t abort_next; /* of the next read */
+    uint8_t writes[16];  /* subindices */
+    unsigned written;
+    double angle_deg;
+} bench_t;
+
+static bench_t bench;
+
+static inline void bench_set_up(void)
+{
+    bench = (bench_t){0};
+    fake_port_init(&bench.fake);
+    gateway_poller_init(&bench.poller, &bench.fake.port, NODE, PERIOD_US, &bench.counters);
+}
+
+static inline void bench_tear_down(void)
+{
+    TEST_ASSERT_FALSE(bench.fake.overflowed);
+}
+
+static inline void answer(uint8_t command, const uint8_t *request, uint32_t value)
+{
+    tumble_can_frame_t frame = {.id = TUMBLE_SDO_RESPONSE_ID + NODE, .length = 8};
+    frame.data[0] = command;
+    memcpy(&frame.data[1], &request[1], 3);
+    tumble_put_u32(&frame.data[4], value);
+    fake_port_give(&bench.fake, &frame);
+}
+
+static inline void read(const uint8_t *request)
+{
+    const uint16_t index = tumble_get_u16(&request[1]);
+    bench.reads++;
+    if (bench.tear_at > 0U && --bench.tear_at == 0U) {
+        bench.k_xx += 1.0;
+    }
+    if (bench.abort_next != 0U) {
+        answer(TUMBLE_SDO_ABORT, request, bench.abort_next);
+        bench.abort_next = 0;
+    } else if (index == 0x2020U && request[3] == 1U && bench.k_xx > 0.0) {
+        answer(TUMBLE_SDO_UPLOAD_ANSWER | TUMBLE_SDO_S, request, 8);
+    } else if (index == 0x2000U) {
+        answer(tumble_sdo_expedited(TUMBLE_SDO_UPLOAD_ANSWER, 1), request, 5);
+    } else {
+        answer(TUMBLE_SDO_ABORT, request, NO_DATA);
+    }
+}
+
+static inline void read_segment(const uint8_t *request)
+{
+    uint8_t bytes[8];
+    tumble_can_frame_t frame = {.id = TUMBLE_SDO_RESPONSE_ID + NODE, .length = 8};
+    const bool is_second = (request[0] & TUMBLE_SDO_TOGGLE) != 0U;
+    tumble_put_f64(bytes, bench.k_xx);
+    frame.data[0] = is_second ? (uint8_t)(TUMBLE_SDO_TOGGLE | 6U << 1 | TUMBLE_SDO_C) : 0U;
+    memcpy(&frame.data[1], &bytes[is_second ? 7 : 0], is_second ? 1 : 7);
+    fake_port_give(&bench.fake, &frame);
+}
+
+static inline void write(const uint8_t *request)
+{
+    TEST_ASSERT_EQUAL_HEX16(0x2002U, tumble_get_u16(&request[1]));
+    bench.writes[bench.written++ % sizeof bench.writes] = request[3];
+    if (bench.refuse != 0U) {
+        answer(TUMBLE_SDO_ABORT, request, bench.refuse);
+    } else {
+        answer(TUMBLE_SDO_DOWNLOAD_ANSWER, request, 0);
+    }
+}
+
+static inline void write_segment(const uint8_t *request)
+{
+    static uint8_t bytes[8];
+    const uint8_t acknowledged[8] = {
+        (uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER | (request[0] & TUMBLE_SDO_TOGGLE))};
+    const bool is_last = (request[0] & TUMBLE_SDO_C) != 0U;
+    memcpy(&bytes[is_last ? 7 : 0], &request[1], is_last ? 1 : 7);
+    bench.angle_deg = is_last ? tumble_get_f64(bytes) : bench.angle_deg;
+    const tumble_can_frame_t frame = fake_frame(TUMBLE_SDO_RESPONSE_ID + NODE, 8, acknowledged);
+    fake_port_give(&bench.fake, &frame);
+}
+
+/* The node answers one frame. False: there was none. */
+static inline bool serve(void)
+{
+    tumble_can_frame_t frame;
+    if (!fake_port_take(&bench.fake, &frame)) {
+        return false;
+    }
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_SDO_REQUEST_ID + NODE, frame.id);
+    if (bench.silent) {
+        return true;
+    }
+    switch (frame.data[0] & TUMBLE_SDO_COMMAND_MASK) {
+    case TUMBLE_SDO_UPLOAD_REQUEST:
+        read(frame.data);
+        break;
+    case TUMBLE_SDO_UPLOAD_SEGMENT_REQUEST:
+        read_segment(frame.data);
+        break;
+    case TUMBLE_SDO_DOWNLOAD_REQUEST:
+        write(frame.data);
+        break;
+    case TUMBLE_SDO_DOWNLOAD_SEGMENT_REQUEST:
+        write_segment(frame.data);
+        break;
+    default:
+        break;
+    }
+    return true;
+}
+
+/* Until nothing more is to be done now. */
+static inline void settle(void)
+{
+    int steps = 0;
+    do {
+        gateway_poller_step(&bench.poller);
+        TEST_ASSERT_LESS_THAN_INT(STEPS_OF_A_POLL, ++steps);
+    } while (serve());
+}
+
+static inline void pass(uint64_t us)
+{
+    const uint64_t end_us = bench.fake.now_us + us;
+    settle();
+    while (gateway_poller_next_us(&bench.poller) <= end_us) {
+        const uint64_t next_us = gateway_poller_next_us(&bench.poller);
+        bench.fake.now_us = (next_us > bench.fake.now_us) ? next_us : bench.fake.now_us;
+        settle();
+    }
+    bench.fake.now_us = end_us;
+}
+
+static inline uint32_t count(int which)
+{
+    return bench.counters.count[which];
+}
+
+#endif
