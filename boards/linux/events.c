@@ -12,10 +12,15 @@
 #define US_PER_S 1000000U
 #define MAX_READY 4
 
-static bool watch(const events_t *events, int fd)
+bool events_watch(const events_t *events, int fd)
 {
     struct epoll_event event = {.events = EPOLLIN, .data = {.fd = fd}};
     return fd >= 0 && epoll_ctl(events->epoll, EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+void events_forget(const events_t *events, int fd)
+{
+    (void)epoll_ctl(events->epoll, EPOLL_CTL_DEL, fd, NULL);
 }
 
 static int open_signals(void)
@@ -26,6 +31,7 @@ static int open_signals(void)
     (void)sigemptyset(&set);
     (void)sigaddset(&set, SIGINT);
     (void)sigaddset(&set, SIGTERM);
+    (void)sigaddset(&set, SIGUSR1);
     (void)sigprocmask(SIG_BLOCK, &set, NULL);
     return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
 }
@@ -36,8 +42,8 @@ bool events_open(events_t *events, int can_fd)
     events->epoll = epoll_create1(EPOLL_CLOEXEC);
     events->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
     events->signals = open_signals();
-    return events->epoll >= 0 && watch(events, events->timer) && watch(events, events->signals) &&
-           watch(events, can_fd);
+    return events->epoll >= 0 && events_watch(events, events->timer) && events_watch(events, events->signals) &&
+           events_watch(events, can_fd);
 }
 
 static void arm(events_t *events, uint64_t at_us)

@@ -8,13 +8,18 @@
 typedef struct {
     int epoll;
     int timer;   /* of the monotonic clock */
-    int signals; /* SIGINT, SIGTERM */
+    int signals; /* SIGINT, SIGTERM, SIGUSR1 */
     uint64_t armed_us; /* for when the timer is set */
     int signal;        /* that has come, not yet taken */
 } events_t;
 
-/* From now on SIGINT and SIGTERM are taken by events_signal alone, and SIGPIPE is ignored. False: errno says why. */
+/* From now on SIGINT, SIGTERM and SIGUSR1 are taken by events_signal alone, and SIGPIPE is ignored. False: errno says
+ * why. */
 bool events_open(events_t *events, int can_fd);
+
+/* Wake for this descriptor as well, or no more. False: it is none that can be waited for. */
+bool events_watch(const events_t *events, int fd);
+void events_forget(const events_t *events, int fd);
 
 /* Wait for a frame, a signal or the moment `until_us` of the monotonic clock, whichever comes first. */
 void events_wait(events_t *events, uint64_t until_us);

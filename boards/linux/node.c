@@ -6,9 +6,11 @@
 #include "bench/report.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <string.h>
 
 #define US_PER_MS 1000U
+#define US_PER_S 1000000U
 
 /* What the firmware tells. */
 
@@ -82,6 +84,17 @@ static void note_state(node_t *node)
     }
 }
 
+/* Who gave it by SDO may be a person who waits for what becomes of it. */
+static void note_refusals(node_t *node)
+{
+    tumble_navcomp_counters_t counters;
+    tumble_navcomp_counters(&node->world.navcomp, &counters);
+    if (node->progress != NULL && counters.events.commands_refused != node->refused) {
+        bench_progress_refused("the navigation computer does not take this command now", node->progress);
+    }
+    node->refused = counters.events.commands_refused;
+}
+
 static void end_with(node_t *node, bench_end_t end)
 {
     if (node->world.wanted_end == BENCH_RUNNING) {
@@ -94,7 +107,7 @@ static void end_with(node_t *node, bench_end_t end)
 static void look_for_end(node_t *node)
 {
     const bench_world_t *const world = &node->world;
-    const uint64_t patience_us = (uint64_t)(node->options->patience_s * 1e6);
+    const uint64_t patience_us = node->left ? 0U : (uint64_t)(node->options->patience_s * 1e6);
     const tumble_state_t state = world->progress.state;
     if (state == TUMBLE_STATE_DONE) {
         end_with(node, BENCH_DONE);
@@ -130,12 +143,22 @@ static bool may_still_turn(const bench_world_t *world)
     return progress.stand == TUMBLE_STAND_MOVING || progress.stand == TUMBLE_STAND_HOMING;
 }
 
+/* The result is on its way into the memory. */
+static bool is_storing(const node_t *node)
+{
+    tumble_keeper_state_t state = {0};
+    if (node->options->nv != NULL) {
+        tumble_keeper_state(&node->keeper, &state);
+    }
+    return state.busy || state.verdict == TUMBLE_VERDICT_WORKING;
+}
+
 static bool has_ended(node_t *node)
 {
     bench_world_t *const world = &node->world;
     const uint64_t patience_us = (uint64_t)world->config->profile.stop_timeout_ms * US_PER_MS;
     if (world->wanted_end == BENCH_RUNNING ||
-        (may_still_turn(world) && world->clock.now_us - node->ending_us < patience_us)) {
+        ((may_still_turn(world) || is_storing(node)) && world->clock.now_us - node->ending_us < patience_us)) {
         return false;
     }
     world->end = world->wanted_end;
@@ -145,7 +168,10 @@ static bool has_ended(node_t *node)
 static void take_signal(node_t *node)
 {
     bench_world_t *const world = &node->world;
-    if (events_signal(&node->events) != 0) {
+    const int signal = events_signal(&node->events);
+    if (signal == SIGUSR1) {
+        node->left = true;
+    } else if (signal != 0) {
         const bool running = is_of_a_run(world->progress.state);
         (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
         end_with(node, running ? BENCH_INTERRUPTED : BENCH_LEFT);
@@ -162,6 +188,7 @@ static void step(node_t *node)
     }
     tumble_navcomp_step(&world->navcomp);
     world->steps++;
+    note_refusals(node);
     note_state(node);
 }
 
@@ -209,12 +236,46 @@ static int open_bus(node_t *node)
     }
 }
 
+/* Nobody else is kept waiting for the file if there is no bus. */
+static int open_memory(node_t *node)
+{
+    const char *const path = node->options->nv;
+    const char *const wrong = (path != NULL) ? nv_file_open(&node->nv, path) : NULL;
+    if (wrong != NULL) {
+        return fail(path, wrong, BENCH_EXIT_USAGE);
+    }
+    node->world.port.nv = (path != NULL) ? &node->nv.nv : NULL;
+    return BENCH_EXIT_PASS;
+}
+
+/* What is found is kept in the file. Calendar time is this machine's; over CAN it may be told otherwise. */
+static void add_keeper(bench_world_t *world, node_t *node)
+{
+    const bench_keeping_t *const keeping = &world->config->keeping;
+    node->keeper_config = (tumble_keeper_config_t){
+        .serial = keeping->serial,
+        .settings = &keeping->settings,
+        .uncertainty = tumble_navcomp_uncertainty,
+        .stand_view = tumble_stand_view,
+        .stand_memory = &node->stand_memory,
+    };
+    node->keeper.config = &node->keeper_config;
+    world->navcomp_config.keeping = &tumble_keeper_calls;
+    world->navcomp_config.keeper = &node->keeper;
+}
+
 static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
 {
     const bench_config_t *const config = world->config;
     world->hooks = (tumble_navcomp_hooks_t){node, on_sample};
     world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks);
+    if (world->port.nv != NULL) {
+        add_keeper(world, node);
+    }
     tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
+    if (status == TUMBLE_OK && world->port.nv != NULL) {
+        status = tumble_keeper_set_utc(&node->keeper, node->epoch_us / US_PER_S);
+    }
     if (status == TUMBLE_OK && node->options->start) {
         status = tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0);
     }
@@ -262,7 +323,8 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     node = (node_t){.options = options, .faulted_us = SIM_NEVER, .ending_us = SIM_NEVER, .reported = true};
     node.world.config = config;
     node.world.limit_us = (uint64_t)(config->virtual_limit_s * 1e6);
-    const int opened = open_bus(&node);
+    int opened = open_bus(&node);
+    opened = (opened == BENCH_EXIT_PASS) ? open_memory(&node) : opened;
     if (opened != BENCH_EXIT_PASS) {
         return opened;
     }
@@ -281,5 +343,8 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     can_socket_look(&node.port.can);
     events_close(&node.events);
     port_linux_close(&node.port);
+    if (options->nv != NULL) {
+        nv_file_close(&node.nv);
+    }
     return finish(&node, out);
 }

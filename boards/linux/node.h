@@ -6,7 +6,10 @@
 #include "bench/folder.h"
 #include "bench/world.h"
 #include "events.h"
+#include "navcomp/keeper.h"
+#include "navcomp/stand_view.h"
 #include "node_options.h"
+#include "nv_file.h"
 #include "port_linux.h"
 
 #include <stdio.h>
@@ -20,6 +23,10 @@ typedef struct {
      * its progress and the time are in use, no simulation. */
     bench_world_t world;
     port_linux_t port;
+    nv_file_t nv;           /* in use if the options name a file; and so are these four */
+    tumble_keeper_t keeper;
+    tumble_keeper_config_t keeper_config;
+    tumble_stand_memory_t stand_memory;
     events_t events;
     bench_folder_t folder;
     FILE *progress;         /* null: nobody wants to know */
@@ -27,7 +34,9 @@ typedef struct {
     uint64_t faulted_us;    /* since when it is in FAULT; SIM_NEVER: it is not */
     uint64_t ending_us;     /* since when it waits for the table to rest; SIM_NEVER: not yet */
     uint64_t latest_us;     /* the longest that a step came after its time */
+    uint32_t refused;       /* commands, as last counted */
     bool reported;          /* the run that has ended */
+    bool left;              /* nobody will give a command after a fault */
 } node_t;
 
 /* Serve until the end; the exit code of the program. Documents go to `out`. */

@@ -16,7 +16,7 @@ int main(int count, char *arguments[])
         (void)fputs(node_options_help, stdout);
         return BENCH_EXIT_PASS;
     }
-    if (!bench_config_prepare(&config, options.scenario, NULL, "tumble-node")) {
+    if (!bench_config_prepare(&config, options.scenario, options.gains, "tumble-node")) {
         return BENCH_EXIT_USAGE;
     }
     const int code = node_run(&config, &options, stdout);

@@ -24,8 +24,11 @@ const char node_options_help[] =
     "mounting is confirmed by SDO, too. A signal stops the table first.\n"
     "\n"
     "  --start          begin a calibration at once, and end with it\n"
-    "  --patience S     with --start: wait so many seconds after a fault for a command to go on; else 0\n"
+    "  --patience S     with --start: wait so many seconds after a fault for a command to go on, or until\n"
+    "                   SIGUSR1; else 0\n"
     "  --out DIR        with --start: write run.csv, bus.log and bench.json into a new or empty folder\n"
+    "  --gain-record F  gain record for procedure.estimator = optimal (docs/gain-record.md)\n"
+    "  --nv FILE        non-volatile memory, 64 kB; made if it is not there; else nothing is kept\n"
     "  --progress       one JSON line on standard error for every step of the procedure\n"
     "  --progress-fd N  the same on an open file descriptor\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one has ended\n"
@@ -35,15 +38,22 @@ const char node_options_help[] =
     "input, or no such interface; 3 fault; 77 this kernel has no CAN; 130 told to end during a\n"
     "calibration.\n";
 
-enum { START = 1, PATIENCE, OUT, PROGRESS, PROGRESS_FD, WITH_PARENT, HELP };
+enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT, HELP };
 
 static const struct option OPTIONS[] = {
     {"start", no_argument, NULL, START},          {"patience", required_argument, NULL, PATIENCE},
     {"out", required_argument, NULL, OUT},        {"progress", no_argument, NULL, PROGRESS},
     {"help", no_argument, NULL, HELP},            {"progress-fd", required_argument, NULL, PROGRESS_FD},
-    {"with-parent", no_argument, NULL, WITH_PARENT},
+    {"with-parent", no_argument, NULL, WITH_PARENT}, {"gain-record", required_argument, NULL, GAINS},
+    {"nv", required_argument, NULL, NV},
     {0},
 };
+
+static bool take_text(const char *option, const char **text)
+{
+    *text = optarg;
+    return *optarg != '\0' || arguments_refuse(option, "must not be empty");
+}
 
 static bool take(node_options_t *options, int option)
 {
@@ -55,8 +65,11 @@ static bool take(node_options_t *options, int option)
     case PATIENCE:
         return arguments_number("--patience", optarg, 0.0, 1e6, &options->patience_s);
     case OUT:
-        options->out = optarg;
-        return *optarg != '\0' || arguments_refuse("--out", "must not be empty");
+        return take_text("--out", &options->out);
+    case GAINS:
+        return take_text("--gain-record", &options->gains);
+    case NV:
+        return take_text("--nv", &options->nv);
     case PROGRESS:
         options->progress_fd = STDERR_FILENO;
         return true;

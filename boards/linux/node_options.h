@@ -8,6 +8,8 @@ typedef struct {
     const char *interface;
     const char *scenario; /* file, "-" for standard input, null for the defaults */
     const char *out;      /* run folder, or null */
+    const char *gains;    /* file of a gain record, or null */
+    const char *nv;       /* file of the non-volatile memory, or null: there is none */
     int progress_fd;      /* -1: none */
     double patience_s;    /* after a fault, for a command to go on */
     bool start;

@@ -94,7 +94,7 @@ static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
 can_socket_status_t port_linux_open(port_linux_t *self, tumble_port_t *port, const char *interface)
 {
     *self = (port_linux_t){.start_us = port_linux_clock_us()};
-    *port = (tumble_port_t){self, now_us, can_send, can_receive};
+    *port = (tumble_port_t){.context = self, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     return can_socket_open(&self->can, interface);
 }
 

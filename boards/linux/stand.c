@@ -6,11 +6,14 @@
 #include "bench/report_counters.h"
 #include "events.h"
 #include "port_linux.h"
+#include "stand_answers.h"
 #include "stand_bridge.h"
 #include "stand_operator.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 #define SKIPPED 77
 #define RETRY_US 1000U     /* after the interface had no room */
@@ -22,6 +25,8 @@ typedef struct {
     bench_watcher_t watcher;
     stand_bridge_t bridge;
     stand_operator_t operator;
+    stand_answers_t answers;
+    bool listening; /* to standard input */
     events_t events;
     uint64_t start_us; /* of the monotonic clock: virtual time 0 */
     uint64_t epoch_us; /* UTC at that moment */
@@ -85,11 +90,20 @@ static uint64_t next_us(const stand_t *stand)
 static bool has_ended(stand_t *stand)
 {
     const uint64_t now_us = stand->world.clock.now_us;
-    if (events_signal(&stand->events) != 0 && stand->ending_us == SIM_NEVER) {
+    const int signal = events_signal(&stand->events);
+    if ((signal == SIGINT || signal == SIGTERM) && stand->ending_us == SIM_NEVER) {
         stand->ending_us = now_us;
     }
     return stand->ending_us != SIM_NEVER &&
            (bench_world_is_at_rest(&stand->world) || now_us > stand->ending_us + REST_US);
+}
+
+static void listen_to_person(stand_t *stand)
+{
+    if (stand->listening && !stand_answers_take(&stand->answers, STDIN_FILENO, &stand->operator, &stand->world)) {
+        stand->listening = false;
+        events_forget(&stand->events, STDIN_FILENO);
+    }
 }
 
 static void report(const stand_t *stand, FILE *out)
@@ -140,7 +154,7 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     static stand_t stand;
     stand.ending_us = SIM_NEVER;
     stand.watcher = (bench_watcher_t){.context = &stand, .on_frame = on_frame};
-    stand_operator_init(&stand.operator, options->mounts, options->starts);
+    stand_operator_init(&stand.operator, options->operator);
     const int opened = open_bus(&stand, options->interface);
     if (opened != BENCH_EXIT_PASS) {
         return opened;
@@ -154,8 +168,10 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     }
     stand.start_us = port_linux_clock_us();
     stand.epoch_us = port_linux_utc_us();
+    stand.listening = options->operator == STAND_OPERATOR_ASKS && events_watch(&stand.events, STDIN_FILENO);
     do {
         catch_up(&stand);
+        listen_to_person(&stand);
         events_wait(&stand.events, stand.start_us + next_us(&stand));
     } while (!has_ended(&stand));
     catch_up(&stand); /* what had come by then */

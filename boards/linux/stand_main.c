@@ -11,7 +11,6 @@
  * not to be had here. */
 static bool adapt(bench_config_t *config)
 {
-    config->present.navcomp = false;
     config->virtual_limit_s = FOREVER_S;
     for (uint32_t i = 0; i < config->scenario.fault_count; i++) {
         if (config->scenario.faults[i].kind == SIM_FAULT_BUS_OFF) {
@@ -34,7 +33,7 @@ int main(int count, char *arguments[])
         (void)fputs(stand_options_help, stdout);
         return BENCH_EXIT_PASS;
     }
-    if (!bench_config_prepare(&config, options.scenario, NULL, "tumble-stand") || !adapt(&config)) {
+    if (!bench_config_prepare_stand(&config, options.scenario, "tumble-stand") || !adapt(&config)) {
         return BENCH_EXIT_USAGE;
     }
     const int code = stand_run(&config, &options, stdout);

@@ -4,6 +4,9 @@
 #include "navcomp/commands.h"
 #include "stand_bridge.h"
 
+#include <stdio.h>
+#include <string.h>
+
 #define STATE_PDO 0x181U
 #define STATE_PDO_BYTES 8U
 #define REQUEST 0x601U
@@ -14,12 +17,13 @@
 #define ARGUMENT 1U
 #define COMMAND 2U
 #define PATIENCE_US 300000U /* for one answer */
+#define EARLY_US 2000000U   /* that an answer may come before its question */
 #define AGAIN_US 1000000U   /* after a refusal, or no answer */
 
-void stand_operator_init(stand_operator_t *operator, bool mounts, bool starts)
+void stand_operator_init(stand_operator_t *operator, stand_operator_kind_t kind)
 {
     *operator = (stand_operator_t){
-        .mounts = mounts, .starts = starts, .act_us = SIM_NEVER, .patience_us = SIM_NEVER};
+        .kind = kind, .starts = kind == STAND_OPERATOR_STARTS, .act_us = SIM_NEVER, .patience_us = SIM_NEVER};
 }
 
 /* What the state PDO says, as far as it goes. */
@@ -57,10 +61,11 @@ static bench_question_t question_of(const stand_operator_t *operator, const benc
 {
     const tumble_progress_t *const progress = &world->progress;
     bench_question_t question = {.kind = BENCH_QUESTION_NONE};
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING && operator->mounts) {
+    const bool answers = operator->kind != STAND_OPERATOR_NONE;
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING && answers) {
         question.kind = BENCH_QUESTION_MOUNTING;
         question.mounting = progress->mounting;
-    } else if (progress->state == TUMBLE_STATE_FAULT && operator->mounts) {
+    } else if (progress->state == TUMBLE_STATE_FAULT && answers) {
         question.kind = BENCH_QUESTION_FAULT;
         question.mounting = progress->mounting;
         question.reason = progress->reason;
@@ -68,7 +73,7 @@ static bench_question_t question_of(const stand_operator_t *operator, const benc
     return question;
 }
 
-/* How long he takes; below 0: he does nothing. */
+/* How long he takes; below 0: he does nothing by himself. */
 static double time_for(const bench_world_t *world, const bench_question_t *question)
 {
     const sim_operator_config_t *const config = &world->config->scenario.person;
@@ -85,7 +90,18 @@ static void drop_command(stand_operator_t *operator)
     operator->patience_us = SIM_NEVER;
 }
 
-static void look(stand_operator_t *operator, const bench_world_t *world)
+static void act(stand_operator_t *operator, bench_world_t *world);
+
+/* Another question, or none. What a person has begun meanwhile goes on. */
+static void ask_person(stand_operator_t *operator, bench_world_t *world)
+{
+    if (operator->question.kind != BENCH_QUESTION_NONE && world->clock.now_us < operator->early_us) {
+        operator->early_us = 0;
+        act(operator, world);
+    }
+}
+
+static void look(stand_operator_t *operator, bench_world_t *world)
 {
     const bench_question_t question = question_of(operator, world);
     const bool starting = operator->command == (uint8_t)TUMBLE_COMMAND_START;
@@ -101,8 +117,12 @@ static void look(stand_operator_t *operator, const bench_world_t *world)
         question.reason == operator->question.reason) {
         return;
     }
-    const double time_s = time_for(world, &question);
     operator->question = question;
+    if (operator->kind == STAND_OPERATOR_ASKS) {
+        ask_person(operator, world);
+        return;
+    }
+    const double time_s = time_for(world, &question);
     operator->act_us = (time_s < 0.0) ? SIM_NEVER : world->clock.now_us + (uint64_t)(time_s * 1e6);
     drop_command(operator);
 }
@@ -142,6 +162,9 @@ static void answered(stand_operator_t *operator, bench_world_t *world, const uin
     } else if (ours && data[0] == ABORTED) {
         operator->refusals++;
         operator->patience_us = world->clock.now_us;
+        if (operator->kind == STAND_OPERATOR_ASKS) {
+            drop_command(operator);
+        }
     }
 }
 
@@ -196,6 +219,28 @@ static void act(stand_operator_t *operator, bench_world_t *world)
     } else {
         give(operator, world, TUMBLE_COMMAND_RESUME, 0);
     }
+}
+
+bool stand_operator_answer(stand_operator_t *operator, bench_world_t *world, const char *line)
+{
+    unsigned number = 0;
+    char end = '\0';
+    if (strcmp(line, "done") == 0) {
+        if (operator->kind == STAND_OPERATOR_NONE) {
+            return false;
+        }
+        operator->early_us = world->clock.now_us + EARLY_US;
+        ask_person(operator, world);
+    } else if (strcmp(line, "abort") == 0) {
+        give(operator, world, TUMBLE_COMMAND_ABORT, 0);
+    } else if (sscanf(line, "repeat position %3u%c", &number, &end) == 1 && number <= UINT8_MAX) {
+        give(operator, world, TUMBLE_COMMAND_REPEAT_POSITION, (uint8_t)number);
+    } else if (sscanf(line, "repeat mounting %3u%c", &number, &end) == 1 && number <= UINT8_MAX) {
+        give(operator, world, TUMBLE_COMMAND_REPEAT_MOUNTING, (uint8_t)number);
+    } else {
+        return false;
+    }
+    return true;
 }
 
 uint64_t stand_operator_next_us(const stand_operator_t *operator)

@@ -1,7 +1,8 @@
-/* stand_operator.h - the simulated operator of a stand whose firmware runs elsewhere.
+/* stand_operator.h - the operator of a simulated stand whose firmware runs elsewhere.
  *
  * He reads the state PDO of node 1 and answers by SDO: puts the block on the table as asked and confirms it, mends what
- * the scenario lets him mend, and, if told to, gives the command to start. So it is the same to him whether node 1 is a
+ * the scenario lets him mend, and, if told to, gives the command to start. Or he does nothing by himself: a person says
+ * when it is done, and what is to be done after a fault. So it is the same to him whether node 1 is a
  * process of Linux, an emulated board or a real one.
  */
 #ifndef TUMBLE_LINUX_STAND_OPERATOR_H
@@ -12,9 +13,17 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* What the operator does by himself. */
+typedef enum {
+    STAND_OPERATOR_NONE = 0, /* nothing */
+    STAND_OPERATOR_MOUNTS,   /* answers node 1 */
+    STAND_OPERATOR_STARTS,   /* likewise, and gives the command to start, once */
+    STAND_OPERATOR_ASKS      /* what a person tells him */
+} stand_operator_kind_t;
+
 typedef struct {
-    bool mounts;
-    bool starts;
+    stand_operator_kind_t kind;
+    bool starts; /* still has to */
 
     bench_question_t question; /* open at the moment */
     uint64_t act_us;           /* when he does something about it; SIM_NEVER: not at all */
@@ -22,11 +31,18 @@ typedef struct {
     uint8_t argument;
     bool argued;               /* the argument has been taken */
     uint64_t patience_us;      /* until then he waits for the answer to an SDO request */
+    uint64_t early_us;         /* until then a "done" counts that came before its question was heard */
     uint32_t answers;          /* commands accepted */
     uint32_t refusals;
 } stand_operator_t;
 
-void stand_operator_init(stand_operator_t *operator, bool mounts, bool starts);
+void stand_operator_init(stand_operator_t *operator, stand_operator_kind_t kind);
+
+/* What the person says: "done" (mounted, or mended: go on), "abort", "repeat position INDEX", "repeat mounting NUMBER".
+ * Who is told by node 1 itself may be faster than the bus: a "done" without a question waits two seconds for one.
+ * False: it is none of that, or nobody is to be asked. What node 1 refuses is not tried again: the person
+ * may say something else. */
+bool stand_operator_answer(stand_operator_t *operator, bench_world_t *world, const char *line);
 
 /* A frame has gone over the bus: the state PDO, or an answer to a request. */
 void stand_operator_hear(stand_operator_t *operator, bench_world_t *world, const tumble_can_frame_t *frame);

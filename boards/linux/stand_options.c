@@ -23,7 +23,9 @@ const char stand_options_help[] =
     "\n"
     "  --seed N         whole number from 0 to 2^64 - 1; default 1\n"
     "  --operator WHAT  none: does nothing; mount: answers node 1 when it waits for a mounting; start:\n"
-    "                   gives the command to start as well, once; default: mount\n"
+    "                   gives the command to start as well, once; ask: does what standard input says,\n"
+    "                   a line for each: done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
+    "                   default: mount\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one has ended\n"
     "  --help           print this\n"
     "\n"
@@ -41,10 +43,14 @@ static const struct option OPTIONS[] = {
 
 static bool take_operator(stand_options_t *options, const char *what)
 {
-    options->starts = strcmp(what, "start") == 0;
-    options->mounts = options->starts || strcmp(what, "mount") == 0;
-    return options->mounts || strcmp(what, "none") == 0 ||
-           arguments_refuse("--operator", "must be none, mount or start");
+    static const char *const KINDS[] = {"none", "mount", "start", "ask"}; /* as stand_operator_kind_t */
+    for (unsigned kind = 0; kind < sizeof KINDS / sizeof KINDS[0]; kind++) {
+        if (strcmp(what, KINDS[kind]) == 0) {
+            options->operator = (stand_operator_kind_t)kind;
+            return true;
+        }
+    }
+    return arguments_refuse("--operator", "must be none, mount, start or ask");
 }
 
 static bool take(stand_options_t *options, int option)
@@ -67,7 +73,7 @@ static bool take(stand_options_t *options, int option)
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
     int option;
-    *options = (stand_options_t){.seed = 1, .mounts = true};
+    *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
     while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
         if (!take(options, option)) {
             return false;

@@ -2,6 +2,8 @@
 #ifndef TUMBLE_LINUX_STAND_OPTIONS_H
 #define TUMBLE_LINUX_STAND_OPTIONS_H
 
+#include "stand_operator.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -9,8 +11,7 @@ typedef struct {
     const char *interface;
     const char *scenario; /* file, "-" for standard input, null for the defaults */
     uint64_t seed;
-    bool mounts;
-    bool starts;
+    stand_operator_kind_t operator;
     bool help;
 } stand_options_t;
 

@@ -1,6 +1,5 @@
-/* configuration.h - what this board is told about its stand, its block and its bus. Built in: the paper's schedule and
- * the same numbers as tumble-bench without a scenario, which a test on the host compares. A commissioning record
- * takes their place. What differs from run to run can be written over CAN (2050h).
+/* configuration.h - what this board is told about its stand, its block and its bus. Built in: navcomp/standard.h. A
+ * commissioning record takes its place. What differs from run to run can be written over CAN (2050h).
  */
 #ifndef ZCU102_CONFIGURATION_H
 #define ZCU102_CONFIGURATION_H
@@ -8,13 +7,6 @@
 #include "can.h"
 #include "commissioning.h"
 #include "navcomp/navcomp.h"
-
-extern const tumble_averaging_config_t zcu102_averaging;
-extern const tumble_procedure_config_t zcu102_procedure;
-extern const tumble_drive_profile_t zcu102_drive;
-
-/* Everything but the port and the hooks, which are null. */
-extern const tumble_navcomp_config_t zcu102_navcomp;
 
 /* Where a commissioning record lies: in the emulator, memory that its loader fills. The chip has its flash for that,
  * once a board has one mapped: until then what is built in counts. */

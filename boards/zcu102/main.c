@@ -1,6 +1,8 @@
 /* The navigation computer of this board: waits for the start command over CAN, calibrates, tells on its serial port how
  * it goes. Its result and its counters are read over CAN; the log repeats them. */
 #include "configuration.h"
+#include "gains.h"
+#include "nv_memory.h"
 #include "port_zcu102.h"
 #include "processor.h"
 #include "uart.h"
@@ -11,6 +13,10 @@
 #include <stdint.h>
 
 #define EXIT_ON_CONFIGURATION 2
+
+#ifdef ZCU102_EMULATED
+#define NV_ADDRESS 0x1900000U /* where the emulator's loader may put what an earlier run has left */
+#endif
 
 static zcu102_port_t port;
 static zcu102_can_config_t can_config;
@@ -89,6 +95,16 @@ static void tell(void)
     }
 }
 
+#ifdef NV_ADDRESS
+/* For whatever of the firmware keeps something. */
+static void find_memory(void)
+{
+    static tumble_nv_t nv;
+    nv = zcu102_nv_memory((uint8_t *)(uintptr_t)NV_ADDRESS);
+    port.port.nv = &nv;
+}
+#endif
+
 static tumble_status_t init(void)
 {
     tumble_status_t status = zcu102_configure(&config, &commissioned);
@@ -96,6 +112,10 @@ static tumble_status_t init(void)
         can_config = zcu102_can_for(&config);
         status = zcu102_port_init(&port, &can_config);
     }
+#ifdef NV_ADDRESS
+    find_memory();
+#endif
+    commissioned.procedure.weighted = zcu102_weighted();
     config.port = &port.port;
     return (status == TUMBLE_OK) ? tumble_navcomp_init(&navcomp, &config) : status;
 }

@@ -3,6 +3,7 @@
  * there is a result, 1 there is none, 2 no recording, or a spoilt commissioning record.
  */
 #include "configuration.h"
+#include "gains.h"
 #include "processor.h"
 #include "replay/replay.h"
 #include "uart.h"
@@ -83,6 +84,7 @@ int main(void)
         status = zcu102_configure(&config, &commissioned);
     }
     if (status == TUMBLE_OK) {
+        commissioned.procedure.weighted = zcu102_weighted();
         config.port = &replay.port;
         status = tumble_navcomp_init(&navcomp, &config);
     }

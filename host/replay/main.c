@@ -31,6 +31,7 @@ static const char HELP[] =
     "  --recording FILE write the recording for the board zcu102 instead of replaying it here\n"
     "  --commissioning FILE\n"
     "                   write the record that tells the board zcu102 what SCENARIO says of its stand and block\n"
+    "  --gain-record F  the gains of procedure.estimator = optimal (inputs/gains.bin of a run folder)\n"
     "  --help           print this\n"
     "\n"
     "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 the run does not come to a result.\n";
@@ -41,6 +42,7 @@ typedef struct {
     const char *out;
     const char *recording;
     const char *commissioning;
+    const char *gain_record;
     bool help;
 } options_t;
 
@@ -75,6 +77,7 @@ static bool read_options(options_t *options, int count, char *arguments[])
     static const struct option KNOWN[] = {{"out", required_argument, NULL, 'o'},
                                           {"recording", required_argument, NULL, 'r'},
                                           {"commissioning", required_argument, NULL, 'c'},
+                                          {"gain-record", required_argument, NULL, 'g'},
                                           {"help", no_argument, NULL, 'h'},
                                           {0}};
     int option;
@@ -86,6 +89,8 @@ static bool read_options(options_t *options, int count, char *arguments[])
             options->recording = optarg;
         } else if (option == 'c') {
             options->commissioning = optarg;
+        } else if (option == 'g') {
+            options->gain_record = optarg;
         } else if (option == 'h') {
             options->help = true;
         } else {
@@ -248,7 +253,7 @@ int main(int count, char *arguments[])
         (void)fputs(HELP, stdout);
         return BENCH_EXIT_PASS;
     }
-    if (!bench_config_prepare(&config, options.scenario, NULL, "tumble-replay")) {
+    if (!bench_config_prepare(&config, options.scenario, options.gain_record, "tumble-replay")) {
         return BENCH_EXIT_USAGE;
     }
     if (options.commissioning != NULL) {

@@ -42,6 +42,28 @@ static double error_deg(const sim_axis_t *axis, double commanded_deg)
     return axis->from_error_deg + share * (axis->to_error_deg - axis->from_error_deg);
 }
 
+/* The motor moves within the play, and beyond it takes the table along. */
+static double play_after(double play_deg, double way_deg, double backlash_deg)
+{
+    const double left = play_deg - way_deg;
+    const double least = (left > 0.0) ? left : 0.0;
+    return (least < backlash_deg) ? least : backlash_deg;
+}
+
+/* Where the table is above the motor, which turns back only where a piece of its motion begins. */
+static double play_deg(const sim_axis_t *axis, uint64_t now_us, double commanded_deg)
+{
+    const double elapsed_s = seconds(axis->start_us, now_us);
+    const double backlash_deg = axis->config->backlash_deg;
+    double play = axis->from_play_deg;
+    double at_deg = axis->from_deg;
+    for (uint32_t i = 0; i < axis->motion.count && axis->motion.pieces[i].start_s <= elapsed_s; i++) {
+        play = play_after(play, axis->motion.pieces[i].position - at_deg, backlash_deg);
+        at_deg = axis->motion.pieces[i].position;
+    }
+    return play_after(play, commanded_deg - at_deg, backlash_deg);
+}
+
 static void widen_extent(sim_axis_t *axis, double deg)
 {
     axis->lowest_deg = (deg < axis->lowest_deg) ? deg : axis->lowest_deg;
@@ -79,6 +101,7 @@ static double begin_motion(sim_axis_t *axis, uint64_t now_us, double *velocity_d
     const double position = sim_axis_commanded_deg(axis, now_us, velocity_deg_s);
     note_extent(axis, now_us);
     axis->from_error_deg = error_deg(axis, position);
+    axis->from_play_deg = play_deg(axis, now_us, position);
     axis->from_deg = position;
     axis->start_us = now_us;
     return position;
@@ -183,7 +206,7 @@ double sim_axis_actual_deg(const sim_axis_t *axis, uint64_t now_us)
     double velocity;
     const double commanded = axis->jammed ? axis->jammed_deg : sim_axis_commanded_deg(axis, now_us, &velocity);
     const double swing = axis->jammed ? 0.0 : swing_deg(axis, now_us);
-    return commanded + swing + error_deg(axis, commanded) + axis->slip_deg;
+    return commanded + swing + error_deg(axis, commanded) + axis->slip_deg + play_deg(axis, now_us, commanded);
 }
 
 void sim_axis_jam(sim_axis_t *axis, uint64_t now_us, bool jammed)

@@ -4,7 +4,10 @@
  *   commanded  where the motor is told to be: the closed form of motion.h
  *   encoder    where the encoder sees the table: commanded, plus the decaying oscillation, less what a jam holds back
  *   actual     where the table is: encoder plus the angle error alpha4 (which turns from one stop's draw to the next's
- *              over the way between them) plus slip
+ *              over the way between them) plus slip plus play
+ *
+ * The play of the gear is behind the encoder, which sits on the motor: the table stops at the commanded angle when it
+ * came from below, and by the play above it when it came from above.
  *
  * The oscillation after a stop is A exp(-t/tau) sin(2 pi f t), its envelope a thousandth of A after the settling time
  * and nothing at all after four of them. The next motion ends it.
@@ -23,6 +26,7 @@ typedef struct {
     double swing_hz;       /* its frequency */
     double settling_s;     /* until it has fallen to a thousandth */
     double resolution_deg; /* of the encoder: one count */
+    double backlash_deg;   /* play between motor and table */
 } sim_axis_config_t;
 
 typedef struct {
@@ -33,6 +37,7 @@ typedef struct {
     uint64_t swing_us; /* when the table last came to a stop: start of the oscillation */
     double from_deg;   /* where the motion started ... */
     double from_error_deg;
+    double from_play_deg; /* how far the table was above the motor then, 0 to the backlash */
     double to_error_deg;     /* angle error at its end */
     double error_rad;        /* the same, as drawn */
     double slip_deg;         /* table against encoder, so far */

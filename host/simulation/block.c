@@ -96,7 +96,7 @@ void sim_block_init(sim_block_t *block, const sim_block_config_t *config, const 
     block->bus = bus;
     block->bus_node = bus_node;
     block->axis = axis;
-    block->port = (tumble_port_t){block, now_us, can_send, can_receive};
+    block->port = (tumble_port_t){.context = block, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     sim_sensor_init(&block->sensor, sensor, seed);
     sim_bus_attach(bus, bus_node, SIM_ACTOR_BLOCK);
     boot(block);
@@ -194,14 +194,15 @@ static void make_sample(sim_block_t *block)
     const uint64_t age_us = block->clock->now_us - block->powered_us;
     const double age_s = (double)block->clock->now_us * 1e-6;
     sim_block_frames_t frames;
-    int32_t counts[TUMBLE_CHANNELS];
-    const bool saturated = sim_sensor_sample(&block->sensor, feel(block), age_s, counts);
-    const uint8_t status = (uint8_t)(block->fault.status | (saturated ? 1U : 0U));
-    block->objects.status = status;
+    tumble_block_sample_t sample;
+    const bool saturated = sim_sensor_sample(&block->sensor, feel(block), age_s, sample.raw.counts);
+    block->objects.status = (uint8_t)(block->fault.status | (saturated ? 1U : 0U));
     block->objects.temperature = half_degrees(sim_sensor_temperature_c(&block->sensor, age_s));
-    sim_block_encode(counts, block->counter, block->config->first_timestamp_ms + age_us / 1000U, status,
-                     block->objects.temperature, &frames);
-    block->counter++;
+    sample.raw.counter = (uint16_t)block->counter++;
+    sample.timestamp_ms = (uint16_t)(block->config->first_timestamp_ms + age_us / 1000U);
+    sample.status = block->objects.status;
+    sample.temperature_half_c = block->objects.temperature;
+    sim_block_encode(&sample, &frames);
     dispatch(block, &frames);
 }
 

@@ -26,7 +26,8 @@ static const uint8_t CRC[256] = {
 };
 /* clang-format on */
 
-void sim_block_seal(tumble_can_frame_t *frame)
+/* Put the checksum of the other seven bytes, under the frame's identifier, into byte 7. */
+static void seal(tumble_can_frame_t *frame)
 {
     uint8_t crc = CRC[0xFFU ^ (frame->id & 0xFFU)];
     for (int i = 0; i < 7; i++) {
@@ -43,17 +44,17 @@ static void fill(tumble_can_frame_t *frame, uint16_t id, uint64_t bits)
     for (int i = 0; i < 8; i++) {
         frame->data[i] = (uint8_t)(bits >> (8 * i));
     }
-    sim_block_seal(frame);
+    seal(frame);
 }
 
-void sim_block_encode(const int32_t counts[TUMBLE_CHANNELS], uint32_t counter, uint64_t milliseconds, uint8_t status,
-                      int8_t half_degrees, sim_block_frames_t *frames)
+void sim_block_encode(const tumble_block_sample_t *sample, sim_block_frames_t *frames)
 {
-    const uint64_t x = (uint32_t)counts[0] & COUNTS_MASK;
-    const uint64_t y = (uint32_t)counts[1] & COUNTS_MASK;
-    const uint64_t z = (uint32_t)counts[2] & COUNTS_MASK;
+    const uint64_t x = (uint32_t)sample->raw.counts[0] & COUNTS_MASK;
+    const uint64_t y = (uint32_t)sample->raw.counts[1] & COUNTS_MASK;
+    const uint64_t z = (uint32_t)sample->raw.counts[2] & COUNTS_MASK;
+    const uint64_t counter = sample->raw.counter & 0xFFU;
     const uint64_t pair = (2U * counter + 1U) & 0xFFU;
-    const uint64_t time = (milliseconds & 0xFFFU) | (uint64_t)(status & 0xFU) << 12;
-    fill(&frames->xy, ID_XY, x | y << 24 | (uint64_t)(counter & 0xFFU) << 48);
-    fill(&frames->z, ID_Z, z | pair << 24 | time << 32 | (uint64_t)(uint8_t)half_degrees << 48);
+    const uint64_t time = (sample->timestamp_ms & 0xFFFU) | (uint64_t)(sample->status & 0xFU) << 12;
+    fill(&frames->xy, ID_XY, x | y << 24 | counter << 48);
+    fill(&frames->z, ID_Z, z | pair << 24 | time << 32 | (uint64_t)(uint8_t)sample->temperature_half_c << 48);
 }

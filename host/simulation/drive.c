@@ -179,7 +179,7 @@ void sim_drive_init(sim_drive_t *drive, const sim_drive_config_t *config, sim_cl
     drive->clock = clock;
     drive->bus = bus;
     drive->bus_node = bus_node;
-    drive->port = (tumble_port_t){drive, now_us, can_send, can_receive};
+    drive->port = (tumble_port_t){.context = drive, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     sim_bus_attach(bus, bus_node, SIM_ACTOR_DRIVE);
     sim_axis_init(&drive->axis, &config->axis, error, angle_deg);
     boot(drive);
@@ -226,11 +226,6 @@ void sim_drive_disturb(sim_drive_t *drive)
         drive->cycle_us = drive->clock->now_us;
         sim_clock_set(drive->clock, SIM_ACTOR_DRIVE, drive->clock->now_us);
     }
-}
-
-bool sim_drive_is_at_rest(const sim_drive_t *drive)
-{
-    return sim_axis_is_still(&drive->axis, drive->clock->now_us);
 }
 
 /* Position and velocity as seen in the last control cycle. True: the position has changed. */

@@ -95,7 +95,4 @@ void sim_drive_mend(sim_drive_t *drive);
 /* The axis has moved in a way that was not commanded (slip, jam): the control cycle looks at it. */
 void sim_drive_disturb(sim_drive_t *drive);
 
-/* Is the axis at rest, for good unless commanded? */
-bool sim_drive_is_at_rest(const sim_drive_t *drive);
-
 #endif

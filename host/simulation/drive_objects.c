@@ -60,11 +60,9 @@ static const tumble_entry_t entries[] = {
     /* Pre-defined error field */
     {0x1003U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMMUNICATION, 1U, 0U, 0U, 0U, 0U},
-    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 3U, 0U},
+    {0x1003U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 3U, 0U},
     /* COB-ID SYNC message */
-    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_IMMEDIATE, 4U, 0U, 128U, 0U, 0U},
+    {0x1005U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_IMMEDIATE, 4U, 0U, 128U, 0U, 0U},
     /* Manufacturer device name */
     {0x1008U, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_CONSTANT, 22U, 0U, offsetof(constants_t, value_1008_0), 0U, 0U},
@@ -75,8 +73,7 @@ static const tumble_entry_t entries[] = {
     {0x100AU, 0U, TUMBLE_TYPE_VISIBLE_STRING, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_CONSTANT, 5U, 0U, offsetof(constants_t, value_100a_0), 0U, 0U},
     /* COB-ID EMCY */
-    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 0U, 0U},
+    {0x1014U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 0U, 0U},
     /* Consumer heartbeat time */
     {0x1016U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 3U, 0U},
@@ -84,20 +81,17 @@ static const tumble_entry_t entries[] = {
     {0x1017U, 0U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMMUNICATION, 2U, 0U, 0U, 0U, 0U},
     /* Identity object */
-    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_IMMEDIATE, 4U, 0U, 0U, 0U, 0U},
+    {0x1018U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_IMMEDIATE, 4U, 0U, 0U, 0U, 0U},
     {0x1018U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_CONSTANT, 4U, 0U, offsetof(constants_t, value_1018_2), 0U, 0U},
     {0x1018U, 3U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_CONSTANT, 4U, 0U, offsetof(constants_t, value_1018_3), 0U, 0U},
-    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_IMMEDIATE, 4U, 0U, 2U, 0U, 0U},
+    {0x1018U, 4U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_IMMEDIATE, 4U, 0U, 2U, 0U, 0U},
     /* Error behaviour */
     {0x1029U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMMUNICATION, 1U, 1U, 0U, 0U, 0U},
     /* SDO server parameter */
-    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 1U, 0U},
+    {0x1200U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 1U, 0U},
     /* Receive PDO 1 parameter */
     {0x1400U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 0U, 0U},
@@ -196,8 +190,7 @@ static const tumble_entry_t entries[] = {
     {0x609AU, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_VARIABLES, 4U, 4U, offsetof(tumble_drive_objects_t, homing_acceleration), 0U, 0U},
     /* Supported drive modes */
-    {0x6502U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_IMMEDIATE, 4U, 0U, 33U, 0U, 0U},
+    {0x6502U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ, TUMBLE_HOME_IMMEDIATE, 4U, 0U, 33U, 0U, 0U},
 };
 
 const tumble_object_table_t tumble_drive_table = {
@@ -208,15 +201,13 @@ const tumble_object_table_t tumble_drive_table = {
 };
 
 static const tumble_pdo_setup_t receive[] = {
-    {.cob_id = 0x200U, .type = 255U, .count = 1U,
-     .inhibit_100us = 0U, .event_ms = 0U,
+    {.cob_id = 0x200U, .type = 255U, .count = 1U, .inhibit_100us = 0U, .event_ms = 0U,
      .map = {0x60400010U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
 };
 static_assert((sizeof receive / sizeof receive[0]) <= TUMBLE_MAX_RECEIVE_PDOS, "receive");
 
 static const tumble_pdo_setup_t transmit[] = {
-    {.cob_id = 0x180U, .type = 255U, .count = 1U,
-     .inhibit_100us = 0U, .event_ms = 0U,
+    {.cob_id = 0x180U, .type = 255U, .count = 1U, .inhibit_100us = 0U, .event_ms = 0U,
      .map = {0x60410010U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
 };
 static_assert((sizeof transmit / sizeof transmit[0]) <= TUMBLE_MAX_TRANSMIT_PDOS, "transmit");

@@ -70,13 +70,16 @@ void sim_drive_obey(sim_drive_t *drive)
     sim_drive_obey_mode(drive, (uint16_t)(controlword & ~before), (uint16_t)(before & ~controlword), target_before);
 }
 
+static bool stands(const sim_drive_t *drive)
+{
+    double velocity;
+    (void)sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
+    return velocity == 0.0;
+}
+
 static uint16_t profile_position_status(const sim_drive_t *drive)
 {
-    double velocity = 0.0;
-    if (drive->halted) {
-        (void)sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
-    }
-    const bool reached = drive->halted ? velocity == 0.0 : drive->reached;
+    const bool reached = (drive->halted || drive->reached) && stands(drive);
     return (
         uint16_t)((reached ? TUMBLE_402_STATUS_TARGET_REACHED : 0U) |
                   (drive->acknowledged ? TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE : 0U) |
@@ -91,7 +94,7 @@ static uint16_t homing_status(const sim_drive_t *drive)
     case SIM_HOMING_ERROR:
         return TUMBLE_402_STATUS_HOMING_ERROR | TUMBLE_402_STATUS_TARGET_REACHED;
     case SIM_HOMING_NONE:
-        return TUMBLE_402_STATUS_TARGET_REACHED; /* interrupted or not started */
+        return stands(drive) ? TUMBLE_402_STATUS_TARGET_REACHED : 0U; /* interrupted or not started */
     default:
         return 0;
     }

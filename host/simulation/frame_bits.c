@@ -109,12 +109,6 @@ static inline uint32_t data_crc(const sim_wire_t *wire, uint64_t data, uint32_t 
     return crc;
 }
 
-uint16_t sim_frame_crc15(const sim_wire_t *wire, const tumble_can_frame_t *frame)
-{
-    return (uint16_t)(header_crc(wire, header_of(frame->id, frame->length), frame->length) ^
-                      data_crc(wire, data_of(frame), frame->length));
-}
-
 /* Send the low `count` bytes of `bits`, the highest first, from *state (x 256). Returns the stuff bits. */
 static inline uint32_t send_bytes(const sim_wire_t *wire, uint32_t *state, uint64_t bits, uint32_t count)
 {

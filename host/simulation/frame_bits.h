@@ -41,7 +41,4 @@ uint32_t sim_frame_bits(const sim_wire_t *wire, const tumble_can_frame_t *frame)
 /* Stuff bits alone. */
 uint32_t sim_frame_stuff_bits(const sim_wire_t *wire, const tumble_can_frame_t *frame);
 
-/* The frame's CRC-15 (polynomial 0x4599), from start of frame to the last data bit. */
-uint16_t sim_frame_crc15(const sim_wire_t *wire, const tumble_can_frame_t *frame);
-
 #endif

@@ -94,19 +94,14 @@ static inline double central_quantile(double p)
     return q * (polynomial(CENTRAL_ABOVE, r) / polynomial(CENTRAL_BELOW, r));
 }
 
-static inline double quantile(double p)
+double sim_normal_quantile(double p)
 {
     return is_central(p) ? central_quantile(p) : outer_quantile(p);
 }
 
-double sim_normal_quantile(double p)
-{
-    return quantile(p);
-}
-
 double sim_random_normal(sim_random_t *stream)
 {
-    return quantile(sim_random_unit(stream));
+    return sim_normal_quantile(sim_random_unit(stream));
 }
 
 #define AT_ONCE 32

@@ -1,5 +1,7 @@
 #include "conformance.h"
 
+#include "finding.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -9,24 +11,6 @@
 #define PASSING_US 20000U
 #define ORDERED 1000U
 #define UNUSED 0xA5U /* bytes that a frame does not have */
-
-/* What a check finds wrong, or that it cannot be done: null, or a sentence. */
-typedef struct {
-    const char *wrong;
-    const char *skipped;
-} finding_t;
-
-static const finding_t GOOD = {NULL, NULL};
-
-static finding_t wrong(const char *what)
-{
-    return (finding_t){.wrong = what};
-}
-
-static finding_t skipped(const char *why)
-{
-    return (finding_t){.skipped = why};
-}
 
 static uint64_t now_us(const tumble_port_t *port)
 {
@@ -311,11 +295,6 @@ static finding_t off_the_bus_is_down(const conformance_bench_t *bench)
     return wrong((fault != NULL) ? fault : pass_one(bench, bench->b, bench->a, &frame));
 }
 
-typedef struct {
-    const char *name;
-    finding_t (*check)(const conformance_bench_t *bench);
-} check_t;
-
 static const check_t CHECKS[] = {
     {"the clock never goes back", clock_never_goes_back},
     {"the clock counts microseconds", clock_counts_microseconds},
@@ -348,16 +327,10 @@ uint32_t conformance_run(const conformance_bench_t *bench)
 {
     uint32_t failed = 0;
     for (size_t i = 0; i < (sizeof CHECKS / sizeof CHECKS[0]); i++) {
-        const finding_t finding = CHECKS[i].check(bench);
-        if (finding.wrong != NULL) {
+        if (report_finding(bench, CHECKS[i].name, CHECKS[i].check(bench))) {
             failed++;
-            bench->report(bench->context, CHECKS[i].name, CONFORMANCE_FAILED, finding.wrong);
             sweep(bench);
-        } else if (finding.skipped != NULL) {
-            bench->report(bench->context, CHECKS[i].name, CONFORMANCE_SKIPPED, finding.skipped);
-        } else {
-            bench->report(bench->context, CHECKS[i].name, CONFORMANCE_PASSED, NULL);
         }
     }
-    return failed;
+    return failed + conformance_run_nv(bench);
 }

@@ -1,6 +1,7 @@
 /* conformance.h - what every implementation of port.h must do, as checks over two ports on one bus.
  *
- * A bench gives two ports that hear each other and nobody else, a way to let time pass, and what the board promises.
+ * A bench gives two ports that hear each other and nobody else, a way to let time pass, and what the board promises. A
+ * port with non-volatile memory (that of `a` is looked at) loses all that is in it.
  * The suite needs neither libc nor memory beyond its own: it runs on a processor without an operating system as it
  * does in a process.
  *
@@ -40,11 +41,20 @@ typedef struct {
     /* Take the controller of `a` off the bus, or let it come back; null: cannot be done here. */
     void (*set_off)(void *context, bool off);
 
+    /* What an erase of the non-volatile memory may take. */
+    uint32_t erase_us;
+
+    /* As if power had been off: the memory again, with what it held; null: cannot be done here. */
+    const tumble_nv_t *(*reopen)(void *context);
+
     /* A check has ended; `why` is the reason unless it has passed. */
     void (*report)(void *context, const char *check, conformance_verdict_t verdict, const char *why);
 } conformance_bench_t;
 
 /* All checks. Returns how many have failed. */
 uint32_t conformance_run(const conformance_bench_t *bench);
+
+/* Those of the non-volatile memory alone: of the bench `a`, `pass`, `erase_us`, `reopen` and `report` are in use. */
+uint32_t conformance_run_nv(const conformance_bench_t *bench);
 
 #endif

@@ -1,10 +1,13 @@
-/* inprocess.h - two nodes of the simulated bus as ports, in virtual time. */
+/* inprocess.h - two nodes of the simulated bus as ports, one of them with a simulated flash memory, in virtual time. */
 #ifndef TUMBLE_TESTS_INPROCESS_H
 #define TUMBLE_TESTS_INPROCESS_H
 
 #include "conformance.h"
 #include "simulation/bus.h"
 #include "simulation/clock.h"
+#include "simulation/nv.h"
+
+#include <string.h>
 
 typedef struct inprocess inprocess_t;
 
@@ -19,6 +22,7 @@ struct inprocess {
     sim_bus_t bus;
     inprocess_node_t nodes[2];
     tumble_port_t ports[2];
+    sim_nv_t nv;
 };
 
 static inline uint64_t inprocess_now_us(void *context)
@@ -59,6 +63,19 @@ static inline void inprocess_set_off(void *context, bool off)
     sim_bus_set_down(&bench->bus, 0, off);
 }
 
+/* A memory of another time, with the same bytes. */
+static inline const tumble_nv_t *inprocess_reopen(void *context)
+{
+    static uint8_t bytes[SIM_NV_BYTES];
+    inprocess_t *bench = context;
+    const uint32_t erase_us = bench->nv.erase_us;
+    memcpy(bytes, bench->nv.bytes, sizeof bytes);
+    sim_nv_init(&bench->nv, &bench->clock);
+    memcpy(bench->nv.bytes, bytes, sizeof bytes);
+    bench->nv.erase_us = erase_us;
+    return &bench->nv.nv;
+}
+
 static inline void inprocess_init(inprocess_t *inprocess)
 {
     sim_clock_init(&inprocess->clock);
@@ -73,6 +90,10 @@ static inline void inprocess_init(inprocess_t *inprocess)
                                               .can_send = inprocess_send,
                                               .can_receive = inprocess_receive};
     }
+    sim_nv_init(&inprocess->nv, &inprocess->clock);
+    inprocess->nv.erase_us = 50000; /* as NOR flash has it */
+    inprocess->nv.program_us = 200;
+    inprocess->ports[0].nv = &inprocess->nv.nv;
 }
 
 static inline conformance_bench_t inprocess_bench(inprocess_t *inprocess)
@@ -84,7 +105,9 @@ static inline conformance_bench_t inprocess_bench(inprocess_t *inprocess)
                                  .burst = SIM_BUS_RX_DEPTH,
                                  .send_limit = SIM_BUS_TX_DEPTH,
                                  .transit_us = 300, /* 8 bytes with stuff bits: up to 270 us at 500 kbit/s */
-                                 .set_off = inprocess_set_off};
+                                 .set_off = inprocess_set_off,
+                                 .erase_us = 50000,
+                                 .reopen = inprocess_reopen};
 }
 
 #endif

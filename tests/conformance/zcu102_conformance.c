@@ -1,6 +1,7 @@
 /* The conformance suite on the two CAN controllers of the Zynq UltraScale+, joined by one wire. Results go to the
  * serial port; the exit code is that of a test. */
 #include "conformance.h"
+#include "nv_memory.h"
 #include "port_zcu102.h"
 #include "processor.h"
 #include "uart.h"
@@ -12,6 +13,8 @@
 #endif
 
 static zcu102_port_t ports[2];
+static uint8_t memory[ZCU102_NV_BYTES];
+static tumble_nv_t nv;
 
 static void pass(void *context, uint32_t us)
 {
@@ -51,6 +54,13 @@ static uint32_t overflow_is_counted(void)
     return good ? 0U : 1U;
 }
 
+static const tumble_nv_t *reopen(void *context)
+{
+    (void)context;
+    nv = zcu102_nv_memory(memory);
+    return &nv;
+}
+
 int main(void)
 {
     static const zcu102_can_config_t CONFIGS[2] = {
@@ -63,6 +73,7 @@ int main(void)
                                        .burst = ZCU102_CAN_QUEUE,
                                        .send_limit = 0, /* the emulator sends at once */
                                        .transit_us = 300,
+                                       .reopen = reopen,
                                        .report = report};
     zcu102_uart_init();
     zcu102_wake_by(ZCU102_CAN0_INTERRUPT);
@@ -70,6 +81,7 @@ int main(void)
     for (uint32_t n = 0; n < 2U; n++) {
         failed += (zcu102_port_init(&ports[n], &CONFIGS[n]) == TUMBLE_OK) ? 0U : 1U;
     }
+    ports[0].port.nv = reopen(NULL);
     failed += (failed == 0U) ? (conformance_run(&bench) + overflow_is_counted()) : 0U;
     zcu102_put((failed == 0U) ? "conforms\r\n" : "does not conform\r\n");
     return (failed == 0U) ? 0 : 1;

@@ -67,7 +67,8 @@ def ip(*arguments):
 class _Program:
     def __init__(self, name, *arguments):
         command = [programs.find(name, "boards/linux"), *map(str, arguments)]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
         self.errors = ""
 
     def kill(self):
@@ -126,6 +127,12 @@ class Stand(_Program):
         before = interface.frames()
         super().__init__("tumble-stand", interface, *arguments)
         wait_until(lambda: interface.frames() > before or self.process.poll() is not None)  # its nodes boot up
+
+    def say(self, answer):
+        """As the person at the stand (--operator ask)."""
+        self.process.stdin.write(answer + "\n")
+        self.process.stdin.flush()
+        time.sleep(0.1)
 
     def end(self):
         """Its document, after it was told to end."""

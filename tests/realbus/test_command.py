@@ -8,6 +8,7 @@ import sys
 import time
 
 import jsonschema
+import numpy as np
 import pytest
 from conftest import ROOT
 from processes import wait_until
@@ -60,6 +61,21 @@ def test_a_run_folder_and_a_result(options, bus, tumble, tmp_path):
     other = tumble("bench", "--stand", tmp_path / "stand.toml", "--seed", 3, "--json", "--out", tmp_path / "inprocess")
     truth = json.loads(other.stdout)["truth"]
     assert all(truth[name] == result["truth"][name] for name in ("K", "U0", "alpha1_rad", "alpha2_rad"))
+
+
+def test_the_optimal_estimator_has_its_gains_on_the_node(options, tumble, tmp_path):
+    done = tumble(*options, "--json", "--estimator", "optimal")
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    stand = ["--stand", tmp_path / "stand.toml"]
+    other = tumble("bench", *stand, "--estimator", "optimal", "--json", "--out", tmp_path / "in")
+    inprocess = json.loads(other.stdout)
+    assert result["estimator"] == "optimal"
+    for name in ("u_K", "u_U0"):  # of the same gains, at a K that differs by its noise
+        assert result[name] == pytest.approx(np.array(inprocess[name]), rel=1e-4), name
+    assert (tmp_path / "run/inputs/gains.bin").read_bytes() == (tmp_path / "in/inputs/gains.bin").read_bytes()
+    again = json.loads(tumble("replay", tmp_path / "run/bus.log", "--json").stdout)
+    assert (again["K"], again["U0"]) == (result["K"], result["U0"])
 
 
 def test_ctrl_c_stops_the_table_and_leaves_nothing(options, bus, tmp_path):

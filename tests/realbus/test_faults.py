@@ -5,6 +5,7 @@ import signal
 import subprocess
 import time
 
+import can
 import pytest
 from processes import HASTE, SLOW_TABLE, Node, Stand, scenario, sdo_command, wait_until
 
@@ -47,6 +48,57 @@ def test_a_drive_that_loses_power_in_a_move(turning, tmp_path):
     assert (tmp_path / "run/bench.json").exists() and (tmp_path / "run/run.csv").read_text().count("\n") == 1 + 2 * 10
     truth = stand.end()
     assert truth["faults"] == [{"kind": "drive_power_cycle", "times": 1}] and truth["table"]["at_rest"]
+
+
+def test_a_drive_that_loses_power_in_a_move_and_a_run_that_goes_on_by_command(turning, bus):
+    """Detected within the heartbeat time; what was measured is kept; nothing hangs."""
+    power = "drive_power_cycle at=1.3 phase=move delay=0.3 duration=0.5"
+    node, stand = turning("--patience", 30, fault=power, procedure__retries=0)
+    node.wait_for("FAULT")
+    assert first(node, "FAULT") - first(node, "MOVE", 2) < 0.3 + HEARTBEAT_S + SLACK_S
+    time.sleep(1.0)  # its power is back, and it has booted
+    sdo_command(bus, 7)
+    node.wait_for("AVERAGE", 3)
+    node.signal()
+    code, document = node.wait()
+    assert (code, document["counters"]["resumes"]) == (130, 1) and len(document["means"]) >= 3
+    homes = [event for event in node.events() if event.get("state") == "TUMBLE_STATE_HOME"]
+    assert len(homes) == 2  # where it stands it has forgotten
+    assert stand.end()["table"]["at_rest"]
+
+
+def test_a_stand_that_dies_and_another_that_takes_its_place(turning, bus, started, tmp_path):
+    """Drive and block are gone at once; the run goes on, at the position where it failed, when they are there again."""
+    node, stand = turning("--patience", 30)
+    stand.signal(signal.SIGKILL)
+    event = node.wait_for("FAULT", timeout=HEARTBEAT_S + SLACK_S)
+    assert event["reason"].removeprefix("TUMBLE_REASON_") in ("STAND_HEARTBEAT", "BLOCK_HEARTBEAT")
+    again = Stand(bus, scenario(tmp_path, "again.txt", **HASTE), "--operator", "none")
+    started.append(again)
+    time.sleep(0.5)
+    sdo_command(bus, 7)
+    node.wait_for("AVERAGE", 3)
+    node.signal()
+    code, document = node.wait()
+    assert code == 130 and len(document["means"]) >= 3 and document["counters"]["resumes"] == 1
+    assert again.end()["table"]["at_rest"]
+
+
+def test_a_drive_that_misses_its_master_stops_within_its_time(turning, bus):
+    """The node is killed in a move: when the axis comes to rest, as the bus shows it."""
+    node, stand = turning(motion__speed_deg_s=20)
+    watcher = can.Bus(interface="socketcan", channel=str(bus), can_filters=[{"can_id": 0x182, "can_mask": 0x7FF}])
+    node.signal(signal.SIGKILL)
+    killed = time.time()
+    angles = []
+    while (message := watcher.recv(timeout=1.0)) is not None and time.time() - killed < 1.5:
+        angles.append((message.timestamp - killed, int.from_bytes(message.data[2:6], "little", signed=True)))
+    watcher.shutdown()
+    at_rest_s = next(when for when, angle in angles if angle == angles[-1][1])
+    print(f"at rest {at_rest_s:.3f} s after node 1 was killed")
+    braking_s = 20 / 7200
+    assert at_rest_s < 0.1 + HEARTBEAT_S + braking_s + SLACK_S and angles[0][1] != angles[-1][1]
+    assert stand.end()["table"]["at_rest"]
 
 
 def test_a_stand_that_dies(turning):

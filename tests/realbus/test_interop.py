@@ -1,15 +1,16 @@
 """Others on the interface: python-canopen leads tumble-stand's drive, tumble-node leads a drive that is not ours."""
 
 import struct
+import time
 
 import can
 import canopen
 import numpy as np
 import pytest
-from bench_moves import COUNTS_PER_DEG, configure, move
+import python_drive
+from bench_moves import axis, lead, require_moved
 from can.interfaces.socketcan import SocketcanBus
-from conftest import ROOT
-from processes import HASTE, Node, Stand, scenario, wait_until
+from processes import HASTE, Node, Stand, scenario
 
 
 class TurningBus(SocketcanBus):
@@ -34,51 +35,53 @@ def network(bus):
 def test_python_canopen_homes_and_moves_the_axis(bus, network, started, tmp_path):
     stand = Stand(bus, scenario(tmp_path, motion__settling_s=0.1), "--operator", "none")
     started.append(stand)
-    drive = network.add_node(canopen.BaseNode402(2, str(ROOT / "docs/eds/tumble_drive.eds")))
-    drive.sdo.RESPONSE_TIMEOUT = 5.0
-    heartbeat = network.send_periodic(0x701, [5], 0.1)
-    configure(drive)
-    drive.nmt.state = "OPERATIONAL"
-    drive.setup_402_state_machine(read_pdos=False)
-    drive.state = "OPERATION ENABLED"
-    assert drive.homing(timeout=20)
-    drive.op_mode = "PROFILED POSITION"
-    for target_deg in (90.0, -45.0, 12.345):
-        move(drive, round(target_deg * COUNTS_PER_DEG))
-    heartbeat.stop()
-    wait_until(lambda: drive.sdo[0x6041].raw & 0x4F == 0x08)  # a fault: nobody is its master any more
+    drive = axis(network)
+    lead(drive)
     document = stand.end()
-    assert document["table"]["at_rest"] and abs(document["angle_deg"] - 12.345) < 0.05
-    assert document["table"]["highest_deg"] > 89.99 and document["table"]["lowest_deg"] < -44.99
+    require_moved(document["table"])
+    assert abs(document["angle_deg"] - 12.345) < 0.05
+
+
+def foreign_stand(bus, started, tmp_path, **keys):
+    """Another's drive, there before the node and without a heartbeat of its own: (the scenario, stand, drive)."""
+    path = scenario(tmp_path, **{**HASTE, **python_drive.PROFILE, "procedure__settle_ms": 150, **keys})
+    stand = Stand(bus, path, "--seed", 5)
+    started.append(stand)
+    return path, stand, python_drive.PythonDrive(TurningBus(channel=str(bus)))
 
 
 def test_a_drive_that_is_not_ours(bus, started, tmp_path):
-    import python_drive as d
-
-    keys = {
-        **HASTE,
-        "present__drive": "no",
-        "profile__counts_per_turn": d.COUNTS_PER_TURN,
-        "profile__sign": d.SIGN,
-        "profile__velocity_per_deg_s": d.UNITS_PER_DEG_S,
-        "profile__acceleration_per_deg_s2": d.UNITS_PER_DEG_S,
-        "profile__receive_pdo": "2 0x302 607A:0:32 6040:0:16 6060:0:8",
-        "profile__transmit_pdo": "1 0x282 0 50 6061:0:8 6064:0:32 6041:0:16",
-        "profile__write": "0x2100 0 1 1",
-        "procedure__settle_ms": 150,
-    }
-    path = scenario(tmp_path, **keys)
-    stand = Stand(bus, path, "--seed", 5)
-    node = Node(bus, path, "--start", folder=tmp_path)
-    started.extend([stand, node])
-    node.wait_for("PREFLIGHT")
-    drive = d.PythonDrive(TurningBus(channel=str(bus)))  # it is silent but for its boot-up, which the node must hear
+    path, stand, drive = foreign_stand(bus, started, tmp_path)
     try:
+        node = Node(bus, path, "--start", folder=tmp_path)
+        started.append(node)
         code, document = node.wait(timeout=90)
     finally:
         drive.close()
     truth = stand.end()["truth"]
     assert (code, document["end"]) == (0, "done"), document["reason"]
     assert np.abs(np.array(document["K"]) - truth["K"]).max() < 3e-3
-    angles = [event for event in drive.events[1:] if isinstance(event, float)]
-    assert drive.events[0] == "home" and {45.0 * number for number in range(9)} <= set(angles)
+    drive.require_all_positions()
+
+
+def test_a_drive_that_refuses_to_send_a_heartbeat_does_not_run(bus, started, tmp_path):
+    """A reason within the time that the preflight has; nothing has moved."""
+    path, stand, drive = foreign_stand(bus, started, tmp_path, procedure__preflight_timeout_ms=2000)
+    drive.node.add_write_callback(refuse_heartbeat)
+    try:
+        node = Node(bus, path, "--start", folder=tmp_path)
+        started.append(node)
+        began = time.monotonic()
+        code, document = node.wait(timeout=20)
+    finally:
+        drive.close()
+    assert (code, document["reason"]) == (3, "TUMBLE_REASON_STAND_PROTOCOL")
+    assert document["failed_in"] == "TUMBLE_STATE_PREFLIGHT"
+    assert time.monotonic() - began < 5.0 and drive.events == []
+    assert stand.end()["table"]["at_rest"]
+
+
+def refuse_heartbeat(index, **_):
+    """An object that cannot be written: 0604 0043h, general parameter incompatibility."""
+    if index == 0x1017:
+        raise canopen.SdoAbortedError(0x06040043)

@@ -1,6 +1,7 @@
 /* The commissioning record: what went in comes out, to the bit, and nothing else does. */
 #include "bench/config.h"
 #include "configuration.h"
+#include "navcomp/standard.h"
 #include "unity.h"
 
 #include <stddef.h>
@@ -127,8 +128,8 @@ static void test_what_does_not_fit_is_refused(void)
 static void test_without_a_record_the_board_has_what_is_built_in(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_configure(&config, &after));
-    TEST_ASSERT_EQUAL_PTR(&zcu102_procedure, config.procedure);
-    TEST_ASSERT_EQUAL_PTR(&zcu102_drive, config.drive);
+    TEST_ASSERT_EQUAL_PTR(&tumble_standard_procedure, config.procedure);
+    TEST_ASSERT_EQUAL_PTR(&tumble_standard_drive, config.drive);
     TEST_ASSERT_EQUAL_UINT8(ZCU102_CAN_FILTERS, zcu102_can_for(&config).filter_count);
 }
 

@@ -17,11 +17,11 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tumble import interruption
 from tumble.bench import console, emulator, outcome, program, programs, realbus, replay, uml
 from tumble.errors import BenchFault, Disagreement, Skipped, UsageError
 from tumble.schedule import Schedule
@@ -55,13 +55,13 @@ def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, sch
     require_there(bus)
     with uml.work_folder() as name:
         folder = Path(name)
-        shutil.copy(scenario, folder / "scenario.txt")
+        realbus.copy_inputs(scenario, folder)
         interface = uml.INTERFACE if bus == realbus.UML else bus.removeprefix(realbus.SOCKETCAN)
         replay.commission(str(folder / "scenario.txt"), folder / "commissioning")
         _write_job(folder, interface, seed)
         progress = _Progress(folder, on_event, schedule)
         command = [sys.executable, "-I", "-S", "-B", console.__file__, str(folder / "job.json")]
-        with _interrupts_call(progress.stop):
+        with interruption.Instead(progress.stop):
             if bus == realbus.UML:
                 _in_uml(folder, command, progress)
             else:
@@ -75,7 +75,10 @@ def _write_job(folder: Path, interface: str, seed: int) -> None:
         "interface": interface,
         "stand": [stand, interface, str(folder / "scenario.txt"), "--seed", str(seed), "--with-parent"],
         "board": emulator.command(
-            _IMAGE, *emulator.commissioned(folder / "commissioning"), *emulator.on_interface(interface)
+            _IMAGE,
+            *emulator.commissioned(folder / "commissioning"),
+            *emulator.weighted(replay.gains_beside(folder / "scenario.txt")),
+            *emulator.on_interface(interface),
         ),
     }
     (folder / "job.json").write_text(json.dumps(job))
@@ -98,21 +101,6 @@ def _here(command: list[str], progress: _Progress) -> None:
             os.killpg(process.pid, signal.SIGKILL)  # and all that it has started
             raise
     progress()
-
-
-@contextmanager
-def _interrupts_call(stop: Callable[[], None]) -> Iterator[None]:
-    """Ctrl-C calls this, once; a second one is a KeyboardInterrupt again."""
-
-    def handle(*_) -> None:
-        signal.signal(signal.SIGINT, before)
-        stop()
-
-    before = signal.signal(signal.SIGINT, handle)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 class _Progress:
@@ -178,7 +166,8 @@ def _judged(folder: Path, stage: Path, scenario: Path, interrupted: bool) -> pro
 def _replayed(folder: Path, stage: Path, scenario: Path) -> dict[str, Any]:
     """The run once more on this machine: its run.csv, bus.log and document."""
     path = programs.find("tumble-replay", "host/replay")
-    command = [path, str(folder / "bus.log"), str(scenario), "--out", str(stage / "bench")]
+    gains = replay.gain_options(scenario)
+    command = [path, str(folder / "bus.log"), str(scenario), "--out", str(stage / "bench"), *gains]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     document = outcome.read_document(stage / "bench")
     if document is None:

@@ -5,8 +5,9 @@ tells the board to begin, follows it, reads its result by SDO.
 
 A program of its own, of the standard library alone: it runs inside user-mode Linux, where every import is slow. JOB
 holds `interface`, and the commands `stand` and `board`. Everything goes into the job's folder: bus.log, serial.log,
-stand.json, stand.err, board.err; `progress`, a line of JSON for every state PDO; and board.json {end, state, reason, numbers (twelve, hexadecimal bits), counters}. `end`: "done", "failed", "stopped", or a
-sentence. A file `stop` in that folder ends it: the table is stopped first.
+stand.json, stand.err, board.err; `progress`, a line of JSON for every state PDO; and board.json {end, state,
+reason, numbers (twelve, hexadecimal bits), counters}. `end`: "done", "failed", "stopped", or a sentence. A file `stop`
+in that folder ends it: the table is stopped first.
 """
 
 import json

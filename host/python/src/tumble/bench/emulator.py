@@ -15,6 +15,7 @@ PACKAGES = "qemu-system-arm gcc-aarch64-linux-gnu"
 _EMULATOR = "qemu-system-aarch64"
 _IMAGES = "../zcu102/boards/zcu102"  # beside the build tree that the extension module is in
 _COMMISSIONING_ADDRESS = 0x1800000  # boards/zcu102/configuration.h
+_GAINS_ADDRESS = 0x1A00000  # boards/zcu102/gains.c
 _RECORDING_ADDRESS = 0x2000000  # boards/zcu102/replay_main.c
 _MOST_RECORDING_BYTES = 0x6000000
 _PATIENCE_S = 120.0
@@ -56,14 +57,20 @@ def commissioned(record: Path) -> list[str]:
     return _loaded(record, _COMMISSIONING_ADDRESS)
 
 
-def replay(recording: Path, record: Path) -> dict[str, list[str]]:
+def weighted(gains: Path | None) -> list[str]:
+    """Options that put a gain record in its place; without one none."""
+    return [] if gains is None else _loaded(gains, _GAINS_ADDRESS)
+
+
+def replay(recording: Path, record: Path, gains: Path | None = None) -> dict[str, list[str]]:
     """Let the board, commissioned by `record`, replay a recording. Returns what it tells: words by their line's first.
     Raises Skipped, BenchFault."""
     if (lacking := missing("replay")) is not None:
         raise Skipped(f"--firmware zcu102: {lacking}")
     if recording.stat().st_size > _MOST_RECORDING_BYTES:
         raise BenchFault("this log is longer than the emulated board has memory for")
-    told = _run(command("replay", *commissioned(record), *_loaded(recording, _RECORDING_ADDRESS)))
+    loaded = [*commissioned(record), *weighted(gains), *_loaded(recording, _RECORDING_ADDRESS)]
+    told = _run(command("replay", *loaded))
     lines = dict((line.split()[0], line.split()[1:]) for line in told.splitlines() if line.strip())
     if "end" not in lines:
         raise BenchFault(f"the emulated board did not come to its end: {_last_line(told)}")

@@ -16,6 +16,8 @@ from tumble.errors import BenchFault
 _NAME = "tumble-bench"
 _PATIENCE_S = 15.0
 
+LEAVE = "leave"  # an answer: let the run end where it is
+
 Event = dict[str, Any]
 
 
@@ -37,7 +39,7 @@ def run(
     arguments: list[str], on_event: Callable[[Event], str | None], interactive: bool, path: str | None = None
 ) -> Ended:
     """Run the program to its end. `on_event` gets every progress line and returns an answer to it, or None. `path`: of
-    another program with the same progress lines.
+    another program with the same progress lines, tumble-node, which takes no answer but LEAVE.
 
     Ctrl-C goes to this process alone (the program has a session of its own), which tells the program to stop: it stops
     the table, and then ends. It does the same by itself when nobody reads its progress any more.
@@ -95,6 +97,9 @@ def _watch(child: subprocess.Popen, lines, on_event: Callable[[Event], str | Non
 
 
 def _tell(child: subprocess.Popen, answer: str) -> None:
+    if child.stdin is None:
+        child.send_signal(signal.SIGUSR1)
+        return
     try:
         child.stdin.write(answer + "\n")
         child.stdin.flush()

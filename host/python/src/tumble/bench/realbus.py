@@ -20,7 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tumble.bench import outcome, program, programs, uml
+from tumble import interruption
+from tumble.bench import outcome, program, programs, replay, uml
 from tumble.errors import BenchFault, Skipped, UsageError, quoted
 
 INPROCESS, UML, SOCKETCAN = "inprocess", "uml", "socketcan:"
@@ -28,6 +29,9 @@ INPROCESS, UML, SOCKETCAN = "inprocess", "uml", "socketcan:"
 _FOLDER = "boards/linux"
 _EARLY_S = 0.3  # within which a program that cannot work gives up
 _REST_S = 15.0  # for the stand to come to rest and report
+_PATIENCE_S = 1e6  # of the firmware after a fault, for a person
+_ANSWERS = "done, abort, leave, repeat position INDEX or repeat mounting NUMBER"
+_ANSWER = re.compile(r"done|abort|leave|repeat (position|mounting) [0-9]{1,3}", re.ASCII)
 _INTERFACE = re.compile(r"[A-Za-z0-9._-]{1,15}", re.ASCII)
 
 OnEvent = Callable[[program.Event], str | None]
@@ -69,23 +73,36 @@ class _Wanted:
     scenario: Path
     seed: int
     stage: Path
+    interactive: bool
 
     def stand(self, interface: str) -> list[str]:
         """The command of the stand."""
         path = programs.find("tumble-stand", _FOLDER)
-        return [path, interface, str(self.scenario), "--seed", str(self.seed), "--with-parent"]
+        asking = ["--operator", "ask"] if self.interactive else []
+        return [path, interface, str(self.scenario), "--seed", str(self.seed), "--with-parent", *asking]
 
     def node(self, interface: str, out: Path) -> list[str]:
         """The command of the node, without its progress."""
         path = programs.find("tumble-node", _FOLDER)
-        return [path, interface, str(self.scenario), "--start", "--with-parent", "--out", str(out)]
+        options = replay.gain_options(self.scenario)
+        if self.interactive:
+            options += ["--patience", str(_PATIENCE_S)]
+        return [path, interface, str(self.scenario), "--start", "--with-parent", "--out", str(out), *options]
 
 
-def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent) -> program.Ended:
+def copy_inputs(scenario: Path, folder: Path) -> None:
+    """Scenario, as scenario.txt, and gain record, if the run has one."""
+    shutil.copy(scenario, folder / "scenario.txt")
+    if (gains := replay.gains_beside(scenario)) is not None:
+        shutil.copy(gains, folder)
+
+
+def run(bus: str, scenario: Path, seed: int, stage: Path, on_event: OnEvent, interactive: bool) -> program.Ended:
     """Calibrate. Returns how tumble-node ended; its document, with the stand's, is in stage/bench unless it failed
-    early. Raises Skipped, UsageError, BenchFault."""
+    early. `interactive`: what `on_event` answers is done at the stand, and told the node by SDO. Raises Skipped,
+    UsageError, BenchFault."""
     require_there(bus)
-    wanted = _Wanted(scenario, seed, stage)
+    wanted = _Wanted(scenario, seed, stage, interactive)
     return _in_uml(wanted, on_event) if bus == UML else _here(wanted, bus.removeprefix(SOCKETCAN), on_event)
 
 
@@ -93,9 +110,17 @@ def _here(wanted: _Wanted, interface: str, on_event: OnEvent) -> program.Ended:
     out = wanted.stage / "bench"
     with _Stand(wanted.stand(interface)) as stand:
         path, *arguments = wanted.node(interface, out)
-        ended = program.run(arguments, on_event, False, path)
+        ended = program.run(arguments, lambda event: stand.tell(_answer(event, on_event)), False, path)
         document = stand.end()
     return _judged(ended, out, document)
+
+
+def _answer(event: program.Event, on_event: OnEvent) -> str | None:
+    """What a person says to it, if it is something that can be said."""
+    answer = on_event(event)
+    while answer is not None and not _ANSWER.fullmatch(answer):
+        answer = on_event({"event": "refused", "what": f"an answer is {_ANSWERS}"})
+    return answer
 
 
 class _Stand:
@@ -104,7 +129,7 @@ class _Stand:
     def __init__(self, command: list[str]):
         self._process = subprocess.Popen(
             command,
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             start_new_session=True,
@@ -114,9 +139,10 @@ class _Stand:
 
     def __enter__(self) -> _Stand:
         try:
-            complaint = self._process.communicate(timeout=_EARLY_S)[1].strip()
+            self._process.wait(_EARLY_S)
         except subprocess.TimeoutExpired:
             return self
+        complaint = self._process.communicate()[1].strip()
         if self._process.returncode == UsageError.exit_code:
             raise UsageError(f"this cannot be simulated: {complaint}")
         raise BenchFault(f"tumble-stand failed ({self._process.returncode}): {complaint or 'it says nothing'}")
@@ -124,6 +150,16 @@ class _Stand:
     def __exit__(self, *_) -> None:
         self._process.kill()
         self._process.wait()
+
+    def tell(self, answer: str | None) -> str | None:
+        """Have it done there. Returns what is not for the stand, but for the program itself."""
+        if answer is not None and answer != program.LEAVE:
+            try:
+                self._process.stdin.write(answer + "\n")
+                self._process.stdin.flush()
+            except BrokenPipeError:
+                pass  # it has ended; the node misses its block
+        return answer if answer == program.LEAVE else None
 
     def end(self) -> str:
         """Let it come to rest. Returns its document, or nothing when it has none."""
@@ -135,11 +171,20 @@ class _Stand:
 
 
 _JOB = """
-{stand} >stand.json 2>stand.err & stand=$!
+trap '' PIPE # of a stand that has ended
+mkfifo /run/answers
+{stand} </run/answers >stand.json 2>stand.err & stand=$!
 ({{ sh -c 'echo $$ >/run/node.pid; exec "$@"' node {node} --progress-fd 3 3>&1 >/dev/null 2>node.err
     echo $? >node.code; }} | while IFS= read -r line; do printf '%s\\n' "$line" >>progress; done) & node=$!
+exec 4>/run/answers
+number=1
 while kill -0 $node 2>/dev/null; do
     [ ! -e stop ] || {{ kill -TERM $(cat /run/node.pid); break; }}
+    if [ -e answer.$number ]; then
+        read -r answer <answer.$number
+        [ "$answer" = leave ] && kill -USR1 $(cat /run/node.pid) || echo "$answer" >&4
+        number=$((number + 1))
+    fi
     kill -0 $stand 2>/dev/null || sleep 1 # the node notices by itself
     sleep 0.1
 done
@@ -152,13 +197,14 @@ echo $? >stand.code
 def _in_uml(wanted: _Wanted, on_event: OnEvent) -> program.Ended:
     with uml.work_folder() as name:
         folder = Path(name)
-        shutil.copy(wanted.scenario, folder / "scenario.txt")
-        inside = _Wanted(folder / "scenario.txt", wanted.seed, folder)
+        copy_inputs(wanted.scenario, folder)
+        inside = _Wanted(folder / "scenario.txt", wanted.seed, folder, wanted.interactive)
         job = _JOB.format(
             stand=shlex.join(inside.stand(uml.INTERFACE)), node=shlex.join(inside.node(uml.INTERFACE, folder / "bench"))
         )
         progress = _Progress(folder, on_event)
-        uml.run(job, folder, on_tick=progress, on_interrupt=progress.stop)
+        with interruption.Instead(progress.stop):
+            uml.run(job, folder, on_tick=progress)
         complaint = _text(folder / "stand.err") or _text(folder / "node.err")
         code = int(_text(folder / "node.code") or BenchFault.exit_code)
         document = _text(folder / "stand.json")
@@ -178,7 +224,8 @@ class _Progress:
     def __init__(self, folder: Path, on_event: OnEvent):
         self.interrupted = False
         self._folder, self._on_event = folder, on_event
-        self._read, self._stopping = 0, 0.0
+        self._read, self._stopping, self._answers = 0, 0.0, 0
+        self._handing_on = False
 
     def __call__(self) -> None:
         self._hand_on()
@@ -190,6 +237,8 @@ class _Progress:
         self.interrupted = True
         self._stopping = time.monotonic() + 2 * _REST_S
         uml.stop(self._folder)
+        if self._handing_on:
+            raise KeyboardInterrupt  # nobody waits for an answer any more
 
     def _hand_on(self) -> None:
         path = self._folder / "progress"
@@ -200,9 +249,27 @@ class _Progress:
             data = file.read()
         whole = data[: data.rfind(b"\n") + 1]
         self._read += len(whole)
-        if not self.interrupted:
-            for line in whole.splitlines():
-                self._on_event(json.loads(line))
+        for line in whole.splitlines():
+            self._pass_on(self._hand_one_on(json.loads(line)))
+
+    def _hand_one_on(self, event: program.Event) -> str | None:
+        if self.interrupted:
+            return None
+        try:
+            self._handing_on = True
+            return _answer(event, self._on_event)
+        except KeyboardInterrupt:
+            return None
+        finally:
+            self._handing_on = False
+
+    def _pass_on(self, answer: str | None) -> None:
+        """Into user-mode Linux: a file for each answer."""
+        if answer is not None:
+            self._answers += 1
+            part = self._folder / "answer.part"
+            part.write_text(f"{answer}\n")
+            part.rename(self._folder / f"answer.{self._answers}")
 
 
 def _judged(ended: program.Ended, out: Path, stand: str) -> program.Ended:

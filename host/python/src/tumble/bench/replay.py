@@ -11,11 +11,11 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from tumble.bench import emulator, programs
+from tumble.bench import emulator, folder, programs
 from tumble.errors import BadInput, BenchFault, Skipped, file_name
 
 SCHEMA = "tumble.replay/1"
-HOST, BOARD = FIRMWARES = ("host", "zcu102")
+BOARD = "zcu102"
 
 _NAME = "tumble-replay"
 _COUNTERS = ("received", "samples", "averaged", "lost", "retries", "commands_refused")
@@ -62,7 +62,7 @@ def replay(log: str, scenario: str | None, firmware: str) -> dict[str, Any]:
 
 
 def _on_host(log: str, scenario: str | None) -> dict[str, Any]:
-    document = json.loads(_run("--", log, *([] if scenario is None else [scenario])))
+    document = json.loads(_run(*gain_options(scenario), "--", log, *([] if scenario is None else [scenario])))
     known = document["K"] is not None
     return {
         "state": document["state"],
@@ -73,20 +73,32 @@ def _on_host(log: str, scenario: str | None) -> dict[str, Any]:
     }
 
 
+def gains_beside(scenario: str | Path | None) -> Path | None:
+    """The gain record of the scenario's run, if it had one."""
+    path = None if scenario is None else Path(scenario).with_name(folder.GAINS)
+    return path if path is not None and path.is_file() else None
+
+
+def gain_options(scenario: str | Path | None) -> list[str]:
+    """What tumble-replay is told of it."""
+    path = gains_beside(scenario)
+    return [] if path is None else ["--gain-record", str(path)]
+
+
 def commission(scenario: str | None, record: Path) -> None:
     """Write the record that tells the board what the scenario says. Raises BadInput, BenchFault."""
-    _run("--commissioning", str(record), "--", *([] if scenario is None else [scenario]))
+    _run(*gain_options(scenario), "--commissioning", str(record), "--", *([] if scenario is None else [scenario]))
 
 
 def _on_board(log: str, scenario: str | None) -> dict[str, Any]:
     scenarios = [] if scenario is None else [scenario]
     if (lacking := emulator.missing("replay")) is not None:
         raise Skipped(f"--firmware {BOARD}: {lacking}")
-    with tempfile.TemporaryDirectory(prefix="tumble-") as folder:
-        recording, record = Path(folder) / "recording", Path(folder) / "commissioning"
-        _run("--recording", str(recording), "--", log, *scenarios)
+    with tempfile.TemporaryDirectory(prefix="tumble-") as name:
+        recording, record = Path(name) / "recording", Path(name) / "commissioning"
+        _run(*gain_options(scenario), "--recording", str(recording), "--", log, *scenarios)
         commission(scenario, record)
-        told = emulator.replay(recording, record)
+        told = emulator.replay(recording, record, gains_beside(scenario))
     known = "K" in told
     return {
         "state": told["state"][0],

@@ -13,8 +13,10 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from tumble.bench.programs import built
@@ -75,16 +77,14 @@ def run(
     folder: Path,
     *,
     on_tick: Callable[[], None] = lambda: None,
-    on_interrupt: Callable[[], None] | None = None,
     memory_mb: int = 128,
     timeout_s: float = float("inf"),
 ) -> int:
     """Run the shell script `job` in there. Returns its exit code.
 
     `folder`: the run's own (its working folder, writable); files appear outside when they are closed inside. `on_tick`
-    is called all the while, `on_interrupt` at Ctrl-C, which without it ends all at once. Raises Skipped where it is not
-    installed, BenchFault where it does not start, falls silent or takes longer than `timeout_s`; whatever on_tick
-    raises ends it.
+    is called all the while. Raises Skipped where it is not installed, BenchFault where it does not start, falls silent
+    or takes longer than `timeout_s`; whatever on_tick raises, and an interrupt, ends it at once.
     """
     if (lacking := missing()) is not None:
         raise Skipped(f"user-mode Linux is not there: {lacking}")
@@ -99,7 +99,8 @@ def run(
             start_new_session=True,
         )
     try:
-        _watch(process, folder, on_tick, on_interrupt, timeout_s)
+        with _watching(folder):
+            _watch(process, folder, on_tick, timeout_s)
     finally:
         _end(process)
     return _exit_code(folder)
@@ -160,24 +161,35 @@ def _environment(folder: Path, memory_mb: int) -> dict[str, str]:
     return environment
 
 
-def _watch(process: subprocess.Popen, folder: Path, on_tick, on_interrupt, timeout_s: float) -> None:
+@contextmanager
+def _watching(folder: Path) -> Iterator[None]:
+    """Tell what is inside that somebody outside is there, also while a person thinks about an answer."""
+    done = threading.Event()
+
+    def tell() -> None:
+        seconds = 0
+        while not done.wait(1.0):
+            seconds += 1
+            (folder / "watched").write_text(f"{seconds}\n")
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _watch(process: subprocess.Popen, folder: Path, on_tick: Callable[[], None], timeout_s: float) -> None:
     """Until it has ended."""
     began = time.monotonic()
-    ticks = 0
     while process.poll() is None:
-        try:
-            on_tick()
-            ticks += 1
-            if ticks % 20 == 0:
-                (folder / "watched").write_text(f"{ticks}\n")
-                _require_life(folder, began)
-            if time.monotonic() - began > timeout_s:
-                raise BenchFault(f"user-mode Linux: no end after {timeout_s:.0f} s")
-            time.sleep(_TICK_S)
-        except KeyboardInterrupt:
-            if on_interrupt is None:
-                raise
-            on_interrupt()
+        on_tick()
+        _require_life(folder, began)
+        if time.monotonic() - began > timeout_s:
+            raise BenchFault(f"user-mode Linux: no end after {timeout_s:.0f} s")
+        time.sleep(_TICK_S)
     on_tick()
 
 

@@ -1,0 +1,26 @@
+#include "gains.h"
+
+#include "core/optimal.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef ZCU102_EMULATED
+#define GAINS_ADDRESS 0x1A00000U
+#define GAINS_BYTES 0x10000U
+
+static tumble_optimal_t work;
+static const tumble_optimal_source_t SOURCE = {
+    .record = (const void *)(uintptr_t)GAINS_ADDRESS, .record_bytes = GAINS_BYTES, .work = &work};
+static const tumble_weighted_t WEIGHTED = {tumble_optimal_check, tumble_optimal_estimate, &SOURCE};
+
+const tumble_weighted_t *zcu102_weighted(void)
+{
+    return &WEIGHTED;
+}
+#else
+const tumble_weighted_t *zcu102_weighted(void)
+{
+    return NULL;
+}
+#endif

@@ -1,0 +1,14 @@
+/* gains.h - the estimator `optimal` of this board, and the memory that its gains lie in (docs/gain-record.md).
+ *
+ * In the emulator a file is loaded there; on the chip it is for a mapped flash, which this board has none of yet.
+ * Whether there is a record, and the right one, is asked when a calibration begins.
+ */
+#ifndef ZCU102_GAINS_H
+#define ZCU102_GAINS_H
+
+#include "navcomp/navcomp.h"
+
+/* Null: the board has no memory for gains, and refuses the estimator. */
+const tumble_weighted_t *zcu102_weighted(void);
+
+#endif
