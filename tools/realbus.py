@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux.
 
-    realbus.py REPORT.xml [PYTEST ARGUMENTS]     exit 0 passed, 1 failed, 77 neither is to be had: the last line says
-    why
+Exit 0 passed, 1 failed, 77 neither is to be had: the last line says why.
 """
+import argparse
 import os
 import shlex
 import shutil
@@ -25,7 +25,11 @@ TIMEOUT_S = 900.0
 
 
 def main(arguments):
-    report, chosen = Path(arguments[0]).resolve(), arguments[1:]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("report", metavar="REPORT.xml", type=Path, help="pytest's report, to be written")
+    parser.add_argument("chosen", metavar="...", nargs=argparse.REMAINDER, help="arguments of pytest; default: none")
+    asked = parser.parse_args(arguments)
+    report, chosen = asked.report.resolve(), asked.chosen
     report.unlink(missing_ok=True)
     lacking = {package for tool, package in TOOLS.items() if shutil.which(tool, path=search_path()) is None}
     if lacking:

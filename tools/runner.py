@@ -87,11 +87,16 @@ def gate(log, *commands, env=None):
     return Outcome(passed=1)
 
 
-def pytest(log, *arguments, env=None):
-    """The tests that pytest ran, from its own report."""
+def pytest(log, *arguments, env=None, parallel=False, patient=False):
+    """The tests that pytest ran, from its own report. `parallel`: on every processor, shared out as they become free;
+    numpy then has one thread for each. `patient`: after what runs beside them, for that may be in real time."""
     report = log.path.with_suffix(".xml")
     report.unlink(missing_ok=True)
-    status = log.run(sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}", *arguments, env=env)
+    command = [*(["nice"] if patient else []), sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]
+    if parallel:
+        command += ["-n", str(os.cpu_count()), "--dist", "worksteal"]
+        env = {**(env or {}), "OPENBLAS_NUM_THREADS": "1"}
+    status = log.run(*command, *arguments, env=env)
     outcome = read_junit(report) if report.exists() else Outcome()
     if status and not outcome.failed:  # crashed, interrupted, or found no test
         outcome.failed = 1

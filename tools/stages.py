@@ -52,11 +52,11 @@ def paths(preset):
 
 
 def integration(log):
-    return pytest(log, "tests/integration", env={"PYTHONPATH": paths("host")})
+    return pytest(log, "tests/integration", env={"PYTHONPATH": paths("host")}, parallel=True)
 
 
 def campaigns(log):
-    return pytest(log, "tests/integration", "--full", env={"PYTHONPATH": paths("host")})
+    return pytest(log, "tests/integration", "--full", env={"PYTHONPATH": paths("host")}, parallel=True)
 
 
 def realbus(log):
@@ -70,11 +70,17 @@ def realbus(log):
     return outcome
 
 
-def sanitized(log):
-    built = build_sanitized(log)
-    if not built.passed:
-        return built
-    return pytest(log, "tests/integration", "-m", "not full and not slow", env=sanitizer_environment())
+def sanitized(full):
+    chosen = "not full and not slow" if full else "not full and not slow and not python"
+
+    def run(log):
+        built = build_sanitized(log)
+        if not built.passed:
+            return built
+        return pytest(log, "tests/integration", "-m", chosen, env=sanitizer_environment(), parallel=True,
+                      patient=True)
+
+    return run
 
 
 def sanitizer_environment():
@@ -103,7 +109,7 @@ def target(log):
 
 def canaries(full):
     skip = [] if full else ["--ignore=tests/canary/test_analysis.py", "--ignore=tests/canary/test_fuzz.py"]
-    return lambda log: pytest(log, "tests/canary", *skip)
+    return lambda log: pytest(log, "tests/canary", *skip, patient=True)
 
 
 def analysis(kind):
@@ -116,34 +122,45 @@ def fuzz(log):
 
 def plan(full):
     """The stages of a run."""
-    stages = [
+    return [
         Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
         Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects),
-        Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer", unit,
-              ("Unity",)),
-        Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv", cortex_m4,
-              ("gcc-arm-none-eabi",)),
+        Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer",
+              unit, ("Unity",)),
+        Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv",
+              cortex_m4, ("gcc-arm-none-eabi",)),
         Stage("zcu102", "the firmware for the Cortex-A53, bare metal: warnings, images for the emulator", zcu102,
               ("gcc-aarch64-linux-gnu",)),
-        Stage("target", "the core's Unity tests, bit identity with this machine and painted stacks, on a Cortex-M4 in QEMU",
+        Stage("target", "on a Cortex-M4 in QEMU: the core's Unity tests, the same bits as here, painted stacks",
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
-        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none", realbus,
-              beside=True),
-        Stage("sanitized", "the same but for slow ones, with the extension module instrumented", sanitized),
-        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns)
-        if full else Stage("integration", "the package and the command line, C against numpy", integration),
+        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
+              realbus, beside=True),
+        Stage("sanitized", "the package's tests that run C code and are not slow, with that code instrumented",
+              sanitized(full)),
+        *(long_stages() if full else short_stages()),
     ]
-    if full:
-        stages += [
-            Stage("misra", "MISRA C of all firmware, by cppcheck; deviations: tools/misra_deviations.txt",
-                  analysis("misra")),
-            Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
-                  ("clang-tidy-19",)),
-            Stage("analyzer", "gcc -fanalyzer of all firmware", analysis("analyzer")),
-            Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer", fuzz,
-                  ("clang-19",)),
-        ]
-    return stages + [Stage("canaries", "a planted defect for every gate, which must reject it", canaries(full))]
+
+
+def short_stages():
+    # The canaries build where the stages before have built, and what is tested beside them does not.
+    return [
+        Stage("canaries", "a planted defect for every gate, which must reject it", canaries(False), beside=True),
+        Stage("integration", "the package and the command line, C against numpy", integration),
+    ]
+
+
+def long_stages():
+    return [
+        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns),
+        Stage("misra", "MISRA C of all firmware, by cppcheck; deviations: tools/misra_deviations.txt",
+              analysis("misra")),
+        Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
+              ("clang-tidy-19",)),
+        Stage("analyzer", "gcc -fanalyzer of all firmware", analysis("analyzer")),
+        Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer", fuzz,
+              ("clang-19",)),
+        Stage("canaries", "a planted defect for every gate, which must reject it", canaries(True)),
+    ]
 
 
 if __name__ == "__main__":

@@ -31,7 +31,6 @@ LIMITS = """
 #define TUMBLE_MAX_MOUNTINGS ...
 static const double TUMBLE_MIN_SENSITIVITY_G;
 static const double TUMBLE_MAX_MEAN_V;
-static const double TUMBLE_MAX_STAND_ERROR_RAD;
 static const double TUMBLE_MIN_ROW_RATIO;
 static const int64_t TUMBLE_MAX_SAMPLES;
 static const int64_t TUMBLE_MAX_DEVIATION_COUNTS;

@@ -94,6 +94,9 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         _complain("not enough memory for this input")
         return EXIT_BAD_INPUT
     except Exception as error:
+        if isinstance(error, ImportError) and interruption.has_come():  # numpy's import makes that of an interrupt
+            _complain("interrupted")
+            return interruption.exit_code()
         if os.environ.get("TUMBLE_TRACEBACK"):
             traceback.print_exc()
         _complain(f"fault in tumble itself: {error!r} (TUMBLE_TRACEBACK=1 shows where)")

@@ -9,8 +9,6 @@ from _tumble_core import ffi, lib
 
 from tumble.core import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
 
-MAX_STAND_ERROR_RAD: float = lib.TUMBLE_MAX_STAND_ERROR_RAD
-
 
 @dataclass(frozen=True)
 class OptimalEstimate:
@@ -78,8 +76,8 @@ def estimate_runs(schedule: CoreSchedule, means: np.ndarray, estimator: str) -> 
 
 
 def optimal_runs(record: GainRecord, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1, alpha2,
-    alpha3 by mounting, rad."""
+    """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1,
+    alpha2, alpha3 by mounting, rad."""
     means, found, where = _arrays(record.schedule, means)
     stand = np.empty((len(means), 2 + lib.TUMBLE_MAX_MOUNTINGS))
     pointers = [ffi.from_buffer("double[]", array) for array in (means, found, stand)]

@@ -28,7 +28,8 @@ class _JudgedRun:
         least_noise: float = 0.0,
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
-        self._stand = ffi.new("tumble_stand_record_t *", [*sigmas, least_noise, stand.samples, stand.remounting == COMMON])
+        record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
+        self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", np.where(samples > 1, samples, stand.samples).tolist())
         self._flags = schedule.flags(measured)

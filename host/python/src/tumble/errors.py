@@ -1,7 +1,7 @@
 """What can go wrong, as the user is told: one line, and an exit code.
 
-0 pass   1 limits failed   2 usage or bad input   3 fault of the bench, disagreement with numpy   77 skipped: what it needs
-is not there   130 interrupted
+0 pass   1 limits failed   2 usage or bad input   3 fault of the bench, disagreement with numpy   77 skipped: what it
+needs is not there   130 interrupted
 """
 
 from __future__ import annotations

@@ -16,16 +16,15 @@ from tumble.standseen import NAMES
 
 SCHEMA = "tumble.fixture/1"
 DECLARED = "declared"
-NEEDED = "needed"
 _HEADINGS = ("", "seen", "u", "declared", "verdict", "needed", "verdict")
 _WIDTH = 80
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A finished check. `against`: DECLARED or NEEDED, which the verdict goes by; `needed`, `needs`: the limits that
-    the acceptance limit asks for and their verdicts, None where nothing is known of the block; `combined`: None for
-    one run."""
+    """A finished check. `against`: "declared" or "needed", which the verdict goes by; `needed`, `needs`: the limits
+    that the acceptance limit asks for and their verdicts, None where nothing is known of the block; `combined`: None
+    for one run."""
 
     stand: Stand
     views: list[RunView]

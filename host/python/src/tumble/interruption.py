@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from collections.abc import Callable
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _watched: list[int] = []
 _received: list[int] = []  # the first one
 _postponed = False
+_instead: Callable[[], None] | None = None
 
 
 def end_at_once() -> None:
@@ -39,6 +41,11 @@ def exit_code() -> int:
     return 128 + (_received[0] if _received else signal.SIGINT)
 
 
+def has_come() -> bool:
+    """Whether one of the signals has."""
+    return bool(_received)
+
+
 class Postponed:
     """`with Postponed():` what is in there is finished first; the KeyboardInterrupt comes at its end."""
 
@@ -52,6 +59,21 @@ class Postponed:
         _postponed = False
         if len(_received) > self._before:
             raise KeyboardInterrupt
+
+
+class Instead:
+    """`with Instead(call):` the first signal calls this, whatever is being done at that moment, and does not raise."""
+
+    def __init__(self, call: Callable[[], None]):
+        self._call = call
+
+    def __enter__(self) -> None:
+        global _instead
+        _instead = self._call
+
+    def __exit__(self, *_) -> None:
+        global _instead
+        _instead = None
 
 
 def _raise_again(unraisable) -> None:
@@ -71,5 +93,7 @@ def _stop(number: int, _frame) -> None:
     if _received:
         return
     _received.append(number)
-    if not _postponed:
+    if _instead is not None:
+        _instead()
+    elif not _postponed:
         raise KeyboardInterrupt

@@ -56,7 +56,3 @@ class Schedule:
         """The mountings that an estimator hears of: those with fit positions."""
         used = {position.mounting for position in self.positions if position.use == FIT}
         return tuple(mounting for mounting in self.mountings if mounting.number in used)
-
-    def mounting_of(self, position: Position) -> Mounting:
-        """The mounting that a position is measured in. Raises StopIteration if the schedule has no such mounting."""
-        return next(mounting for mounting in self.mountings if mounting.number == position.mounting)

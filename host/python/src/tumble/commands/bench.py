@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import re
 import signal
 
-from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, OPTIMAL, parse_limit, print_solution, warn
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, BenchFault, Interrupted, UsageError, file_name, quoted
+from tumble.commands import options
+from tumble.commands.solve import print_solution, warn
+from tumble.errors import (
+    EXIT_LIMITS_FAILED,
+    EXIT_PASS,
+    BadInput,
+    BenchFault,
+    Interrupted,
+    UsageError,
+    file_name,
+    quoted,
+)
 from tumble.messages import on_terminal, tell
-
-FIRMWARES = ("host", "zcu102")
-_LARGEST_SEED = 2**64 - 1
 
 
 def add_to(subparsers) -> None:
@@ -25,10 +31,10 @@ def add_to(subparsers) -> None:
         " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here,"
         " 130 interrupted, the table stopped.",
     )
-    parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; replays a run exactly; default: 1")
+    options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
     parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
-    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+    options.add_schedule(parser)
     parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
     parser.add_argument(
         "--error-budget",
@@ -36,13 +42,7 @@ def add_to(subparsers) -> None:
         help="average at a position only until the standard error of every channel's mean is at most this; --samples"
         " is then the most that may be taken",
     )
-    parser.add_argument(
-        "--estimator",
-        choices=(*ESTIMATORS, OPTIMAL),
-        default="refined",
-        metavar="NAME",
-        help="averaged, refined (default), least_squares or optimal",
-    )
+    options.add_estimator(parser)
     parser.add_argument(
         "--bus",
         metavar="BUS",
@@ -50,15 +50,11 @@ def add_to(subparsers) -> None:
         help="inprocess: simulated, in virtual time; socketcan:IF: on this CAN interface, in real time; uml: likewise,"
         " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
     )
-    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
+    options.add_firmware(parser)
     parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
-    parser.add_argument(
-        "--limit",
-        metavar="G",
-        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
-    )
+    options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    options.add_json(parser)
     parser.set_defaults(run_command=run)
 
 
@@ -67,16 +63,14 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.bench import board, folder, gains, outcome, realbus, setup
 
     bus = realbus.require_bus(arguments.bus)
-    if bus != realbus.INPROCESS and arguments.interactive:
-        raise UsageError("--interactive: only with --bus inprocess")
-    if bus != realbus.INPROCESS and arguments.estimator == OPTIMAL:
-        raise UsageError("--estimator optimal: only with --bus inprocess")
+    if arguments.firmware == board.FIRMWARE and arguments.interactive:
+        raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
     if arguments.firmware == board.FIRMWARE:
         board.require_there(bus)
     given = _read_files(arguments)
     wanted, stand_file = _read_setup(arguments, given)
     scenario = setup.scenario_text(wanted)
-    gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
+    gain_record = gains.record(wanted) if wanted.estimator == options.OPTIMAL else None
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=arguments.out is None) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
@@ -105,8 +99,8 @@ def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
 
 def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
     """Everything that the files and options say: the setup, and the stand file or None."""
-    seed = parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
-    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+    seed = options.parse_seed(arguments.seed)
+    limit_g = options.parse_limit(arguments.limit)
 
     from dataclasses import replace
 
@@ -115,7 +109,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
     from tumble.core_averaging import MAX_SAMPLES
     from tumble.stand import PAPER_STAND
 
-    samples = None if arguments.samples is None else parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments, given)
     file = None if arguments.stand is None else standfile.read_stand(arguments.stand, given[arguments.stand])
@@ -124,7 +118,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
     if arguments.block is not None:
         block, truth = standfile.read_block(arguments.block, given[arguments.block])
     if limit_g is None:
-        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+        limit_g = options.DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
     return Setup(
         seed=seed,
@@ -144,21 +138,12 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
 
 def _parse_budget(text: str | None) -> float:
     """The value of --error-budget, V; 0 without one. Raises UsageError."""
-    from tumble.dialect import NUMBER
-
     if text is None:
         return 0.0
-    budget = float(text) if NUMBER.fullmatch(text) else 0.0
+    budget = options.parse_number(text)
     if not 0.0 < budget < 1e9:
         raise UsageError(f"--error-budget: {quoted(text)} is not a number of volts above 0")
     return budget
-
-
-def parse_whole(text: str, option: str, low: int, high: int) -> int:
-    """The value of an option, a whole number of a range. Raises UsageError."""
-    if re.fullmatch(r"[0-9]{1,20}", text, re.ASCII) and low <= int(text) <= high:
-        return int(text)
-    raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
 
 
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
@@ -170,7 +155,7 @@ def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
         return CoreSchedule(paper_schedule())
     schedule = read_schedule(arguments.schedule, given[arguments.schedule])
     try:
-        if arguments.estimator not in ("least_squares", OPTIMAL):
+        if arguments.estimator not in ("least_squares", options.OPTIMAL):
             schedule.harmonic()
         return schedule
     except CoreRefusal:
@@ -182,16 +167,18 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
     """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.bench import board, folder, outcome, program, realbus
 
-    options = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
-    if wanted.estimator == OPTIMAL:
-        options += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
+    words = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
+    if wanted.estimator == options.OPTIMAL:
+        words += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
     with _progress(wanted.schedule.data, arguments.interactive) as progress:
         if arguments.bus == realbus.INPROCESS:
-            ended = program.run(options, progress, arguments.interactive)
+            ended = program.run(words, progress, arguments.interactive)
         elif arguments.firmware == board.FIRMWARE:
             ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
         else:
-            ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress)
+            ended = realbus.run(
+                arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive
+            )
     document = outcome.read_document(made.stage / "bench")
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals

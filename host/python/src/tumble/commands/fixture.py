@@ -7,7 +7,7 @@ import math
 import os
 import sys
 
-from tumble.commands.solve import DEFAULT_LIMIT_G, ESTIMATORS, OPTIMAL, parse_limit
+from tumble.commands.options import DEFAULT_LIMIT_G, add_estimator, add_limit, add_schedule, parse_limit, parse_number
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
 
 LEVELLED = ("once", "anew")
@@ -32,19 +32,9 @@ def add_to(subparsers) -> None:
     )
     parser.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
     parser.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
-    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
-    parser.add_argument(
-        "--estimator",
-        choices=(*ESTIMATORS, OPTIMAL),
-        default="refined",
-        metavar="NAME",
-        help="averaged, refined (default), least_squares or optimal",
-    )
-    parser.add_argument(
-        "--limit",
-        metavar="G",
-        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
-    )
+    add_schedule(parser)
+    add_estimator(parser)
+    add_limit(parser)
     parser.add_argument(
         "--against",
         choices=AGAINST,
@@ -63,7 +53,7 @@ def add_to(subparsers) -> None:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check and print. Returns the exit code; raises TumbleError."""
-    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+    limit_g = parse_limit(arguments.limit)
     confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
     _refuse_repetition(arguments.runs)
 
@@ -99,9 +89,7 @@ def check(arguments: argparse.Namespace) -> int:
 
 
 def _parse_confidence(text: str) -> float:
-    from tumble.dialect import NUMBER
-
-    confidence = float(text) if NUMBER.fullmatch(text) else math.nan
+    confidence = parse_number(text)
     if not 0.5 <= confidence <= 0.9999:
         raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.9999")
     return confidence

@@ -21,7 +21,7 @@ def add_to(subparsers) -> None:
         help="the weights that are best for a stand: a gain table for `optimal`",
         description="The gain table of the optimal estimator for a stand, and how much better it is than refined.",
     )
-    add_case_options(parser, None)
+    add_case_options(parser, choose_estimator=False)
     parser.add_argument(
         "--result",
         metavar="RESULT.json",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 
+from tumble.commands.options import add_estimator, add_schedule, parse_number
 from tumble.errors import UsageError, quoted
 
-ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 PUBLISHED = "published"
 DERIVED = "derived"
 EXIT_CODES = "Exit codes: 0 done, 2 bad input, 130 interrupted."
@@ -20,18 +21,12 @@ def add_subject(subparsers, name: str, run, **texts: str) -> argparse.ArgumentPa
     return parser
 
 
-def add_case_options(parser: argparse.ArgumentParser, default_estimator: str | None = "refined") -> None:
-    """--stand, --schedule, and --estimator unless there is no choice of one (None)."""
+def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
+    """--stand, --schedule, and --estimator if there is a choice of one."""
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
-    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
-    if default_estimator is not None:
-        parser.add_argument(
-            "--estimator",
-            choices=ESTIMATORS,
-            default=default_estimator,
-            metavar="NAME",
-            help=f"averaged, refined, least_squares or optimal; default: {default_estimator}",
-        )
+    add_schedule(parser)
+    if choose_estimator:
+        add_estimator(parser)
 
 
 def add_weights_option(parser: argparse.ArgumentParser) -> None:
@@ -62,12 +57,8 @@ def read_case(arguments: argparse.Namespace):
 
 def parse_positive(text: str, option: str) -> float:
     """A finite number above 0. Raises UsageError."""
-    from math import isfinite
-
-    from tumble.dialect import NUMBER
-
-    value = float(text) if NUMBER.fullmatch(text) else 0.0
-    if not (value > 0.0 and isfinite(value)):
+    value = parse_number(text)
+    if not 0.0 < value < math.inf:
         raise UsageError(f"{option}: {quoted(text)} is not a number above 0")
     return value
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from tumble.commands.options import add_limit, parse_limit
 from tumble.commands.plan_options import (
     add_case_options,
     add_subject,
@@ -12,7 +13,6 @@ from tumble.commands.plan_options import (
     read_case,
     write_json,
 )
-from tumble.commands.solve import parse_limit
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 
@@ -27,7 +27,7 @@ def add_to(subparsers) -> None:
     )
     add_case_options(parser)
     add_weights_option(parser)
-    parser.add_argument("--limit", metavar="G", help="acceptance limit in g; default: the stand file's, else 0.0003")
+    add_limit(parser)
     parser.add_argument(
         "--split",
         metavar="SOURCE=PART,...",
@@ -37,7 +37,7 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
+    limit_g = parse_limit(arguments.limit)
     case = read_case(arguments)
     limit_g = case.limit_g if limit_g is None else limit_g
     split = _split(arguments.split)

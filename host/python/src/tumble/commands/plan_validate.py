@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from contextlib import contextmanager
 
-from tumble.commands.plan_options import ESTIMATORS, add_case_options, add_subject, read_case, write_json
+from tumble.commands.options import ESTIMATORS, add_seed, parse_seed, parse_whole
+from tumble.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.messages import on_terminal
 
 DEFAULT_RUNS = 20_000
 FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
-_LARGEST_SEED = 2**64 - 1
 
 
 def add_to(subparsers) -> None:
@@ -25,12 +25,12 @@ def add_to(subparsers) -> None:
         " coverage of the stated intervals, efficiency against the least possible spread.",
         epilog="Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 130 interrupted.",
     )
-    add_case_options(parser, None)
+    add_case_options(parser, choose_estimator=False)
     parser.add_argument(
         "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of the four; default: all that the schedule allows"
     )
     parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"default: {DEFAULT_RUNS}")
-    parser.add_argument("--seed", metavar="N", default="1", help="0 to 2^64 - 1; default: 1")
+    add_seed(parser)
     parser.add_argument(
         "--table",
         choices=("known", "run"),
@@ -42,10 +42,8 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, judge, print. Returns the exit code; raises TumbleError."""
-    from tumble.commands.bench import parse_whole
-
     runs = parse_whole(arguments.runs, "--runs", FEWEST_RUNS, MOST_RUNS)
-    seed = parse_whole(arguments.seed, "--seed", 0, _LARGEST_SEED)
+    seed = parse_seed(arguments.seed)
     if arguments.plot is not None and not arguments.plot.endswith(".svg"):
         raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
     case = read_case(arguments)

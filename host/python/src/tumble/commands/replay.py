@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 
+from tumble.commands.options import add_firmware, add_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
-
-FIRMWARES = ("host", "zcu102")
 
 
 def add_to(subparsers) -> None:
@@ -21,13 +20,13 @@ def add_to(subparsers) -> None:
         " emulator is not there, 130 interrupted.",
     )
     parser.add_argument("log", metavar="BUS.log", help="as candump -L writes it; of a run folder or of any interface")
-    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help="default: host")
+    add_firmware(parser)
     parser.add_argument(
         "--scenario",
         metavar="FILE",
         help="of the recorded run; default: inputs/scenario.txt beside the log, else the paper's stand",
     )
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    add_json(parser)
     parser.set_defaults(run_command=run)
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.commands import options
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.messages import tell
 
-ESTIMATORS = ("averaged", "refined", "least_squares")  # that need no stand
-OPTIMAL = "optimal"
-DEFAULT_LIMIT_G = 3e-4
 NOTABLE_MISFIT = 2.0
 
 
@@ -25,21 +22,11 @@ def add_to(subparsers) -> None:
         epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
     )
     parser.add_argument("run", metavar="RUN.csv", help="run file with columns mounting,position,ux,uy,uz")
-    parser.add_argument(
-        "--estimator",
-        choices=(*ESTIMATORS, OPTIMAL),
-        default="refined",
-        metavar="NAME",
-        help="averaged, refined (default), least_squares, or optimal, which needs --stand",
-    )
+    options.add_estimator(parser, "; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
-    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
-    parser.add_argument(
-        "--limit",
-        metavar="G",
-        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
-    )
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+    options.add_schedule(parser)
+    options.add_limit(parser)
+    options.add_json(parser)
     parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
     layout = parser.add_argument_group("layout of the run file", "detected, unless given")
     layout.add_argument("--columns", metavar="NAME=COLUMN,...", help="names of its columns, such as ux=AccX,uy=AccY")
@@ -51,8 +38,8 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
-    limit_g = None if arguments.limit is None else parse_limit(arguments.limit)
-    if arguments.estimator == OPTIMAL and arguments.stand is None:
+    limit_g = options.parse_limit(arguments.limit)
+    if arguments.estimator == options.OPTIMAL and arguments.stand is None:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     wishes = _wishes(arguments)
 
@@ -78,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         recorded,
         schedule,
         arguments.estimator,
-        DEFAULT_LIMIT_G if limit_g is None else limit_g,
+        options.DEFAULT_LIMIT_G if limit_g is None else limit_g,
         None if stand_file is None else stand_file.stand,
         arguments.run,
         0.0 if stand_file is None else stand_file.step_v,
@@ -96,16 +83,6 @@ def run(arguments: argparse.Namespace) -> int:
     warn(solution)
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
-
-
-def parse_limit(text: str) -> float:
-    """The value of --limit, g. Raises UsageError."""
-    from tumble.dialect import NUMBER
-
-    limit_g = float(text) if NUMBER.fullmatch(text) else math.nan
-    if not 0.0 < limit_g <= 1.0:
-        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
-    return limit_g
 
 
 def _wishes(arguments: argparse.Namespace):
@@ -126,7 +103,8 @@ def warn(solution) -> None:
 
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V":
-        tell(f"tumble: warning: outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
+        noise = f"noise_v of the stand file, {solution.stand.noise:g}"
+        tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
     for shift in [] if solution.second_order is None else solution.second_order.shifts:
         tell(f"tumble: warning: {shift}")
     if solution.misfit is not None and solution.misfit > NOTABLE_MISFIT:

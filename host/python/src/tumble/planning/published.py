@@ -15,8 +15,6 @@ NAMES = tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz") + ("a0_x", "a0_y", "a0_
 
 # Equation (5) and the text around it. The noise is that of one sample; grouping 50 divides it "by 7".
 STAND_5 = {"alpha1": "2e-5", "alpha2": "2e-5", "alpha3": "4e-4", "alpha4": "4e-5", "noise": "3e-4"}
-NOMINAL_SCALE_V_PER_G = "-2"
-MISALIGNMENT_RAD = "2e-2"
 GROUP_SAMPLES = 50
 GROUP_FACTOR = "7"
 

@@ -28,7 +28,7 @@ def paper_slots(schedule: Schedule) -> np.ndarray | None:
     The attitude alone would not do: a block yawed about the vertical feels the same force at 0 and 180 degrees.
     """
     paper = paper_schedule()
-    slots = [_slot(schedule, paper.mountings[position.mounting - 1], position.angle_deg) for position in paper.positions]
+    slots = [_slot(schedule, paper.mountings[place.mounting - 1], place.angle_deg) for place in paper.positions]
     return None if None in slots else np.array(slots).reshape(2, 9)
 
 

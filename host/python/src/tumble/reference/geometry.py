@@ -44,8 +44,8 @@ class Geometry:
         """Specific force (g) on the block axes x, y, z: (positions, 3).
 
         alpha1, alpha2: scalars; alpha3: one yaw, or one per mounting; delta: one error, or one per position. Radians,
-        real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1), alpha3 (..., mountings),
-        delta (..., positions).
+        real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1), alpha3
+        (..., mountings), delta (..., positions).
         """
         tilt = self._tilt + alpha1
         phi = self._phi + alpha2 + delta

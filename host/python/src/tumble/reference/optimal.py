@@ -61,8 +61,8 @@ def optimal(
 def optimal_uncertainties(
     schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray, step: float, known_samples: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as of
-    `optimal`."""
+    """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as
+    of `optimal`."""
     u = _Whitened(schedule, k, stand, samples, step, known_samples).standard_uncertainties()
     return u[:9].reshape(3, 3), u[9:]
 
