@@ -17,7 +17,7 @@ MAY_INCLUDE = {
     "stand": {"core", "canopen"},
     "procedure": {"core", "stand"},
     "navcomp": {"core", "port", "canopen", "store", "stand", "procedure"},
-    "boards": {"core", "port", "navcomp"},
+    "boards": {"core", "port", "store", "navcomp"},
 }
 SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 SQUARE_ROOT = "firmware/core/arith.h"  # the one file that may include <math.h>, for sqrt

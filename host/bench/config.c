@@ -1,6 +1,7 @@
 #include "bench/config.h"
 
 #include "core/optimal_uncertainty.h"
+#include "navcomp/standard.h"
 #include "simulation/sensor.h"
 
 #include <math.h>
@@ -9,45 +10,38 @@
 /* With an error budget, unless the configuration says otherwise: the scatter of so few samples is known to a fifth. */
 #define LEAST_SAMPLES 16U
 
+/* As standard.h has it, but what follows from the scenario is left open (0). */
+static void default_averaging(tumble_averaging_config_t *averaging)
+{
+    *averaging = tumble_standard_averaging;
+    averaging->min_samples = 0;
+    averaging->noise_counts = 0.0F;
+    averaging->stillness_ratio = 0.0F;
+}
+
 static void default_procedure(tumble_procedure_config_t *procedure)
 {
-    *procedure = (tumble_procedure_config_t){
-        .estimate = TUMBLE_ESTIMATE_REFINED,
-        .samples = 50,
-        .gravity_limit_g = 3e-4,
-        .position_tolerance_deg = 0.05,
-        .approach_deg = 5.0,
-        .cable_min_deg = -30.0,
-        .cable_max_deg = 400.0,
-        .settle_ms = 500,
-        .max_corrupted = 5,
-        .retries = 2,
-        .warm_up_band_half_c = 2,
-        .warm_up_samples = 50,
-        .preflight_timeout_ms = 10000,
-        .warm_up_timeout_ms = 600000,
-        .mounting_timeout_ms = 600000,
-        .home_timeout_ms = 60000,
-        .move_timeout_ms = 30000,
-        .settle_timeout_ms = 5000,
-    };
+    *procedure = tumble_standard_procedure;
+    procedure->nominal_scale_v_per_g = 0.0;
+    procedure->closure_limit_g = 0.0;
+    procedure->average_timeout_ms = 0;
+    procedure->sample_timeout_ms = 0;
 }
 
 static void default_profile(tumble_drive_profile_t *profile)
 {
-    *profile = (tumble_drive_profile_t){
-        .homing_fast_deg_s = 45.0,
-        .homing_slow_deg_s = 4.5,
-        .homing_method = 34,
-        .heartbeat_ms = 100,
-        .heartbeat_timeout_ms = 500,
-        .start_timeout_ms = 3000,
-        .power_timeout_ms = 3000,
-        .handshake_timeout_ms = 1000,
-        .home_timeout_ms = 60000,
-        .move_timeout_ms = 30000,
-        .stop_timeout_ms = 5000,
-    };
+    *profile = tumble_standard_drive;
+    profile->counts_per_revolution = 0.0;
+    profile->velocity_units_per_deg_s = 0.0;
+    profile->acceleration_units_per_deg_s2 = 0.0;
+    profile->sign = 0;
+    profile->velocity_deg_s = 0.0;
+    profile->acceleration_deg_s2 = 0.0;
+    profile->deceleration_deg_s2 = 0.0;
+    profile->quick_stop_deg_s2 = 0.0;
+    profile->homing_acceleration_deg_s2 = 0.0;
+    profile->receive_count = 0;
+    profile->transmit_count = 0;
 }
 
 void bench_config_defaults(bench_config_t *config)
@@ -55,13 +49,14 @@ void bench_config_defaults(bench_config_t *config)
     memset(config, 0, sizeof *config);
     sim_scenario_defaults(&config->scenario);
     config->present = (bench_present_t){true, true, true};
-    config->averaging.max_lost = 5;
-    config->averaging.stuck_run = 20;
+    default_averaging(&config->averaging);
     default_procedure(&config->procedure);
     default_profile(&config->profile);
     config->person = (tumble_operator_config_t){.tolerance_deg = 0.1, .timeout_ms = 600000};
-    config->heartbeat_ms = 100;
-    config->heartbeat_timeout_ms = 500;
+    bench_keeping_defaults(&config->keeping);
+    config->heartbeat_ms = tumble_standard_navcomp.heartbeat_ms;
+    config->heartbeat_timeout_ms = tumble_standard_navcomp.heartbeat_timeout_ms;
+    config->starts = true;
     config->loop_us = 1000;
     config->virtual_limit_s = 36000.0;
 }
@@ -144,13 +139,18 @@ static void complete_procedure(bench_config_t *config)
     }
 }
 
+static bool needs_gains(const bench_config_t *config)
+{
+    return config->present.navcomp && config->procedure.estimate == TUMBLE_ESTIMATE_OPTIMAL;
+}
+
 /* How the firmware reaches the gains; null, or why it will not. */
 static const char *complete_gains(bench_config_t *config)
 {
     config->gains.work = &config->optimal;
     config->weighted = (tumble_weighted_t){tumble_optimal_check, tumble_optimal_estimate, &config->gains};
     config->procedure.weighted = &config->weighted;
-    const bool needed = config->procedure.estimate == TUMBLE_ESTIMATE_OPTIMAL;
+    const bool needed = needs_gains(config);
     if (needed != (config->gains.record != NULL)) {
         return needed ? "procedure.estimator = optimal needs --gain-record"
                       : "--gain-record is for procedure.estimator = optimal alone";
@@ -186,7 +186,7 @@ static void declare_stand(bench_config_t *config)
         .samples = config->procedure.samples,
         .common_yaw = stand->remount == SIM_REMOUNT_COMMON,
     };
-    if (config->procedure.estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+    if (needs_gains(config)) {
         declare_weighted_noise(config);
     }
     config->declared = (tumble_declared_t){&config->record, tumble_optimal_uncertainty};
@@ -209,24 +209,6 @@ static const char *complete_sample_timeout(bench_config_t *config)
     return NULL;
 }
 
-static const tumble_drive_pdo_t STANDARD_RECEIVE = {
-    .number = 0,
-    .setup = {.cob_id = 0x202,
-              .type = TUMBLE_PDO_EVENT_PROFILE,
-              .count = 2,
-              .map = {TUMBLE_MAP(0x6040, 0, 16), TUMBLE_MAP(0x607A, 0, 32)}},
-};
-
-static const tumble_drive_pdo_t STANDARD_TRANSMIT = {
-    .number = 0,
-    .setup = {.cob_id = 0x182,
-              .type = TUMBLE_PDO_EVENT_PROFILE,
-              .count = 2,
-              .inhibit_100us = 50,
-              .event_ms = 100,
-              .map = {TUMBLE_MAP(0x6041, 0, 16), TUMBLE_MAP(0x6064, 0, 32)}},
-};
-
 /* What the profile leaves open is as the simulated drive has it. */
 static void complete_profile(bench_config_t *config)
 {
@@ -246,10 +228,10 @@ static void complete_profile(bench_config_t *config)
         profile->wrap_counts = drive->wrap_counts;
     }
     if (profile->receive_count == 0U) {
-        lists->receive[profile->receive_count++] = STANDARD_RECEIVE;
+        lists->receive[profile->receive_count++] = tumble_standard_drive.receive[0];
     }
     if (profile->transmit_count == 0U) {
-        lists->transmit[profile->transmit_count++] = STANDARD_TRANSMIT;
+        lists->transmit[profile->transmit_count++] = tumble_standard_drive.transmit[0];
     }
     profile->stop = (uint8_t)config->stop;
     profile->receive = lists->receive;
@@ -310,6 +292,7 @@ const char *bench_config_complete(bench_config_t *config)
     complete_averaging(config);
     complete_procedure(config);
     complete_profile(config);
+    bench_keeping_complete(&config->keeping);
     if (config->stand == BENCH_STAND_DRIVE && tumble_drive402_validate(&config->profile, 1) != TUMBLE_OK) {
         return "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
                "or has an identifier that is taken";

@@ -7,6 +7,7 @@
 #ifndef TUMBLE_BENCH_CONFIG_H
 #define TUMBLE_BENCH_CONFIG_H
 
+#include "bench/keeping.h"
 #include "core/optimal.h"
 #include "navcomp/navcomp.h"
 #include "navcomp/uncertainty.h"
@@ -51,8 +52,10 @@ typedef struct {
     tumble_drive_profile_t profile;
     bench_profile_lists_t lists;
     tumble_operator_config_t person;
+    bench_keeping_t keeping; /* of a firmware that has non-volatile memory */
     uint16_t heartbeat_ms;
     uint16_t heartbeat_timeout_ms;
+    bool starts;      /* begins a calibration at power-on, or waits for commands of guests */
     uint32_t loop_us; /* the firmware's main loop looks for frames at multiples of this; 0: at once */
 
     sim_wire_t wire;

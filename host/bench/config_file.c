@@ -23,7 +23,7 @@ static bool complain(bench_mistake_t *mistake, const char *format, ...)
 static size_t size_of(bench_type_t type)
 {
     static const size_t SIZES[] = {sizeof(double), sizeof(float),   sizeof(uint8_t), sizeof(uint16_t), sizeof(uint32_t),
-                                   sizeof(int8_t), sizeof(int32_t), sizeof(bool),    sizeof(int)};
+                                   sizeof(int8_t), sizeof(int32_t), sizeof(bool),    sizeof(int),     1};
     return SIZES[type];
 }
 
@@ -70,6 +70,8 @@ static bool store(const bench_key_t *key, void *at, const char *text)
         choice = bench_choice(text, key->about);
         (void)memcpy(at, &choice, sizeof choice);
         return choice >= 0;
+    case BENCH_TEXT:
+        return (strlen(text) <= (size_t)key->high) && (strcpy(at, text) != NULL);
     default:
         if (!bench_whole(text, key->low, key->high, &whole)) {
             return false;
@@ -86,6 +88,8 @@ static void describe(const bench_key_t *key, char *text, size_t size)
         (void)snprintf(text, size, "one of %s", key->about);
     } else if (key->type == BENCH_BOOL) {
         (void)snprintf(text, size, "no or yes");
+    } else if (key->type == BENCH_TEXT) {
+        (void)snprintf(text, size, "a word of at most %.0f characters", key->high);
     } else {
         const bool whole = key->type != BENCH_DOUBLE && key->type != BENCH_FLOAT;
         (void)snprintf(text, size, "%u %snumber%s from %.10g to %.10g", key->count, whole ? "whole " : "",

@@ -9,6 +9,8 @@
 #define TEMPERATURE(member) AT(scenario.block.sensor.temperature.member)
 #define DRIVE(member) AT(scenario.drive.member)
 #define PERSON(member) AT(scenario.person.member)
+#define KEEPING(member) AT(keeping.member)
+#define LIMITS(member) AT(keeping.settings.limits.member)
 
 #define BIG 1e9
 #define WHOLE_32 4294967295.0
@@ -56,6 +58,8 @@ const bench_key_t bench_config_keys[] = {
     {"motion.settling_s", BENCH_DOUBLE, 1, DRIVE(axis.settling_s), 0, 1000, "s; until the swing has fallen to 1/1000"},
     {"motion.swing_deg", BENCH_DOUBLE, 1, DRIVE(axis.swing_deg), 0, 45, "deg; swing of the table after a stop"},
     {"motion.swing_hz", BENCH_DOUBLE, 1, DRIVE(axis.swing_hz), 0, 1000, "Hz; its frequency"},
+    {"motion.backlash_deg", BENCH_DOUBLE, 1, DRIVE(axis.backlash_deg), 0, 45,
+     "deg; play between the motor with its encoder and the table"},
 
     {"drive.counts_per_turn", BENCH_U32, 1, DRIVE(counts_per_turn), 16, 2147483647.0, "counts per turn of the table"},
     {"drive.sign", BENCH_I32, 1, DRIVE(sign), -1, 1, "1, or -1: counts fall when the table turns upwards"},
@@ -150,6 +154,24 @@ const bench_key_t bench_config_keys[] = {
     {"firmware.heartbeat_ms", BENCH_U16, 1, AT(heartbeat_ms), 1, 65535, "ms; its own"},
     {"firmware.heartbeat_timeout_ms", BENCH_U16, 1, AT(heartbeat_timeout_ms), 1, 65535,
      "ms; silence of drive or block"},
+    {"keeper.serial", BENCH_TEXT, 1, KEEPING(serial), 1, TUMBLE_SET_SERIAL_BYTES, "of the block"},
+    {"keeper.commits", BENCH_BOOL, 1, KEEPING(commits), 0, 0, "good sets become active by themselves"},
+    {"keeper.first", BENCH_BOOL, 1, KEEPING(first), 0, 0, "the first set, too"},
+    {"keeper.starts", BENCH_BOOL, 1, KEEPING(starts), 0, 0, "a run that is due begins by itself"},
+    {"keeper.uncertainty", BENCH_FLOAT, 12, LIMITS(uncertainty), 1e-12, 1,
+     "ratio or rad (K row by row), g (U0); the most a set may have to become active"},
+    {"keeper.drift_per_month", BENCH_FLOAT, 12, LIMITS(drift_per_month), 0, 1, "likewise; plausible drift a month"},
+    {"keeper.drift_per_kelvin", BENCH_FLOAT, 12, LIMITS(drift_per_kelvin), 0, 1, "likewise; and a kelvin"},
+    {"keeper.coverage", BENCH_FLOAT, 1, LIMITS(coverage), 1, 10, "standard uncertainties that excuse a change"},
+    {"keeper.gravity_m_s2", BENCH_DOUBLE, 1, KEEPING(settings.gravity_m_s2), 9.7, 9.9, "m/s2; of the place"},
+    {"keeper.interval_s", BENCH_U32, 1, KEEPING(settings.interval_s), 0, WHOLE_32, "s from set to run; 0: never due"},
+    {"keeper.pause_s", BENCH_U32, 1, KEEPING(settings.pause_s), TUMBLE_KEEPER_MIN_PAUSE_S, WHOLE_32,
+     "s from one start by itself to the next"},
+    {"keeper.temperature_half_c", BENCH_U8, 1, KEEPING(settings.temperature_half_c), 0, 255,
+     "half degrees from the active set's that make a run due; 0: none"},
+    {"keeper.temperature_samples", BENCH_U16, 1, KEEPING(settings.temperature_samples), 1, 65535, "in a row"},
+    {"firmware.starts", BENCH_BOOL, 1, AT(starts), 0, 0,
+     "a calibration by itself; no: waits for commands of guests until they have left"},
     {"present.navcomp", BENCH_BOOL, 1, AT(present.navcomp), 0, 0, "is it in this process?"},
     {"present.drive", BENCH_BOOL, 1, AT(present.drive), 0, 0, "likewise"},
     {"present.block", BENCH_BOOL, 1, AT(present.block), 0, 0, "likewise"},

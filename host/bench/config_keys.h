@@ -15,6 +15,7 @@ typedef enum {
     BENCH_I32,
     BENCH_BOOL,   /* no, yes */
     BENCH_CHOICE, /* an enum: one of the words, by their order */
+    BENCH_TEXT,   /* one word; `high` is the most characters, and behind them there is room for a zero */
 } bench_type_t;
 
 typedef struct {

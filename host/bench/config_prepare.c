@@ -38,9 +38,9 @@ static bool read_gains(bench_config_t *config, const char *path, const char *pro
     return wrong == NULL;
 }
 
-bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program)
+/* `config` has its defaults. */
+static bool prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program)
 {
-    bench_config_defaults(config);
     if (path != NULL && !read_scenario(config, path, program)) {
         return false;
     }
@@ -53,4 +53,19 @@ bool bench_config_prepare(bench_config_t *config, const char *path, const char *
         (void)fprintf(stderr, "%s: %s: %s\n", program, (path != NULL) ? path : "the defaults", wrong);
     }
     return wrong == NULL;
+}
+
+bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program)
+{
+    bench_config_defaults(config);
+    return prepare(config, path, gain_record, program);
+}
+
+bool bench_config_prepare_stand(bench_config_t *config, const char *path, const char *program)
+{
+    bench_config_defaults(config);
+    config->present.navcomp = false;
+    const bool good = prepare(config, path, NULL, program);
+    config->present.navcomp = false; /* whatever the file says */
+    return good;
 }

@@ -11,4 +11,7 @@
  * afterwards. False: one line on standard error, which begins with the name of the program, has said what is wrong. */
 bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program);
 
+/* The same for a simulation whose firmware is elsewhere: what only the firmware needs, such as gains, is not asked for. */
+bool bench_config_prepare_stand(bench_config_t *config, const char *path, const char *program);
+
 #endif

@@ -136,7 +136,8 @@ static void wait_for_answer(session_t *session)
 
 static void end_without_guests(session_t *session)
 {
-    const bool served = session->options->listen != NULL && !session->world.config->present.navcomp;
+    const bench_config_t *const config = session->world.config;
+    const bool served = session->options->listen != NULL && !(config->present.navcomp && config->starts);
     if (served && bench_guests_have_left(&session->guests)) {
         bench_world_end(&session->world, BENCH_LEFT);
     }

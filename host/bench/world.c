@@ -101,7 +101,8 @@ tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const
 static tumble_status_t init_navcomp(bench_world_t *world)
 {
     const bench_config_t *const config = world->config;
-    world->port = (tumble_port_t){world, port_now_us, port_send, port_receive};
+    world->port = (tumble_port_t){
+        .context = world, .now_us = port_now_us, .can_send = port_send, .can_receive = port_receive};
     world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
     world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks);
     if (config->present.navcomp) {
@@ -113,7 +114,7 @@ static tumble_status_t init_navcomp(bench_world_t *world)
     sim_bus_set_loop(&world->bus, BENCH_BUS_NAVCOMP, config->loop_us);
     tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
     if (status == TUMBLE_OK && config->present.navcomp) {
-        status = tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0);
+        status = config->starts ? tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0) : TUMBLE_OK;
         sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, 0);
     }
     return status;
@@ -215,6 +216,9 @@ static bool look_at_procedure(bench_world_t *world)
 static void look_for_end(bench_world_t *world)
 {
     const tumble_state_t state = world->progress.state;
+    if (!world->config->starts) {
+        return; /* its guests decide when all is done */
+    }
     const bool was_reset = world->started && state == TUMBLE_STATE_IDLE; /* by a guest, through NMT */
     world->started = world->started || state != TUMBLE_STATE_IDLE;
     if (state == TUMBLE_STATE_DONE) {

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tumble import core, core_optimal
+from tumble import core, core_optimal, core_uncertainty
 from tumble.planning import gains, record
 from tumble.reference import Geometry
 from tumble.stand import PAPER_STAND
@@ -46,10 +46,14 @@ CANDIDATES = {
     "a sample, without gates": 9,
     "a sample, with gates": 10,
     "division of the 54 means": 11,
+    "uncertainties of `refined`": 13,
+    "uncertainties of `least_squares`": 14,
+    "uncertainties of `optimal`": 15,
 }
 SAMPLES = 512  # in one loop, as benchmark.h has it
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= {number: "least_squares" for number in (6, 7, 12)}
+KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal"}
 LOOP, SAMPLE_PATHS = "a loop over samples", ("a sample, without gates", "a sample, with gates")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}
 # The target's library rounds a sum wrongly, by one unit in the last place, where the exponents of its terms differ by 33 and
@@ -137,13 +141,15 @@ def navcomp_steps(folder, optimise):
     if unity is None:
         return None
     target = ROOT / "tests/target"
-    include = ["firmware", "tests/unit", "tests/target", unity.relative_to(ROOT)]
+    include = ["firmware", "host", "tests/unit", "tests/target", unity.relative_to(ROOT)]
     options = [*FLAGS, optimise, *(SMALL if optimise == "-Os" else []), *UNITY_FLAGS]
     options += [f"-I{ROOT / path}" for path in include]
     rooms = ("core", "canopen", "stand", "procedure", "navcomp")
     sources = [source for room in rooms for source in (ROOT / "firmware" / room).glob("*.c")]
+    played = [*(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]
+    played.append(ROOT / "host/simulation/block_encode.c")
     objects = []
-    for source in [*sources, *(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]:
+    for source in [*sources, *played]:
         more = ["-flto"] if source in sources else ["-Wno-error"]
         more += FAST if source.stem in FAST_SOURCES else []
         objects.append(folder / f"step_{source.parent.name}_{source.stem}.o")
@@ -168,28 +174,38 @@ def step_lines(steps):
 
 
 def write_data(path):
-    """Write the run and its record as C; return what the host makes of them, (12,) by estimator."""
+    """Write the run, its stand and its record as C; return what the host makes of them, (12,) by estimator."""
     schedule = core.CoreSchedule(core.paper_schedule())
     rng = np.random.default_rng(1)
     k = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
     errors = {"alpha1": 2e-5, "alpha2": -2e-5, "alpha3": [4e-4, -4e-4], "delta": 4e-5 * rng.normal(size=18)}
     means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(size=(18, 3))
     written = record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
-    rows = ",\n    ".join("{" + ", ".join(map(float.hex, map(float, row))) + "}" for row in means)
+    sigmas = ", ".join(PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise"))
     path.write_text(
         record.to_c_header(written)
         + f"""#include "data.h"
-const tumble_means_t benchmark_means = {{.u_v = {{{rows}}},
+const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
 const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
+const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false}};
+const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
 """
     )
     data = record.to_bytes(written)
     optimal = core_optimal.optimal(data, schedule, means)
     found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
     found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
+    once = np.ones(18, dtype=int)
+    for name in ("refined", "least_squares"):
+        found[f"u {name}"] = core_uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+    found["u optimal"] = core_uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
+
+
+def rows_of(matrix):
+    return ",\n    ".join("{" + ", ".join(map(float.hex, map(float, row))) + "}" for row in matrix)
 
 
 def compile_c(source, folder, optimise, *more):

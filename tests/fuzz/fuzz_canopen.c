@@ -1,11 +1,13 @@
 /* Fuzzing a node: any frames, moods of the port, uses of the application's side and jumps of the clock, in any order.
  *
- * The first byte of the input chooses the drive's or the block's dictionary. Then come records of an opcode byte and
+ * The first byte of the input chooses the drive's or the block's dictionary, and whether the keeper's stands behind it:
+ * there some writes are answered later. Then come records of an opcode byte and
  * its operands. What is checked beside the sanitizers: the invariants in `check`, `check_frame` and `check_rest`.
  */
 #include "canopen/bytes.h"
 #include "canopen/node.h"
 #include "fuzz_input.h"
+#include "navcomp/keeper_objects.h"
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
 
@@ -81,10 +83,27 @@ static tumble_abort_t on_write(void *context, const tumble_entry_t *entry, const
     return ((size > 0U) && (bytes[0] == 0x5AU)) ? TUMBLE_ABORT_DEVICE_STATE : TUMBLE_ABORT_NONE;
 }
 
+static tumble_abort_t on_further_write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
+{
+    require((entry->access & TUMBLE_ACCESS_EXTENSION) != 0U, "the extension's hooks get its own entries");
+    return ((size > 0U) && (bytes[0] < 0x20U)) ? TUMBLE_ABORT_LATER : on_write(context, entry, bytes, size);
+}
+
 static const tumble_object_hooks_t hooks = {.write = on_write};
+static const tumble_object_hooks_t further_hooks = {.write = on_further_write};
+static const tumble_object_extension_t further = {.table = &tumble_keeper_table, .hooks = &further_hooks};
 static tumble_node_config_t config = {.hooks = &hooks};
 
-static void power_on(world_t *world, const tumble_port_t *port, bool drive)
+/* One of all rows. */
+static const tumble_entry_t *row(uint8_t number)
+{
+    const uint8_t first = config.table->count;
+    const uint8_t place = number % (uint8_t)(first + ((config.extension != NULL) ? further.table->count : 0U));
+
+    return (place < first) ? &config.table->entries[place] : &further.table->entries[place - first];
+}
+
+static void power_on(world_t *world, const tumble_port_t *port, bool drive, bool extended)
 {
     const tumble_node_binding_t binding = {.port = port, .variables = &world->variables, .context = world};
 
@@ -92,6 +111,7 @@ static void power_on(world_t *world, const tumble_port_t *port, bool drive)
     memset(world->upload, 0xA5, sizeof world->upload);
     config.table = drive ? &tumble_drive_table : &tumble_block_table;
     config.defaults = drive ? &tumble_drive_defaults : &tumble_block_defaults;
+    config.extension = extended ? &further : NULL;
     config.node = drive ? TUMBLE_DRIVE_NODE : TUMBLE_BLOCK_NODE;
     if (drive) {
         world->variables.drive = tumble_drive_objects_initial;
@@ -114,7 +134,7 @@ static tumble_can_frame_t frame_of(input_t *input, const world_t *world)
         frame.data[i] = take(input);
     }
     if ((choice & 0x60U) != 0U) {
-        const tumble_entry_t *entry = &config.table->entries[frame.data[1] % config.table->count];
+        const tumble_entry_t *entry = row(frame.data[1]);
 
         tumble_put_u16(&frame.data[1], entry->index);
         frame.data[3] = entry->subindex;
@@ -147,7 +167,7 @@ static tumble_can_frame_t next_segment(input_t *input, const world_t *world, boo
         frame.data[3] = client->subindex;
         frame.data[4] = take(input);
     } else if (!to_client && (server->transfer == (uint8_t)TUMBLE_SDO_IDLE)) {
-        const tumble_entry_t *entry = &config.table->entries[take(input) % config.table->count];
+        const tumble_entry_t *entry = row(take(input));
 
         frame.data[0] = ((choice & 1U) != 0U) ? 0x20U : 0x40U;
         tumble_put_u16(&frame.data[1], entry->index);
@@ -178,6 +198,15 @@ static void use_client(input_t *input, world_t *world)
         tumble_sdo_client_cancel(&world->node.client);
         break;
     }
+}
+
+/* The application's side: an error is over, and so is what a write began. */
+static void use_owner(input_t *input, world_t *world)
+{
+    const uint8_t bits = take(input);
+
+    tumble_emcy_clear(&world->node.emcy, bits);
+    tumble_sdo_server_answer(&world->node.server, ((bits & 1U) != 0U) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_HARDWARE);
 }
 
 /* What holds after every round. */
@@ -238,7 +267,7 @@ static void act(input_t *input, world_t *world)
         tumble_emcy_raise(&world->node.emcy, take(input), take(input), NULL);
         break;
     case 3:
-        tumble_emcy_clear(&world->node.emcy, take(input));
+        use_owner(input, world);
         break;
     case 4:
         tumble_pdo_trigger(&world->node.pdos, take(input) % 4U);
@@ -258,7 +287,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const tumble_port_t port = {.context = &world, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     input_t input = {.data = data, .left = size};
 
-    power_on(&world, &port, (take(&input) & 1U) != 0U);
+    const uint8_t which = take(&input);
+
+    power_on(&world, &port, (which & 1U) != 0U, (which & 2U) != 0U);
     while (input.left > 0U) {
         input_t record = cut(&input, fuzz_record_bytes);
         act(&record, &world);

@@ -11,8 +11,7 @@
 #include "fake_port.h"
 #include "fuzz_input.h"
 #include "navcomp/navcomp.h"
-#include "scripted_block.h"
-#include "scripted_drive.h"
+#include "scripted_config.h"
 
 const size_t fuzz_header_bytes = 1;
 const size_t fuzz_record_bytes = 13; /* an opcode, and a frame of any identifier and length with what kind it is */
@@ -30,36 +29,6 @@ typedef struct {
 
 static world_t world;
 
-static const tumble_averaging_config_t averaging = {.saturation_counts = TUMBLE_BLOCK_MAX_COUNTS,
-                                                    .min_samples = 2,
-                                                    .max_lost = 2,
-                                                    .stuck_run = 8,
-                                                    .noise_counts = 3.0F,
-                                                    .stillness_ratio = 5.0F};
-static const tumble_procedure_config_t procedure = {.schedule = &tumble_schedule_paper,
-                                                    .averaging = &averaging,
-                                                    .estimate = TUMBLE_ESTIMATE_LEAST_SQUARES,
-                                                    .samples = 4,
-                                                    .v_per_count = 1e-6,
-                                                    .nominal_scale_v_per_g = -2.0,
-                                                    .gravity_limit_g = 3e-4,
-                                                    .closure_limit_g = 1e-3,
-                                                    .position_tolerance_deg = 0.1,
-                                                    .approach_deg = 5.0,
-                                                    .cable_min_deg = -20.0,
-                                                    .cable_max_deg = 380.0,
-                                                    .settle_ms = 20,
-                                                    .max_corrupted = 3,
-                                                    .retries = 3,
-                                                    .preflight_timeout_ms = 5000,
-                                                    .warm_up_timeout_ms = 60000,
-                                                    .mounting_timeout_ms = 600000,
-                                                    .home_timeout_ms = 40000,
-                                                    .move_timeout_ms = 20000,
-                                                    .settle_timeout_ms = 5000,
-                                                    .average_timeout_ms = 10000,
-                                                    .sample_timeout_ms = 500};
-
 static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
 {
     world_t *at = context;
@@ -72,16 +41,22 @@ static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble
 
 static const tumble_navcomp_hooks_t hooks = {.context = &world, .on_sample_averaged = on_sample_averaged};
 
-static const tumble_navcomp_config_t config = {.port = &world.fake.port,
-                                               .procedure = &procedure,
-                                               .drive = &scripted_drive_profile,
-                                               .hooks = &hooks,
-                                               .block_period_us = 10000,
-                                               .heartbeat_ms = 100,
-                                               .heartbeat_timeout_ms = 500,
-                                               .node = 1,
-                                               .drive_node = SCRIPTED_DRIVE_NODE,
-                                               .block_node = SCRIPTED_BLOCK_NODE};
+static tumble_procedure_config_t procedure;
+static tumble_navcomp_config_t config;
+
+static void configure(void)
+{
+    procedure = scripted_procedure;
+    procedure.averaging = &scripted_averaging;
+    procedure.estimate = TUMBLE_ESTIMATE_LEAST_SQUARES;
+    procedure.samples = 4;
+    procedure.settle_ms = 20;
+    procedure.retries = 3;
+    config = scripted_navcomp;
+    config.port = &world.fake.port;
+    config.procedure = &procedure;
+    config.hooks = &hooks;
+}
 
 /* Every number of the counters, which are all 32 bits wide, only grows. */
 static void check_counters(void)
@@ -195,9 +170,9 @@ static int32_t take_int24(input_t *input)
 static void give_sample(input_t *input)
 {
     enum { OFFSET = 0x80, NO_FIRST = 0x40, NO_SECOND = 0x20, SICK = 0x10, MISSING = 0x03 };
+    enum { INT24_MAX = 8388607, INT24_MIN = -8388608 };
     const uint8_t how = take(input);
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
+    sim_block_frames_t frames;
     tumble_block_sample_t sample = {.timestamp_ms = (uint16_t)((world.fake.now_us / 1000U) % 4096U),
                                     .temperature_half_c = (int8_t)take(input)};
     const uint8_t status = take(input);
@@ -207,18 +182,16 @@ static void give_sample(input_t *input)
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const int32_t last = ((how & OFFSET) != 0U) ? open->last[i] : 0;
         const int32_t counts = last + (take_int24(input) >> ((last != 0) ? 8 : 0));
-        sample.raw.counts[i] = (counts > TUMBLE_BLOCK_MAX_COUNTS)   ? TUMBLE_BLOCK_MAX_COUNTS
-                               : (counts < TUMBLE_BLOCK_MIN_COUNTS) ? TUMBLE_BLOCK_MIN_COUNTS
-                                                                    : counts;
+        sample.raw.counts[i] = (counts > INT24_MAX) ? INT24_MAX : (counts < INT24_MIN) ? INT24_MIN : counts;
     }
     world.block.counter = (uint16_t)(world.block.counter + (how & MISSING));
     sample.raw.counter = world.block.counter++;
-    require(tumble_block_encode(&sample, &xy, &z) == TUMBLE_OK, "the sample can be sent");
+    sim_block_encode(&sample, &frames);
     if ((how & NO_FIRST) == 0U) {
-        fake_port_give(&world.fake, &xy);
+        fake_port_give(&world.fake, &frames.xy);
     }
     if ((how & NO_SECOND) == 0U) {
-        fake_port_give(&world.fake, &z);
+        fake_port_give(&world.fake, &frames.z);
     }
 }
 
@@ -322,6 +295,7 @@ static void run_to(tumble_state_t state)
 
 static void prepare(void)
 {
+    configure();
     fake_port_init(&world.fake);
     scripted_drive_init(&world.drive, &world.fake);
     scripted_block_init(&world.block, &world.fake, &tumble_schedule_paper.mountings[0]);

@@ -1,8 +1,38 @@
-"""What python-canopen does to lead the simulated drive: process data, speeds, a move with its handshake."""
+"""What python-canopen does to lead the simulated drive: process data, speeds, moves with their handshake."""
 
+import canopen
 from bench_program import wait_until
+from conftest import ROOT
 
 COUNTS_PER_DEG = 1000.0
+TARGETS_DEG = (90.0, -45.0, 12.345)
+
+
+def axis(network):
+    """The drive, a node of the network."""
+    drive = network.add_node(canopen.BaseNode402(2, str(ROOT / "docs/eds/tumble_drive.eds")))
+    drive.sdo.RESPONSE_TIMEOUT = 5.0
+    return drive
+
+
+def lead(drive):
+    """Home it, move it to TARGETS_DEG, and leave it without a master, which it must take for a fault."""
+    heartbeat = drive.network.send_periodic(0x701, [5], 0.1)
+    configure(drive)
+    drive.nmt.state = "OPERATIONAL"
+    drive.setup_402_state_machine(read_pdos=False)
+    drive.state = "OPERATION ENABLED"
+    assert drive.homing(timeout=20)
+    drive.op_mode = "PROFILED POSITION"
+    for target_deg in TARGETS_DEG:
+        move(drive, round(target_deg * COUNTS_PER_DEG))
+    heartbeat.stop()
+    wait_until(lambda: drive.sdo[0x6041].raw & 0x4F == 0x08)
+
+
+def require_moved(table):
+    """The truth of a table that was led: everywhere, and at rest now."""
+    assert table["at_rest"] and table["highest_deg"] > 89.99 and table["lowest_deg"] < -44.99
 
 
 def configure(drive):

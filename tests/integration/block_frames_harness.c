@@ -1,9 +1,11 @@
-/* Lets another language drive the block frame codec: one request a line on stdin, one answer a line on stdout.
+/* Lets another language drive the encoder and the receiver of the block frames: one request a line on stdin, one answer
+ * a line on stdout.
  *
  *     encode x y z counter timestamp status temperature   ->   id data id data     (hexadecimal)
  *     receive id data                                     ->   event [x y z counter timestamp status temperature]
  */
 #include "navcomp/block_frames.h"
+#include "simulation/block_encode.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -28,19 +30,14 @@ static int encode(const char *line)
     const char *format = "encode %" SCNd32 " %" SCNd32 " %" SCNd32 " %" SCNu16 " %" SCNu16 " %" SCNu8 " %" SCNd8;
     const int fields = sscanf(line, format, &counts[0], &counts[1], &counts[2], &sample.raw.counter,
                               &sample.timestamp_ms, &sample.status, &sample.temperature_half_c);
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
+    sim_block_frames_t frames;
     if (fields != 7) {
         return 1;
     }
-    const tumble_status_t status = tumble_block_encode(&sample, &xy, &z);
-    if (status != TUMBLE_OK) {
-        printf("%s\n", tumble_status_name(status));
-        return 0;
-    }
-    print_frame(&xy);
+    sim_block_encode(&sample, &frames);
+    print_frame(&frames.xy);
     printf(" ");
-    print_frame(&z);
+    print_frame(&frames.z);
     printf("\n");
     return 0;
 }
@@ -76,7 +73,6 @@ static int receive(const char *line)
 int main(void)
 {
     char line[LINE_BYTES];
-    tumble_block_receiver_init(&receiver);
     while (fgets(line, sizeof line, stdin) != NULL) {
         const int result = (strncmp(line, "encode", 6) == 0) ? encode(line) : receive(line);
         if (result != 0) {

@@ -19,7 +19,7 @@ EDS = {name: ROOT / "docs" / "eds" / f"tumble_{name}.eds" for name in ("navcomp"
 NUMBERS = {"navcomp": 1, "drive": 2, "block": 3}
 FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-ROOMS = ("firmware/core", "firmware/canopen", "firmware/procedure", "firmware/stand", "firmware/navcomp")
+ROOMS = tuple(f"firmware/{room}" for room in ("core", "store", "canopen", "procedure", "stand", "navcomp"))
 
 
 @functools.cache
@@ -31,7 +31,7 @@ def build_harness(folder):
     program = folder / "canopen_harness"
     sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
     sources += [f"host/simulation/{name}_objects.c" for name in ("drive", "block")]
-    command = [compiler, *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost", "tests/integration/canopen_harness.c"]
+    command = [compiler, *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost", "-Itests/unit", "tests/integration/canopen_harness.c"]
     subprocess.run([*command, *sources, "-lm", "-o", str(program)], cwd=ROOT, check=True)
     return program
 

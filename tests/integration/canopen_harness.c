@@ -13,9 +13,13 @@
  * MS, NODE, SUB, N and CAPACITY are decimal, the rest hexadecimal. Ends with its input; exit code 2 for bad usage.
  */
 #include "core/schedule.h"
+#include "navcomp/keeper.h"
 #include "navcomp/navcomp.h"
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
+
+#define NV_SECTORS 10U
+#include "store_nv.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +33,8 @@ typedef struct {
         tumble_block_objects_t block;
     } variables;
     tumble_navcomp_t navcomp;
+    tumble_keeper_t keeper;
+    store_nv_t memory;
     bool is_navcomp;
     uint64_t now_us;
     tumble_can_frame_t inbox[256];
@@ -74,7 +80,8 @@ static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
     return TUMBLE_OK;
 }
 
-static const tumble_port_t port = {.now_us = now_us, .can_send = can_send, .can_receive = can_receive};
+static const tumble_port_t port = {
+    .now_us = now_us, .can_send = can_send, .can_receive = can_receive, .nv = &harness.memory.nv};
 
 static void reset(void *context, bool application)
 {
@@ -112,6 +119,19 @@ static bool start_plain(const char *name)
     return tumble_node_init(&harness.own, &config, &binding) == TUMBLE_OK;
 }
 
+static void prepare_keeper(void)
+{
+    static tumble_keeper_settings_t settings = {
+        .limits = {.coverage = 3.0F}, .pause_s = TUMBLE_KEEPER_MIN_PAUSE_S, .temperature_samples = 1};
+    static const tumble_keeper_config_t config = {.serial = "HARNESS", .settings = &settings};
+
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        settings.limits.uncertainty[c] = 1e-3F;
+    }
+    nv_make(&harness.memory, 8, TUMBLE_STORE_MIN_SECTOR);
+    harness.keeper.config = &config;
+}
+
 /* A computer whose operator turns the head by hand: what it does by itself on the bus is little. */
 static bool start_navcomp(const char *name)
 {
@@ -128,8 +148,10 @@ static bool start_navcomp(const char *name)
     static const tumble_navcomp_config_t config = {
         .port = &port, .procedure = &procedure, .by_hand = &tumble_operator_calls, .person = &person,
         .block_period_us = 1000000, .heartbeat_ms = 100, .heartbeat_timeout_ms = 500,
-        .node = TUMBLE_NAVCOMP_NODE, .drive_node = 2, .block_node = 3};
+        .node = TUMBLE_NAVCOMP_NODE, .drive_node = 2, .block_node = 3, .keeping = &tumble_keeper_calls,
+        .keeper = &harness.keeper};
 
+    prepare_keeper();
     harness.is_navcomp = strcmp(name, "navcomp") == 0;
     harness.node = &harness.navcomp.node;
     return harness.is_navcomp && (tumble_navcomp_init(&harness.navcomp, &config) == TUMBLE_OK);

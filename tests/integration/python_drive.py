@@ -19,6 +19,16 @@ COUNTS_PER_TURN = 327680
 SIGN = -1
 UNITS_PER_DEG_S = 10.0 / 6.0
 CYCLE_S = 0.005
+PROFILE = {  # how our firmware is told of it
+    "present__drive": "no",
+    "profile__counts_per_turn": COUNTS_PER_TURN,
+    "profile__sign": SIGN,
+    "profile__velocity_per_deg_s": UNITS_PER_DEG_S,
+    "profile__acceleration_per_deg_s2": UNITS_PER_DEG_S,
+    "profile__receive_pdo": "2 0x302 607A:0:32 6040:0:16 6060:0:8",
+    "profile__transmit_pdo": "1 0x282 0 50 6061:0:8 6064:0:32 6041:0:16",
+    "profile__write": "0x2100 0 1 1",
+}
 
 SWITCH_ON_DISABLED, READY, SWITCHED_ON, ENABLED, QUICK_STOP, FAULT = 0x40, 0x21, 0x23, 0x27, 0x07, 0x08
 REACHED, ACKNOWLEDGED, ATTAINED = 0x0400, 0x1000, 0x1000
@@ -92,6 +102,11 @@ class PythonDrive:
         self.running = False
         self.thread.join(5)
         disconnect(self.network)
+
+    def require_all_positions(self):
+        """It was homed first, and sent to all of the paper's positions."""
+        angles = [event for event in self.events[1:] if isinstance(event, float)]
+        assert self.events[0] == "home" and {45.0 * number for number in range(9)} <= set(angles)
 
     def get(self, index, subindex=0):
         """A value from the dictionary."""

@@ -11,6 +11,8 @@ from conftest import EXAMPLES
 
 from tumble.reference import Geometry, paper_schedule
 
+pytestmark = pytest.mark.python
+
 HEADER = "mounting,position,ux,uy,uz\n"
 ROWS = [
     f"{m},{p},{ux:.6f},{uy:.6f},{uz:.6f}\n"

@@ -3,6 +3,8 @@
 import pytest
 from conftest import EXAMPLES
 
+pytestmark = pytest.mark.python
+
 STAND = (EXAMPLES / "paper_stand.toml").read_text()
 SCHEDULE = (EXAMPLES / "six_faces.toml").read_text()
 DEEP = "x = " + "[" * 5000

@@ -44,6 +44,7 @@ OPTIONS = {
 }
 
 
+@pytest.mark.python
 @pytest.mark.parametrize("name", OPTIONS)
 def test_options(name, refused, tmp_path):
     options, words = OPTIONS[name]
@@ -73,6 +74,7 @@ STANDS = {
 }
 
 
+@pytest.mark.python
 @pytest.mark.parametrize("name", STANDS)
 def test_stand_files(name, refused, tmp_path):
     text, words = STANDS[name]
@@ -100,6 +102,7 @@ BLOCKS = {
 }
 
 
+@pytest.mark.python
 @pytest.mark.parametrize("name", BLOCKS)
 def test_block_files(name, refused, tmp_path):
     text, words = BLOCKS[name]

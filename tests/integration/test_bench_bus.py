@@ -24,6 +24,22 @@ LACKING = uml.missing()
 inside = pytest.mark.skipif(LACKING is not None, reason=f"user-mode Linux is not there: {LACKING}")
 SCHEMA = ROOT / "docs/schemas/tumble.result-1.schema.json"
 
+HASTY = """
+[stand]
+name = "hasty"
+axis_tilt_rad = 1e-5
+level_rad = 2e-5
+remount_rad = 3e-5
+angle_rad = 2e-5
+noise_v = 3e-4
+samples = 10
+limits = "sigma1"
+[motion]
+velocity_deg_per_s = 720.0
+acceleration_deg_per_s2 = 7200.0
+settling_s = 0.05
+"""
+
 
 def kernels(folder):
     """User-mode Linux kernels that run in a folder of ours, by their process number."""
@@ -75,6 +91,42 @@ def test_ctrl_c_stops_the_table_and_leaves_nothing(tmp_path):
 
 @inside
 @pytest.mark.slow
+def test_a_person_confirms_a_mounting_and_interrupts_at_the_next_question(tmp_path):
+    """Answers get into user-mode Linux, and Ctrl-C ends the wait for one."""
+    (tmp_path / "stand.toml").write_text(HASTY)
+    command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--interactive", "--limit", "1e-3"]
+    command += ["--stand", str(tmp_path / "stand.toml"), "--out", str(tmp_path / "run")]
+    child = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                             env={**os.environ, "TMPDIR": str(tmp_path)})
+    assert child.stderr.readline().startswith("Mount the block as mounting 1 says")
+    child.stdin.write("\n")
+    child.stdin.flush()
+    assert child.stderr.readline().startswith("mounting 1: position 1 of 18")
+    assert child.stderr.readline().startswith("Mount the block as mounting 2 says")
+    child.send_signal(signal.SIGINT)
+    rest = child.communicate(timeout=30)[1]
+    assert (child.returncode, rest) == (130, "tumble: interrupted; the table is at rest\n")
+    assert not (tmp_path / "run").exists() and not kernels(tmp_path)
+
+
+def test_a_signal_calls_what_it_is_to_call_and_raises_nothing():
+    """Whatever is being done at that moment; later ones do not disturb."""
+    code = """
+import os, signal
+from tumble import interruption
+interruption.watch()
+called = []
+with interruption.Instead(lambda: called.append(1)):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGINT):
+        os.kill(os.getpid(), number)
+print(called, interruption.exit_code())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("[1] 130\n", "")
+
+
+@inside
+@pytest.mark.slow
 def test_a_kernel_that_does_not_start_is_a_fault(tmp_path, monkeypatch):
     """It gets too little memory to live on."""
     monkeypatch.setattr(uml, "_BOOT_S", 3.0)
@@ -114,7 +166,7 @@ def test_without_can_and_without_user_mode_linux(monkeypatch, capsys, tmp_path):
     (["--bus", "socketcan:a/b"], "--bus: 'socketcan:a/b' is not"),
     (["--bus", "socketcan:" + 16 * "x"], "is not"),
     (["--bus", ""], "--bus: '' is not"),
-    (["--bus", "uml", "--interactive"], "--interactive: only with --bus inprocess"),
+    (["--bus", "uml", "--firmware", "zcu102", "--interactive"], "--interactive: not with --firmware zcu102"),
 ])
 def test_names_of_buses(refused, arguments, message):
     assert message in refused("bench", *arguments)

@@ -57,12 +57,17 @@ def test_a_signal_ends_the_run_in_good_order(number, interactive, tmp_path):
 
 @pytest.mark.parametrize("interactive", [False, True])
 def test_the_program_does_not_outlive_a_killed_command(interactive, tmp_path):
-    """What cannot be handled by the command itself is noticed by the program."""
-    child, _ = start(tmp_path, *(["--interactive"] if interactive else []), stdin=subprocess.PIPE)
+    """What cannot be handled by the command itself is noticed by the program, in a run that would take minutes."""
+    options = ["--samples", "10000", *(["--interactive"] if interactive else [])]
+    child, _ = start(tmp_path, *options, stdin=subprocess.PIPE)
     assert len(programs(tmp_path)) == 1
     child.kill()
     child.communicate(timeout=30)
-    wait_until(lambda: programs(tmp_path) == [])
+    try:
+        wait_until(lambda: programs(tmp_path) == [])
+    finally:
+        for program in programs(tmp_path):
+            os.kill(program, signal.SIGKILL)
 
 
 def test_what_a_killed_run_left_is_named(tumble, tmp_path):
@@ -97,6 +102,7 @@ def test_hang_up_is_ignored_where_that_is_wanted(tmp_path):
     assert child.returncode == 128 + signal.SIGTERM
 
 
+@pytest.mark.python
 def test_an_early_interrupt_ends_quietly(tmp_path):
     """In every moment of the first quarter of a second, the launcher's included."""
     launched = ["env", "--block-signal=INT", sys.executable, str(ROOT / "host/python/launch.py"), "bench", "--out=run"]
@@ -114,12 +120,14 @@ def test_an_early_interrupt_ends_quietly(tmp_path):
         assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.python
 def test_the_launcher_of_a_checkout_holds_early_interrupts_back():
     assert 'env --block-signal=INT "$root/.venv/bin/python" "$root/host/python/launch.py"' in (
         ROOT / "tools/tumble"
     ).read_text()
 
 
+@pytest.mark.python
 def test_an_interrupt_that_python_cannot_raise_comes_again():
     """In a destructor an exception is lost."""
     program = """
@@ -141,6 +149,31 @@ except KeyboardInterrupt:
     assert (done.stdout, done.stderr) == (f"{128 + signal.SIGTERM}\n", "")
 
 
+@pytest.mark.python
+@pytest.mark.parametrize(("interrupted", "code"), [(True, 128 + signal.SIGTERM), (False, 3)])
+def test_an_interrupt_that_an_import_has_swallowed_counts(interrupted, code):
+    """Modules in C make an ImportError of it."""
+    program = f"""
+import os, signal, sys, time
+from tumble import cli
+from tumble.commands import solve
+def run(_):
+    try:
+        if {interrupted}:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(1)
+    except KeyboardInterrupt:
+        pass
+    raise ImportError("no module")
+solve.run = run
+sys.exit(cli.main(["solve", "run.csv"], interruptible=True))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=15)
+    assert (done.returncode, done.stdout) == (code, "")
+    assert (done.stderr == "tumble: interrupted\n") == interrupted
+
+
+@pytest.mark.python
 def test_a_command_ends_by_its_signal_from_a_shell(tmp_path):
     """128 and the number, as of a program that has died of it."""
     pipe = tmp_path / "run.csv"

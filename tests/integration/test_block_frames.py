@@ -25,8 +25,9 @@ def codec(tmp_path_factory):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = tmp_path_factory.mktemp("codec") / "codec"
-    sources = ["tests/integration/block_frames_harness.c", "firmware/navcomp/block_frames.c", "firmware/core/status.c"]
-    subprocess.run([compiler, *FLAGS, "-Ifirmware", *sources, "-o", program], cwd=ROOT, check=True)
+    sources = ["tests/integration/block_frames_harness.c", "firmware/navcomp/block_frames.c",
+               "host/simulation/block_encode.c"]
+    subprocess.run([compiler, *FLAGS, "-Ifirmware", "-Ihost", *sources, "-o", program], cwd=ROOT, check=True)
 
     def ask(requests):
         done = subprocess.run([program], input="\n".join(requests) + "\n", text=True, capture_output=True, check=True)

@@ -12,11 +12,13 @@ ROOT = Path(__file__).resolve().parents[2]
 GENERATE = ROOT / "tools" / "objects" / "generate"
 PRODUCTS = (
     "firmware/navcomp/objects.h", "firmware/navcomp/objects.c", "docs/eds/tumble_navcomp.eds",
+    "firmware/navcomp/keeper_objects.h", "firmware/navcomp/keeper_objects.c",
     "host/simulation/drive_objects.h", "host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds",
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/canopen.md",
+    "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
 )  # fmt: skip
-LISTS = ("firmware/procedure/states.h", "firmware/navcomp/commands.h")
+LISTS = ("firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/store/commit_rules.h")
 
 
 def generate(*arguments):
@@ -60,6 +62,22 @@ def test_a_change_of_a_table_is_noticed(tables):
     assert done.returncode == 1
     named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
     assert named == ["host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds", "docs/canopen.md"]
+
+
+def test_a_change_of_the_extension_is_noticed(tables):
+    """And its canary: the keeper's own tables, the node's EDS file and the page are stale, the first table is not."""
+    change(tables / "keeper.toml", "low = 60,", "low = 61,")
+    done = generate("--check", "--tables", tables)
+    assert done.returncode == 1
+    named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
+    assert named == ["firmware/navcomp/keeper_objects.c", "docs/eds/tumble_navcomp.eds", "docs/canopen.md"]
+
+
+def test_what_is_saved_follows_from_the_tables(tree, tables):
+    change(tables / "keeper.toml", "saved = true\n", "")
+    assert generate("--tables", tables, "--root", tree).returncode == 0
+    saved = (tree / "firmware/navcomp/keeper_objects.c").read_text().split("tumble_keeper_saved[")[1]
+    assert "0x2122U" not in saved and "0x2123U" in saved
 
 
 @pytest.mark.parametrize("product", PRODUCTS)
@@ -117,6 +135,13 @@ MISTAKES = [
     ("block.toml", 'value = ""\n', f'value = "{33 * "x"}"\n', "block.toml: object 2005h:0: its text is too long"),
     ("block.toml", 'size = 32\n', 'size = 32\nmap = "transmit"\n', "block.toml: object 2005h:0: cannot be mapped"),
     ("navcomp.toml", "map = [0x2000_00, 0x2001_00, 0x2003_01,", "map = [0x2003_07, 0x2003_07, 0x2000_00,", "8 bytes"),
+    ("keeper.toml", "index = 0x2121\n", "index = 0x2050\n", "navcomp.toml: object 2050h is there twice"),
+    ("keeper.toml", 'prefix = "tumble_keeper"\n', "", "keeper.toml: [extension]: lacks prefix"),
+    ("keeper.toml", "[extension]", "[node]", "keeper.toml: unknown key node"),
+    ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
+    ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
+    ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
+    ("keeper.toml", "low = 60,", "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
     ("navcomp.toml", '"firmware/procedure/states.h"', '"firmware/procedure/stakes.h"', "No such file"),
     ("navcomp.toml", 'TUMBLE_STATE = "firmware', 'TUMBLE_STOAT = "firmware', "no list TUMBLE_STOAT_LIST"),
 ]

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 
 from tumble import distributions
 
+pytestmark = pytest.mark.python
+
 FREEDOM = st.one_of(st.integers(1, 60), st.floats(0.3, 5000.0), st.integers(60, 20000))
 mpmath.mp.dps = 30
 

@@ -19,6 +19,8 @@ from tumble.schedule import Schedule
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 from tumble.standfile import read_stand
 
+pytestmark = pytest.mark.python
+
 PAPER = reference.paper_schedule()
 STANDS = {name: read_stand(str(EXAMPLES / f"{name}_stand.toml")).stand for name in ("paper", "angle", "lab")}
 ODD_STANDS = {

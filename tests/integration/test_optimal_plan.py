@@ -153,6 +153,7 @@ BAD = {
 }
 
 
+@pytest.mark.python
 @pytest.mark.parametrize("case", BAD)
 def test_bad_input_is_one_line_and_leaves_nothing(case, tumble, refused, tmp_path):
     text = (EXAMPLES / "paper_stand.toml").read_text()

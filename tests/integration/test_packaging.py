@@ -7,7 +7,7 @@ import sys
 from conftest import ROOT
 
 from tumble import __version__, core
-from tumble.commands.solve import ESTIMATORS
+from tumble.commands.options import LINEAR_ESTIMATORS
 
 PYTHON = ROOT / "host/python"
 
@@ -25,7 +25,7 @@ def test_requirements_are_those_of_the_project():
 
 
 def test_the_installed_program_is_what_a_checkout_runs():
-    """The entry point is there and takes signals; and the wheel has what `tumble bench` starts, where it looks for it."""
+    """The entry point is there and takes signals; and the wheel has what `tumble bench` starts, where it looks."""
     project = (PYTHON / "pyproject.toml").read_text()
     module, function = re.search(r'^tumble = "(\S+):(\w+)"$', project, re.MULTILINE).groups()
     program = f"import sys; from {module} import {function}; sys.argv[1:] = ['--version']; {function}()"
@@ -57,7 +57,7 @@ def test_help_names_every_option_and_exit_code(tumble):
 
 
 def test_estimators_offered_are_those_of_the_core():
-    assert ESTIMATORS == core.ESTIMATORS
+    assert LINEAR_ESTIMATORS == core.ESTIMATORS
 
 
 def test_every_status_has_a_name_and_a_sentence():

@@ -24,6 +24,8 @@ from tumble.reference.uncertainty import contributions, sources
 from tumble.stand import COMMON, Stand
 from tumble.standfile import read_stand
 
+pytestmark = pytest.mark.python
+
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 PAPER = Case.of(None, None, None)

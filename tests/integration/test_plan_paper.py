@@ -14,6 +14,8 @@ from tumble.planning.discrepancies import discrepancies
 from tumble.planning.paper import lines, rounds_to
 from tumble.planning.published import NAMES, SOURCES
 
+pytestmark = pytest.mark.python
+
 RECORDED = ROOT.parent / "shared" / "paper" / "published.json"
 KNOWN = set(range(1, 14))
 

@@ -17,6 +17,8 @@ from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.require import CEILING_RAD, ROWS, requirements, samples_for, stand_of
 from tumble.standfile import read_stand
 
+pytestmark = pytest.mark.python
+
 PAPER = Case.of(None, None, None)
 EQUAL = np.ones(5)
 LIMIT_G = 3e-4

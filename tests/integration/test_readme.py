@@ -6,6 +6,8 @@ import shlex
 import pytest
 from conftest import ROOT
 
+pytestmark = pytest.mark.python
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = [line[2:] for block in re.findall(r"```console\n(.*?)```", README, re.S) for line in block.splitlines()]
 TRANSCRIPTS = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", README, re.S)

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
 
+pytestmark = pytest.mark.python
+
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.result-1.schema.json").read_text())
 STANDS = ("paper_stand", "angle_stand", "lab_stand")
 SOLVES = {

@@ -23,7 +23,6 @@ PAPER = reference.paper_schedule()
 NOMINAL_K = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
 U0 = np.array([0.02, -0.01, 0.03])
 RUNS = 10000
-RMS_SCATTER = 1 / math.sqrt(2 * RUNS)  # of a root mean square of so many standard normal numbers
 
 
 def stand_named(name):

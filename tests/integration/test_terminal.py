@@ -12,6 +12,8 @@ from fcntl import ioctl
 import pytest
 from conftest import EXAMPLES
 
+pytestmark = pytest.mark.python
+
 SOLVE = [sys.executable, "-m", "tumble", "solve", "paper_stand.csv", "--stand", "paper_stand.toml"]
 
 
@@ -76,7 +78,8 @@ def test_a_narrow_terminal_gets_all_of_it():
 def test_the_truth_fits_beside_the_coefficients(tmp_path):
     bench = [sys.executable, "-m", "tumble", "bench", "--out", str(tmp_path / "run")]
     shown = without_styles(on_terminal(bench))
-    result = shown.split("run folder:")[1]  # the progress line before it is cut to the terminal's width where time is short
+    # The progress line before it is cut to the terminal's width where time is short.
+    result = shown.split("run folder:")[1]
     assert "\u2026" not in result
     assert max(len(line) for line in result.splitlines()[1:]) <= 80
     assert "truth" in shown and "error/u" in shown

@@ -1,4 +1,4 @@
-"""The unit of a run's outputs, and what the stand's noise in volts means to it; outputs and messages that go nowhere."""
+"""The unit of a run's outputs, and what the stand's noise in volts means to it; what is written to nowhere."""
 
 import json
 import os
@@ -7,6 +7,8 @@ import sys
 
 import pytest
 from conftest import EXAMPLES
+
+pytestmark = pytest.mark.python
 
 STAND = EXAMPLES / "paper_stand.toml"
 RUN = (EXAMPLES / "paper_stand.csv").read_text().splitlines()

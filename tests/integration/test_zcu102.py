@@ -30,7 +30,7 @@ def test_the_two_controllers_conform(layout):
     ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     verdicts = [line.split()[0] for line in ended.stdout.splitlines()[:-1]]
-    assert verdicts.count("passed") == 11 and verdicts.count("skipped") == 2 and len(verdicts) == 13, ended.stdout
+    assert verdicts.count("passed") == 20 and verdicts.count("skipped") == 3 and len(verdicts) == 23, ended.stdout
     assert ended.stdout.splitlines()[-1] == "conforms"
 
 
@@ -52,10 +52,10 @@ def bench(tumble, folder, *options):
 @pytest.mark.parametrize(
     "options",
     [["--seed", 1], ["--seed", 2, "--samples", 80, "--estimator", "averaged"],
-     ["--seed", 3, "--estimator", "least_squares", "--limit", "1e-3"],
+     ["--seed", 3, "--estimator", "least_squares", "--limit", "1e-3"], ["--seed", 5, "--estimator", "optimal"],
      *(["--seed", 4, "--stand", EXAMPLES / f"{name}_stand.toml"] for name in ("paper", "angle", "lab")),
      ["--schedule", EXAMPLES / "six_faces.toml", "--estimator", "least_squares"]],
-    ids=["as it is", "averaged", "least squares", "paper's stand", "angle stand", "lab stand", "six faces"],
+    ids=["as it is", "averaged", "least squares", "optimal", "paper's stand", "angle stand", "lab stand", "six faces"],
 )
 def test_the_board_computes_the_same_bits(options, tumble, tmp_path):
     need("replay")
@@ -81,6 +81,19 @@ def test_another_log_gives_other_bits(tumble, tmp_path):
     bench(tumble, tmp_path, "--seed", 2)
     board = json.loads(tumble("replay", "run/bus.log", "--firmware", "zcu102", "--json", cwd=tmp_path).stdout)
     assert board["K"] != first["K"]
+
+
+def test_without_its_gains_the_board_does_not_run(tumble, tmp_path):
+    need("replay")
+    bench(tumble, tmp_path, "--estimator", "optimal")
+    program, run = programs.find("tumble-replay", "host/replay"), tmp_path / "run"
+    inputs = [run / "inputs/scenario.txt", "--gain-record", run / "inputs/gains.bin"]
+    subprocess.run([program, run / "bus.log", *inputs, "--recording", tmp_path / "recording"], check=True)
+    subprocess.run([program, *inputs, "--commissioning", tmp_path / "record"], check=True)
+    told = emulator.replay(tmp_path / "recording", tmp_path / "record")
+    assert "K" not in told and told["reason"] == ["TUMBLE_REASON_CONFIGURATION"], told
+    told = emulator.replay(tmp_path / "recording", tmp_path / "record", run / "inputs/gains.bin")
+    assert "K" in told and told["pass"] == ["1"]
 
 
 def test_a_spoilt_recording_is_refused(tumble, tmp_path):

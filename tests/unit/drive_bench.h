@@ -140,6 +140,40 @@ static inline void assert_fault(tumble_stand_fault_t fault)
     TEST_ASSERT_EQUAL_INT(fault, bench.stand.fault(bench.stand.self));
 }
 
+static inline void assert_angle(double expected_deg)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, expected_deg, bench.stand.angle_deg(bench.stand.self));
+}
+
+static inline void move_to(double angle_deg)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, angle_deg));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    run_to(TUMBLE_STAND_IN_POSITION, 1500);
+}
+
+/* Homed, and on its way to 90 degrees. */
+static inline void start_move(const tumble_drive_profile_t *profile)
+{
+    bring_home(profile);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    TEST_ASSERT_TRUE(played.moving);
+}
+
+static inline void clear_fault(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
+}
+
+static inline void assert_moves_again(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 30.0));
+    run_to(TUMBLE_STAND_IN_POSITION, 1000);
+}
+
 /* The common drive: 36,000 counts a turn, one PDO each way. */
 static const tumble_drive_pdo_t common_receive[] = {
     {0, {.cob_id = 0x202, .type = 255, .count = 2, .map = {0x60400010, 0x607A0020}}}};

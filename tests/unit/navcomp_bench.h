@@ -7,8 +7,7 @@
 
 #include "fake_port.h"
 #include "navcomp/navcomp.h"
-#include "scripted_block.h"
-#include "scripted_drive.h"
+#include "scripted_config.h"
 #include "unity.h"
 
 #include <string.h>
@@ -62,46 +61,15 @@ static inline void bench_record(void *context, tumble_taken_t taken, const tumbl
 
 static inline void bench_configure(bench_t *bench)
 {
-    bench->averaging = (tumble_averaging_config_t){.saturation_counts = 8388607,
-                                                   .min_samples = 2,
-                                                   .max_lost = 2,
-                                                   .stuck_run = 8,
-                                                   .noise_counts = 3.0F,
-                                                   .stillness_ratio = 5.0F};
-    bench->procedure = (tumble_procedure_config_t){.schedule = &tumble_schedule_paper,
-                                                   .averaging = &bench->averaging,
-                                                   .estimate = TUMBLE_ESTIMATE_REFINED,
-                                                   .samples = BENCH_SAMPLES,
-                                                   .v_per_count = 1e-6,
-                                                   .nominal_scale_v_per_g = -2.0,
-                                                   .gravity_limit_g = 3e-4,
-                                                   .closure_limit_g = 1e-3,
-                                                   .position_tolerance_deg = 0.1,
-                                                   .approach_deg = 5.0,
-                                                   .cable_min_deg = -20.0,
-                                                   .cable_max_deg = 380.0,
-                                                   .settle_ms = 100,
-                                                   .max_corrupted = 3,
-                                                   .retries = 1,
-                                                   .preflight_timeout_ms = 5000,
-                                                   .warm_up_timeout_ms = 60000,
-                                                   .mounting_timeout_ms = 600000,
-                                                   .home_timeout_ms = 40000,
-                                                   .move_timeout_ms = 20000,
-                                                   .settle_timeout_ms = 5000,
-                                                   .average_timeout_ms = 10000,
-                                                   .sample_timeout_ms = 500};
+    bench->averaging = scripted_averaging;
+    bench->procedure = scripted_procedure;
+    bench->procedure.averaging = &bench->averaging;
+    bench->procedure.samples = BENCH_SAMPLES;
     bench->hooks = (tumble_navcomp_hooks_t){.context = bench, .on_sample_averaged = bench_record};
-    bench->config = (tumble_navcomp_config_t){.port = &bench->fake.port,
-                                              .procedure = &bench->procedure,
-                                              .drive = &scripted_drive_profile,
-                                              .hooks = &bench->hooks,
-                                              .block_period_us = 10000,
-                                              .heartbeat_ms = 100,
-                                              .heartbeat_timeout_ms = 500,
-                                              .node = 1,
-                                              .drive_node = SCRIPTED_DRIVE_NODE,
-                                              .block_node = SCRIPTED_BLOCK_NODE};
+    bench->config = scripted_navcomp;
+    bench->config.port = &bench->fake.port;
+    bench->config.procedure = &bench->procedure;
+    bench->config.hooks = &bench->hooks;
 }
 
 /* Everything but the navcomp itself, which `bench_power_on` starts: a test may change the configuration in between. */

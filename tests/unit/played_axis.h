@@ -65,6 +65,8 @@ typedef struct {
     int32_t wrap;               /* positions count modulo this, the shorter way is taken; 0: no */
     uint16_t refuse_index;      /* SDO abort 0602 0000h */
     bool sdo_is_deaf;
+    bool mute;        /* sends no heartbeat until 1017h is written, */
+    bool stays_mute;  /* or not even then */
     unsigned misses; /* so many of the next process data */
     bool mode_sticks;           /* 6061h never follows */
     bool never_acknowledges;

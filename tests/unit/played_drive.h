@@ -121,6 +121,8 @@ static inline void played_write(const sdo_write_t *write)
     if ((write->index >= 0x1400U) && (write->index < 0x1C00U)) {
         const bool in_order = played_map(write->index, write->subindex, write->value);
         TEST_ASSERT_TRUE_MESSAGE(in_order, "PDO written in a wrong order");
+    } else if (write->index == 0x1017U) {
+        d->mute = d->mute && d->stays_mute;
     } else if (write->index == 0x6060U) {
         TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, write->subindex, "6060h has no subindices");
         TEST_ASSERT_FALSE_MESSAGE((d->control & 0x0100U) != 0U, "mode changed while Halt is set");
@@ -241,7 +243,7 @@ static inline void played_tick(void)
     if (!d->powered_up) {
         return;
     }
-    if ((clock_ms % 100U) == 0U) {
+    if (!d->mute && ((clock_ms % 100U) == 0U)) {
         played_heartbeat(d->operational ? 5 : 127);
     }
     if (d->moving) {

@@ -1,56 +1,24 @@
-#include "navcomp/block_frames.h"
-
-#include "unity.h"
-
-#include <string.h>
-
-static tumble_block_receiver_t receiver;
-static tumble_block_sample_t got;
+#include "block_frames_bench.h"
 
 void setUp(void)
 {
-    tumble_block_receiver_init(&receiver);
-    memset(&got, 0, sizeof got);
+    fresh_receiver();
 }
 
 void tearDown(void)
 {
 }
 
-static tumble_block_sample_t sample_of(uint16_t counter)
-{
-    return (tumble_block_sample_t){
-        .raw = {.counts = {1000 + counter, -2000 - counter, 3000000}, .counter = counter},
-        .timestamp_ms = (uint16_t)((counter * 10U) % TUMBLE_TIMESTAMP_PERIOD_MS),
-        .temperature_half_c = 43,
-    };
-}
-
-static void encode(uint16_t counter, tumble_can_frame_t *xy, tumble_can_frame_t *z)
-{
-    const tumble_block_sample_t sample = sample_of(counter);
-    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_block_encode(&sample, xy, z));
-}
-
-static tumble_block_event_t receive(const tumble_can_frame_t *frame)
-{
-    return tumble_block_receive(&receiver, frame, &got);
-}
-
 static tumble_block_event_t receive_xy(uint16_t counter)
 {
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
-    encode(counter, &xy, &z);
-    return receive(&xy);
+    const sim_block_frames_t frames = frames_of(counter);
+    return receive(&frames.xy);
 }
 
 static tumble_block_event_t receive_z(uint16_t counter)
 {
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
-    encode(counter, &xy, &z);
-    return receive(&z);
+    const sim_block_frames_t frames = frames_of(counter);
+    return receive(&frames.z);
 }
 
 static void receive_sample(uint16_t counter)
@@ -86,12 +54,10 @@ static void test_a_mixed_pair_spoils_neither_the_sample_before_nor_the_one_after
 
 static void test_an_even_frame_counter_is_corrupted_even_with_a_right_crc(void)
 {
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
-    encode(4, &xy, &z);
-    z.data[3] = 8;
-    z.data[7] = tumble_block_frame_crc(&z);
-    TEST_ASSERT_EQUAL(TUMBLE_BLOCK_CORRUPTED, receive(&z));
+    sim_block_frames_t frames = frames_of(4);
+    frames.z.data[3] = 8;
+    frames.z.data[7] = tumble_block_frame_crc(&frames.z);
+    TEST_ASSERT_EQUAL(TUMBLE_BLOCK_CORRUPTED, receive(&frames.z));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counters.wrong_pair);
 }
 
@@ -198,11 +164,10 @@ static void test_the_timestamp_takes_all_values_and_wraps(void)
         tumble_block_sample_t sample = sample_of(i);
         sample.timestamp_ms = i % TUMBLE_TIMESTAMP_PERIOD_MS;
         sample.status = (uint8_t)(i / 512U);
-        tumble_can_frame_t xy;
-        tumble_can_frame_t z;
-        TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_block_encode(&sample, &xy, &z));
-        (void)receive(&xy);
-        TEST_ASSERT_EQUAL(TUMBLE_BLOCK_SAMPLE, receive(&z));
+        sim_block_frames_t frames;
+        sim_block_encode(&sample, &frames);
+        (void)receive(&frames.xy);
+        TEST_ASSERT_EQUAL(TUMBLE_BLOCK_SAMPLE, receive(&frames.z));
         TEST_ASSERT_EQUAL_UINT16(sample.timestamp_ms, got.timestamp_ms);
         TEST_ASSERT_EQUAL_UINT8(sample.status, got.status);
     }
@@ -223,11 +188,9 @@ static void test_a_restart_of_the_block_is_no_reordering(void)
 static void test_counters_stop_at_their_end(void)
 {
     receiver.counters.wrong_crc = UINT32_MAX;
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
-    encode(1, &xy, &z);
-    xy.data[0] ^= 1U;
-    TEST_ASSERT_EQUAL(TUMBLE_BLOCK_CORRUPTED, receive(&xy));
+    sim_block_frames_t frames = frames_of(1);
+    frames.xy.data[0] ^= 1U;
+    TEST_ASSERT_EQUAL(TUMBLE_BLOCK_CORRUPTED, receive(&frames.xy));
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, receiver.counters.wrong_crc);
 }
 

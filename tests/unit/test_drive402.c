@@ -4,18 +4,6 @@
 void setUp(void) {}
 void tearDown(void) {}
 
-static void assert_angle(double expected_deg)
-{
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, expected_deg, bench.stand.angle_deg(bench.stand.self));
-}
-
-static void move_to(double angle_deg)
-{
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, angle_deg));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    run_to(TUMBLE_STAND_IN_POSITION, 1500);
-}
-
 static void test_absent_until_it_is_heard(void)
 {
     bench_setup(&common);

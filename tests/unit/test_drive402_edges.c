@@ -31,18 +31,10 @@ static tumble_drive_profile_t apart(void)
     return profile;
 }
 
-static void begin_move(const tumble_drive_profile_t *profile)
-{
-    bring_home(profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
-    run_ms(20);
-    TEST_ASSERT_TRUE(played.moving);
-}
-
 /* It brakes for 45 ms, and does or does not say when it stands. */
 static void expect_stop(const tumble_drive_profile_t *profile, bool hides_standstill, unsigned most_ms)
 {
-    begin_move(profile);
+    start_move(profile);
     played.quick_stop_stays = true;
     played.brakes_for_ms = 45;
     played.hides_standstill = hides_standstill;
@@ -75,7 +67,7 @@ static void test_a_stop_is_repeated_until_it_acts(void)
     const tumble_drive_profile_t *const profiles[] = {&common, &halt};
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         for (unsigned lost = 0; lost < 5U; lost++) {
-            begin_move(profiles[i]);
+            start_move(profiles[i]);
             played.never_reaches = true;
             played.misses = lost;
             bench.stand.stop(bench.stand.self);
@@ -158,7 +150,7 @@ static void test_a_failure_on_arrival(void)
     static const uint16_t states[] = {IS_ENABLED, IS_DISABLED};
     static const tumble_stand_fault_t faults[] = {TUMBLE_STAND_FAULT_STALL, TUMBLE_STAND_FAULT_POWER};
     for (size_t i = 0; i < COUNT_OF(bits); i++) {
-        begin_move(&common);
+        start_move(&common);
         played.event_only = true;
         played.moving = false;
         played.actual = 9000;
@@ -188,7 +180,7 @@ static void test_homing_again_after_a_move(void)
 
 static void test_stop_on_the_way_back_to_power(void)
 {
-    begin_move(&common);
+    start_move(&common);
     bench.stand.stop(bench.stand.self);
     run_to(TUMBLE_STAND_STOPPED, 100);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
@@ -203,7 +195,7 @@ static void test_stop_on_the_way_back_to_power(void)
 
 static void test_stopping_again_and_again_gains_no_time(void)
 {
-    begin_move(&common);
+    start_move(&common);
     played.ignores_stop = true;
     played.never_reaches = true;
     for (unsigned ms = 0; ms < 410U; ms++) {
@@ -215,7 +207,7 @@ static void test_stopping_again_and_again_gains_no_time(void)
 
 static void test_times_are_over_to_the_microsecond(void)
 {
-    begin_move(&common);
+    start_move(&common);
     played.never_reaches = true;
     const uint64_t deadline_us = tumble_drive402_next_us(&bench.drive);
     TEST_ASSERT_TRUE(deadline_us > port.now_us);
@@ -274,7 +266,7 @@ static void test_a_restart_with_a_question_open(void)
 /* A permission to reset is used up when the drive is up, fault or no fault. */
 static void test_a_later_fault_is_not_reset_unasked(void)
 {
-    begin_move(&common);
+    start_move(&common);
     played.powered_up = false;
     run_ms(600);
     played.powered_up = true;
@@ -295,7 +287,7 @@ static void test_without_a_window_target_reached_is_enough(void)
 {
     tumble_drive_profile_t profile = common;
     profile.window_counts = 0;
-    begin_move(&profile);
+    start_move(&profile);
     played.moving = false; /* a thousand counts short of it */
     played.bits |= 0x0400U;
     played_transmit();

@@ -4,30 +4,9 @@
 void setUp(void) {}
 void tearDown(void) {}
 
-static void clear(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
-    TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
-}
-
-static void start_move(void)
-{
-    bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
-    run_ms(20);
-    TEST_ASSERT_TRUE(played.moving);
-}
-
-static void assert_moves_again(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 30.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 1000);
-}
-
 static void test_a_fault_of_the_drive(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x3210);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
@@ -36,7 +15,7 @@ static void test_a_fault_of_the_drive(void)
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.home(bench.stand.self));
     const unsigned before = played.control_count;
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500); /* homed all the while */
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* the edge of bit 7 */
     TEST_ASSERT_EQUAL_HEX16(0x0080, played.controls[before + 1U].control);
@@ -46,7 +25,7 @@ static void test_a_fault_of_the_drive(void)
 
 static void test_a_fault_reaction_is_a_fault_already(void)
 {
-    start_move();
+    start_move(&common);
     played.state = IS_FAULT_REACTION;
     played_transmit();
     run_ms(2);
@@ -55,7 +34,7 @@ static void test_a_fault_reaction_is_a_fault_already(void)
 
 static void test_stall_by_emergency_message(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x8611);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
@@ -63,7 +42,7 @@ static void test_stall_by_emergency_message(void)
 
 static void test_stall_by_a_late_emergency_message(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
@@ -77,7 +56,7 @@ static void test_stall_by_a_late_emergency_message(void)
 
 static void test_stall_by_bit_13_in_fault(void)
 {
-    start_move();
+    start_move(&common);
     played.bits |= 0x2000U;
     played_fault(0);
     run_ms(2);
@@ -86,27 +65,27 @@ static void test_stall_by_bit_13_in_fault(void)
 
 static void test_stall_by_bit_13_without_fault(void)
 {
-    start_move();
+    start_move(&common);
     played.bits |= 0x2000U;
     played_transmit();
     run_ms(3);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
     TEST_ASSERT_FALSE(played.moving); /* it has been stopped */
     played.bits = 0;
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500);
     assert_moves_again();
 }
 
 static void test_silence(void)
 {
-    start_move();
+    start_move(&common);
     played.powered_up = false;
     run_ms(390);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_ms(200);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-    clear();
+    clear_fault();
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     run_ms(100);
     played.powered_up = true; /* the cable is back; it has never lost its power */
@@ -116,13 +95,13 @@ static void test_silence(void)
 
 static void test_silence_that_ends_before_it_is_cleared(void)
 {
-    start_move();
+    start_move(&common);
     played.powered_up = false;
     run_ms(600);
     played.powered_up = true;
     run_ms(200);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500);
     assert_moves_again();
 }
@@ -131,14 +110,14 @@ static void test_power_lost(void)
 {
     static const uint16_t states[] = {IS_DISABLED, IS_READY, IS_ON, IS_QUICK_STOP, 0x00};
     for (size_t i = 0; i < COUNT_OF(states); i++) {
-        start_move();
+        start_move(&common);
         played.state = states[i];
         played.moving = false;
         played_transmit();
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         played.state = IS_DISABLED;
-        clear();
+        clear_fault();
         run_to(TUMBLE_STAND_READY, 500); /* where it stands is not known any more */
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
         ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
@@ -156,7 +135,7 @@ static void test_power_lost_at_rest(void)
 
 static void test_a_restart_of_the_drive(void)
 {
-    start_move();
+    start_move(&common);
     played.write_count = 0;
     played_boot();
     run_ms(2);
@@ -164,7 +143,7 @@ static void test_a_restart_of_the_drive(void)
     run_ms(500);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count); /* nothing by itself */
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_UINT(24, played.write_count);
 }
@@ -183,13 +162,13 @@ static void test_a_restart_while_it_is_configured_starts_again(void)
 
 static void test_a_restart_after_a_fault(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x1000);
     run_ms(5);
     played_boot();
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
 }
 
@@ -198,7 +177,7 @@ static void test_a_restart_that_nobody_heard(void)
 {
     static const unsigned silent_ms[] = {0, 600};
     for (size_t i = 0; i < COUNT_OF(silent_ms); i++) {
-        start_move();
+        start_move(&common);
         played.powered_up = false;
         run_ms(silent_ms[i]);
         played_boot();
@@ -206,7 +185,7 @@ static void test_a_restart_that_nobody_heard(void)
         port.to_firmware.count = 0;
         run_ms(200);
         TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
-        clear();
+        clear_fault();
         run_to(TUMBLE_STAND_READY, 500);
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 30.0));
         ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
@@ -217,13 +196,13 @@ static void test_a_restart_that_nobody_heard(void)
 
 static void test_somebody_stops_the_node(void)
 {
-    start_move();
+    start_move(&common);
     played.operational = false;
     played_heartbeat(127);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     played.moving = false;
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_READY, 500); /* for all we know it has booted, so it must be homed again */
 }
 
@@ -239,7 +218,7 @@ static void test_a_refused_configuration(void)
     TEST_ASSERT_EQUAL_HEX8(0, refusal.subindex);
     TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
     played.refuse_index = 0;
-    clear();
+    clear_fault();
     TEST_ASSERT_EQUAL_HEX16(0, tumble_drive402_refusal(&bench.drive).index);
     run_to(TUMBLE_STAND_READY, 500);
 }
@@ -251,17 +230,17 @@ static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
     played.state = IS_FAULT;
     run_ms(100);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
 }
 
 /* The reset is asked for once: a fault that comes back while powering up is a fault again. */
 static void test_a_fault_that_comes_back_at_once(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x4210);
     run_ms(5);
-    clear();
+    clear_fault();
     while (played.state != IS_READY) {
         run_ms(1);
     }
@@ -279,7 +258,7 @@ static void test_homing_that_fails(void)
     run_ms(60);
     assert_fault(TUMBLE_STAND_FAULT_HOMING);
     played.homing_fails = false;
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
@@ -308,7 +287,7 @@ static void test_a_mode_that_is_refused(void)
 
 static void test_a_fault_while_stopping(void)
 {
-    start_move();
+    start_move(&common);
     played.ignores_stop = true;
     bench.stand.stop(bench.stand.self);
     run_ms(5);
@@ -319,7 +298,7 @@ static void test_a_fault_while_stopping(void)
 
 static void test_stop_in_fault_is_sent_all_the_same(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x2220);
     run_ms(5);
     const unsigned before = played.control_count;
@@ -334,7 +313,7 @@ static void test_stop_in_fault_is_sent_all_the_same(void)
 static void test_a_stop_is_repeated_in_fault(void)
 {
     for (unsigned lost = 0; lost < 5U; lost++) {
-        start_move();
+        start_move(&common);
         played.never_reaches = true;
         played.misses = lost;
         played.bits |= 0x2000U;
@@ -350,7 +329,7 @@ static void test_a_stop_is_repeated_in_fault(void)
 /* It was away when it was told, and tells nothing of its state now: its heartbeat is enough. */
 static void test_a_drive_that_comes_back_is_told_to_stop(void)
 {
-    start_move();
+    start_move(&common);
     played.never_reaches = true;
     played.powered_up = false;
     run_ms(600);

@@ -4,27 +4,6 @@
 void setUp(void) {}
 void tearDown(void) {}
 
-static void clear(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
-    TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
-}
-
-static void start_move(void)
-{
-    bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
-    run_ms(20);
-    TEST_ASSERT_TRUE(played.moving);
-}
-
-static void assert_moves_again(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 30.0));
-    run_to(TUMBLE_STAND_IN_POSITION, 1000);
-}
-
 static void test_an_unanswered_configuration(void)
 {
     bench_setup(&common);
@@ -34,6 +13,72 @@ static void test_an_unanswered_configuration(void)
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX32(0x05040000, tumble_drive402_refusal(&bench.drive).abort);
     TEST_ASSERT_EQUAL_HEX16(0x1016, tumble_drive402_refusal(&bench.drive).index);
+}
+
+/* A drive that was there before us, without a heartbeat. */
+static void find_mute_drive(void)
+{
+    bench_setup(&common);
+    played.powered_up = true;
+    played.state = IS_DISABLED;
+    played.mute = true;
+    for (unsigned n = 0; n < 4U; n++) {
+        played.receive[n].cob_id = 0x80000000U;
+        played.transmit[n].cob_id = 0x80000000U;
+    }
+}
+
+static void test_a_drive_without_a_heartbeat_is_asked_for_one(void)
+{
+    find_mute_drive();
+    run_to(TUMBLE_STAND_READY, 1200); /* the first request it may have missed */
+    TEST_ASSERT_EQUAL_HEX16(0x1017, played.writes[0].index);
+    TEST_ASSERT_EQUAL_UINT32(common.heartbeat_ms, played.writes[0].value & 0xFFFFU);
+    played.mute = true;
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT); /* from now on it is watched */
+}
+
+static void test_a_drive_that_refuses_a_heartbeat_does_not_run(void)
+{
+    find_mute_drive();
+    played.refuse_index = 0x1017;
+    run_ms(3000);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(0x1017, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, tumble_drive402_refusal(&bench.drive).abort);
+    TEST_ASSERT_EQUAL_UINT32(1, played.refusals);
+    TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
+    clear_fault();
+    run_ms(1000);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_UINT32(2, played.refusals);
+    played.refuse_index = 0;
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 1200);
+}
+
+static void test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent(void)
+{
+    find_mute_drive();
+    played.stays_mute = true;
+    run_ms(3000);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    TEST_ASSERT_EQUAL_UINT32(1, played.write_count);
+    TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
+    TEST_ASSERT_TRUE(tumble_drive402_next_us(&bench.drive) > port.now_us); /* nothing keeps the computer busy */
+}
+
+/* Twice a second, as long as there is nobody. */
+static void test_nobody_is_asked_again_and_again(void)
+{
+    bench_setup(&common);
+    const uint32_t before = bench.node.link.counters.sent;
+    run_ms(3000);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    TEST_ASSERT_UINT32_WITHIN(8, 30U + 12U, bench.node.link.counters.sent - before); /* heartbeats; asked, given up */
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 500);
 }
 
 /* It runs this far, and then this habit makes it wait in vain. */
@@ -69,11 +114,11 @@ static void test_power_that_does_not_come_up(void)
 
 static void test_a_fault_that_stays(void)
 {
-    start_move();
+    start_move(&common);
     played_fault(0x4210);
     run_ms(5);
     played.resets_nothing = true;
-    clear();
+    clear_fault();
     run_ms(400);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
@@ -118,7 +163,7 @@ static void test_a_target_never_reached(void)
     expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
     TEST_ASSERT_FALSE(played.moving);
     played.never_reaches = false;
-    clear();
+    clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500);
     assert_moves_again();
 }
@@ -157,7 +202,7 @@ static void test_a_mode_that_does_not_change(void)
 
 static void test_a_stop_that_is_ignored(void)
 {
-    start_move();
+    start_move(&common);
     played.ignores_stop = true;
     played.never_reaches = true;
     bench.stand.stop(bench.stand.self);
@@ -251,6 +296,10 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_an_unanswered_configuration);
+    RUN_TEST(test_a_drive_without_a_heartbeat_is_asked_for_one);
+    RUN_TEST(test_a_drive_that_refuses_a_heartbeat_does_not_run);
+    RUN_TEST(test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent);
+    RUN_TEST(test_nobody_is_asked_again_and_again);
     RUN_TEST(test_no_process_data_after_the_start);
     RUN_TEST(test_power_that_does_not_come_up);
     RUN_TEST(test_a_fault_that_stays);

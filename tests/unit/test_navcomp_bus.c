@@ -147,7 +147,7 @@ static void test_drive_and_block_are_started_wherever_they_are_found(void)
         settle();
         const size_t count = take_sent();
         TEST_ASSERT_EQUAL_size_t(1, count_sent(count, TUMBLE_NMT_ID, TUMBLE_NMT_START));
-        TEST_ASSERT_EQUAL_UINT8(3, sent[0].data[1]);
+        TEST_ASSERT_EQUAL_UINT8(3, sent[(sent[0].id == TUMBLE_NMT_ID) ? 0 : 1].data[1]);
     }
 }
 
@@ -340,6 +340,11 @@ static void test_commands_out_of_place_are_refused_and_counted(void)
         {TUMBLE_COMMAND_REPEAT_MOUNTING, TUMBLE_E_STATE},
         {TUMBLE_COMMAND_RESUME, TUMBLE_E_STATE},
         {TUMBLE_COMMAND_CLEAR_FAULT, TUMBLE_E_STATE},
+        {TUMBLE_COMMAND_ACCEPT, TUMBLE_E_STATE}, /* without a keeper never */
+        {TUMBLE_COMMAND_DISCARD, TUMBLE_E_STATE},
+        {TUMBLE_COMMAND_ROLLBACK, TUMBLE_E_STATE},
+        {TUMBLE_COMMAND_HOME_AXIS, TUMBLE_E_STATE}, /* the stand is not there yet */
+        {TUMBLE_COMMAND_TURN_AXIS, TUMBLE_E_STATE},
         {TUMBLE_COMMAND_COUNT, TUMBLE_E_ARGUMENT},
         {(tumble_command_t)200, TUMBLE_E_ARGUMENT},
     };

@@ -145,11 +145,10 @@ static void test_with_a_converter_the_frames_of_a_block_are_ignored(void)
     use_converter();
     bench_power_on(&bench);
     const tumble_block_sample_t sample = {.raw = {.counts = {1, 2, 3}}};
-    tumble_can_frame_t xy;
-    tumble_can_frame_t z;
-    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_block_encode(&sample, &xy, &z));
-    fake_port_give(&bench.fake, &xy);
-    fake_port_give(&bench.fake, &z);
+    sim_block_frames_t frames;
+    sim_block_encode(&sample, &frames);
+    fake_port_give(&bench.fake, &frames.xy);
+    fake_port_give(&bench.fake, &frames.z);
     tumble_navcomp_step(&bench.navcomp);
     TEST_ASSERT_EQUAL_UINT32(2, bench_counters(&bench).events.frames_ignored);
     TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).block.samples);

@@ -45,12 +45,12 @@ static void test_every_fault_has_its_reason(void)
     }
 }
 
-/* NONE and COMMAND and GRAVITY_CHECK are no faults; every other reason has a case above. */
+/* NONE, COMMAND, GRAVITY_CHECK and INHIBITED are no faults; every other reason has a case above. */
 static void test_no_reason_is_left_out(void)
 {
     for (int reason = 0; reason < (int)TUMBLE_REASON_COUNT; reason++) {
         bool found = (reason == (int)TUMBLE_REASON_NONE) || (reason == (int)TUMBLE_REASON_COMMAND) ||
-                     (reason == (int)TUMBLE_REASON_GRAVITY_CHECK);
+                     (reason == (int)TUMBLE_REASON_GRAVITY_CHECK) || (reason == (int)TUMBLE_REASON_INHIBITED);
         for (size_t i = 0; i < COUNT_OF(fault_cases); i++) {
             found = found || ((int)fault_cases[i].reason == reason);
         }

@@ -173,25 +173,26 @@ static void test_every_pattern_of_counts_is_encoded(void)
     dice_t dice = {8};
     static const int32_t EDGES[] = {0, 1, -1, 8388607, -8388607, 8388606, 65536, -65536, 255, -256};
     for (int n = 0; n < 20000; n++) {
-        int32_t counts[3];
+        tumble_block_sample_t sample;
+        int32_t *const counts = sample.raw.counts;
         for (int i = 0; i < 3; i++) {
             counts[i] = (dice_below(&dice, 3) == 0U) ? EDGES[dice_below(&dice, COUNT_OF(EDGES))]
                                                      : dice_between(&dice, -8388607, 8388607);
         }
-        const uint32_t counter = dice_below(&dice, 100000);
-        const uint32_t time_ms = dice_below(&dice, 1000000);
-        const uint8_t status = (uint8_t)dice_below(&dice, 16);
-        const int8_t half_degrees = (int8_t)dice_between(&dice, -128, 127);
+        sample.raw.counter = (uint16_t)dice_below(&dice, 65536);
+        sample.timestamp_ms = (uint16_t)dice_below(&dice, 65536);
+        sample.status = (uint8_t)dice_below(&dice, 16);
+        sample.temperature_half_c = (int8_t)dice_between(&dice, -128, 127);
         sim_block_frames_t frames;
-        sim_block_encode(counts, counter, time_ms, status, half_degrees, &frames);
+        sim_block_encode(&sample, &frames);
         TEST_ASSERT_EQUAL_INT32(counts[0], bits_of(&frames.xy, 0, 24, true));
         TEST_ASSERT_EQUAL_INT32(counts[1], bits_of(&frames.xy, 24, 24, true));
-        TEST_ASSERT_EQUAL_INT32(counter % 256U, bits_of(&frames.xy, 48, 8, false));
+        TEST_ASSERT_EQUAL_INT32(sample.raw.counter % 256U, bits_of(&frames.xy, 48, 8, false));
         TEST_ASSERT_EQUAL_INT32(counts[2], bits_of(&frames.z, 0, 24, true));
-        TEST_ASSERT_EQUAL_INT32((2U * counter + 1U) % 256U, bits_of(&frames.z, 24, 8, false));
-        TEST_ASSERT_EQUAL_INT32(time_ms % 4096U, bits_of(&frames.z, 32, 12, false));
-        TEST_ASSERT_EQUAL_INT32(status, bits_of(&frames.z, 44, 4, false));
-        TEST_ASSERT_EQUAL_INT32(half_degrees, bits_of(&frames.z, 48, 8, true));
+        TEST_ASSERT_EQUAL_INT32((2U * sample.raw.counter + 1U) % 256U, bits_of(&frames.z, 24, 8, false));
+        TEST_ASSERT_EQUAL_INT32(sample.timestamp_ms % 4096U, bits_of(&frames.z, 32, 12, false));
+        TEST_ASSERT_EQUAL_INT32(sample.status, bits_of(&frames.z, 44, 4, false));
+        TEST_ASSERT_EQUAL_INT32(sample.temperature_half_c, bits_of(&frames.z, 48, 8, true));
         TEST_ASSERT_EQUAL_HEX8(checksum_of(&frames.xy), frames.xy.data[7]);
         TEST_ASSERT_EQUAL_HEX8(checksum_of(&frames.z), frames.z.data[7]);
     }

@@ -34,6 +34,9 @@ static const refusal_t REFUSALS[] = {
     {1, "block.k has more than 24 values", "block.k = 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\n"},
     {0, "block.k and block.u0 go together", "block.u0 = 1 2 3\n"},
     {0, "block.scale_v_per_g must not be 0", "block.scale_v_per_g = 0\n"},
+    {1, "keeper.serial must be a word of at most 24 characters", "keeper.serial = 1234567890123456789012345\n"},
+    {1, "keeper.serial must be a word of at most 24 characters", "keeper.serial = TB 0001\n"},
+    {1, "keeper.serial must be a word of at most 24 characters", "keeper.serial =\n"},
     {0, "drive.sign must be 1 or -1", "drive.sign = 0\n"},
     {0, "bus.bits_per_second must be 125000, 250000, 500000 or 1000000", "bus.bits_per_second = 300000\n"},
     {1, "a mounting is a number 1 to 255, tilt (degrees, sine, cosine) and nine elements within 1",
@@ -159,7 +162,7 @@ static void test_every_key_takes_its_whole_range(void)
         for (size_t j = 0; j < i; j++) {
             TEST_ASSERT_TRUE_MESSAGE(strcmp(key->name, bench_config_keys[j].name) != 0, key->name);
         }
-        if (key->type == BENCH_CHOICE || key->type == BENCH_BOOL) {
+        if (key->type == BENCH_CHOICE || key->type == BENCH_BOOL || key->type == BENCH_TEXT) {
             continue;
         }
         const double ends[] = {key->low, key->high};
@@ -184,7 +187,13 @@ static void test_values_arrive(void)
                                 "firmware.stand = operator\nprofile.stop = halt\nprocedure.estimator = averaged\n"
                                 "profile.transmit_pdo = 1 0x282 20 500 6041:0:16 6064:0:32 6061:0:8\n"
                                 "profile.receive_pdo = 3 0x502 607a:0:32 6040:0:16\n"
-                                "profile.write = 0x6065 0 4 -1\n"));
+                                "profile.write = 0x6065 0 4 -1\nkeeper.serial = 123456789012345678901234\n"
+                                "keeper.commits = no\nkeeper.first = yes\nkeeper.starts = yes\n"
+                                "keeper.drift_per_month = 1 2e-1 3e-1 4e-1 5e-1 6e-1 7e-1 8e-1 9e-1 0 0 0.5\n"));
+    TEST_ASSERT_EQUAL_STRING("123456789012345678901234", config.keeping.serial);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_COMMIT_FIRST, config.keeping.settings.limits.flags);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_KEEPER_STARTS, config.keeping.settings.flags);
+    TEST_ASSERT_TRUE(config.keeping.settings.limits.drift_per_month[11] == 0.5F);
     TEST_ASSERT_EQUAL_INT(SIM_LAW_UNIFORM, config.scenario.stand.law);
     TEST_ASSERT_EQUAL_INT(SIM_REMOUNT_COMMON, config.scenario.stand.remount);
     ASSERT_SAME_DOUBLE(6.0, config.scenario.block.sensor.k_v_per_g[1][2]);

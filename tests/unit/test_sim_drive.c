@@ -248,9 +248,11 @@ static void test_homing_can_be_interrupted(void)
     command(0x001F, 0);
     pass_ms(100);
     command(0x000F, 0);
+    pass_ms(5);
+    TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* it still brakes */
     pass_ms(1000);
     TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & 0x3400U); /* interrupted: reached, not attained */
-    TEST_ASSERT_TRUE(sim_drive_is_at_rest(&drive) || virtual_clock.now_us > sim_axis_end_us(&drive.axis));
+    TEST_ASSERT_TRUE(virtual_clock.now_us > sim_axis_end_us(&drive.axis));
 }
 
 /* Quick stop: by its own ramp, then Switch on disabled by itself (605Ah = 2). */
@@ -273,6 +275,29 @@ static void test_quick_stop(void)
     TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU); /* no way back without shutdown */
 }
 
+/* Target reached means that the axis stands, whatever it was doing when it was told to stop. */
+static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
+{
+    for (int homing = 0; homing < 2; homing++) {
+        setUp();
+        enable();
+        home();
+        TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6085, 0, 9 * COUNTS_PER_DEG, 4)); /* 9 deg/s2 */
+        TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, (homing == 1) ? 6 : 1, 1));
+        command((homing == 1) ? 0x001F : 0x000F, 270 * COUNTS_PER_DEG);
+        command(0x001F, 270 * COUNTS_PER_DEG);
+        pass_ms(100);
+        command(0x0002, 270 * COUNTS_PER_DEG);
+        pass_ms(5);
+        while (virtual_clock.now_us < sim_axis_end_us(&drive.axis)) {
+            TEST_ASSERT_EQUAL_HEX16(0x0007, heard.statusword & 0x006FU);
+            TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
+            pass_ms(10);
+        }
+        TEST_ASSERT_GREATER_THAN_UINT64(1000000, sim_axis_end_us(&drive.axis) - drive.axis.start_us);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -293,5 +318,6 @@ int main(void)
     RUN_TEST(test_the_mode_cannot_change_while_halted);
     RUN_TEST(test_homing_can_be_interrupted);
     RUN_TEST(test_quick_stop);
+    RUN_TEST(test_target_reached_waits_for_the_end_of_a_quick_stop);
     return UNITY_END();
 }

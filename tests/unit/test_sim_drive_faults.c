@@ -116,9 +116,9 @@ static void test_without_voltage_the_axis_coasts(void)
         command(0x0000, 0);
         pass_ms(600);
         assert_state(0x0040);
-        TEST_ASSERT_FALSE(sim_drive_is_at_rest(&drive));
+        TEST_ASSERT_FALSE(sim_axis_is_still(&drive.axis, virtual_clock.now_us));
         pass_ms(20000);
-        TEST_ASSERT_TRUE(sim_drive_is_at_rest(&drive));
+        TEST_ASSERT_TRUE(sim_axis_is_still(&drive.axis, virtual_clock.now_us));
     }
 }
 

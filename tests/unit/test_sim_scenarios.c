@@ -122,6 +122,7 @@ static void test_no_reason_is_forgotten(void)
         TUMBLE_REASON_COMMAND,       /* test_an_abort_stops_the_table */
         TUMBLE_REASON_GRAVITY_CHECK, /* test_a_failed_gravity_check_is_a_result */
         TUMBLE_REASON_SINGULAR,      /* test_a_singular_block_is_refused */
+        TUMBLE_REASON_INHIBITED,     /* test_keeper_inhibit.c: the bench has no keeper */
     };
     for (int reason = 0; reason < TUMBLE_REASON_COUNT; reason++) {
         bool known = false;

@@ -18,7 +18,8 @@ static void test_numbers_on_the_wire_never_change(void)
     TEST_ASSERT_EQUAL_INT(24, TUMBLE_REASON_WRONG_MOUNTING);
     TEST_ASSERT_EQUAL_INT(28, TUMBLE_REASON_BUS);
     TEST_ASSERT_EQUAL_INT(29, TUMBLE_REASON_UNCERTAIN);
-    TEST_ASSERT_EQUAL_INT(30, TUMBLE_REASON_COUNT);
+    TEST_ASSERT_EQUAL_INT(30, TUMBLE_REASON_INHIBITED);
+    TEST_ASSERT_EQUAL_INT(31, TUMBLE_REASON_COUNT);
 }
 
 static void assert_text(const char *prefix, const char *name, const char *sentence)

@@ -1,12 +1,15 @@
-/* data.h - what the estimators get: a run, and the gains for its stand. cortex_m4.py writes data.c. */
+/* data.h - what the estimators get: a run, its stand, and the gains for that. cortex_m4.py writes data.c. */
 #ifndef TUMBLE_BENCHMARK_DATA_H
 #define TUMBLE_BENCHMARK_DATA_H
 
 #include "core/estimator.h"
 #include "core/gain_record.h"
+#include "core/uncertainty.h"
 
 extern const tumble_means_t benchmark_means;
 extern const tumble_gain_record_t *const benchmark_record;
 extern const tumble_gain_table_t benchmark_table;
+extern const tumble_stand_record_t benchmark_stand;
+extern const tumble_coefficients_t benchmark_coefficients;
 
 #endif

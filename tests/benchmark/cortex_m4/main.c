@@ -13,7 +13,6 @@
 
 extern uint32_t stack_bottom[];
 
-static tumble_coefficients_t found;
 static volatile tumble_status_t status;
 
 #if CANDIDATE == 0
@@ -50,6 +49,21 @@ static const tumble_gain_record_t *record;
 #define ESTIMATE() samples_divide()
 #elif CANDIDATE == 12
 #define ESTIMATE() shared_normal_matrix(&tumble_schedule_paper, &benchmark_means, &found)
+#elif CANDIDATE == 13
+#define ESTIMATE() tumble_uncertainty_refined(&judged, &uncertainty, NULL)
+#elif CANDIDATE == 14
+#define ESTIMATE() tumble_uncertainty_least_squares(&judged, &uncertainty, NULL)
+#elif CANDIDATE == 15
+#define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
+#endif
+
+#if CANDIDATE >= 13
+static tumble_uncertainty_t uncertainty;
+static const tumble_judged_run_t judged = {&tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL};
+#define FOUND uncertainty
+#else
+static tumble_coefficients_t found;
+#define FOUND found
 #endif
 
 #ifndef BEGIN
@@ -89,7 +103,7 @@ int main(void)
     }
     const uint32_t after = SYSTICK[2];
     uint32_t bits[2 * TUMBLE_COEFFICIENTS];
-    memcpy(bits, &found, sizeof bits);
+    memcpy(bits, &FOUND, sizeof bits);
     print_hex((before - after) & 0xFFFFFFU);
     print_hex(stack);
     print_hex((uint32_t)status);
