@@ -9,6 +9,24 @@ from pathlib import Path
 
 from tumble.bench import program
 
+HASTY_STAND = """
+[stand]
+name = "hasty"
+axis_tilt_rad = 1e-5
+level_rad = 2e-5
+remount_rad = 3e-5
+angle_rad = 2e-5
+noise_v = 3e-4
+samples = 10
+limits = "sigma1"
+[motion]
+velocity_deg_per_s = 720.0
+acceleration_deg_per_s2 = 7200.0
+settling_s = 0.05
+[accept]
+delta_g_limit_g = 1e-3
+"""
+
 
 def scenario(folder, name="scenario.txt", **keys):
     """A scenario file; `__` in a name stands for the point, a list repeats its key."""

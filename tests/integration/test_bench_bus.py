@@ -14,7 +14,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from bench_program import wait_until
+from bench_program import HASTY_STAND, wait_until
 from conftest import ROOT
 
 from tumble import cli
@@ -23,22 +23,6 @@ from tumble.bench import programs, uml
 LACKING = uml.missing()
 inside = pytest.mark.skipif(LACKING is not None, reason=f"user-mode Linux is not there: {LACKING}")
 SCHEMA = ROOT / "docs/schemas/tumble.result-1.schema.json"
-
-HASTY = """
-[stand]
-name = "hasty"
-axis_tilt_rad = 1e-5
-level_rad = 2e-5
-remount_rad = 3e-5
-angle_rad = 2e-5
-noise_v = 3e-4
-samples = 10
-limits = "sigma1"
-[motion]
-velocity_deg_per_s = 720.0
-acceleration_deg_per_s2 = 7200.0
-settling_s = 0.05
-"""
 
 
 def kernels(folder):
@@ -93,7 +77,7 @@ def test_ctrl_c_stops_the_table_and_leaves_nothing(tmp_path):
 @pytest.mark.slow
 def test_a_person_confirms_a_mounting_and_interrupts_at_the_next_question(tmp_path):
     """Answers get into user-mode Linux, and Ctrl-C ends the wait for one."""
-    (tmp_path / "stand.toml").write_text(HASTY)
+    (tmp_path / "stand.toml").write_text(HASTY_STAND)
     command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--interactive", "--limit", "1e-3"]
     command += ["--stand", str(tmp_path / "stand.toml"), "--out", str(tmp_path / "run")]
     child = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,

@@ -13,7 +13,7 @@ from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.headroom import headroom
-from tumble.planning.published import NAMES, SOURCES
+from tumble.planning.published import NAMES
 from tumble.planning.require import CEILING_RAD, ROWS, requirements, samples_for, stand_of
 from tumble.standfile import read_stand
 

@@ -26,6 +26,17 @@ def bus():
 
 
 @pytest.fixture
+def network(bus):
+    """python-canopen on the interface."""
+    canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
+    made = canopen.Network()
+    made.NOTIFIER_CYCLE = 0.01
+    made.connect(interface="socketcan", channel=str(bus))
+    yield made
+    made.disconnect()
+
+
+@pytest.fixture
 def started():
     """Processes to be killed in the end, if they have not ended by then."""
     processes = []

@@ -8,7 +8,8 @@ import sys
 import time
 
 import pytest
-from test_command import STAND, assert_quiet
+from bench_program import HASTY_STAND
+from test_command import assert_quiet
 
 from tumble.bench import emulator
 
@@ -19,7 +20,7 @@ pytestmark = pytest.mark.skipif(_LACKING is not None, reason=f"the emulated boar
 @pytest.fixture
 def command(bus, tmp_path):
     """Of a quick run."""
-    (tmp_path / "stand.toml").write_text(STAND)
+    (tmp_path / "stand.toml").write_text(HASTY_STAND)
     arguments = ["bench", "--bus", f"socketcan:{bus}", "--firmware", "zcu102", "--stand", tmp_path / "stand.toml"]
     return [sys.executable, "-m", "tumble", *map(str, arguments), "--out", str(tmp_path / "run"), "--json"]
 

@@ -10,34 +10,17 @@ import time
 import jsonschema
 import numpy as np
 import pytest
+from bench_program import HASTY_STAND
 from conftest import ROOT
 from processes import wait_until
 
 from tumble.bench import programs
 
-STAND = """
-[stand]
-name = "hasty"
-axis_tilt_rad = 1e-5
-level_rad = 2e-5
-remount_rad = 3e-5
-angle_rad = 2e-5
-noise_v = 3e-4
-samples = 10
-limits = "sigma1"
-[motion]
-velocity_deg_per_s = 720.0
-acceleration_deg_per_s2 = 7200.0
-settling_s = 0.05
-[accept]
-delta_g_limit_g = 1e-3
-"""
-
 
 @pytest.fixture
 def options(bus, tmp_path):
     """Arguments of a quick run."""
-    (tmp_path / "stand.toml").write_text(STAND)
+    (tmp_path / "stand.toml").write_text(HASTY_STAND)
     return ["bench", "--bus", f"socketcan:{bus}", "--stand", tmp_path / "stand.toml", "--out", tmp_path / "run"]
 
 

@@ -6,7 +6,6 @@ import time
 import can
 import canopen
 import numpy as np
-import pytest
 import python_drive
 from bench_moves import axis, lead, require_moved
 from can.interfaces.socketcan import SocketcanBus
@@ -20,16 +19,6 @@ class TurningBus(SocketcanBus):
         """An extended frame with identifier 0."""
         units = struct.pack("<iI", round(angle_deg * 1e5), max(1, round(speed_deg_s * 1e5)))
         self.send(can.Message(arbitration_id=0, is_extended_id=True, data=units))
-
-
-@pytest.fixture
-def network(bus):
-    """python-canopen on the interface."""
-    made = canopen.Network()
-    made.NOTIFIER_CYCLE = 0.01
-    made.connect(interface="socketcan", channel=str(bus))
-    yield made
-    made.disconnect()
 
 
 def test_python_canopen_homes_and_moves_the_axis(bus, network, started, tmp_path):

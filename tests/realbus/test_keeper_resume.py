@@ -3,23 +3,12 @@
 import signal
 import time
 
-import canopen
 import pytest
 from processes import HASTE, Node, Stand, scenario, wait_until
 from recalibration import Computer
 
 RESUMED = 1 << 5  # of a set's flags
 POSITIONS = 18
-
-
-@pytest.fixture
-def network(bus):
-    """python-canopen on the interface."""
-    made = canopen.Network()
-    made.NOTIFIER_CYCLE = 0.01
-    made.connect(interface="socketcan", channel=str(bus))
-    yield made
-    made.disconnect()
 
 
 @pytest.fixture

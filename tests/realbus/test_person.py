@@ -8,8 +8,8 @@ import sys
 import time
 
 import can
+from bench_program import HASTY_STAND
 from processes import HASTE, Node, Stand, scenario, wait_until
-from test_command import STAND
 
 CONFIRM = (0x601, bytes.fromhex("2F02200203000000"))  # 2002h:2, command 3
 
@@ -22,7 +22,7 @@ def answer(child, said, asked, line):
 
 
 def test_mountings_are_confirmed_at_the_terminal(bus, started, tmp_path):
-    (tmp_path / "stand.toml").write_text(STAND)
+    (tmp_path / "stand.toml").write_text(HASTY_STAND)
     options = ["--stand", tmp_path / "stand.toml", "--out", tmp_path / "run", "--interactive", "--json"]
     said = tmp_path / "said"
     with open(said, "w") as errors:

@@ -3,8 +3,6 @@ from the EDS file alone: limits, start, mountings, result, proposal, accept, rol
 
 import time
 
-import canopen
-import pytest
 from processes import HASTE, Node, Stand, scenario, wait_until
 from recalibration import Computer, refusal_of
 
@@ -25,16 +23,6 @@ class Table:
         self.mounted = number
         self.stand.say("done")
         return True
-
-
-@pytest.fixture
-def network(bus):
-    """python-canopen on the interface."""
-    made = canopen.Network()
-    made.NOTIFIER_CYCLE = 0.01
-    made.connect(interface="socketcan", channel=str(bus))
-    yield made
-    made.disconnect()
 
 
 def switch_on(bus, path, tmp_path, started):

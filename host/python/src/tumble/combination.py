@@ -23,7 +23,6 @@ from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.solution import Solution, measured_part
 from tumble.stand import OPTIMAL, volts_per
-from tumble.standseen import averaged_over
 
 _LEVELLING = ("alpha1", "alpha2")
 _NEGLIGIBLE = 1e-12

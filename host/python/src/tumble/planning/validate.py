@@ -27,7 +27,6 @@ from tumble.planning.gains import (
 )
 from tumble.planning.record import record_of, to_bytes
 from tumble.planning.simulate import U0_V, position_means
-from tumble.stand import OPTIMAL
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
