@@ -24,6 +24,7 @@ typedef struct {
     bench_guests_t guests;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
+    bool left;      /* all guests have, and the run was told to end */
     bool asked;     /* a question waits for an answer from standard input */
 } session_t;
 
@@ -138,7 +139,8 @@ static void end_without_guests(session_t *session)
 {
     const bench_config_t *const config = session->world.config;
     const bool served = session->options->listen != NULL && !(config->present.navcomp && config->starts);
-    if (served && bench_guests_have_left(&session->guests)) {
+    if (served && !session->left && bench_guests_have_left(&session->guests)) {
+        session->left = true;
         bench_world_end(&session->world, BENCH_LEFT);
     }
 }

@@ -183,6 +183,33 @@ static void test_slip_moves_the_table_and_perhaps_the_encoder(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.25, sim_axis_encoder_deg(&axis, 0));
 }
 
+/* Against the play followed in small steps: the motor takes the table along at either end of it, and nowhere else. */
+static void test_backlash_is_the_way_lost_at_every_reversal(void)
+{
+    sim_axis_config_t config = CONFIG;
+    config.backlash_deg = 0.3;
+    config.swing_deg = 0.0;
+    sim_angle_error_init(&error, 11, &tumble_schedule_paper, SIM_LAW_SIGMA1, 0.0);
+    sim_axis_init(&axis, &config, &error, 0.0);
+    static const double TARGETS_DEG[] = {90.0, 89.9, 89.95, 40.0, 40.2, 41.0, -5.0, 0.0};
+    double table_deg = 0.0;
+    uint64_t now_us = 0;
+    for (size_t i = 0; i < COUNT_OF(TARGETS_DEG); i++) {
+        sim_axis_move(&axis, now_us, TARGETS_DEG[i], &DYNAMICS);
+        const uint64_t end_us = (i == 3U) ? now_us + 300000U : sim_axis_end_us(&axis); /* one is replaced on its way */
+        for (; now_us < end_us; now_us += 50) {
+            const double motor_deg = sim_axis_encoder_deg(&axis, now_us);
+            table_deg = (table_deg < motor_deg) ? motor_deg : table_deg;
+            table_deg = (table_deg > motor_deg + 0.3) ? motor_deg + 0.3 : table_deg;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-9, table_deg, sim_axis_actual_deg(&axis, now_us));
+        }
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, sim_axis_actual_deg(&axis, now_us));
+    sim_axis_move(&axis, now_us, -9.0, &DYNAMICS);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -8.7, sim_axis_actual_deg(&axis, sim_axis_end_us(&axis)));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -9.0, sim_axis_encoder_deg(&axis, sim_axis_end_us(&axis)));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -196,5 +223,6 @@ int main(void)
     RUN_TEST(test_what_the_motor_does_in_a_jam_is_no_extent);
     RUN_TEST(test_a_jam_holds_the_table_and_lets_go);
     RUN_TEST(test_slip_moves_the_table_and_perhaps_the_encoder);
+    RUN_TEST(test_backlash_is_the_way_lost_at_every_reversal);
     return UNITY_END();
 }
