@@ -23,6 +23,12 @@ bool tumble_keeper_is_busy(const tumble_keeper_t *keeper)
            tumble_checkpoint_busy(&keeper->checkpoint) || tumble_parameters_busy(&keeper->parameters);
 }
 
+bool tumble_keeper_has_work(const tumble_keeper_t *keeper)
+{
+    return tumble_keeper_is_busy(keeper) || keeper->stale || (keeper->task != (uint8_t)TASK_NONE) ||
+           (keeper->wants != 0U);
+}
+
 /* Jobs of the store. */
 
 void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status)
@@ -87,11 +93,13 @@ static void note_active(tumble_keeper_t *keeper, const tumble_set_t *set)
 static void write_history(tumble_keeper_t *keeper, const tumble_set_t *set)
 {
     tumble_history_entry_t entry;
-    if ((set->sequence == 0U) || (set->sequence == tumble_history_sequence(&keeper->history))) {
+    if (set->sequence <= tumble_history_sequence(&keeper->history)) {
         return;
     }
     tumble_status_t status = tumble_history_from_set(set, &entry);
     if (status == TUMBLE_OK) {
+        const bool other_block = (set->reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK)) != 0U;
+        entry.flags |= other_block ? TUMBLE_HISTORY_OTHER_BLOCK : 0U;
         status = tumble_history_append(&keeper->history, &entry);
     }
     if (status != TUMBLE_OK) {
@@ -116,6 +124,7 @@ static void refresh(tumble_keeper_t *keeper)
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
+    tumble_store_number_above(&keeper->store, tumble_history_sequence(&keeper->history));
     keeper->stale = false;
     keeper->has_active = (status == TUMBLE_OK);
     keeper->off_temperature = 0;
@@ -186,12 +195,6 @@ static void work(tumble_keeper_t *keeper)
     }
 }
 
-static bool has_work(const tumble_keeper_t *keeper)
-{
-    return tumble_keeper_is_busy(keeper) || keeper->stale || (keeper->task != (uint8_t)TASK_NONE) ||
-           (keeper->wants != 0U);
-}
-
 /* The PDO goes when one of these has changed, and by its event timer. */
 static void show(tumble_keeper_t *keeper)
 {
@@ -210,11 +213,11 @@ static void step(void *context, uint64_t now_us)
     tumble_keeper_obey_inhibit(keeper);
     tumble_keeper_watch(keeper);
     work(keeper);
-    if (!has_work(keeper)) {
+    if (!tumble_keeper_has_work(keeper)) {
         tumble_keeper_start_if_due(keeper);
     }
     show(keeper);
-    keeper->due_us = has_work(keeper) ? (now_us + RETRY_US) : UINT64_MAX;
+    keeper->due_us = tumble_keeper_has_work(keeper) ? (now_us + RETRY_US) : UINT64_MAX;
 }
 
 static uint64_t next_us(const void *context)

@@ -149,6 +149,7 @@ typedef struct {
     bool was_inhibited;
     bool stale;               /* the active set may have changed */
     bool repeated;            /* the result being judged has been seen before */
+    bool looked_again;        /* for what it was to be compared with, which could not be read */
     bool has_utc;
     bool has_active;
     bool has_active_half_c;
@@ -170,7 +171,8 @@ extern const tumble_keeping_t tumble_keeper_calls;
 /* A set by value, as tumble_store_read. */
 tumble_status_t tumble_keeper_set(tumble_keeper_t *keeper, tumble_which_set_t which, tumble_set_t *set);
 
-/* The calibration counter: grows with every change of the active set, and by nothing else; 0: the factory set, or none.
+/* The calibration counter: grows with every change of the active set, and by nothing else, unless that decays: then it
+ * is the one of the set before, and what comes next gets one that none had. 0: the factory set, or none.
  * The keeper triggers transmit PDO TUMBLE_KEEPER_PDO when it, the verdict or what is due changes. */
 uint32_t tumble_keeper_counter(const tumble_keeper_t *keeper);
 #define TUMBLE_KEEPER_PDO 3U
@@ -188,7 +190,7 @@ typedef struct {
     uint8_t due;         /* TUMBLE_DUE_... */
     uint8_t resumable;   /* finished positions of a run that lost power and may be gone on with; 0: none */
     bool inhibited;      /* by host or board */
-    bool busy;           /* the memory is at work */
+    bool busy;           /* the memory is at work, or about to be */
     bool has_proposal;
     bool has_factory;
 } tumble_keeper_state_t;
@@ -218,7 +220,8 @@ void tumble_keeper_inhibit(tumble_keeper_t *keeper, uint16_t seconds);
 tumble_history_t *tumble_keeper_history(tumble_keeper_t *keeper);
 
 /* Drift of a coefficient (0 to 11: K row by row, then U0) over the sets of the history that are dated and have
- * uncertainties, in V/g or V per TUMBLE_MONTH_S. Reads the whole history, once for each call. Returns TUMBLE_OK,
+ * uncertainties, of this block, and were neither given up by a rollback nor brought back by one (they are there
+ * already), in V/g or V per TUMBLE_MONTH_S. Reads the whole history, once for each call. Returns TUMBLE_OK,
  * _ARGUMENT, _PORT_BUSY (the memory is at work: ask again), _TOO_FEW, _NOT_FINITE, or why an entry could not be read. */
 tumble_status_t tumble_keeper_trend(tumble_keeper_t *keeper, uint8_t coefficient, tumble_trend_t *trend);
 

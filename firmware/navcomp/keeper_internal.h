@@ -56,6 +56,7 @@ static inline uint8_t tumble_serial_length(const tumble_keeper_config_t *config)
 /* keeper.c */
 void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status); /* count a failure of the memory */
 bool tumble_keeper_is_busy(const tumble_keeper_t *keeper);                /* store, history or checkpoint */
+bool tumble_keeper_has_work(const tumble_keeper_t *keeper);               /* or there is something for them to do */
 void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status);
 
 /* keeper_judge.c */

@@ -82,6 +82,7 @@ void tumble_keeper_take_result(tumble_keeper_t *keeper)
     tumble_count(&keeper->counters.judged);
     keeper->verdict = TUMBLE_VERDICT_WORKING;
     keeper->repeated = false;
+    keeper->looked_again = false;
     keeper->task = TASK_COMPARE_SETS;
     keeper->at = 0;
 }
@@ -150,6 +151,19 @@ static void compare_with_history(tumble_keeper_t *keeper)
 
 /* The verdict. */
 
+/* A store that could not read all its places looks at them anew instead of beginning a job. What it finds may be
+ * another active set, so the result is judged once more, by that. */
+static void begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status)
+{
+    if ((status == TUMBLE_E_NV) && tumble_store_busy(&keeper->store) && !keeper->looked_again) {
+        keeper->looked_again = true;
+        keeper->task = TASK_COMPARE_SETS;
+        keeper->at = 0;
+        return;
+    }
+    tumble_keeper_begin_job(keeper, job, status);
+}
+
 static void decide(tumble_keeper_t *keeper)
 {
     tumble_set_t active;
@@ -171,9 +185,9 @@ static void decide(tumble_keeper_t *keeper)
         tumble_keeper_end_checkpoint(keeper);
         tumble_count(&keeper->counters.repeated);
     } else if (keeper->objections == 0U) {
-        tumble_keeper_begin_job(keeper, JOB_COMMIT, tumble_store_commit(&keeper->store, &keeper->set));
+        begin_job(keeper, JOB_COMMIT, tumble_store_commit(&keeper->store, &keeper->set));
     } else {
-        tumble_keeper_begin_job(keeper, JOB_HOLD, tumble_store_hold(&keeper->store, &keeper->set));
+        begin_job(keeper, JOB_HOLD, tumble_store_hold(&keeper->store, &keeper->set));
     }
 }
 

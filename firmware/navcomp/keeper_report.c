@@ -69,7 +69,8 @@ void tumble_keeper_inhibit(tumble_keeper_t *keeper, uint16_t seconds)
 static uint16_t inhibit_left_s(const tumble_keeper_t *keeper)
 {
     const uint64_t left_us = (keeper->inhibit_us > keeper->now_us) ? (keeper->inhibit_us - keeper->now_us) : 0U;
-    return (uint16_t)((left_us + (TUMBLE_US_PER_S - 1U)) / TUMBLE_US_PER_S);
+    const uint64_t left_s = (left_us + (TUMBLE_US_PER_S - 1U)) / TUMBLE_US_PER_S;
+    return (uint16_t)((left_s < UINT16_MAX) ? left_s : UINT16_MAX); /* a moment more, if told since the last step */
 }
 
 static uint32_t due_in_s(const tumble_keeper_t *keeper)
@@ -93,7 +94,7 @@ void tumble_keeper_state(const tumble_keeper_t *keeper, tumble_keeper_state_t *s
         .due = tumble_keeper_due(keeper),
         .resumable = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE) ? keeper->resumable : 0U,
         .inhibited = tumble_keeper_is_inhibited(keeper),
-        .busy = tumble_keeper_is_busy(keeper),
+        .busy = tumble_keeper_has_work(keeper),
         .has_proposal = tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL),
         .has_factory = tumble_store_has(&keeper->store, TUMBLE_SET_FACTORY),
     };
@@ -119,6 +120,16 @@ tumble_history_t *tumble_keeper_history(tumble_keeper_t *keeper)
     return &keeper->history;
 }
 
+/* From the newest entry backwards: a set that was brought back is a copy of an older one, and the one before it was
+ * given up for it. Neither tells of a drift. */
+static bool is_of_the_trend(const tumble_history_entry_t *entry, uint8_t *given_up)
+{
+    const bool was_given_up = (*given_up != 0U);
+    const bool copy = (entry->origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
+    *given_up = (uint8_t)(*given_up + (copy ? 1U : 0U) - (was_given_up ? 1U : 0U));
+    return !was_given_up && !copy;
+}
+
 tumble_status_t tumble_keeper_trend(tumble_keeper_t *keeper, uint8_t coefficient, tumble_trend_t *trend)
 {
     tumble_trend_sums_t sums = {0};
@@ -129,13 +140,17 @@ tumble_status_t tumble_keeper_trend(tumble_keeper_t *keeper, uint8_t coefficient
         return TUMBLE_E_PORT_BUSY;
     }
     const uint8_t count = tumble_history_count(&keeper->history);
-    for (uint8_t age = 0; age < count; age++) {
+    uint8_t given_up = 0;
+    bool other_block = false;
+    for (uint8_t age = 0; (age < count) && !other_block; age++) {
         tumble_history_entry_t entry;
         const tumble_status_t status = tumble_history_read(&keeper->history, age, &entry);
         if (status != TUMBLE_OK) {
             return status;
         }
-        if ((entry.date_utc_s != 0U) && (entry.u[coefficient] > 0.0F)) {
+        const bool counts = is_of_the_trend(&entry, &given_up);
+        other_block = counts && ((entry.flags & TUMBLE_HISTORY_OTHER_BLOCK) != 0U); /* what comes next */
+        if (counts && (entry.date_utc_s != 0U) && (entry.u[coefficient] > 0.0F)) {
             (void)tumble_trend_add(&sums, entry.date_utc_s, (double)entry.value[coefficient],
                                    (double)entry.u[coefficient]);
         }

@@ -58,6 +58,7 @@ void tumble_parameters_restore(tumble_parameters_t *parameters)
     parameters->again = tumble_parameters_busy(parameters);
     if (!parameters->again) {
         parameters->view = (tumble_parameters_view_t){0};
+        parameters->unread = false;
         parameters->phase = tumble_parameters_room(parameters) ? (uint8_t)READ_FIRST : (uint8_t)IDLE;
     }
 }
@@ -146,6 +147,7 @@ static void read_record(tumble_parameters_t *parameters)
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
+    parameters->unread = parameters->unread || (status != TUMBLE_OK);
     const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->bytes) : 0U;
     if (parameters->phase == (uint8_t)READ_BEST) {
         end_reading(parameters, sequence != 0U);
@@ -180,7 +182,7 @@ static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_save
 static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
 {
     uint32_t at = AT_VALUES;
-    if (!tumble_parameters_room(parameters)) {
+    if (!tumble_parameters_room(parameters) || parameters->unread) {
         return TUMBLE_ABORT_HARDWARE;
     }
     if (tumble_parameters_busy(parameters)) {
@@ -240,6 +242,7 @@ void tumble_parameters_step(tumble_parameters_t *parameters)
         write_next(parameters);
     } else if (status != TUMBLE_E_PORT_BUSY) {
         parameters->failed = true;
+        parameters->unread = false;
         parameters->view.sequence = 0;
         parameters->phase = (uint8_t)READ_FIRST;
     } else {

@@ -41,6 +41,7 @@ typedef struct {
     tumble_parameters_view_t view;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
+    bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
     bool failed;  /* a job: it is being looked what that left behind */
     bool again;   /* to be restored when that is done which is under way */
     uint8_t bytes[TUMBLE_PARAMETERS_BYTES];
@@ -57,7 +58,8 @@ bool tumble_parameters_room(const tumble_parameters_t *parameters);
 void tumble_parameters_restore(tumble_parameters_t *parameters);
 
 /* Begin to save the present values, or to forget what was saved. The SDO server is told the answer at the end
- * (tumble_sdo_server_answer). Returns TUMBLE_ABORT_LATER; _HARDWARE: no room; _DEVICE_STATE: busy. */
+ * (tumble_sdo_server_answer). Returns TUMBLE_ABORT_LATER; _HARDWARE: no room, or a record could not be read
+ * (until restored); _DEVICE_STATE: busy. */
 tumble_abort_t tumble_parameters_save(tumble_parameters_t *parameters);
 tumble_abort_t tumble_parameters_forget(tumble_parameters_t *parameters);
 

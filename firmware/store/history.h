@@ -22,6 +22,9 @@
 #define TUMBLE_HISTORY_BYTES 128U
 #define TUMBLE_HISTORY_CELLS (TUMBLE_STORE_MIN_SECTOR / TUMBLE_HISTORY_BYTES)
 
+/* A flag of an entry that its writer may add: the sets before are of another block. */
+#define TUMBLE_HISTORY_OTHER_BLOCK 0x8000U
+
 /* The numbers as single precision: six parts in 10^8, far below what a calibration can resolve. */
 typedef struct {
     uint32_t number;   /* of the entry, from 1; written by the log */
@@ -30,7 +33,7 @@ typedef struct {
     float temperature_c;
     uint8_t origin;
     uint8_t estimator;
-    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE and _UNCERTAINTY are meant for this entry */
+    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE and _UNCERTAINTY are meant for this entry; TUMBLE_HISTORY_... */
     float value[TUMBLE_COEFFICIENTS]; /* K row by row (V/g), then U0 (V) */
     float u[TUMBLE_COEFFICIENTS];     /* standard uncertainties; 0 where not known */
 } tumble_history_entry_t;

@@ -35,6 +35,13 @@ uint32_t tumble_store_sequence(const tumble_store_t *store)
     return store->sequence;
 }
 
+void tumble_store_number_above(tumble_store_t *store, uint32_t sequence)
+{
+    if ((sequence > store->highest) && (sequence < TUMBLE_MAX_SEQUENCE)) {
+        store->highest = sequence;
+    }
+}
+
 static uint8_t find(const tumble_store_t *store, tumble_which_set_t which)
 {
     switch (which) {
@@ -112,9 +119,9 @@ static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
         store->stamp = (tumble_set_stamp_t){.origin = origin};
         return TUMBLE_OK;
     }
-    store->stamp = (tumble_set_stamp_t){.sequence = store->sequence + 1U, .origin = origin};
+    store->stamp = (tumble_set_stamp_t){.sequence = store->highest + 1U, .origin = origin};
     store->target = spare_slot(store);
-    return (store->sequence >= TUMBLE_MAX_SEQUENCE) ? TUMBLE_E_STATE : TUMBLE_OK;
+    return (store->highest >= TUMBLE_MAX_SEQUENCE) ? TUMBLE_E_STATE : TUMBLE_OK;
 }
 
 static tumble_status_t take(tumble_store_t *store, const tumble_set_t *set, const uint8_t *plan)

@@ -59,6 +59,7 @@ typedef struct {
     const uint8_t *plan;            /* the actions that are left of the job; null: no job */
     tumble_status_t outcome;
     uint32_t sequence;     /* of the active set */
+    uint32_t highest;      /* that one was known to have: of the active set, or told */
     uint8_t scanned;       /* places so far */
     uint8_t failed_reads;  /* of the place that comes next */
     bool unread;           /* the last scan could not read a place: what is there must not be overwritten */
@@ -91,9 +92,14 @@ const tumble_store_counters_t *tumble_store_counters(const tumble_store_t *store
 /* Is there such a set? By the last scan; false while busy. */
 bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which);
 
-/* The sequence of the active set: the calibration counter, which grows with every set that becomes active. 0: the
- * factory set, or none. Keeps its last value while busy. */
+/* The sequence of the active set: the calibration counter, which grows with every set that becomes active by a job. 0:
+ * the factory set, or none. Where the active set decays it goes back to that of the one before, and the next one that
+ * becomes active gets a sequence that none had. Keeps its last value while busy. */
 uint32_t tumble_store_sequence(const tumble_store_t *store);
+
+/* Tell of a sequence that a set once had, say in the history: the next one that becomes active gets a higher one, even
+ * where that set has decayed since. What is not below TUMBLE_MAX_SEQUENCE is not believed. */
+void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
 
 /* A set by value: one read and one check of its CRC; `*set` is written on TUMBLE_OK alone.
  * Returns TUMBLE_OK; _PORT_BUSY (a job is under way, or the memory is: step, and ask again); _STATE (there is no such

@@ -153,6 +153,7 @@ static void end_scan(tumble_store_t *store)
         tumble_store_count(&store->counters.commits);
     }
     store->sequence = sequence;
+    store->highest = (sequence > store->highest) ? sequence : store->highest;
     if (!store->booted) {
         store->booted = true;
         clear_leftovers(store);

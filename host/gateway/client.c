@@ -100,8 +100,16 @@ bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gat
         return false;
     }
     const bool is_open = !has_room(client) || receive(client, now_us);
-    const bool is_readable = take_frames(client, gateway, replies, now_us);
-    return send_out(client) && is_open && is_readable;
+    bool is_readable = true;
+    bool is_full = true; /* of answers: frames may wait that no event will tell of */
+    while (is_full && is_readable && has_room(client)) {
+        is_readable = take_frames(client, gateway, replies, now_us);
+        is_full = !has_room(client);
+        if (!send_out(client)) {
+            return false;
+        }
+    }
+    return is_open && is_readable;
 }
 
 uint32_t gateway_client_events(const gateway_client_t *client)

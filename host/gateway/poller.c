@@ -38,6 +38,7 @@ static void begin_poll(gateway_poller_t *poller, uint64_t now_us)
     memset(&poller->building, 0, sizeof poller->building);
     poller->must_be_fresh = poller->must_be_fresh || poller->has_booted;
     poller->has_booted = false;
+    poller->is_partial = false;
     poller->phase = PHASE_BEFORE;
     poller->place = 0;
     poller->next_us = now_us + poller->period_us;
@@ -51,7 +52,7 @@ static void publish(gateway_poller_t *poller, uint64_t now_us)
     poller->building.taken_us = now_us;
     poller->published = poller->building;
     memcpy(poller->published_marks, poller->marks, sizeof poller->marks);
-    poller->must_be_fresh = poller->must_be_fresh && !poller->is_fresh;
+    poller->must_be_fresh = poller->is_partial || (poller->must_be_fresh && !poller->is_fresh);
     poller->kept = poller->is_fresh ? 0U : (uint16_t)(poller->kept + 1U);
     poller->torn = 0;
     rest(poller, poller->next_us);
@@ -139,6 +140,7 @@ static void take_value(gateway_poller_t *poller)
     const uint8_t *const bytes = tumble_sdo_client_data(&poller->client, &size);
     if (poller->client.result != TUMBLE_OK) {
         gateway_count(poller->counters, GATEWAY_COUNT_VALUES_REFUSED);
+        poller->is_partial = poller->is_partial || poller->client.abort == (uint32_t)TUMBLE_ABORT_DEVICE_STATE;
     }
     while (poller->place < GATEWAY_VALUES && is_of_one_object(first, &gateway_values[poller->place])) {
         if (poller->client.result == TUMBLE_OK) {

@@ -74,6 +74,7 @@ typedef struct {
     uint8_t torn;       /* in a row */
     uint16_t place;     /* in the table that the phase walks */
     bool is_fresh;      /* this poll reads what is kept as well */
+    bool is_partial;    /* the node could not give a value that it has: its memory was at work */
     bool must_be_fresh; /* the next one does: the node may be another since */
     bool has_booted;    /* since this poll began */
     uint16_t kept;      /* polls since one did */

@@ -63,7 +63,7 @@ enum {
 };
 
 #define GATEWAY_VALUES 299U
-#define GATEWAY_MARKS 5U
+#define GATEWAY_MARKS 6U
 #define GATEWAY_COMMAND_OBJECTS 1U
 
 #endif

@@ -54,10 +54,13 @@ def check_steps(steps):
 def test_a_table_is_printed_with_ratios():
     result = benchmark()
     assert result.returncode == 0, result.stderr
-    estimators, steps, honest = result.stdout.split("\n\n")
+    estimators, steps, budget, honest = result.stdout.split("\n\n")
     header, first, *rest = estimators.splitlines()
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
     assert len(rest) == 13
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
+    assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
+    for target in ("cortex-m4", "cortex-a53"):
+        assert f"{target} navcomp " in budget or "LEFT OUT" in budget
     assert "The\nhonest comparison is with the shared normal matrix of four unknowns" in honest

@@ -71,6 +71,14 @@ def test_a_flood_of_requests(abused):
     abused.abuse, abused.came_back = f"{count} requests in one piece", "answered, all"
 
 
+def test_requests_in_one_piece_whose_answers_need_more_room_than_there_is(start):
+    client, count = start().connect(), 40
+    client.send(b"".join(frame(struct.pack(">BHH", READ_INPUT, 0, 125), transaction=i) for i in range(count)))
+    for i in range(count):
+        answer = client.receive()
+        assert answer[:6] == struct.pack(">HHH", i, 0, 253) and len(answer) == 259
+
+
 def test_a_silent_client(start):
     gateway = start("--idle", 2)
     silent, talking = gateway.connect(), gateway.connect()

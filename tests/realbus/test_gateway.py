@@ -18,7 +18,9 @@ from tumble.bench import programs
 from tumble.errors import BenchFault
 
 client_module = pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
-START, DONE = 1, 12
+START, ACCEPT, DONE = 1, 9, 12
+HELD, ACCEPTED = 3, 5  # verdicts
+BY_HAND = 1 << 10
 K = [f"K: K_{row}{column}" for row in "xyz" for column in "xyz"]
 U0 = [f"U0: U0_{row}" for row in "xyz"]
 
@@ -93,10 +95,11 @@ def serve(bus, started):
 
 @pytest.fixture
 def calibrating(bus, started, tmp_path):
-    """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands."""
-    path = scenario(tmp_path, **HASTE)
+    """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands; what it finds
+    waits for them, too."""
+    path = scenario(tmp_path, **HASTE, keeper__commits="no")
     stand = Stand(bus, path, "--seed", 11)
-    node = Node(bus, path, folder=tmp_path)
+    node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
     started.extend([stand, node])
     return stand, node
 
@@ -132,12 +135,31 @@ def test_pymodbus_and_mbpoll_each_drive_a_recalibration(calibrating, serve):
     first = [served.number(name) for name in K + U0]
     scaled = [served.number(name, scaled=True) for name in K + U0]
     assert served.number("Gravity check: Pass") == 1 and served.number("Reason") == 0
+    served.wait_for("Keeper: Verdict", HELD)
+    assert served.number("Keeper: Objections") & BY_HAND and served.number("Keeper: Calibration counter") == 0
+    served.wait_for("Proposal: K: K_xx", first[0])  # one reading later at most, where the memory was at work
+    assert [served.number(f"Proposal: {name}") for name in K + U0] == first
+    assert served.number("Active set: K: K_xx") is None
+    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    served.wait_for("Keeper: Verdict", ACCEPTED)
+    served.wait_for("Active set: K: K_xx", first[0])
+    assert [served.number(f"Active set: {name}") for name in K + U0] == first
+    assert served.number("Keeper: Calibration counter") == 1 and served.number("Proposal: K: K_xx") is None
 
     assert mbpoll_number(served, "State") == DONE
     mbpoll(served, "-t", "4", "-r", 0, "127.0.0.1", *KEYS, 0, 0, 0, 0, 0, START, 1)
     wait_until(lambda: mbpoll_number(served, "State") != DONE, 60)
     wait_until(lambda: mbpoll_number(served, "State") == DONE, 60)
     second = [mbpoll_number(served, name) for name in K + U0]
+    wait_until(lambda: mbpoll_number(served, "Keeper: Verdict") == HELD, 60)
+    assert mbpoll_number(served, "Active set: K: K_xx") != second[0]
+    mbpoll(served, "-t", "4", "-r", 0, "127.0.0.1", *KEYS, 0, 0, 0, 0, 0, ACCEPT, 2)
+    wait_until(lambda: mbpoll_number(served, "Keeper: Verdict") == ACCEPTED, 60)
+    wait_until(lambda: mbpoll_number(served, "Active set: K: valid") == 0x1FF)
+    assert mbpoll_number(served, "Active set: K: K_xx") == second[0]
+    served.renew()
+    assert served.number("Keeper: Calibration counter") == 2
+    assert second == pytest.approx([served.number(f"Active set: {name}") for name in K + U0], abs=5.1e-6)
     torn, failed = served.number("Polls torn"), served.number("Polls failed")
     print(f"polls {served.number('Polls')}, torn {torn}, failed {failed}")
     assert served.end() == ""

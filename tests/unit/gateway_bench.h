@@ -16,6 +16,7 @@
 #define NODE 9U
 #define PERIOD_US 1000000U
 #define NO_DATA 0x08000024U
+#define BUSY_NOW 0x08000022U
 #define STEPS_OF_A_POLL 100000
 
 typedef struct {
@@ -25,6 +26,7 @@ typedef struct {
     double k_xx;         /* what 2020h:1 reads as; 0: refused */
     bool silent;
     unsigned reads;
+    unsigned busy_at;    /* this read of 2020h:1, from 1 on, is refused: its memory is at work; 0: none */
     unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */
     uint32_t refuse;     /* of writes */
     uint32_t abort_next; /* of the next read */
@@ -63,7 +65,9 @@ static inline void read(const uint8_t *request)
     if (bench.tear_at > 0U && --bench.tear_at == 0U) {
         bench.k_xx += 1.0;
     }
-    if (bench.abort_next != 0U) {
+    if (index == 0x2020U && request[3] == 1U && bench.busy_at > 0U && --bench.busy_at == 0U) {
+        answer(TUMBLE_SDO_ABORT, request, BUSY_NOW);
+    } else if (bench.abort_next != 0U) {
         answer(TUMBLE_SDO_ABORT, request, bench.abort_next);
         bench.abort_next = 0;
     } else if (index == 0x2020U && request[3] == 1U && bench.k_xx > 0.0) {

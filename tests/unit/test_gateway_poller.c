@@ -160,6 +160,30 @@ static void test_a_disturbed_transfer_is_no_refusal(void)
     }
 }
 
+/* The node's memory is at work: the value is there again with the next poll, and not only when all is read anew. */
+static void test_a_value_that_cannot_be_read_now_is_read_soon(void)
+{
+    bench.k_xx = 2.0;
+    bench.busy_at = 2; /* as a mark, as a value, as a mark */
+    const unsigned all = reads_of_next_poll();
+    TEST_ASSERT_EQUAL_UINT(0, bench.busy_at);
+    TEST_ASSERT_EQUAL_UINT16(0, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_LESS_THAN_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+}
+
+/* A result that is held changes the proposal only when it is written, long after it was judged. */
+static void test_the_verdict_is_a_mark(void)
+{
+    bool is_mark = false;
+    for (size_t i = 0; i < GATEWAY_MARKS; i++) {
+        is_mark = is_mark || (gateway_marks[i].index == 0x2120U && gateway_marks[i].subindex == 7U);
+    }
+    TEST_ASSERT_TRUE(is_mark);
+}
+
 static void test_silence(void)
 {
     settle();
@@ -209,6 +233,8 @@ int main(void)
     RUN_TEST(test_a_change_at_any_read_is_no_mixture);
     RUN_TEST(test_torn_without_end_waits_for_the_next_period);
     RUN_TEST(test_a_disturbed_transfer_is_no_refusal);
+    RUN_TEST(test_a_value_that_cannot_be_read_now_is_read_soon);
+    RUN_TEST(test_the_verdict_is_a_mark);
     RUN_TEST(test_silence);
     RUN_TEST(test_a_bus_that_is_down);
     RUN_TEST(test_a_port_without_room_is_asked_again);

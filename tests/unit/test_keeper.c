@@ -323,23 +323,6 @@ static void test_a_missing_entry_of_the_history_is_written_at_power_on(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_history_sequence(tumble_keeper_history(&keeper)));
 }
 
-/* An active set that decays while its successor is judged: the set before it counts, and the result is judged by that. */
-static void test_an_active_set_that_decays(void)
-{
-    (void)run_and_judge();
-    drift(1e-5);
-    (void)run_and_judge();
-    for (uint32_t s = TUMBLE_REGION_SLOT_A; s <= TUMBLE_REGION_SLOT_B; s++) {
-        uint8_t *place = &memory.bytes[MEMORY_SECTOR * s];
-        if (tumble_get_u32(&place[8]) == 2U) {
-            place[100] ^= 1U;
-        }
-    }
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    TEST_ASSERT_EQUAL(TUMBLE_ORIGIN_COMMITTED, set_of(TUMBLE_SET_ACTIVE).origin);
-}
-
 static void test_what_init_refuses(void)
 {
     keeper_prepare();
@@ -394,7 +377,6 @@ int main(void)
     RUN_TEST(test_a_memory_that_cannot_be_read_at_the_end);
     RUN_TEST(test_a_busy_memory_is_waited_for);
     RUN_TEST(test_a_missing_entry_of_the_history_is_written_at_power_on);
-    RUN_TEST(test_an_active_set_that_decays);
     RUN_TEST(test_what_init_refuses);
     return UNITY_END();
 }

@@ -237,6 +237,63 @@ static void test_the_trend_of_a_drifting_bias(void)
     ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_keeper_trend(&keeper, 0, &trend));
 }
 
+/* A run a month after the one before, in which the biases moved by so much. */
+static tumble_verdict_t run_after_a_month(double moved_v)
+{
+    static uint64_t utc_s = UTC_S;
+    utc_s += (uint64_t)TUMBLE_MONTH_S;
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, utc_s));
+    drift(moved_v);
+    return run_and_judge();
+}
+
+static void decide(tumble_command_t command)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(command));
+    settle_memory();
+}
+
+static void assert_trend(double per_month, uint32_t freedom)
+{
+    tumble_trend_t trend;
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, 9, &trend));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, per_month, trend.per_month);
+    TEST_ASSERT_EQUAL_UINT32(freedom, trend.freedom);
+}
+
+static void test_what_was_given_up_is_no_drift(void)
+{
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(2e-5));
+    }
+    assert_trend(2e-5, 1);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_after_a_month(5e-3));
+    decide(TUMBLE_COMMAND_ACCEPT);
+    decide(TUMBLE_COMMAND_ROLLBACK);
+    TEST_ASSERT_EQUAL_UINT8(5, tumble_history_count(&keeper.history));
+    assert_trend(2e-5, 1);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(-5e-3 + 4e-5));
+    assert_trend(2e-5, 2);
+}
+
+static void test_an_exchange_of_the_block_is_no_drift(void)
+{
+    tumble_trend_t trend;
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(2e-5));
+    }
+    keeper_config.serial = "TB-0002";
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_after_a_month(5e-3));
+    decide(TUMBLE_COMMAND_ACCEPT);
+    ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_keeper_trend(&keeper, 9, &trend));
+    for (uint32_t i = 0; i < 3U; i++) {
+        TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_after_a_month(-3e-5));
+        assert_trend(-3e-5, i);
+        keeper_power_cycle();
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -249,5 +306,7 @@ int main(void)
     RUN_TEST(test_a_proposal_or_a_run_to_resume_keeps_it_from_starting);
     RUN_TEST(test_settings_are_taken_whole_or_not_at_all);
     RUN_TEST(test_the_trend_of_a_drifting_bias);
+    RUN_TEST(test_what_was_given_up_is_no_drift);
+    RUN_TEST(test_an_exchange_of_the_block_is_no_drift);
     return UNITY_END();
 }

@@ -35,7 +35,9 @@ static void test_the_host_inhibits_for_a_time(void)
     TEST_ASSERT_FALSE(state_of_keeper().inhibited);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
+    bench.fake.now_us += 1; /* since the last step */
     tumble_keeper_inhibit(&keeper, UINT16_MAX);
+    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, state_of_keeper().inhibit_s);
     tumble_keeper_inhibit(&keeper, 0); /* it ends it itself */
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
 }

@@ -135,6 +135,29 @@ static void test_a_held_run_gives_no_second_proposal(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_REPEATED, state_of_keeper().verdict);
 }
 
+/* Who wants to end waits for this, and then nothing is left to do: neither an entry of the history nor a checkpoint. */
+static void test_it_is_busy_until_all_is_stored(void)
+{
+    static const uint8_t flags[] = {TUMBLE_COMMIT_BY_ITSELF, TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST};
+    for (size_t i = 0; i < COUNT_OF(flags); i++) {
+        settings.limits.flags = flags[i];
+        keeper_power_cycle();
+        drift(1e-5);
+        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+        TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+        while (state_of_keeper().busy || (state_of_keeper().verdict == TUMBLE_VERDICT_WORKING)) {
+            bench_event(&bench);
+        }
+        const bool first = (flags[i] & TUMBLE_COMMIT_FIRST) != 0U;
+        TEST_ASSERT_EQUAL_UINT8(first ? TUMBLE_VERDICT_COMMITTED : TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
+        keeper_power_cycle();
+        TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
+        TEST_ASSERT_FALSE(keeper.checkpoint.kept);
+        TEST_ASSERT_EQUAL_UINT8(first ? 1U : 0U, tumble_history_count(tumble_keeper_history(&keeper)));
+        TEST_ASSERT_EQUAL_UINT32(first ? 1U : 0U, keeper.history.newest);
+    }
+}
+
 static void test_start_abort_and_done_leave_nothing_to_go_on_with(void)
 {
     start_and_cut(6);
@@ -343,6 +366,7 @@ int main(void)
     RUN_TEST(test_cut_before_the_result_is_stored);
     RUN_TEST(test_a_committed_run_is_not_gone_on_with);
     RUN_TEST(test_a_held_run_gives_no_second_proposal);
+    RUN_TEST(test_it_is_busy_until_all_is_stored);
     RUN_TEST(test_start_abort_and_done_leave_nothing_to_go_on_with);
     RUN_TEST(test_a_run_begun_at_once_keeps_its_checkpoint);
     RUN_TEST(test_a_fault_keeps_it);

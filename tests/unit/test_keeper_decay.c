@@ -1,0 +1,127 @@
+/* The keeper, and an active set that decays in the memory: the one before counts, and no sequence is given twice. */
+#include "keeper_bench.h"
+
+#include "canopen/bytes.h"
+
+void setUp(void)
+{
+    keeper_power_on();
+}
+
+void tearDown(void) {}
+
+/* One bit of the set with this sequence. */
+static void decay(uint32_t sequence)
+{
+    for (uint32_t s = TUMBLE_REGION_SLOT_A; s <= TUMBLE_REGION_SLOT_B; s++) {
+        uint8_t *place = &memory.bytes[MEMORY_SECTOR * s];
+        if (tumble_get_u32(&place[8]) == sequence) {
+            place[100] ^= 1U;
+        }
+    }
+}
+
+static void commit_one(uint32_t sequence)
+{
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    TEST_ASSERT_EQUAL(TUMBLE_ORIGIN_COMMITTED, set_of(TUMBLE_SET_ACTIVE).origin);
+    TEST_ASSERT_EQUAL_UINT32(sequence, tumble_keeper_counter(&keeper));
+    TEST_ASSERT_EQUAL_UINT8(sequence, tumble_history_count(tumble_keeper_history(&keeper)));
+}
+
+/* Found while its successor is judged: that is judged by the one before. Who looked at the counter only before and
+ * after all this must see that it is another set. */
+static void test_while_its_successor_is_judged(void)
+{
+    commit_one(1);
+    commit_one(2);
+    decay(2);
+    commit_one(3);
+}
+
+static void test_while_power_is_off(void)
+{
+    commit_one(1);
+    commit_one(2);
+    decay(2);
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
+    TEST_ASSERT_EQUAL_UINT8(2, tumble_history_count(tumble_keeper_history(&keeper))); /* it is there already */
+    keeper_power_cycle();
+    commit_one(3);
+}
+
+static void test_both_slots(void)
+{
+    commit_one(1);
+    commit_one(2);
+    decay(1);
+    decay(2);
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counter(&keeper));
+    commit_one(3);
+}
+
+/* Unreadable for a while: a result that comes later is judged by what was active, and stored. */
+static void test_not_decayed_but_unreadable_at_power_on(void)
+{
+    commit_one(1);
+    drift(2e-3);
+    memory.reads_fail = true;
+    keeper_power_cycle();
+    memory.reads_fail = false;
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
+    drift(-2e-3);
+    memory.reads_fail = true;
+    keeper_power_cycle();
+    memory.reads_fail = false;
+    commit_one(2);
+}
+
+static void test_and_unreadable_it_remains(void)
+{
+    commit_one(1);
+    drift(1e-5);
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    memory.reads_fail = true;
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
+    memory.reads_fail = false;
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
+}
+
+/* A record of sequence 1 beside one of sequence 2 that could not be read would be lost again at the next power-on. */
+static void test_parameters_beside_some_that_cannot_be_read_are_refused(void)
+{
+    for (int saved = 1; saved <= 2; saved++) {
+        TEST_ASSERT_EQUAL(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
+        settle_memory();
+        TEST_ASSERT_EQUAL_UINT32(saved, keeper.parameters.view.sequence);
+    }
+    memory.reads_fail = true;
+    keeper_power_cycle();
+    memory.reads_fail = false;
+    TEST_ASSERT_EQUAL_UINT32(0, keeper.parameters.view.sequence);
+    TEST_ASSERT_EQUAL(TUMBLE_ABORT_HARDWARE, tumble_parameters_save(&keeper.parameters));
+    TEST_ASSERT_EQUAL(TUMBLE_ABORT_HARDWARE, tumble_parameters_forget(&keeper.parameters));
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL_UINT32(2, keeper.parameters.view.sequence);
+    TEST_ASSERT_EQUAL(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_while_its_successor_is_judged);
+    RUN_TEST(test_while_power_is_off);
+    RUN_TEST(test_both_slots);
+    RUN_TEST(test_not_decayed_but_unreadable_at_power_on);
+    RUN_TEST(test_and_unreadable_it_remains);
+    RUN_TEST(test_parameters_beside_some_that_cannot_be_read_are_refused);
+    return UNITY_END();
+}
