@@ -26,11 +26,6 @@ endfunction()
 #                 [CALLS <file>] [ON_DEMAND])
 function(tumble_budget name)
   cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "LIBRARIES;RESIDENT;ROOTS" ${ARGN})
-  set(all ALL)
-  if(arg_ON_DEMAND)
-    set(all)
-  endif()
-
   set(objects)
   set(linked_objects)
   foreach(library IN LISTS arg_LIBRARIES)
@@ -42,9 +37,6 @@ function(tumble_budget name)
       list(APPEND linked_objects $<TARGET_OBJECTS:${library}>)
     endif()
   endforeach()
-  set(object_list ${CMAKE_CURRENT_BINARY_DIR}/${name}.objects)
-  file(GENERATE OUTPUT ${object_list} CONTENT "$<JOIN:${objects},\n>\n")
-
   set(image footprint_${name})
   add_executable(${image} EXCLUDE_FROM_ALL ${linked_objects} ${arg_RESIDENT})
   target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/firmware)
@@ -52,24 +44,52 @@ function(tumble_budget name)
     LINKER:--sort-section=alignment)
   target_link_libraries(${image} PRIVATE tumble_flags -Wl,--start-group gcc c m nosys -Wl,--end-group)
 
-  set(linked)
+  set(more)
   if(arg_ROOTS)
     list(TRANSFORM arg_ROOTS PREPEND LINKER:--require-defined= OUTPUT_VARIABLE roots)
     target_link_options(${image} PRIVATE LINKER:--gc-sections ${roots}
       -flto -flto-partition=one -save-temps ${TUMBLE_FRAMES} ${TUMBLE_SMALL})
     add_dependencies(${image} ${arg_LIBRARIES}) # whose objects say what is imported
-    set(linked --linked $<TARGET_FILE:${image}>.ltrans0.ltrans.o)
+    set(more LINKED $<TARGET_FILE:${image}>.ltrans0.ltrans.o)
   endif()
-  set(calls)
   if(arg_CALLS)
-    target_link_options(${image} PRIVATE LINKER:--emit-relocs)
-    set(calls --calls ${arg_CALLS})
+    list(APPEND more CALLS ${arg_CALLS})
   endif()
+  if(arg_ON_DEMAND)
+    list(APPEND more ON_DEMAND)
+  endif()
+  tumble_hold_to_row(${name} ROW ${arg_ROW} IMAGE ${image} OBJECTS ${objects} ${more})
+endfunction()
+
+# The same for a whole image, as it is flown, and linked with a map beside it. OBJECTS are all that it is made of;
+# EXCEPTIONS is the label of its table of exceptions. The target is budget_<name>.
+#
+#   tumble_hold_to_row(<name> ROW <part in the table> IMAGE <target> OBJECTS <files> EXCEPTIONS <label>
+#                      [CALLS <file>] [ON_DEMAND])
+function(tumble_hold_to_row name)
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW;IMAGE;CALLS;LINKED;EXCEPTIONS" "OBJECTS" ${ARGN})
+  set(all ALL)
+  if(arg_ON_DEMAND)
+    set(all)
+  endif()
+  set(options)
+  foreach(option CALLS LINKED EXCEPTIONS)
+    if(arg_${option})
+      string(TOLOWER --${option} spelt)
+      list(APPEND options ${spelt} ${arg_${option}})
+    endif()
+  endforeach()
+  if(arg_CALLS)
+    target_link_options(${arg_IMAGE} PRIVATE LINKER:--emit-relocs)
+  endif()
+  set(object_list ${CMAKE_CURRENT_BINARY_DIR}/${name}.objects)
+  file(GENERATE OUTPUT ${object_list} CONTENT "$<JOIN:${arg_OBJECTS},\n>\n")
+  string(REGEX REPLACE "objdump$" "" tools ${CMAKE_OBJDUMP})
 
   add_custom_target(budget_${name} ${all}
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tools/budget
       --limits ${PROJECT_SOURCE_DIR}/boards/budget.csv --target ${CMAKE_SYSTEM_PROCESSOR} --part ${arg_ROW}
-      --image $<TARGET_FILE:${image}> --map $<TARGET_FILE:${image}>.map ${calls} ${linked}
+      --tools ${tools} --image $<TARGET_FILE:${arg_IMAGE}> --map $<TARGET_FILE:${arg_IMAGE}>.map ${options}
       --out ${CMAKE_CURRENT_BINARY_DIR}/budget_${name}.csv @${object_list}
-    DEPENDS ${image} ${arg_CALLS} VERBATIM)
+    DEPENDS ${arg_IMAGE} ${arg_CALLS} VERBATIM)
 endfunction()

@@ -6,11 +6,13 @@ Each candidate is linked alone with what it needs and run in QEMU (mps2-an386), 
 time follows from them. The run and the gains are those of the paper's stand. `code` is the project's own, `library` the
 soft floating point that comes with it, `data` constants beside the code (the schedule apart); stack is painted and read
 back, below the call. Every result is compared with the host's. Steps of the navigation computer are those of a whole
-calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). Needs the package to be importable, as in the
-tests; gcc for Arm and qemu-system-arm, or exit 77.
+calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). Beside them, what
+tools/budget measured in the builds that are there: code, RAM and worst stack of whole parts, with their limits. Needs the
+package to be importable, as in the tests; gcc for Arm and qemu-system-arm, or exit 77.
 """
 
 import argparse
+import csv
 import json
 import re
 import shutil
@@ -51,6 +53,9 @@ CANDIDATES = {
     "uncertainties of `optimal`": 15,
 }
 SAMPLES = 512  # in one loop, as benchmark.h has it
+BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset
+PRESETS = ("cortex-m4", "zcu102")
+SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt", "cmake/*")
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= {number: "least_squares" for number in (6, 7, 12)}
 KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal"}
@@ -107,7 +112,7 @@ def main():
     if options.json:
         print(json.dumps({name: asdict(cost) for name, cost in costs.items()} | {"steps": steps}))
     else:
-        print(table(costs), *step_lines(steps), HONEST, sep="\n")
+        print(table(costs), *step_lines(steps), *budget_lines(), HONEST, sep="\n")
     return 0
 
 
@@ -170,6 +175,25 @@ def step_lines(steps):
     lines = ["", f"{'navigation computer':32}{'instructions':>12}{'least':>9}{'most':>9}{'steps':>7}"]
     for name, (count, mean, least, most, state) in steps.items():
         lines.append(f"{name:32}{mean:12,}{least:9,}{most:9,}{count:7}  the longest led to {state}")
+    return lines
+
+
+def budget_lines():
+    """What the last builds measured, of the limit; said where there is none, or an older one than the sources."""
+    columns = ("code", "library", "static_ram", "stack")
+    lines = ["", f"{'B, of the limit':32}" + "".join(f"{name:>16}" for name in columns)]
+    changed = max(path.stat().st_mtime for pattern in SOURCES for path in ROOT.glob(pattern))
+    for preset in PRESETS:
+        paths = sorted(ROOT.glob(BUDGETS.format(preset)))
+        if not paths:
+            how = f"cmake --preset {preset} && cmake --build --preset {preset}"
+            lines.append(f"{preset}: LEFT OUT, it is not built ({how})")
+        for path in paths:
+            with path.open(newline="", encoding="utf-8") as file:
+                rows = {row["quantity"]: row for row in csv.DictReader(file)}
+            cells = "".join(f"{rows[name]['bytes'] + ' / ' + rows[name]['limit_bytes']:>16}" for name in columns)
+            old = "" if path.stat().st_mtime >= changed else "  older than the sources"
+            lines.append(f"{rows['code']['target'] + ' ' + rows['code']['part']:32}{cells}{old}")
     return lines
 
 

@@ -1,80 +1,132 @@
-"""The build for the target fails beyond a limit of boards/budget.csv, and on code whose stack nobody can bound."""
+"""The build for a target fails beyond a limit of boards/budget.csv, and on code whose stack nobody can bound."""
+import functools
 import re
+import shutil
 
 import pytest
-from conftest import ROOT, run
+from conftest import ROOT, build, configured, run
 
+COMPILERS = {"cortex-m4": "arm-none-eabi-gcc", "zcu102": "aarch64-linux-gnu-gcc"}  # by preset
+
+RECURSION = r"recursion: canary_(even|odd) -> canary_(odd|even) -> canary_(even|odd)"
+ANYWHERE = {
+    "code": r"code \d+ B exceeds its limit of \d+ B",
+    "recursion": RECURSION,
+    "indirect": "indirect call in canary_call",
+    "dynamic": "stack of unknown size in canary_dynamic",
+}
+NAVCOMP = ANYWHERE | {"unlisted": r"\S+calls\.csv: canary_unlisted has its address taken and is nobody's target"}
+# By preset and what the build is to say first, the planted defects and what it is to say of them.
 REJECTED = {
-    "code": r"cortex-m4 core: code \d+ B exceeds its limit of 12288 B",
-    "library": r"cortex-m4 core: library \d+ B exceeds its limit of 4608 B",
-    "static_ram": r"cortex-m4 core: static_ram \d+ B exceeds its limit of 1536 B",
-    "stack": r"cortex-m4 core: stack \d+ B exceeds its limit of 512 B",
-    "recursion": r"cortex-m4 core: recursion: canary_(even|odd) -> canary_(odd|even) -> canary_(even|odd)",
-    "indirect": r"cortex-m4 core: indirect call in canary_call",
-    "dynamic": r"cortex-m4 core: stack of unknown size in canary_dynamic",
-    "heap": r"cortex-m4 core: heap\.c\.obj needs malloc",
+    ("cortex-m4", "budget: cortex-m4 core: "): ANYWHERE | {
+        "library": r"library \d+ B exceeds its limit of 4608 B",
+        "static_ram": r"static_ram \d+ B exceeds its limit of 1536 B",
+        "stack": r"stack \d+ B exceeds its limit of 512 B",
+        "heap": r"heap\.c\.obj needs malloc",
+    },
+    ("cortex-m4", "budget: cortex-m4 navcomp: "): NAVCOMP | {
+        "static_ram": r"static_ram \d+ B exceeds its limit of 4096 B",
+        "deep": r"stack \d+ B exceeds its limit of 1024 B",
+        "heap": r"heap\.c\.obj needs malloc",
+    },
+    ("zcu102", "budget: cortex-a53 navcomp: "): NAVCOMP | {
+        "static_ram": r"static_ram \d+ B exceeds its limit of 7168 B",
+        "deep": r"stack \d+ B exceeds its limit of 1792 B",
+        "assembly": r"stack 8[23]\d\d B exceeds its limit of 1792 B",
+        "moved": r"stack of unknown size in canary_moved \(\S+ mov sp, x0\)",
+    },
+    ("zcu102", r"\S+/heap\.c:\d+: "): {"heap": "undefined reference to `malloc'"},
 }
-
-REJECTED_OF_NAVCOMP = {
-    "code": r"cortex-m4 navcomp: code \d+ B exceeds its limit of \d+ B",
-    "static_ram": r"cortex-m4 navcomp: static_ram \d+ B exceeds its limit of 4096 B",
-    "deep": r"cortex-m4 navcomp: stack \d+ B exceeds its limit of 1024 B",
-    "recursion": r"cortex-m4 navcomp: recursion: canary_(even|odd) -> canary_(odd|even) -> canary_(even|odd)",
-    "indirect": r"cortex-m4 navcomp: indirect call in canary_call",
-    "dynamic": r"cortex-m4 navcomp: stack of unknown size in canary_dynamic",
-    "heap": r"cortex-m4 navcomp: heap\.c\.obj needs malloc",
-    "unlisted": r"cortex-m4 navcomp: \S+calls\.csv: canary_unlisted has its address taken and is nobody's target",
-}
+DEFECTS = [(preset, f"{'' if 'core' in begin else 'navcomp_'}{defect}", begin + said)
+           for (preset, begin), defects in REJECTED.items() for defect, said in defects.items()]
 
 
-@pytest.mark.parametrize("defect", REJECTED)
-def test_build_rejects(cortex_m4, defect):
-    result = cortex_m4(f"budget_canary_{defect}")
+def builder(preset):
+    """What tries to build a target of a preset."""
+    if shutil.which(COMPILERS[preset]) is None:
+        pytest.skip(f"{COMPILERS[preset]} is not installed")
+    return functools.partial(build, configured(preset))
+
+
+@pytest.mark.parametrize("preset, defect, said", DEFECTS, ids=[" ".join(row[:2]) for row in DEFECTS])
+def test_build_rejects(preset, defect, said):
+    result = builder(preset)(f"budget_canary_{defect}")
     assert result.returncode != 0
-    assert re.search("^budget: " + REJECTED[defect], result.stdout, re.MULTILINE), result.stdout
+    assert re.search("^" + said, result.stdout, re.MULTILINE), result.stdout
 
 
-@pytest.mark.parametrize("defect", REJECTED_OF_NAVCOMP)
-def test_build_rejects_in_navcomp(cortex_m4, defect):
-    result = cortex_m4(f"budget_canary_navcomp_{defect}")
-    assert result.returncode != 0
-    assert re.search("^budget: " + REJECTED_OF_NAVCOMP[defect], result.stdout, re.MULTILINE), result.stdout
-
-
-def test_build_accepts_navcomp_with_harmless_code(cortex_m4):
-    result = cortex_m4("budget_canary_navcomp_clean")
+@pytest.mark.parametrize("preset", COMPILERS)
+def test_build_accepts_navcomp_with_harmless_code(preset):
+    result = builder(preset)("budget_canary_navcomp_clean")
     assert result.returncode == 0, result.stdout
 
 
-# Edits of the committed list of indirect calls, and what must be said of the list then.
+# Edits of the committed lists of indirect calls, and what must be said of the list then.
 SPOILT_LISTS = {
-    "a call without an entry": ("tumble_link_send,board\n", "", "indirect call in tumble_link_send"),
-    "an entry without its call": ("tumble_link_send,board\n", "tumble_link_send,board\ncanary_clean,board\n",
-                                  "canary_clean calls nothing through a pointer"),
-    "a target left out": ("tell_heartbeat,tumble_navcomp_node_events+8/20\n", "tell_heartbeat,board\n",
-                          "heartbeat has its address taken and is nobody's target"),
-    "a target that is none": ("tumble_navcomp_init,board\n", "tumble_navcomp_init,tumble_pdo_step\n",
-                              "tumble_pdo_step is a target, and nobody holds its address"),
-    "no such function": ("tumble_link_send,board\n", "tumble_link_send,canary\n", "the image has no function canary"),
-    "no such table": ("estimators+0/4", "canaries+0/4", "the image has 0 tables canaries"),
-    "no such column": ("estimators+0/4", "estimators+0/8", "estimators of 12 B has no column 0 of rows of 8 B"),
+    "cortex-m4": {
+        "a call without an entry": ("tumble_link_send,board\n", "", "indirect call in tumble_link_send"),
+        "an entry without its call": ("tumble_link_send,board\n", "tumble_link_send,board\ncanary_clean,board\n",
+                                      "canary_clean calls nothing through a pointer"),
+        "a target left out": ("tell_heartbeat,tumble_navcomp_node_events+8/20\n", "tell_heartbeat,board\n",
+                              "heartbeat has its address taken and is nobody's target"),
+        "a target that is none": ("tumble_navcomp_init,board\n", "tumble_navcomp_init,tumble_pdo_step\n",
+                                  "tumble_pdo_step is a target, and nobody holds its address"),
+        "no such function": ("tumble_link_send,board\n", "tumble_link_send,canary\n",
+                             "the image has no function canary"),
+        "no such table": ("estimators+0/4", "canaries+0/4", "the image has 0 tables canaries"),
+        "no such column": ("estimators+0/4", "estimators+0/8", "estimators of 12 B has no column 0 of rows of 8 B"),
+    },
+    "zcu102": {
+        "a call without an entry": ("tumble_link_send,can_send\n", "", "indirect call in tumble_link_send"),
+        "an entry without its call": ("tumble_link_send,can_send\n", "tumble_link_send,can_send\ncanary_clean,\n",
+                                      "canary_clean calls nothing through a pointer"),
+        "a target left out": ("tell_heartbeat,tumble_navcomp_node_events+16/40\n", "tell_heartbeat,\n",
+                              "heartbeat has its address taken and is nobody's target"),
+        "a target that only code holds": ("tumble_link_send,can_send\n", "tumble_link_send,\n",
+                                          "can_send has its address taken and is nobody's target"),
+        "a target that is none": ("tumble_navcomp_init,now_us\n", "tumble_navcomp_init,now_us zcu102_now_us\n",
+                                  "zcu102_now_us is a target, and nobody holds its address"),
+        "no such function": ("tumble_link_send,can_send\n", "tumble_link_send,canary\n",
+                             "the image has no function canary"),
+        "no such table": ("estimators+0/8", "canaries+0/8", "the image has 0 tables canaries"),
+        "no such column": ("estimators+0/8", "estimators+0/16",
+                           "estimators of 24 B has no column 0 of rows of 16 B"),
+    },
 }
+LISTS = {"cortex-m4": "firmware/calls.csv", "zcu102": "boards/zcu102/calls.csv"}
 
 
-@pytest.mark.parametrize("spoilt", SPOILT_LISTS)
-def test_a_list_of_calls_that_disagrees_with_the_image_is_rejected(cortex_m4, tmp_path, spoilt):
-    assert cortex_m4("budget_canary_navcomp_clean").returncode == 0
-    old, new, message = SPOILT_LISTS[spoilt]
-    listed = (ROOT / "firmware/calls.csv").read_text()
+def budget_of_navcomp(preset, calls, *more):
+    """tools/budget on the image of the harmless canary, with another list of calls."""
+    built = ROOT / f"build/{preset}/tests/canary/budget"
+    if preset == "zcu102":
+        image, whole = built / "canary_navcomp_clean.elf", ["--exceptions", "vectors", "--tools", "aarch64-linux-gnu-"]
+    else:
+        image = built / "footprint_canary_navcomp_clean"
+        whole = ["--linked", f"{image}.ltrans0.ltrans.o"]
+    target = "cortex-a53" if preset == "zcu102" else preset
+    return run("tools/budget", "--limits", "boards/budget.csv", "--target", target, "--part", "navcomp",
+               "--image", image, "--map", f"{image}.map", "--calls", calls, *whole, *more,
+               f"@{built / 'canary_navcomp_clean.objects'}")
+
+
+@pytest.mark.parametrize("preset, spoilt", [(preset, edit) for preset, edits in SPOILT_LISTS.items() for edit in edits])
+def test_a_list_of_calls_that_disagrees_with_the_image_is_rejected(preset, spoilt, tmp_path):
+    assert builder(preset)("budget_canary_navcomp_clean").returncode == 0
+    old, new, message = SPOILT_LISTS[preset][spoilt]
+    listed = (ROOT / LISTS[preset]).read_text()
     assert listed.count(old) == 1
     (tmp_path / "calls.csv").write_text(listed.replace(old, new))
-    built = ROOT / "build/cortex-m4/tests/canary/budget"
-    image = built / "footprint_canary_navcomp_clean"
-    result = run("tools/budget", "--limits", "boards/budget.csv", "--target", "cortex-m4", "--part", "navcomp",
-                 "--image", image, "--map", f"{image}.map", "--calls", tmp_path / "calls.csv",
-                 "--linked", f"{image}.ltrans0.ltrans.o", f"@{built / 'canary_navcomp_clean.objects'}")
+    result = budget_of_navcomp(preset, tmp_path / "calls.csv")
     assert result.returncode == 1, result.stdout
     assert message in result.stdout
+
+
+def test_a_whole_image_without_the_exceptions_named_is_rejected():
+    assert builder("zcu102")("budget_canary_navcomp_clean").returncode == 0
+    result = budget_of_navcomp("zcu102", LISTS["zcu102"], "--exceptions", "canary")
+    assert result.returncode == 1
+    assert "the image has no table of exceptions canary" in result.stdout
 
 
 def test_only_the_planted_limit_is_exceeded(cortex_m4):

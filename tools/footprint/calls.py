@@ -12,16 +12,12 @@ inlined is the function that it has become a part of.
 
 It cannot be forgotten. Linked with --emit-relocs, the image tells where it holds addresses: a function whose address is
 held, and which no entry names, is refused, and so is a call that has no entry, an entry without its call, a named
-target whose address nobody holds, and an address made in another way than as a whole word.
+target whose address nobody holds, and an address made in a way that this tool does not follow. An entry without targets
+is a pointer that nobody sets in this image.
 """
 import csv
 import re
 
-# What the linker leaves in an image: direct branches, words, and references of the unwinding tables.
-BRANCHES = {"R_ARM_THM_CALL", "R_ARM_THM_JUMP24", "R_ARM_THM_JUMP19", "R_ARM_THM_JUMP11", "R_ARM_THM_JUMP8",
-            "R_ARM_CALL", "R_ARM_JUMP24"}
-HARMLESS = BRANCHES | {"R_ARM_NONE", "R_ARM_PREL31"}
-WORD = "R_ARM_ABS32"
 LOADED = (".text", ".rodata", ".ARM.ex", ".data", ".init_array", ".fini_array")
 BOARD = "board"
 
@@ -33,11 +29,15 @@ class Unlisted(Exception):
 class Calls:
     """Where the indirect calls of one image lead."""
 
-    def __init__(self, path, symbols_text, relocations_text, contents_text):
-        """`symbols_text` from `nm -S`, `relocations_text` from `readelf -rW`, `contents_text` from `objdump -s`."""
+    def __init__(self, path, instructions, symbols_text, relocations_text, contents_text):
+        """`instructions` is the module of the instruction set; `symbols_text` from `nm -S`, `relocations_text` from
+        `readelf -rW`, `contents_text` from `objdump -s`."""
         self._path = path
+        self._function_at = instructions.function_at
         self._functions, self._tables = read_symbols(symbols_text)
-        self._words = held_words(relocations_text, contents_of(contents_text))
+        found = relocations(relocations_text, instructions)
+        self._words = held_words(found, contents_of(contents_text), instructions)
+        self._made = {value for _, kind, value in found if kind in instructions.MADE_IN_CODE}
         self._used = set()
         with open(path, newline="", encoding="utf-8") as file:
             self._listed = {row["caller"]: row["targets"].split() for row in csv.DictReader(file)}
@@ -51,7 +51,7 @@ class Calls:
     def faults(self):
         """What is wrong with the list, after a walk has asked for all the calls that there are."""
         starts = {address: name for name, addresses in self._functions.items() for address in addresses}
-        held = {value & ~1 for value in self._words.values() if value & 1 and value & ~1 in starts}
+        held = {self._function_at(value) for value in {*self._words.values(), *self._made}} & set(starts)
         called = set().union(*self._targets.values())
         stale = sorted(set(self._listed) - self._used)
         return ([f"{self._path}: {starts[address]} has its address taken and is nobody's target"
@@ -78,7 +78,7 @@ class Calls:
         if row == 0 or size % row or offset >= row:
             raise Unlisted(f"{self._path}: {caller}: {table} of {size} B has no column {offset} of rows of {row} B")
         cells = range(start + offset, start + size, row)
-        return {self._words[cell] & ~1 for cell in cells if cell in self._words}
+        return {self._function_at(self._words[cell]) for cell in cells if cell in self._words}
 
 
 def plain(name):
@@ -97,17 +97,25 @@ def read_symbols(symbols_text):
     return functions, tables
 
 
-def held_words(relocations_text, contents):
-    """The words of an image that hold an address: place to value."""
-    loaded = _parts(relocations_text, r"^Relocation section '\.rel(\.\S+)'")
-    found = re.findall(r"^([0-9a-f]{8})\s+[0-9a-f]{8}\s+(R_\w+)", loaded, re.MULTILINE)
+def relocations(relocations_text, instructions):
+    """(place, kind, value of its symbol with what is added to that) of all that the linker has filled in."""
+    loaded = _parts(relocations_text, r"^Relocation section '\.rela?(\.\S+)'")
+    line = r"^([0-9a-f]{8,16})\s+[0-9a-f]{8,16}\s+(R_\w+)(?:[ \t]+([0-9a-f]{8,16})[ \t]+\S+)?(?: ([+-] [0-9a-f]+))?"
+    found = [(int(place, 16), kind, int(value or "0", 16) + int(more.replace(" ", "") or "0", 16))
+             for place, kind, value, more in re.findall(line, loaded, re.MULTILINE)]
     if not found:
         raise Unlisted("the image was linked without --emit-relocs")
-    strange = sorted({kind for _, kind in found} - HARMLESS - {WORD})
+    known = instructions.HARMLESS | instructions.MADE_IN_CODE | {instructions.WORD}
+    strange = sorted({kind for _, kind, _ in found} - known)
     if strange:
         raise Unlisted(f"addresses are made in ways that this tool does not follow: {', '.join(strange)}")
-    places = [int(place, 16) for place, kind in found if kind == WORD]
-    return {place: sum(contents[place + i] << (8 * i) for i in range(4)) for place in places}
+    return found
+
+
+def held_words(found, contents, instructions):
+    """The words of an image that hold an address: place to value."""
+    places = [place for place, kind, _ in found if kind == instructions.WORD]
+    return {place: sum(contents[place + i] << (8 * i) for i in range(instructions.WORD_BYTES)) for place in places}
 
 
 def contents_of(contents_text):

@@ -18,6 +18,8 @@ class Sizes:
     code: int      # instructions, constants and initial values of the part itself
     library: int   # the same of the library members linked with it
     static_ram: int  # initialised and zeroed data of both
+    flash_padding: int = 0  # what the linker puts between these: it belongs to nobody
+    ram_padding: int = 0
 
 
 def measure(map_text, objects):
@@ -33,7 +35,18 @@ def measure(map_text, objects):
                 sizes.library += length
         if name.startswith(INITIALISED + ZEROED):
             sizes.static_ram += length
+    sizes.flash_padding, sizes.ram_padding = _padding(_contents(map_text))
     return sizes
+
+
+def _padding(contents):
+    """Bytes of padding inside the sections of flash, and of RAM."""
+    section, flash, ram = "", 0, 0
+    for name, length in re.findall(r"^(?:(\.\S+)| \*fill\*\s+0x[0-9a-f]+\s+0x([0-9a-f]+))", contents, re.MULTILINE):
+        section = name or section
+        flash += int(length or "0", 16) if section.startswith(FLASH + INITIALISED) else 0
+        ram += int(length or "0", 16) if section.startswith(INITIALISED + ZEROED) else 0
+    return flash, ram
 
 
 def _contents(map_text):
@@ -49,6 +62,11 @@ def loaded(size_text):
         flash += int(length) if name.startswith(FLASH + INITIALISED) else 0
         ram += int(length) if name.startswith(INITIALISED + ZEROED) else 0
     return flash, ram
+
+
+def script_names(map_text):
+    """The names that the linker script defines."""
+    return set(re.findall(r"^\s+0x[0-9a-f]+\s+(\w+) = ", _contents(map_text), re.MULTILINE))
 
 
 def foreign_imports(undefined_text, defined):

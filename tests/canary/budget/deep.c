@@ -3,8 +3,8 @@ int canary_deep(int seed);
 
 int canary_deep(int seed)
 {
-    volatile int array[300];
-    for (int i = 0; i < 300; ++i) {
+    volatile int array[500];
+    for (int i = 0; i < 500; ++i) {
         array[i] = seed + i;
     }
     return array[seed & 127];
