@@ -168,7 +168,7 @@ static void step_memory(tumble_keeper_t *keeper)
     } else if (tumble_history_busy(&keeper->history)) {
         status = tumble_history_step(&keeper->history);
     } else if (tumble_checkpoint_busy(&keeper->checkpoint)) {
-        status = tumble_checkpoint_step(&keeper->checkpoint);
+        status = tumble_keeper_step_checkpoint(keeper);
     } else {
         tumble_parameters_step(&keeper->parameters);
     }

@@ -120,6 +120,7 @@ typedef struct {
     tumble_keeper_counters_t counters;
     tumble_set_t set;         /* the result, until it is stored */
     uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
+    uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
     uint64_t now_us;          /* of the last step */
     uint64_t utc_us;          /* UTC at the port's time 0 */
     uint64_t active_utc_s;    /* date of the active set; 0: unknown */
@@ -146,6 +147,7 @@ typedef struct {
     uint8_t resumable;
     bool run_was_on;
     bool run_resumed;
+    bool has_checkpoint;      /* the run's own has been begun; else it is tried again with its next mean */
     bool was_inhibited;
     bool stale;               /* the active set may have changed */
     bool repeated;            /* the result being judged has been seen before */

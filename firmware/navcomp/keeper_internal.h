@@ -68,6 +68,7 @@ uint32_t tumble_keeper_schedule_crc(const tumble_keeper_t *keeper);
 uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper);
 void tumble_keeper_watch(tumble_keeper_t *keeper); /* has a run begun, ended, or lost a position? */
 void tumble_keeper_keep(tumble_keeper_t *keeper);  /* begin, append or clear: at most one job */
+tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper);
 void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper); /* its run is stored; unless the next has begun */
 void tumble_keeper_count_resumable(tumble_keeper_t *keeper);
 tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper);

@@ -103,6 +103,11 @@ static uint8_t position_count(const tumble_keeper_t *keeper)
     return keeper->navcomp->procedure_config.schedule->position_count;
 }
 
+static bool is_fit(const tumble_keeper_t *keeper, uint8_t index)
+{
+    return tumble_checkpoint_has(&keeper->checkpoint, index) && ((keeper->unfit & (UINT64_C(1) << index)) == 0U);
+}
+
 static bool is_saved(const tumble_keeper_t *keeper, uint8_t index)
 {
     return (keeper->saved & (UINT64_C(1) << index)) != 0U;
@@ -115,6 +120,7 @@ static void begin_run(tumble_keeper_t *keeper)
     keeper->warmth_half_c = 0;
     keeper->warm_samples = 0;
     keeper->saved = 0;
+    keeper->unfit = 0;
     keeper->resumable = 0;
     keeper->wants = (uint8_t)((keeper->wants & ~(unsigned)WANT_CLEAR) | WANT_BEGIN);
 }
@@ -166,6 +172,45 @@ void tumble_keeper_watch(tumble_keeper_t *keeper)
 
 /* The checkpoint. */
 
+/* There is none, for it could not be written. All that is measured so far counts as saved, so that the next mean is what
+ * it is tried again for, and not the next step. */
+static void put_off(tumble_keeper_t *keeper)
+{
+    keeper->has_checkpoint = false;
+    keeper->saved = 0;
+    for (uint8_t p = 0; p < position_count(keeper); p++) {
+        const bool measured = tumble_procedure_has_mean(&keeper->navcomp->procedure, p);
+        keeper->saved |= (measured ? UINT64_C(1) : UINT64_C(0)) << p;
+    }
+}
+
+static tumble_status_t begin(tumble_keeper_t *keeper)
+{
+    keeper->wants &= (uint8_t)~(unsigned)WANT_BEGIN;
+    keeper->saved = 0;
+    keeper->has_checkpoint = false;
+    keeper->fingerprint = fingerprint(keeper); /* now: what the run before has left is stored */
+    const tumble_status_t status = tumble_checkpoint_begin(&keeper->checkpoint, keeper->fingerprint);
+    if (status != TUMBLE_OK) {
+        put_off(keeper);
+    }
+    return status;
+}
+
+/* What was under way while there was none was its beginning, or no run is on. A failure may cost all of it. */
+tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper)
+{
+    const tumble_status_t status = tumble_checkpoint_step(&keeper->checkpoint);
+    if (status == TUMBLE_OK) {
+        keeper->has_checkpoint = true;
+    } else if ((status != TUMBLE_E_PORT_BUSY) && !(keeper->has_checkpoint && keeper->checkpoint.kept)) {
+        put_off(keeper);
+    } else {
+        /* it goes on, or a mean alone is lost */
+    }
+    return status;
+}
+
 static void append(tumble_keeper_t *keeper)
 {
     const tumble_averaging_t *averages = tumble_procedure_averages(&keeper->navcomp->procedure);
@@ -176,6 +221,10 @@ static void append(tumble_keeper_t *keeper)
     }
     if (p == position_count(keeper)) {
         keeper->wants &= (uint8_t)~(unsigned)WANT_APPEND;
+        return;
+    }
+    if (!keeper->has_checkpoint) {
+        keeper->wants |= WANT_BEGIN;
         return;
     }
     const tumble_status_t status = tumble_checkpoint_append(&keeper->checkpoint, p, &averages->averages[p]);
@@ -200,10 +249,7 @@ void tumble_keeper_keep(tumble_keeper_t *keeper)
 {
     tumble_status_t status = TUMBLE_OK;
     if ((keeper->wants & WANT_BEGIN) != 0U) {
-        keeper->wants &= (uint8_t)~(unsigned)WANT_BEGIN;
-        keeper->saved = 0;
-        keeper->fingerprint = fingerprint(keeper); /* now: what the run before has left is stored */
-        status = tumble_checkpoint_begin(&keeper->checkpoint, keeper->fingerprint);
+        status = begin(keeper);
     } else if ((keeper->wants & WANT_CLEAR) != 0U) {
         keeper->wants &= (uint8_t)~(unsigned)WANT_CLEAR;
         keeper->resumable = 0;
@@ -226,7 +272,7 @@ void tumble_keeper_count_resumable(tumble_keeper_t *keeper)
     keeper->resumable = 0;
     if (idle && tumble_checkpoint_matches(&keeper->checkpoint, fingerprint(keeper))) {
         for (uint8_t p = 0; p < position_count(keeper); p++) {
-            keeper->resumable = (uint8_t)(keeper->resumable + (tumble_checkpoint_has(&keeper->checkpoint, p) ? 1U : 0U));
+            keeper->resumable = (uint8_t)(keeper->resumable + (is_fit(keeper, p) ? 1U : 0U));
         }
     }
 }
@@ -242,6 +288,7 @@ tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper)
     if ((keeper->task != (uint8_t)TASK_NONE) || keeper->stale || tumble_keeper_is_busy(keeper)) {
         return refuse(keeper);
     }
+    keeper->unfit = 0; /* who asks is heard: all of them are tried anew */
     tumble_keeper_count_resumable(keeper);
     if (keeper->resumable == 0U) {
         return refuse(keeper);
@@ -260,9 +307,11 @@ static void go_on(tumble_keeper_t *keeper)
     const bool same = (keeper->fingerprint == fingerprint(keeper)) && !tumble_keeper_is_inhibited(keeper);
     if (!same || (tumble_procedure_resume(&keeper->navcomp->procedure) != TUMBLE_OK)) {
         (void)refuse(keeper);
+        tumble_keeper_count_resumable(keeper); /* for what cannot be put back nothing waits */
         return;
     }
     tumble_count(&keeper->counters.resumed);
+    keeper->has_checkpoint = true;
     keeper->run_was_on = true;
     keeper->run_resumed = true;
     keeper->warmth_half_c = 0;
@@ -287,6 +336,8 @@ void tumble_keeper_restore(tumble_keeper_t *keeper)
     if ((status == TUMBLE_OK) &&
         (tumble_procedure_restore(&keeper->navcomp->procedure, keeper->at, &average) == TUMBLE_OK)) {
         keeper->saved |= UINT64_C(1) << keeper->at;
+    } else {
+        keeper->unfit |= UINT64_C(1) << keeper->at;
     }
     keeper->at++;
 }

@@ -110,7 +110,7 @@ static double months_between(const tumble_set_t *candidate, const tumble_set_t *
         const double passed = (double)(candidate->date_utc_s - active->date_utc_s) / TUMBLE_MONTH_S;
         months = (passed > months) ? passed : months;
     }
-    return months;
+    return (months < TUMBLE_COMMIT_MAX_MONTHS) ? months : TUMBLE_COMMIT_MAX_MONTHS;
 }
 
 static double kelvin_between(const tumble_set_t *candidate, const tumble_set_t *active)

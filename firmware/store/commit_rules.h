@@ -10,9 +10,9 @@
  *     change        |c - c_active| / |K_i| <= coverage sqrt(u_c^2 + u_c,active^2) / |K_i|
  *                                             + drift_per_month[c] months + drift_per_kelvin[c] kelvin
  *
- * with months the time between the dates of the two sets, at least 1 (and 1 where a date is unknown), and kelvin the
- * difference of their temperatures (0 where one is unknown). An uncertainty of the active set that is unknown counts as
- * 0: what is not known excuses no change.
+ * with months the time between the dates of the two sets, at least 1 (and 1 where a date is unknown) and at most
+ * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
+ * the active set that is unknown counts as 0: what is not known excuses no change.
  */
 #ifndef TUMBLE_STORE_COMMIT_RULES_H
 #define TUMBLE_STORE_COMMIT_RULES_H
@@ -22,6 +22,10 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* Drift is allowed for so many months at most, however far apart the dates are: a clock that is years ahead would else
+ * excuse any change, and after so long a time somebody should look at what has become of the block. */
+#define TUMBLE_COMMIT_MAX_MONTHS 24.0
 
 /* Bit numbers travel over CAN and Modbus: new ones go to the end, 16 at most. */
 #define TUMBLE_OBJECTION_LIST(X)                                                                                       \

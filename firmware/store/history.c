@@ -30,6 +30,7 @@ static void begin_scan(tumble_history_t *history)
     history->sequence = 0;
     history->sector = 0;
     history->scanned = 0;
+    history->unread = false;
     history->phase = PHASE_SCANNING;
 }
 
@@ -93,6 +94,7 @@ static void scan(tumble_history_t *history)
     }
     if (status != TUMBLE_OK) {
         count(&history->nv_errors);
+        history->unread = true;
     }
     note_cell(history, status == TUMBLE_OK);
     history->scanned++;
@@ -165,6 +167,10 @@ tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_hi
     const tumble_status_t status = tumble_history_encode(entry, history->bytes);
     if (status != TUMBLE_OK) {
         return status;
+    }
+    if (history->unread) { /* a cell that could not be read may hold the newest entry: look again first */
+        begin_scan(history);
+        return TUMBLE_E_NV;
     }
     tumble_history_number(history->bytes, history->newest + 1U);
     if (history->used[history->sector] < TUMBLE_HISTORY_CELLS) {

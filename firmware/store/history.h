@@ -53,6 +53,7 @@ typedef struct {
     uint8_t scanned;
     uint8_t phase;      /* private to history.c */
     bool booted;
+    bool unread;        /* the last scan could not read a cell: what is there must not be overwritten */
     uint8_t bytes[TUMBLE_HISTORY_BYTES];
 } tumble_history_t;
 
@@ -74,7 +75,8 @@ tumble_status_t tumble_history_step(tumble_history_t *history);
 bool tumble_history_busy(const tumble_history_t *history);
 
 /* Begin to append. Returns TUMBLE_OK (begun), _PORT_BUSY (a job is under way), _STATE (init refused, or the number of
- * entries has reached UINT32_MAX - 1), or as tumble_history_encode. */
+ * entries has reached UINT32_MAX - 1), _NV (a cell could not be read when it looked what is there: it looks again now;
+ * step, then try again), or as tumble_history_encode. */
 tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_history_entry_t *entry);
 
 /* How many entries there are: after more than 32, 32 to 64. 0 while busy. */

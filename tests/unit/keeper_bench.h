@@ -10,6 +10,8 @@
 #include "navcomp/uncertainty.h"
 #include "navcomp_bench.h"
 
+#define POSITIONS 18U /* of the schedule */
+
 static memory_t memory;
 static bench_t bench;
 static tumble_keeper_t keeper;
@@ -139,6 +141,23 @@ static inline void run_to_average(uint8_t index)
         bench_event(&bench);
     }
     TEST_FAIL_MESSAGE("the position is never reached");
+}
+
+/* A run that loses power when so many positions are finished. */
+static inline void start_and_cut(uint8_t index)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    run_to_average(index);
+    settle_memory();
+    keeper_power_cycle();
+}
+
+static inline void resume_to_end(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
+    bench_pass(&bench, 0.1);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    settle_memory();
 }
 
 #endif

@@ -212,6 +212,27 @@ static void test_drift_grows_with_the_months(void)
     ASSERT_OBJECTION(CHANGE);
 }
 
+/* A clock that is years ahead excuses no more than TUMBLE_COMMIT_MAX_MONTHS do. */
+static void test_drift_is_allowed_for_so_many_months_at_most(void)
+{
+    const uint64_t month_s = (uint64_t)TUMBLE_MONTH_S;
+    limits.drift_per_month[10] = 0x1p-6F;
+    const double before = (10.0 * TINY) + (23.0 * 0x1p-5);
+    const double most = (10.0 * TINY) + (24.0 * 0x1p-5);
+    const struct {
+        uint64_t later_s;
+        double allowed;
+    } cases[] = {{23U * month_s, before}, {24U * month_s, most}, {(24U * month_s) + 1U, most}, {25U * month_s, most},
+                 {1200U * month_s, most}, {UINT64_MAX - 1700000000U, most}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        candidate.date_utc_s = active.date_utc_s + cases[i].later_s;
+        candidate.coefficients.u0_v[1] = cases[i].allowed;
+        ASSERT_NONE();
+        candidate.coefficients.u0_v[1] = one_ulp_beyond(cases[i].allowed);
+        ASSERT_OBJECTION(CHANGE);
+    }
+}
+
 static void test_temperature_excuses_a_change(void)
 {
     limits.drift_per_kelvin[9] = 0x1p-8F;
@@ -344,6 +365,7 @@ int main(void)
     RUN_TEST(test_change_of_every_coefficient);
     RUN_TEST(test_change_to_the_last_bit);
     RUN_TEST(test_drift_grows_with_the_months);
+    RUN_TEST(test_drift_is_allowed_for_so_many_months_at_most);
     RUN_TEST(test_temperature_excuses_a_change);
     RUN_TEST(test_block_and_date);
     RUN_TEST(test_first_replayed_and_by_hand);

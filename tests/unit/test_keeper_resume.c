@@ -1,7 +1,6 @@
 /* Loss of power in a run: the checkpoint, going on from it, and what must not be gone on with. */
 #include "keeper_bench.h"
 
-#define POSITIONS 18U
 #define CHECKPOINT_AT (MEMORY_SECTOR * TUMBLE_REGION_CHECKPOINT)
 
 void setUp(void)
@@ -10,22 +9,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static void start_and_cut(uint8_t index)
-{
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(index);
-    settle_memory();
-    keeper_power_cycle();
-}
-
-static void resume_to_end(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
-    bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
-}
 
 /* The scripted block's pattern sums to nothing over a position, so the same samples come whenever they are taken. */
 static void test_cut_at_every_position_the_result_is_the_same(void)
@@ -315,33 +298,6 @@ static void test_a_damaged_entry_is_measured_again(void)
     TEST_ASSERT_EQUAL_UINT32(13, bench_counters(&bench).procedure.positions);
 }
 
-/* One position measured over and over fills the log: it is begun anew, and nothing is lost. */
-static void test_a_full_checkpoint_is_written_anew(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
-    settle_memory();
-    keeper.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
-    run_to_average(5);
-    settle_memory();
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
-}
-
-/* The memory fails while the run goes on: the run does not mind. */
-static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
-    memory.fails_at = memory.changes;
-    run_to_average(9);
-    memory.fails_at = NEVER_FAILS;
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_keeper_counters(&keeper)->failures);
-}
-
 /* An NMT reset of the application is as a loss of power. */
 static void test_after_an_nmt_reset_the_run_can_be_gone_on_with(void)
 {
@@ -376,8 +332,6 @@ int main(void)
     RUN_TEST(test_a_mean_that_was_dropped_stays_dropped);
     RUN_TEST(test_a_mounting_that_was_dropped_stays_dropped);
     RUN_TEST(test_a_damaged_entry_is_measured_again);
-    RUN_TEST(test_a_full_checkpoint_is_written_anew);
-    RUN_TEST(test_a_memory_that_fails_costs_the_checkpoint_alone);
     RUN_TEST(test_after_an_nmt_reset_the_run_can_be_gone_on_with);
     return UNITY_END();
 }

@@ -181,6 +181,8 @@ static void test_every_key_takes_its_whole_range(void)
 /* One key of every type, and the lines that may repeat. */
 static void test_values_arrive(void)
 {
+    bench_config_defaults(&config);
+    TEST_ASSERT_EQUAL_STRING("", config.keeping.serial); /* not told */
     TEST_ASSERT_NULL(read_lines("stand.limits = uniform\nstand.remount = common\nblock.k = 1 2 3 4 5 6 7 8 9\n"
                                 "block.u0 = -1 0 1e-3\naveraging.stillness_ratio = 2.5\nprofile.sign = -1\n"
                                 "drive.latches_stale_target = no\nblock.first_counter = 65535\n"

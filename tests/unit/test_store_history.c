@@ -136,6 +136,31 @@ static void test_failures_and_torn_cells_are_counted(void)
     assert_status(TUMBLE_OK, append_entry(2));
 }
 
+/* What could not be read may be the newest entry, and an erase would take it: it is looked for again first. */
+static void test_nothing_is_written_beside_what_could_not_be_read(void)
+{
+    static uint8_t before[sizeof memory.bytes];
+    for (uint32_t unread = 1; unread < 2U * TUMBLE_HISTORY_CELLS; unread++) {
+        setUp();
+        for (uint32_t n = 1; n <= 64U; n++) {
+            assert_status(TUMBLE_OK, append_entry(n));
+        }
+        memcpy(before, memory.bytes, sizeof before);
+        memory.read_fails_at = memory.reads + unread;
+        memory.read_fails = 2U * TUMBLE_HISTORY_CELLS; /* up to that cell of the scan after */
+        TEST_ASSERT_TRUE(history_boot(&memory));
+        assert_status(TUMBLE_E_NV, append_entry(65));
+        TEST_ASSERT_TRUE(history_settles());
+        assert_status(TUMBLE_E_NV, append_entry(65));
+        TEST_ASSERT_EQUAL_MEMORY(before, memory.bytes, sizeof before);
+        TEST_ASSERT_TRUE(history_settles());
+        assert_status(TUMBLE_OK, append_entry(65));
+        TEST_ASSERT_EQUAL_UINT8(33, tumble_history_count(&logs_history));
+        TEST_ASSERT_EQUAL_UINT32(65, tumble_history_sequence(&logs_history));
+        TEST_ASSERT_EQUAL_UINT32(33, sequence_at(32));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -145,5 +170,6 @@ int main(void)
     RUN_TEST(test_what_is_not_there_is_refused);
     RUN_TEST(test_numbers_do_not_wrap);
     RUN_TEST(test_failures_and_torn_cells_are_counted);
+    RUN_TEST(test_nothing_is_written_beside_what_could_not_be_read);
     return UNITY_END();
 }
