@@ -13,6 +13,8 @@ PYTHON = sys.executable
 
 
 def main(arguments):
+    if "--help" in arguments:
+        return show_help()
     full, chosen = "--full" in arguments, [name for name in arguments if name != "--full"]
     stages = plan(full)
     if unknown := set(chosen) - {stage.name for stage in stages}:
@@ -20,6 +22,15 @@ def main(arguments):
         return 2
     stages = [stage for stage in stages if not chosen or stage.name in chosen]
     return run_stages(stages, BUILD / "test", read_missing(), timeout_s=4 * 3600 if full else 1200)
+
+
+def show_help():
+    print("usage: tools/test [--full] [STAGE...]\n\nRun the tests: all stages, or those that are named.")
+    for title, stages in (("The stages", plan(False)), ("With --full", plan(True))):
+        print(f"\n{title}:")
+        for stage in stages:
+            print(f"  {stage.name:<12} {stage.about}")
+    return 0
 
 
 def read_missing():

@@ -2,6 +2,8 @@
 
 #include "arguments.h"
 
+#include "bench/wrong_option.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +11,12 @@
 bool arguments_refuse(const char *option, const char *what)
 {
     (void)fprintf(stderr, "%s: %s: %s\n", program_invocation_short_name, option, what);
+    return false;
+}
+
+bool arguments_wrong(int answer, char *const arguments[])
+{
+    bench_wrong_option(program_invocation_short_name, answer, arguments);
     return false;
 }
 

@@ -14,6 +14,9 @@ bool arguments_number(const char *option, const char *text, double low, double h
 /* The operands: the interface, and at most one scenario file. */
 bool arguments_operands(int count, char *const operands[], const char **interface, const char **scenario);
 
+/* The answer of getopt_long when an option is unknown, lacks its value or has one too many. Returns false. */
+bool arguments_wrong(int answer, char *const arguments[]);
+
 /* One line: the program, the option, what is wrong with it. Returns false. */
 bool arguments_refuse(const char *option, const char *what);
 

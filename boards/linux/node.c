@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <string.h>
+#include <unistd.h>
 
 #define US_PER_MS 1000U
 #define US_PER_S 1000000U
@@ -302,6 +303,15 @@ static const char *open_outputs(node_t *node, const char **subject)
     return wrong;
 }
 
+/* Served: whoever started it sees that it is there. */
+static void greet(const node_options_t *options)
+{
+    if (!options->start && options->progress_fd != STDERR_FILENO) {
+        (void)fprintf(stderr, "tumble-node: node 1 on %s, memory %s; waits for commands\n", options->interface,
+                      (options->nv != NULL) ? options->nv : "none");
+    }
+}
+
 static int finish(node_t *node, FILE *out)
 {
     if (node->options->out != NULL) {
@@ -339,6 +349,7 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     if (wrong != NULL) {
         return fail(subject, wrong, BENCH_EXIT_USAGE);
     }
+    greet(options);
     go(&node, out);
     can_socket_look(&node.port.can);
     events_close(&node.events);

@@ -19,6 +19,10 @@ int main(int count, char *arguments[])
     if (!bench_config_prepare(&config, options.scenario, options.gains, "tumble-node")) {
         return BENCH_EXIT_USAGE;
     }
+    if (options.nv != NULL && config.keeping.serial[0] == '\0') {
+        (void)fputs("tumble-node: keeper.serial: is missing: with --nv the scenario must name the block\n", stderr);
+        return BENCH_EXIT_USAGE;
+    }
     const int code = node_run(&config, &options, stdout);
     if (fflush(stdout) != 0) {
         (void)fputs("tumble-node: standard output cannot be written\n", stderr);

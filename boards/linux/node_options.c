@@ -3,6 +3,7 @@
 #include "node_options.h"
 
 #include "arguments.h"
+#include "bench/wrong_option.h"
 
 #include <getopt.h>
 #include <signal.h>
@@ -13,32 +14,53 @@
 const char node_options_help[] =
     "usage: tumble-node INTERFACE [SCENARIO] [options]\n"
     "\n"
-    "The navigation computer on a CAN interface, in real time: node 1, NMT master, leads the drive (node\n"
-    "2) and averages the accelerometer block (node 3). INTERFACE is one of Linux, such as can0 or vcan0.\n"
-    "SCENARIO is a file as of tumble-bench (tumble-bench --keys lists the keys); what it says of drive\n"
-    "profile, procedure, averaging, schedule and firmware counts, what it says of the simulation does\n"
-    "not.\n"
+    "The navigation computer on a CAN interface, in real time: node 1, NMT master,\n"
+    "leads the drive (node 2) and averages the accelerometer block (node 3).\n"
+    "INTERFACE is one of Linux, such as can0 or vcan0. SCENARIO is a file as of\n"
+    "tumble-bench (tumble-bench --keys lists the keys); without it, the paper's\n"
+    "stand. Of it count:\n"
     "\n"
-    "Serves until SIGTERM or SIGINT; calibrations are begun by SDO (object 2002h), and each that has\n"
-    "ended is one line of JSON on standard output. With --start it begins one at once and ends with it. A\n"
-    "mounting is confirmed by SDO, too. A signal stops the table first.\n"
+    "  profile.*, procedure.*, averaging.*, firmware.*, mounting, position\n"
+    "  keeper.*         with --nv, which needs keeper.serial\n"
+    "  stand.*, block.noise_v, block.noise_limits\n"
+    "                   the errors for which uncertainties are stated\n"
+    "  block.scale_v_per_g, block.converter_bits, block.range_v,\n"
+    "  block.sample_period_us\n"
+    "                   what the block sends\n"
+    "  motion.speed_deg_s, motion.acceleration_deg_s2, drive.*\n"
+    "                   where the profile leaves something open\n"
+    "  operator.tolerance_deg, operator.timeout_ms\n"
+    "                   with firmware.stand = operator\n"
+    "  limit.virtual_s  with --start\n"
+    "\n"
+    "All else describes a simulation, block.k and block.u0 above all.\n"
+    "\n"
+    "Serves until SIGTERM or SIGINT; calibrations are begun by SDO (object 2002h),\n"
+    "and each that has ended is one line of JSON on standard output. With --start\n"
+    "it begins one at once and ends with it. A mounting is confirmed by SDO, too. A\n"
+    "signal stops the table first.\n"
     "\n"
     "  --start          begin a calibration at once, and end with it\n"
-    "  --patience S     with --start: wait so many seconds after a fault for a command to go on, or until\n"
-    "                   SIGUSR1; else 0\n"
-    "  --out DIR        with --start: write run.csv, bus.log and bench.json into a new or empty folder\n"
-    "  --gain-record F  gain record for procedure.estimator = optimal (docs/gain-record.md)\n"
-    "  --nv FILE        non-volatile memory, 64 kB; made if it is not there; else nothing is kept\n"
-    "  --progress       one JSON line on standard error for every step of the procedure\n"
+    "  --patience S     with --start: wait so many seconds after a fault for a\n"
+    "                   command to go on, or until SIGUSR1; else 0\n"
+    "  --out DIR        with --start: write run.csv, bus.log and bench.json into a\n"
+    "                   new or empty folder\n"
+    "  --gain-record F  gain record for procedure.estimator = optimal\n"
+    "                   (docs/gain-record.md)\n"
+    "  --nv FILE        non-volatile memory, 64 kB; made if it is not there, in a\n"
+    "                   folder that is; else nothing is kept\n"
+    "  --progress       one JSON line on standard error for every step of the\n"
+    "                   procedure\n"
     "  --progress-fd N  the same on an open file descriptor\n"
-    "  --with-parent    end, as by SIGTERM, when the process that started this one has ended\n"
-    "  --help           print this\n"
+    "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
+    "                   has ended\n"
+    "  -h, --help       print this\n"
     "\n"
-    "Exit codes: 0 passed, or told to end between two calibrations; 1 the gravity check failed; 2 bad\n"
-    "input, or no such interface; 3 fault; 77 this kernel has no CAN; 130 told to end during a\n"
-    "calibration.\n";
+    "Exit codes: 0 passed, or told to end between two calibrations; 1 the gravity\n"
+    "check failed; 2 bad input, or no such interface; 3 fault; 77 this kernel has\n"
+    "no CAN; 130 told to end during a calibration.\n";
 
-enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT, HELP };
+enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT, HELP = 'h' };
 
 static const struct option OPTIONS[] = {
     {"start", no_argument, NULL, START},          {"patience", required_argument, NULL, PATIENCE},
@@ -55,7 +77,7 @@ static bool take_text(const char *option, const char **text)
     return *optarg != '\0' || arguments_refuse(option, "must not be empty");
 }
 
-static bool take(node_options_t *options, int option)
+static bool take(node_options_t *options, int option, char *const arguments[])
 {
     uint64_t fd = 0;
     switch (option) {
@@ -85,16 +107,17 @@ static bool take(node_options_t *options, int option)
         options->help = true;
         return true;
     default:
-        return false; /* getopt_long has said what is wrong */
+        return arguments_wrong(option, arguments);
     }
 }
 
 bool node_options_read(node_options_t *options, int count, char *arguments[])
 {
     int option;
+    opterr = 0;
     *options = (node_options_t){.progress_fd = -1};
-    while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
-        if (!take(options, option)) {
+    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
+        if (!take(options, option, arguments)) {
             return false;
         }
     }

@@ -3,6 +3,7 @@
 #include "stand_options.h"
 
 #include "arguments.h"
+#include "bench/wrong_option.h"
 
 #include <getopt.h>
 #include <signal.h>
@@ -13,25 +14,30 @@
 const char stand_options_help[] =
     "usage: tumble-stand INTERFACE [SCENARIO] [options]\n"
     "\n"
-    "A simulated rotary stand on a CAN interface, in real time: its drive (node 2, CiA 402), the\n"
-    "accelerometer block on it (node 3), and the operator who mounts the block. Who leads them is on the\n"
-    "same interface: tumble-node, a board, or any other CANopen master. INTERFACE is one of Linux, such\n"
-    "as vcan0 or can0. SCENARIO is a file as of tumble-bench (tumble-bench --keys lists the keys).\n"
+    "A simulated rotary stand on a CAN interface, in real time: its drive (node 2,\n"
+    "CiA 402), the accelerometer block on it (node 3), and the operator who mounts\n"
+    "the block. Who leads them is on the same interface: tumble-node, a board, or\n"
+    "any other CANopen master. INTERFACE is one of Linux, such as vcan0 or can0.\n"
+    "SCENARIO is a file as of tumble-bench (tumble-bench --keys lists the keys).\n"
     "\n"
-    "Serves until SIGTERM or SIGINT, waits for the table to be at rest, 5 s at most, and prints one JSON\n"
-    "document: the truth, the faults that came, the table, counters.\n"
+    "Serves until SIGTERM or SIGINT, waits for the table to be at rest, 5 s at\n"
+    "most, and prints one JSON document: the truth, the faults that came, the\n"
+    "table, counters.\n"
     "\n"
     "  --seed N         whole number from 0 to 2^64 - 1; default 1\n"
-    "  --operator WHAT  none: does nothing; mount: answers node 1 when it waits for a mounting; start:\n"
-    "                   gives the command to start as well, once; ask: does what standard input says,\n"
-    "                   a line for each: done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
+    "  --operator WHAT  none: does nothing; mount: answers node 1 when it waits for\n"
+    "                   a mounting; start: gives the command to start as well,\n"
+    "                   once; ask: does what standard input says, a line for each:\n"
+    "                   done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
     "                   default: mount\n"
-    "  --with-parent    end, as by SIGTERM, when the process that started this one has ended\n"
-    "  --help           print this\n"
+    "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
+    "                   has ended\n"
+    "  -h, --help       print this\n"
     "\n"
-    "Exit codes: 0 told to end, 2 bad input, or no such interface; 3 fault; 77 this kernel has no CAN.\n";
+    "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
+    "kernel has no CAN.\n";
 
-enum { SEED = 1, OPERATOR, WITH_PARENT, HELP };
+enum { SEED = 1, OPERATOR, WITH_PARENT, HELP = 'h' };
 
 static const struct option OPTIONS[] = {
     {"seed", required_argument, NULL, SEED},
@@ -53,7 +59,7 @@ static bool take_operator(stand_options_t *options, const char *what)
     return arguments_refuse("--operator", "must be none, mount, start or ask");
 }
 
-static bool take(stand_options_t *options, int option)
+static bool take(stand_options_t *options, int option, char *const arguments[])
 {
     switch (option) {
     case SEED:
@@ -66,16 +72,17 @@ static bool take(stand_options_t *options, int option)
         options->help = true;
         return true;
     default:
-        return false; /* getopt_long has said what is wrong */
+        return arguments_wrong(option, arguments);
     }
 }
 
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
     int option;
+    opterr = 0;
     *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
-    while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
-        if (!take(options, option)) {
+    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
+        if (!take(options, option, arguments)) {
             return false;
         }
     }

@@ -7,6 +7,24 @@
 #include <stdio.h>
 #include <string.h>
 
+static bool is_toml(const char *path)
+{
+    const char *const end = strrchr(path, '.');
+    return end != NULL && strcmp(end, ".toml") == 0;
+}
+
+static void complain(const char *program, const char *name, const bench_mistake_t *mistake)
+{
+    if (is_toml(name)) {
+        (void)fprintf(stderr, "%s: %s: looks like a stand file; a scenario file is wanted (docs/real-bus.md)\n",
+                      program, name);
+    } else if (mistake->line > 0U) {
+        (void)fprintf(stderr, "%s: %s:%u: %s\n", program, name, mistake->line, mistake->what);
+    } else {
+        (void)fprintf(stderr, "%s: %s: %s\n", program, name, mistake->what);
+    }
+}
+
 static bool read_scenario(bench_config_t *config, const char *path, const char *program)
 {
     const bool is_stdin = strcmp(path, "-") == 0;
@@ -18,10 +36,8 @@ static bool read_scenario(bench_config_t *config, const char *path, const char *
         return false;
     }
     const bool good = bench_config_read(config, file, &mistake);
-    if (!good && mistake.line > 0U) {
-        (void)fprintf(stderr, "%s: %s:%u: %s\n", program, name, mistake.line, mistake.what);
-    } else if (!good) {
-        (void)fprintf(stderr, "%s: %s: %s\n", program, name, mistake.what);
+    if (!good) {
+        complain(program, name, &mistake);
     }
     if (!is_stdin) {
         (void)fclose(file);

@@ -5,7 +5,6 @@
 void bench_keeping_defaults(bench_keeping_t *keeping)
 {
     *keeping = (bench_keeping_t){
-        .serial = "TB-0001",
         .commits = true,
         .settings = {.limits = {.coverage = 3.0F}, .pause_s = 3600, .temperature_samples = 100},
     };

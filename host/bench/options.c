@@ -13,21 +13,30 @@
 const char bench_options_help[] =
     "usage: tumble-bench [SCENARIO] [options]\n"
     "\n"
-    "Calibrates a simulated accelerometer block on a simulated stand with the real firmware, in virtual time.\n"
-    "SCENARIO is a file of key = value lines (--keys lists them), - for standard input; without it the paper's stand.\n"
-    "Prints one JSON document, or with --runs one JSON line per run.\n"
+    "Calibrates a simulated accelerometer block on a simulated stand with the real\n"
+    "firmware, in virtual time. SCENARIO is a file of key = value lines (--keys\n"
+    "lists them), - for standard input; without it the paper's stand. Prints one\n"
+    "JSON document, or with --runs one JSON line per run.\n"
     "\n"
-    "  --seed N         whole number from 0 to 2^64 - 1; default 1. The same seed gives the same bytes\n"
-    "  --out DIR        write run.csv, bus.log and bench.json into a folder that is new or empty\n"
-    "  --gain-record F  the gains of procedure.estimator = optimal (docs/gain-record.md)\n"
-    "  --progress       one JSON line on standard error for every step of the procedure\n"
-    "  --progress-fd N  the same on an open file descriptor; when it can't be written any more, the run is given up\n"
-    "  --interactive    ask for mountings and mended faults: questions go to the progress lines, answers come as\n"
-    "                   lines on standard input: done, abort, leave, repeat position INDEX, repeat mounting NUMBER\n"
+    "  --seed N         whole number from 0 to 2^64 - 1; default 1. The same seed\n"
+    "                   gives the same bytes\n"
+    "  --out DIR        write run.csv, bus.log and bench.json into a folder that is\n"
+    "                   new or empty\n"
+    "  --gain-record F  the gains of procedure.estimator = optimal\n"
+    "                   (docs/gain-record.md)\n"
+    "  --progress       one JSON line on standard error for every step of the\n"
+    "                   procedure\n"
+    "  --progress-fd N  the same on an open file descriptor; when it can't be\n"
+    "                   written any more, the run is given up\n"
+    "  --interactive    ask for mountings and mended faults: questions go to the\n"
+    "                   progress lines, answers come as lines on standard input:\n"
+    "                   done, abort, leave, repeat position INDEX, repeat mounting\n"
+    "                   NUMBER\n"
     "  --pace X         X virtual seconds per second; default: as fast as it goes\n"
-    "  --listen PATH    let others take part in the bus through a local socket (host/bench/guests.h); --pace is\n"
-    "                   then 1\n"
-    "  --guests N       with --listen: wait for N of them before time begins; default 0\n"
+    "  --listen PATH    let others take part in the bus through a local socket\n"
+    "                   (host/bench/guests.h); --pace is then 1\n"
+    "  --guests N       with --listen: wait for N of them before time begins;\n"
+    "                   default 0\n"
     "\n"
     "  --runs N         N runs with seeds from --seed upwards\n"
     "  --jobs N         on so many processes, 1 to 64; default: all processors\n"
@@ -35,10 +44,10 @@ const char bench_options_help[] =
     "  --summary        instead of the lines one document with statistics and speed\n"
     "\n"
     "  --keys           print the keys of a scenario file\n"
-    "  --help           print this\n"
+    "  -h, --help       print this\n"
     "\n"
-    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that cannot be written, 3 fault, 130\n"
-    "interrupted; of a campaign the worst.\n";
+    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that\n"
+    "cannot be written, 3 fault, 130 interrupted; of a campaign the worst.\n";
 
 typedef struct {
     bench_options_t *options;
@@ -135,6 +144,7 @@ static bool read_flag(bench_options_t *options, const char *name)
         {"--interactive", offsetof(bench_options_t, interactive)},
         {"--keys", offsetof(bench_options_t, keys)},
         {"--help", offsetof(bench_options_t, help)},
+        {"-h", offsetof(bench_options_t, help)},
     };
     for (size_t i = 0; i < sizeof FLAGS / sizeof FLAGS[0]; i++) {
         if (strcmp(name, FLAGS[i].name) == 0) {
@@ -216,7 +226,7 @@ bool bench_options_read(bench_options_t *options, int count, char *const argumen
     reader_t reader = {.options = options, .count = count, .arguments = arguments, .next = 1, .wrong = wrong};
     while (reader.next < count) {
         const char *const argument = arguments[reader.next++];
-        if (strncmp(argument, "--", 2) == 0) {
+        if (strncmp(argument, "--", 2) == 0 || strcmp(argument, "-h") == 0) {
             if (!read_option(&reader, argument)) {
                 return false;
             }

@@ -3,6 +3,7 @@
 #include "options.h"
 
 #include "arguments.h"
+#include "bench/wrong_option.h"
 
 #include <getopt.h>
 #include <stdio.h>
@@ -11,29 +12,35 @@
 const char gateway_options_help[] =
     "usage: tumble-gateway --can INTERFACE [options]\n"
     "\n"
-    "Serves what the navigation computer on a CAN interface of Linux knows as Modbus registers: over TCP, on\n"
-    "a serial line, or both. Read only, and on this machine alone, unless told otherwise. The registers stand\n"
-    "in docs/modbus.md. Runs until SIGTERM or SIGINT; no root needed.\n"
+    "Serves what the navigation computer on a CAN interface of Linux knows as\n"
+    "Modbus registers: over TCP, on a serial line, or both. Read only, and on this\n"
+    "machine alone, unless told otherwise. The registers stand in docs/modbus.md.\n"
+    "Runs until SIGTERM or SIGINT; no root needed.\n"
     "\n"
     "  --can INTERFACE           such as can0 or vcan0\n"
-    "  --tcp HOST:PORT           where to listen (default 127.0.0.1:1502; [::1]:1502; port 0: any); none: not\n"
-    "  --rtu DEVICE,BAUD,PARITY  a serial line as well, such as /dev/ttyUSB0,19200,E (parity N, E or O)\n"
+    "  --tcp HOST:PORT           where to listen (default 127.0.0.1:1502;\n"
+    "                            [::1]:1502; port 0: any); none: not\n"
+    "  --rtu DEVICE,BAUD,PARITY  a serial line as well, such as\n"
+    "                            /dev/ttyUSB0,19200,E (parity N, E or O)\n"
     "  --unit N                  Modbus unit that is answered (default 1)\n"
     "  --node N                  CANopen node that is asked (default 1)\n"
-    "  --poll MS                 time from one reading of the node to the next (default 1000)\n"
-    "  --idle S                  close a TCP client after such a silence (default 60)\n"
+    "  --poll MS                 time from one reading of the node to the next\n"
+    "                            (default 1000)\n"
+    "  --idle S                  close a TCP client after such a silence\n"
+    "                            (default 60)\n"
     "  --allow-commands          a session may command the node once it is unlocked\n"
-    "  --unlock S                it locks itself so long after its last write (default 60)\n"
-    "  --help                    print this\n"
+    "  --unlock S                it locks itself so long after its last write\n"
+    "                            (default 60)\n"
+    "  -h, --help                print this\n"
     "\n"
-    "Exit codes: 0 told to end; 2 bad usage, or no such interface; 3 it cannot listen, or the line cannot be\n"
-    "opened; 77 this kernel has no CAN.\n";
+    "Exit codes: 0 told to end; 2 bad usage, or no such interface; 3 it cannot\n"
+    "listen, or the line cannot be opened; 77 this kernel has no CAN.\n";
 
 #define DEFAULT_TCP "127.0.0.1:1502"
 #define US_PER_MS 1000U
 #define US_PER_S 1000000U
 
-enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK, HELP };
+enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK, HELP = 'h' };
 
 static const struct option OPTIONS[] = {
     {"can", required_argument, NULL, CAN},       {"tcp", required_argument, NULL, TCP},
@@ -111,7 +118,7 @@ static bool take_time(const char *option, uint64_t low, uint64_t high, uint64_t 
     return true;
 }
 
-static bool take(gateway_options_t *options, int option)
+static bool take(gateway_options_t *options, int option, char *const arguments[])
 {
     gateway_settings_t *const settings = &options->settings;
     switch (option) {
@@ -139,18 +146,19 @@ static bool take(gateway_options_t *options, int option)
         options->help = true;
         return true;
     default:
-        return false; /* getopt_long has said what is wrong */
+        return arguments_wrong(option, arguments);
     }
 }
 
 bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
 {
     int option;
+    opterr = 0;
     *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
                                                 .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
-    while ((option = getopt_long(count, arguments, "", OPTIONS, NULL)) != -1) {
-        if (!take(options, option)) {
+    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
+        if (!take(options, option, arguments)) {
             return false;
         }
     }

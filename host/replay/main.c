@@ -6,6 +6,7 @@
 #include "bench/report.h"
 #include "bench/report_counters.h"
 #include "bench/world.h"
+#include "bench/wrong_option.h"
 #include "commissioning.h"
 #include "log.h"
 #include "replay/replay.h"
@@ -21,20 +22,26 @@ static const char HELP[] =
     "usage: tumble-replay BUS.log [SCENARIO] [options]\n"
     "       tumble-replay --commissioning FILE [SCENARIO]\n"
     "\n"
-    "Feeds the recorded frames of everyone but node 1 (candump -L), in order and at their recorded times, to the\n"
-    "firmware of node 1, in virtual time, and ignores what it sends: the coefficients come out with the same bits.\n"
-    "SCENARIO is the one of the recorded run (inputs/scenario.txt of a run folder); without it the paper's stand.\n"
-    "Commands that did not travel over the bus are given where the log shows that they were. Prints one JSON\n"
-    "document.\n"
+    "Feeds the recorded frames of everyone but node 1 (candump -L), in order and at\n"
+    "their recorded times, to the firmware of node 1, in virtual time, and ignores\n"
+    "what it sends: the coefficients come out with the same bits. SCENARIO is the\n"
+    "one of the recorded run (inputs/scenario.txt of a run folder); without it the\n"
+    "paper's stand. Commands that did not travel over the bus are given where the\n"
+    "log shows that they were. Prints one JSON document.\n"
     "\n"
-    "  --out DIR        write run.csv, bus.log and bench.json into a folder that is new or empty\n"
-    "  --recording FILE write the recording for the board zcu102 instead of replaying it here\n"
+    "  --out DIR        write run.csv, bus.log and bench.json into a folder that is\n"
+    "                   new or empty\n"
+    "  --recording FILE write the recording for the board zcu102 instead of\n"
+    "                   replaying it here\n"
     "  --commissioning FILE\n"
-    "                   write the record that tells the board zcu102 what SCENARIO says of its stand and block\n"
-    "  --gain-record F  the gains of procedure.estimator = optimal (inputs/gains.bin of a run folder)\n"
-    "  --help           print this\n"
+    "                   write the record that tells the board zcu102 what SCENARIO\n"
+    "                   says of its stand and block\n"
+    "  --gain-record F  the gains of procedure.estimator = optimal\n"
+    "                   (inputs/gains.bin of a run folder)\n"
+    "  -h, --help       print this\n"
     "\n"
-    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 the run does not come to a result.\n";
+    "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 the run does\n"
+    "not come to a result.\n";
 
 typedef struct {
     const char *log;
@@ -74,27 +81,30 @@ static bool read_operands(options_t *options, int count, char *operands[])
 
 static bool read_options(options_t *options, int count, char *arguments[])
 {
-    static const struct option KNOWN[] = {{"out", required_argument, NULL, 'o'},
-                                          {"recording", required_argument, NULL, 'r'},
-                                          {"commissioning", required_argument, NULL, 'c'},
-                                          {"gain-record", required_argument, NULL, 'g'},
+    enum { OUT = 1, RECORDING, COMMISSIONING, GAINS };
+    static const struct option KNOWN[] = {{"out", required_argument, NULL, OUT},
+                                          {"recording", required_argument, NULL, RECORDING},
+                                          {"commissioning", required_argument, NULL, COMMISSIONING},
+                                          {"gain-record", required_argument, NULL, GAINS},
                                           {"help", no_argument, NULL, 'h'},
                                           {0}};
     int option;
+    opterr = 0;
     *options = (options_t){0};
-    while ((option = getopt_long(count, arguments, "", KNOWN, NULL)) != -1) {
-        if (option == 'o') {
+    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, KNOWN, NULL)) != -1) {
+        if (option == OUT) {
             options->out = optarg;
-        } else if (option == 'r') {
+        } else if (option == RECORDING) {
             options->recording = optarg;
-        } else if (option == 'c') {
+        } else if (option == COMMISSIONING) {
             options->commissioning = optarg;
-        } else if (option == 'g') {
+        } else if (option == GAINS) {
             options->gain_record = optarg;
         } else if (option == 'h') {
             options->help = true;
         } else {
-            return false; /* getopt_long has said what is wrong */
+            bench_wrong_option("tumble-replay", option, arguments);
+            return false;
         }
     }
     return options->help || read_operands(options, count - optind, arguments + optind);

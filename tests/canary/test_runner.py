@@ -117,6 +117,13 @@ def test_an_unknown_stage_or_option_is_a_usage_error():
     assert (result.returncode, result.stdout) == (2, "test: no such stage: no-such-stage\n")
 
 
+def test_the_help_lists_every_stage():
+    result = run("tools/test", "--help")
+    assert result.returncode == 0 and result.stdout.startswith("usage: tools/test [--full] [STAGE...]")
+    listed = [line.split()[0] for line in result.stdout.splitlines() if line.startswith("  ")]
+    assert listed == [planned.name for full in (False, True) for planned in stages.plan(full)]
+
+
 def test_every_stage_has_a_name_of_its_own():
     names = [planned.name for planned in stages.plan(full=True)]
     assert len(set(names)) == len(names)

@@ -43,8 +43,10 @@ def build(folder):
     program = folder / "gateway_harness"
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
     sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")] + ["boards/linux/arguments.c"]
-    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost/gateway", "-Iboards/linux",
-               "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o", str(program)]
+    sources += ["host/bench/wrong_option.c"]
+    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost", "-Ihost/gateway",
+               "-Iboards/linux", "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o",
+               str(program)]
     subprocess.run(command, cwd=ROOT, check=True)
     return program
 

@@ -200,4 +200,22 @@ def check(refused, tmp_path, option, case):
 def test_a_harmonic_estimator_on_six_faces(refused):
     run, schedule = EXAMPLES / "six_faces.csv", EXAMPLES / "six_faces.toml"
     line = refused("solve", run, "--schedule", schedule)
-    assert "the schedule lacks positions that refined needs" in line and "six_faces.csv" in line
+    assert line == f"tumble: {schedule}: lacks positions that refined needs; least_squares solves any schedule\n"
+
+
+@pytest.mark.parametrize(
+    ("option", "file", "message"),
+    [
+        ("--stand", "six_faces.toml", "is a schedule file (--schedule), not a stand file"),
+        ("--schedule", "paper_stand.toml", "is a stand file (--stand), not a schedule file"),
+    ],
+)
+def test_files_that_are_mixed_up(refused, option, file, message):
+    line = refused("solve", EXAMPLES / "paper_stand.csv", option, EXAMPLES / file)
+    assert line == f"tumble: {EXAMPLES / file}: {message}\n"
+
+
+@pytest.mark.parametrize(("file", "row"), [("six_faces.toml", 4), ("paper_stand.toml", 3)])
+def test_a_toml_file_is_no_run(refused, file, row):
+    line = refused("solve", EXAMPLES / file)
+    assert line == f"tumble: {EXAMPLES / file}: row {row}: is TOML, such as a stand or a schedule file, and no run file\n"

@@ -186,6 +186,9 @@ def test_interactive_asks_for_both_mountings(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "mounting 1 says: x along +h" in done.stderr and "mounting 2 says: x along -h" in done.stderr
     assert "not accepted: an answer is" in done.stderr
+    lines = done.stderr.replace(str(tmp_path), "").splitlines()
+    assert max(len(line) for line in lines if not line.startswith("not accepted")) <= 80
+    assert lines.count("[Enter or done: it is done; leave: do nothing; abort: stop here]") == 2
 
 
 def test_interactive_with_nobody_there_gives_up(tmp_path):
@@ -193,6 +196,13 @@ def test_interactive_with_nobody_there_gives_up(tmp_path):
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (3, "")
     assert done.stderr.splitlines()[-1].startswith("tumble: the run failed: aborted by command (COMMAND,")
+    assert done.stderr.splitlines()[-2] == f"run folder: {tmp_path / 'run'}"
+    assert (tmp_path / "run" / "fault.json").is_file()
+
+
+def test_a_run_folder_in_runs_needs_no_folder_first(tumble, tmp_path):
+    assert tumble("bench", "--out", "runs/mine", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "runs/mine/result.json").is_file()
 
 
 def test_mountings_are_described_by_the_axes_of_the_table():

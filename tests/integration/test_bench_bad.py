@@ -36,7 +36,7 @@ OPTIONS = {
         ["--schedule", str(EXAMPLES / "six_faces.toml")],
         "lacks positions that refined needs; least_squares solves any schedule",
     ),
-    "something more": (["run.csv"], "unrecognized arguments: run.csv"),
+    "something more": (["run.csv"], "unrecognized arguments: run.csv (see tumble bench --help)"),
     "out in no folder": (["--out", "nowhere/run"], "nowhere/run: the folder cannot be made: no such file or folder"),
     "out empty": (["--out", ""], "not a folder name"),
     "out is a full folder": (["--out", str(EXAMPLES)], "is there already and is not an empty folder"),

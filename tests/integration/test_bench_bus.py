@@ -83,6 +83,7 @@ def test_a_person_confirms_a_mounting_and_interrupts_at_the_next_question(tmp_pa
     child = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
                              env={**os.environ, "TMPDIR": str(tmp_path)})
     assert child.stderr.readline().startswith("Mount the block as mounting 1 says")
+    assert any(line.startswith("[Enter or done") for line in child.stderr)
     child.stdin.write("\n")
     child.stdin.flush()
     assert child.stderr.readline().startswith("mounting 1: position 1 of 18")
@@ -165,6 +166,7 @@ def test_the_programs_themselves(name):
 
     text = run("--help").stdout
     assert text.startswith(f"usage: {name} INTERFACE") and "Exit codes: 0 " in text and "77" in text
+    assert max(map(len, text.splitlines())) <= 80 and run("-h").stdout == text
     numbers = ["vcan0", "--seed", "x", "--patience", "-1"]
     for wrong in ([], ["a", "b", "c"], ["--nonsense"], ["vcan0", "nowhere.txt"], numbers):
         done = run(*wrong)
@@ -173,4 +175,5 @@ def test_the_programs_themselves(name):
     if not os.path.exists("/proc/net/can"):
         done = run("vcan0")
         assert (done.returncode, done.stdout) == (77, "")
-        assert done.stderr == f"{name}: vcan0: this kernel has no CAN sockets (modules can, can_raw)\n"
+        says = "this kernel has no CAN sockets: modprobe -a can can_raw (to try without: docs/real-bus.md)"
+        assert done.stderr == f"{name}: vcan0: {says}\n"

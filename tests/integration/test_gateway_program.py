@@ -33,6 +33,13 @@ def gateway(gateway_program):
 BAD = [
     ([], "--can: is missing: the CAN interface"),
     (["--can", "vcan0", "more"], "more: is no option; see --help"),
+    (["--bogus"], "--bogus: no such option; see --help"),
+    (["--bogus=3"], "--bogus: no such option; see --help"),
+    (["-x"], "-x: no such option; see --help"),
+    (["-xh"], "-x: no such option; see --help"),
+    (["--can"], "--can: needs a value"),
+    (["--help=3"], "--help: takes no value"),
+    (["--allow-commands=3"], "--allow-commands: takes no value"),
     (["--can", "vcan0", "--unit", "0"], "--unit: must be a whole number from 1 to 247"),
     (["--can", "vcan0", "--unit", "248"], "--unit: must be a whole number from 1 to 247"),
     (["--can", "vcan0", "--node", "128"], "--node: must be a whole number from 1 to 127"),
@@ -67,10 +74,11 @@ def test_bad_usage_is_one_line_and_exit_2(gateway, arguments, message):
 def test_help_names_every_option_and_exit_code(gateway):
     done = gateway("--help")
     assert (done.returncode, done.stderr) == (0, "")
-    for option in ("can", "tcp", "rtu", "unit", "node", "poll", "idle", "allow-commands", "unlock", "help"):
+    for option in ("can", "tcp", "rtu", "unit", "node", "poll", "idle", "allow-commands", "unlock"):
         assert f"  --{option}" in done.stdout
+    assert "  -h, --help" in done.stdout and gateway("-h").stdout == done.stdout
     assert all(code in done.stdout for code in ("0 told", "2 bad", "3 it", "77 this"))
-    assert max(map(len, done.stdout.splitlines())) <= 110
+    assert max(map(len, done.stdout.splitlines())) <= 80
 
 
 def test_an_interface_that_is_not_there(gateway):

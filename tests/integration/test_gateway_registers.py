@@ -1,6 +1,7 @@
 """What tumble-gateway reads from the node is what Modbus clients get: every register, whole snapshots, known or not."""
 
 import random
+import re
 import shutil
 import struct
 import subprocess
@@ -283,6 +284,33 @@ def test_pymodbus_reads_numbers_in_its_own_big_endian_order(start):
         client.read_input_registers(5, count=2, device_id=1)
         assert number(register("K: K_xx"), client.DATATYPE.FLOAT32) == pytest.approx(1.9950940721, rel=1e-7)
         assert number(register("K: K_xx", scaled=True), client.DATATYPE.INT32) == 199509407
+
+
+def example(gateway):
+    """What the example of docs/gateway.md prints, as it stands there: (exit code, standard output, standard error)."""
+    page = (ROOT / "docs" / "gateway.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.S)[1]
+    assert code.count("port=1502") == 1
+    code = code.replace("port=1502", f"port={gateway.port}")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_example_of_the_page_reads_the_active_set(start):
+    pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
+    gateway = start()
+    gateway.set(0x2020, 1, struct.pack("<d", -7.0))  # of the last run
+    gateway.set(0x2104, 1, struct.pack("<d", 1.5))
+    gateway.set(0x2120, 2, struct.pack("<I", 12))
+    gateway.wait_fresh()
+    code, out, error = example(gateway)
+    assert (code, error) == (0, "") and re.fullmatch(r"K_xx 1\.5 V/g, snapshot \d+\ncalibration counter 12\n", out), out
+    gateway.set(0x2104, 1)
+    gateway.wait_fresh()
+    assert example(gateway)[:2] == (0, "no K is in force\ncalibration counter 12\n")
+    silent = start("--poll", 3600000, "--node", 5)
+    code, out, error = example(silent)
+    assert (code, out) == (1, "") and error.endswith("AssertionError: the node does not answer\n")
 
 
 def mbpoll(gateway, *arguments):

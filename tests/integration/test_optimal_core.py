@@ -13,6 +13,7 @@ from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
 ROUNDING = 1e-12  # of max|K|, as for every estimator: all that counts where u is below a millionth of K
+LARGE_RAD = 0.03  # where the core may call an alpha2, or its curvature, too large: TUMBLE_MAX_STAND_ERROR_RAD is 0.1
 PAPER = core.CoreSchedule(core.paper_schedule())
 
 
@@ -48,8 +49,12 @@ def difference(rng, schedule):
     stand = random_stand(rng, np.abs(k).max())
     means = run_on(rng, schedule.data, k, u0, stand)
     table = record_for(schedule.data, least_squares(schedule.data, means)[0], stand)
-    found = core_optimal.optimal(table, schedule, means)
     witness = optimal(schedule.data, means, stand, np.ones(len(schedule)))
+    try:
+        found = core_optimal.optimal(table, schedule, means)
+    except CoreRefusal as refusal:  # positions that hardly tell alpha2, on a stand of milliradians
+        assert refusal.name == "TUMBLE_E_STAND_ERROR" and abs(witness.alpha2) > LARGE_RAD
+        return 0.0, 0.0
     assert found.alpha1 == pytest.approx(witness.alpha1, abs=1e-9)
     assert found.alpha2 == pytest.approx(witness.alpha2, abs=1e-9)
     assert found.alpha3 == pytest.approx(witness.alpha3, abs=1e-9)

@@ -19,6 +19,7 @@ from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
 PAPER = reference.paper_schedule()
 AGREEMENT = 1e-9
+ROUNDING = 1e-14
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -41,11 +42,15 @@ def measured_part(schedule, measured):
 
 
 def assert_agreement(found, expected):
-    """To 1e-9 of each of the twelve; what is zero for one is rounding for the other."""
+    """To 1e-9 of each of the twelve. Where a source of huge effect cancels out of one, its rounding remains, and adds in
+    quadrature to what is left: a coefficient that is 1e12 times as certain as another one shows it.
+    """
     found, expected = (np.concatenate([part.ravel() for part in pair]) for pair in (found, expected))
-    assert np.abs(found - expected).max(initial=0.0, where=expected > 0) <= AGREEMENT * expected.max()
-    relative = np.abs(found - expected) / np.where(expected > 1e-12 * expected.max(), expected, np.inf)
-    assert relative.max() <= AGREEMENT
+    apart, largest = np.abs(found - expected), expected.max()
+    assert apart.max(initial=0.0, where=expected > 0) <= AGREEMENT * largest
+    told = expected > 1e-12 * largest
+    allowed = AGREEMENT * expected[told] + (ROUNDING * largest) ** 2 / expected[told]
+    assert np.all(apart[told] <= allowed)
 
 
 @given(seeds)

@@ -9,7 +9,8 @@ from conftest import ROOT
 pytestmark = pytest.mark.python
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS = [line[2:] for block in re.findall(r"```console\n(.*?)```", README, re.S) for line in block.splitlines()]
+BLOCKS = [block.replace("\\\n", "") for block in re.findall(r"```console\n(.*?)```", README, re.S)]
+COMMANDS = [line[2:] for block in BLOCKS for line in block.splitlines()]
 TRANSCRIPTS = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", README, re.S)
 
 
@@ -37,11 +38,19 @@ def test_its_transcript_is_real(arguments, shown, tumble):
     assert tumble(*shlex.split(arguments), cwd=ROOT).stdout == shown
 
 
+def test_its_commands_fit_the_page():
+    assert all(line.startswith("$ ./tools/") for block in BLOCKS for line in block.splitlines())
+    shown = re.findall(r"```console\n(.*?)```", README, re.S)
+    assert max(len(line) for block in shown for line in block.splitlines()) <= 100
+
+
 def test_a_transcript_is_there():
     assert len(TRANSCRIPTS) == 1
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/method.md", "docs/files.md", "docs/real-bus.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md"] + [f"docs/{name}.md" for name in ("files", "gateway", "method", "operations", "real-bus")]
+)
 def test_links_lead_somewhere(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#:]+)\)", text):

@@ -141,6 +141,12 @@ def test_other_bad_input(tumble, tmp_path):
         assert says in ended.stderr and ended.stderr.count("\n") == 1, ended.stderr
 
 
+def test_a_folder_is_no_log(refused, tmp_path):
+    (tmp_path / "run").mkdir()
+    line = refused("replay", tmp_path / "run")
+    assert line == f"tumble: {tmp_path / 'run'}: a folder, not a file; the log of a run folder is its bus.log\n"
+
+
 def test_a_run_folder_has_its_scenario_beside_its_log(tumble, tmp_path):
     """Without it the numbers would be others: three channels of another noise, another number of samples."""
     options = ["--seed", 3, "--samples", 60, "--estimator", "averaged", "--json"]

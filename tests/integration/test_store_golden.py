@@ -142,6 +142,18 @@ def an_image(sector=4096):
     return image
 
 
+def test_the_command_line_dumps_likewise(tumble, refused, tmp_path):
+    image = tmp_path / "nv"
+    image.write_bytes(an_image(8192))
+    done = tumble("store", "dump", image, "--sector", 8192)
+    assert (done.returncode, done.stderr, done.stdout) == (0, "", dump(image, "--sector", 8192).stdout)
+    assert refused("store", "dump", image, "--sector", "512").startswith("tumble: --sector: '512' is not a whole number from 4096")
+    assert refused("store", "dump", tmp_path) == f"tumble: {tmp_path}: a folder, not a file\n"
+    image.write_bytes(b"\xff" * 5000)
+    message = "5000 bytes are not whole sectors of 4096 bytes, 8 at least"
+    assert refused("store", "dump", image) == f"tumble: {image}: {message}\n"
+
+
 def dump(*arguments):
     return subprocess.run([sys.executable, "-m", "tumble.store", "dump", *map(str, arguments)], capture_output=True, text=True)
 
@@ -215,7 +227,7 @@ def test_the_factory_set_of_the_page_is_one(tmp_path):
     code = page[page.index("    from tumble.store.codec import") :]
     script = "\n".join(line[4:] for line in code.splitlines())
     subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True)
-    image = tmp_path / "nv"
-    image.write_bytes((tmp_path / "sector0.bin").read_bytes().ljust(8 * 4096, b"\xff"))
+    image = tmp_path / "nv.bin"
+    assert image.stat().st_size == 65536  # as tumble-node --nv has it
     done = dump(image)
     assert done.stdout.startswith("active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"), done

@@ -21,6 +21,7 @@ HASTE = {  # a calibration within seconds of real time
     "procedure__warm_up_samples": 5,
     "procedure__gravity_limit_g": 1e-3,
     "operator__mount_s": 0.05,
+    "keeper__serial": "TB-0001",
 }
 SLOW_TABLE = {**HASTE, "motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180}  # time for something to happen
 

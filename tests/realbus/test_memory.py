@@ -10,9 +10,10 @@ from tumble.bench import programs
 SIZE = 65536
 
 
-def refused(bus, path):
+def refused(bus, path, tmp_path):
     """What tumble-node says of such a file."""
-    command = [programs.find("tumble-node", "boards/linux"), str(bus), "--nv", str(path)]
+    named = scenario(tmp_path, "named.txt", keeper__serial="TB-0001")
+    command = [programs.find("tumble-node", "boards/linux"), str(bus), str(named), "--nv", str(path)]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
     assert (ended.returncode, ended.stdout) == (2, "") and ended.stderr.count("\n") == 1, ended.stderr
     assert ended.stderr.startswith(f"tumble-node: {path}: ")
@@ -24,9 +25,11 @@ def test_one_process_at_a_time(bus, started, tmp_path):
     node = Node(bus, scenario(tmp_path, **HASTE), "--nv", path, folder=tmp_path)
     started.append(node)
     wait_until(lambda: path.exists() and path.stat().st_size == SIZE)
-    assert refused(bus, path) == "another process has it in use"
+    assert refused(bus, path, tmp_path) == "another process has it in use"
     node.signal()
-    assert node.process.wait(timeout=10) == 0, node.process.stderr.read()
+    out, errors = node.process.communicate(timeout=10)
+    assert (node.process.returncode, out) == (0, "")
+    assert errors == f"tumble-node: node 1 on {bus}, memory {path}; waits for commands\n"
     assert path.stat().st_size == SIZE
 
 
@@ -41,9 +44,9 @@ def test_what_is_no_memory(bus, tmp_path, content, says):
         path.mkdir()
     else:
         path.write_bytes(content)
-    assert refused(bus, path) == says
+    assert refused(bus, path, tmp_path) == says
     assert content is None or path.read_bytes() == content
-    assert refused(bus, tmp_path / "none/memory") == "No such file or directory"
+    assert refused(bus, tmp_path / "none/memory", tmp_path) == "No such file or directory"
 
 
 def test_a_medium_without_room(bus, tmp_path):
@@ -52,6 +55,6 @@ def test_a_medium_without_room(bus, tmp_path):
     small.mkdir()
     subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", str(small)], check=True)
     try:
-        assert refused(bus, small / "memory") == "No space left on device"
+        assert refused(bus, small / "memory", tmp_path) == "No space left on device"
     finally:
         subprocess.run(["umount", str(small)], check=True)

@@ -10,12 +10,12 @@ import sys
 import traceback
 
 from tumble import __version__, interruption
-from tumble.commands import bench, export, fixture, plan, replay, solve
+from tumble.commands import bench, export, fixture, plan, replay, solve, store
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, Interrupted, TumbleError, UsageError
 from tumble.files import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, bench, replay, plan, fixture, export)
+_COMMANDS = (solve, bench, replay, plan, fixture, export, store)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 
@@ -25,6 +25,13 @@ class _Parser(argparse.ArgumentParser):
     def __init__(self, *args, **options):
         super().__init__(*args, **{**options, "allow_abbrev": False})
         self._negative_number_matcher = _NEGATIVE  # argparse's own, before Python 3.14, takes -1e-4 for an option
+
+    def parse_known_args(self, args=None, namespace=None):
+        """As argparse's, but a command complains itself of what it does not know, so that its own help is named."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown and self._subparsers is None:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return found, unknown
 
     def error(self, message: str):
         raise UsageError(f"{message} (see {self.prog} --help)")

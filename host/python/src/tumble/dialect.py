@@ -20,6 +20,7 @@ _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200
 _DEFAULT_UNIT = "V"
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
+_TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
@@ -148,6 +149,8 @@ def _from_header(
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
         return Dialect(row, *skipped, delimiter, decimal, indices, len(names), unit)
+    if _TOML.match(line):
+        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(COLUMNS)}", file, row)

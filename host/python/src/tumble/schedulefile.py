@@ -9,6 +9,7 @@ from __future__ import annotations
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+from tumble.stand import OPTIMAL
 from tumble.tomlfile import Table, read_toml
 
 _LARGEST_NUMBER = 255
@@ -19,7 +20,10 @@ _LARGEST_TILT_DEG = 89.0
 def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
     """Read a schedule file that identifies all coefficients; `data`: what is in it, if that has been read. Raises
     BadInput with file, row and table."""
-    top = read_toml(file, data).only("mounting", "position")
+    top = read_toml(file, data)
+    if "stand" in top.keys:
+        raise BadInput("is a stand file (--stand), not a schedule file", file)
+    top.only("mounting", "position")
     mountings, positions = top.tables("mounting"), top.tables("position")
     schedule = Schedule(tuple(map(_mounting, mountings)), tuple(map(_position, positions)))
     try:
@@ -31,6 +35,16 @@ def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
     return core_schedule
+
+
+def require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:
+    """Raise BadInput where the schedule of a file lacks positions that an estimator needs."""
+    if estimator in ("least_squares", OPTIMAL):
+        return
+    try:
+        schedule.harmonic()
+    except CoreRefusal:
+        raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
 
 
 def _mounting(table: Table) -> Mounting:

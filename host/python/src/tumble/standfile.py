@@ -56,7 +56,10 @@ class StandFile:
 
 def read_stand(file: str, data: bytes | None = None) -> StandFile:
     """Read a stand file; `data`: what is in it, if that has been read. Raises BadInput with file and row."""
-    top = read_toml(file, data).only("stand", "block", "motion", "item", "environment", "accept")
+    top = read_toml(file, data)
+    if top.keys and top.keys <= {"mounting", "position"}:
+        raise BadInput("is a schedule file (--schedule), not a stand file", file)
+    top.only("stand", "block", "motion", "item", "environment", "accept")
     stand, block, motion = top.table("stand"), top.table("block"), top.table("motion")
     item, environment, accept = top.table("item"), top.table("environment"), top.table("accept")
     if stand is None:

@@ -79,6 +79,11 @@ class Table:
         names = ".".join(part for part in self._path if isinstance(part, str))
         return f"[[{names}]]" if self._path and isinstance(self._path[-1], int) else f"[{names}]"
 
+    @property
+    def keys(self) -> frozenset[str]:
+        """The names of what is in it."""
+        return frozenset(self._values)
+
     def refuse(self, message: str, key: str | None = None) -> BadInput:
         """An error about this table, or about one of its keys."""
         where = (self._path,) if key is None else ((*self._path, key), (*self._path, key, 0), self._path)

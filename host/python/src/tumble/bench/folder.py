@@ -31,6 +31,11 @@ def default_path(seed: int) -> str:
     return path
 
 
+def is_in_default_parent(path: str) -> bool:
+    """Does it lie in runs/, which is made where it is not there?"""
+    return os.path.dirname(path) == DEFAULT_PARENT
+
+
 class RunFolder:
     """A folder in the making: everything goes into `stage`, a hidden folder in or beside it, until `keep`.
 

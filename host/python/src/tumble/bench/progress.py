@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,11 @@ from tumble.messages import tell
 from tumble.schedule import Mounting, Schedule
 
 _AXES = ("h (horizontal, across the axis)", "n (along the axis)", "v (up at table angle 0)")
-_HELP = "Enter: done; abort: stop here"
-_HELP_FAULT = "Enter: mended, go on; repeat position INDEX; repeat mounting NUMBER; leave; abort"
+_HELP = "Enter or done: it is done; leave: do nothing; abort: stop here"
+_HELP_FAULT = (
+    "Enter or done: mended, go on; leave: do nothing; abort: stop here; repeat position INDEX; repeat mounting NUMBER"
+)
+_WIDTH = 80
 
 
 def mounting_text(mounting: Mounting) -> str:
@@ -71,12 +75,18 @@ class Progress:
         """Put a question, return the answer as the program takes it."""
         if event["kind"] == "mounting":
             mounting = next(m for m in self._schedule.mountings if m.number == event["mounting"])
-            self.say(f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}.  [{_HELP}]")
+            self._put(f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}.", _HELP)
         elif event["kind"] == "angle":
-            self.say(f"Turn the table to {event['angle_deg']:g} degrees.  [{_HELP}]")
+            self._put(f"Turn the table to {event['angle_deg']:g} degrees.", _HELP)
         else:
-            self.say(f"Fault: {event['sentence']}.  [{_HELP_FAULT}]")
+            self._put(f"Fault: {event['sentence']}.", _HELP_FAULT)
         return self.read_answer()
+
+    def _put(self, question: str, answers: str) -> None:
+        """A question and its answers, in lines that fit a terminal."""
+        for text in (question, f"[{answers}]"):
+            for line in textwrap.wrap(text, _WIDTH, subsequent_indent="  "):
+                self.say(line)
 
     def read_answer(self) -> str:
         """A line of standard input; its end is an abort."""

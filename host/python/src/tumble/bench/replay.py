@@ -45,6 +45,8 @@ def replay(log: str, scenario: str | None, firmware: str) -> dict[str, Any]:
 
     Raises BadInput, Skipped, BenchFault.
     """
+    if Path(log).is_dir():
+        raise BadInput("a folder, not a file; the log of a run folder is its bus.log", log)
     told = _on_board(log, scenario) if firmware == BOARD else _on_host(log, scenario)
     numbers = told["numbers"]
     return {

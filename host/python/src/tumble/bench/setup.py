@@ -7,6 +7,7 @@ program's own defaults.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -53,7 +54,17 @@ class Setup:
 def scenario_text(setup: Setup) -> str:
     """The scenario file. Raises BadInput for what can be declared but not simulated."""
     lines = [*_stand(setup.stand), *_block(setup), *_motion(setup), *_procedure(setup), *_schedule(setup.schedule)]
-    return "".join(f"{key} = {value}\n" for key, value in lines)
+    return "".join(f"{key} = {value}\n" for key, value in lines) + _serial(setup.block)
+
+
+def _serial(block: dict[str, Any] | None) -> str:
+    """The block's, for a computer that keeps coefficients: a word there, not any text as in a stand file."""
+    serial = (block or {}).get("serial")
+    if serial is None:
+        return ""
+    if re.fullmatch("[!-~]{1,24}", serial) is None:
+        return "# keeper.serial: the stand file's is no word of at most 24 ASCII characters\n"
+    return f"keeper.serial = {serial}\n"
 
 
 def _numbers(*values: float) -> str:

@@ -50,7 +50,7 @@ def add_to(subparsers) -> None:
         help="inprocess: simulated, in virtual time; socketcan:IF: on this CAN interface, in real time; uml: likewise,"
         " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
     )
-    options.add_firmware(parser)
+    options.add_firmware(parser, "zcu102: on a real bus only, and not with --interactive; ")
     parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
     options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = setup.scenario_text(wanted)
     gain_record = gains.record(wanted) if wanted.estimator == options.OPTIMAL else None
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
-    with folder.RunFolder(path, may_make_parent=arguments.out is None) as made:
+    with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
         document = _simulate(arguments, wanted, scenario_path, made)
         try:
@@ -80,6 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
             solution = outcome.confirm(document, made.stage, wanted)
         except BenchFault:
             made.keep(outcome.DOCUMENT, renamed="fault.json")
+            tell(f"run folder: {file_name(path)}")
             raise
         text = _result_text(solution, wanted, arguments, stand_file)
         made.keep(outcome.DOCUMENT, result=text)
@@ -148,19 +149,14 @@ def _parse_budget(text: str | None) -> float:
 
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
-    from tumble.core import CoreRefusal, CoreSchedule, paper_schedule
-    from tumble.schedulefile import read_schedule
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.schedulefile import read_schedule, require_positions
 
     if arguments.schedule is None:
         return CoreSchedule(paper_schedule())
     schedule = read_schedule(arguments.schedule, given[arguments.schedule])
-    try:
-        if arguments.estimator not in ("least_squares", options.OPTIMAL):
-            schedule.harmonic()
-        return schedule
-    except CoreRefusal:
-        message = f"lacks positions that {arguments.estimator} needs; least_squares solves any schedule"
-        raise BadInput(message, arguments.schedule) from None
+    require_positions(schedule, arguments.estimator, arguments.schedule)
+    return schedule
 
 
 def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:

@@ -60,11 +60,13 @@ def check(arguments: argparse.Namespace) -> int:
     from tumble import fixture_report, result
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.fixture import Judge, Limits
-    from tumble.schedulefile import read_schedule
+    from tumble.schedulefile import read_schedule, require_positions
     from tumble.standfile import read_stand
 
     stand_file = read_stand(arguments.stand)
     schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
+    if schedule is not None:
+        require_positions(schedule, arguments.estimator, arguments.schedule)
     limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
     views = _views(arguments, stand_file, schedule, limit_g)
     mountings = len((schedule or CoreSchedule(paper_schedule())).data.fitted_mountings)

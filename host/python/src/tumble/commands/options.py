@@ -41,9 +41,9 @@ def add_limit(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_firmware(parser: argparse.ArgumentParser) -> None:
+def add_firmware(parser: argparse.ArgumentParser, remark: str = "") -> None:
     """--firmware."""
-    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"default: {FIRMWARES[0]}")
+    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"{remark}default: {FIRMWARES[0]}")
 
 
 def add_seed(parser: argparse.ArgumentParser, remark: str = "") -> None:

@@ -29,7 +29,8 @@ def add_to(subparsers) -> None:
     parser.add_argument(
         "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of the four; default: all that the schedule allows"
     )
-    parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"default: {DEFAULT_RUNS}")
+    least = f"{FEWEST_RUNS} or more; "
+    parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"{least}default: {DEFAULT_RUNS}")
     add_seed(parser)
     parser.add_argument(
         "--table",

@@ -57,9 +57,10 @@ def run(arguments: argparse.Namespace) -> int:
         stand_file = read_stand(arguments.stand)
         limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g
     if arguments.schedule is not None:
-        from tumble.schedulefile import read_schedule
+        from tumble.schedulefile import read_schedule, require_positions
 
         schedule = read_schedule(arguments.schedule)
+        require_positions(schedule, arguments.estimator, arguments.schedule)
     recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
     solution = solve(
         recorded,

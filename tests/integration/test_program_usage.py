@@ -1,0 +1,75 @@
+"""The C programs by their command lines: options that are none, and scenarios that are none or lack something."""
+
+import subprocess
+
+import pytest
+from bench_program import HASTY_STAND, scenario
+
+from tumble.bench import programs
+
+
+@pytest.mark.parametrize("name, folder", [
+    ("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux"),
+    ("tumble-bench", "host/bench"), ("tumble-replay", "host/replay"),
+])
+def test_options_that_are_none(name, folder):
+    path = programs.find(name, folder)
+
+    def run(*arguments):
+        return subprocess.run([path, *arguments], capture_output=True, text=True, timeout=20)
+
+    text = run("--help").stdout
+    assert max(map(len, text.splitlines())) <= 80 and run("-h").stdout == text and "  -h, --help" in text
+    for wrong in ("--bogus", "-x"):
+        done = run(wrong)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == f"{name}: {wrong}: no such option; see --help\n"
+
+
+def refusal(name, folder, *arguments):
+    """Its one line of complaint."""
+    command = [programs.find(name, folder), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stdout) == (2, "")
+    return done.stderr
+
+
+def test_a_stand_file_is_no_scenario(tmp_path):
+    stand = tmp_path / "my.toml"
+    stand.write_text(HASTY_STAND)
+    says = f"{stand}: looks like a stand file; a scenario file is wanted (docs/real-bus.md)\n"
+    for name, folder in (("tumble-node", "boards/linux"), ("tumble-stand", "boards/linux")):
+        assert refusal(name, folder, "vcan0", stand) == f"{name}: {says}"
+    assert refusal("tumble-bench", "host/bench", stand) == f"tumble-bench: {says}"
+    none = tmp_path / "none.toml"
+    assert refusal("tumble-bench", "host/bench", none) == f"tumble-bench: {none}: No such file or directory\n"
+
+
+def test_a_memory_needs_the_name_of_the_block(tmp_path):
+    """Before it is made, and before the bus is opened."""
+    nv = tmp_path / "nv.bin"
+    says = "tumble-node: keeper.serial: is missing: with --nv the scenario must name the block\n"
+    for given in ((), (scenario(tmp_path),), (scenario(tmp_path, "other.txt", keeper__commits="no"),)):
+        assert refusal("tumble-node", "boards/linux", "vcan0", *given, "--nv", nv) == says
+        assert not nv.exists()
+    named = scenario(tmp_path, "named.txt", keeper__serial="B-17")
+    done = subprocess.run([programs.find("tumble-node", "boards/linux"), "nocan0", named, "--nv", nv],
+                          capture_output=True, text=True, timeout=20)
+    assert done.returncode in (2, 77) and "nocan0" in done.stderr and not nv.exists()
+
+
+@pytest.mark.parametrize("serial, line", [
+    ("B-17", "keeper.serial = B-17"),
+    ("x" * 24, "keeper.serial = " + "x" * 24),
+    ("x" * 25, "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"),
+    ("SN 7", "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"),
+    ("B-17 \u00e9", "# keeper.serial: the stand file's is no word of at most 24 ASCII characters"),
+])
+def test_the_scenario_names_the_block(tumble, tmp_path, serial, line):
+    """And tumble-bench takes it, whatever the name."""
+    block = f'[block]\nserial = "{serial}"\nscale_v_per_g = 2.0\nmisalignment_rad = 0.02\n'
+    (tmp_path / "my.toml").write_text(HASTY_STAND + block, encoding="utf-8")
+    done = tumble("bench", "--stand", tmp_path / "my.toml", "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "run/inputs/scenario.txt").read_text()
+    assert [one for one in text.splitlines() if "keeper.serial" in one] == [line]
