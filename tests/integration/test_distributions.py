@@ -3,6 +3,7 @@
 import math
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -84,3 +85,13 @@ def test_the_tables_of_textbooks(function, arguments, tabled):
 def test_a_quantile_needs_a_probability(p):
     with pytest.raises(ValueError, match="a probability between 0 and 1"):
         distributions.chi_squared_quantile(p, 3)
+
+
+def test_hardly_any_freedom_is_answered_too():
+    """The freedom of a set angle's error goes to 0 where noise covers it; what is beyond all numbers is huge instead."""
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        freedom, below, p = *10.0 ** rng.uniform(-6, 6, 2), rng.uniform(1e-3, 0.999)
+        for value in (distributions.f_quantile(p, freedom, below), distributions.student_quantile(p, freedom)):
+            assert 0.0 <= value < math.inf
+    assert distributions.student_quantile(0.95, 1e-6) > 1e100

@@ -65,6 +65,7 @@ def test_a_backlash_alone_fails_no_other_check(tmp_path):
     assert [one.check for one in outcomes if one.verdict == Verdict.FAILS] == ["backlash"]
 
 
+@pytest.mark.full
 def test_slow_settling(tmp_path, monkeypatch):
     """The encoder swings for 1.5 s."""
     import time

@@ -86,6 +86,7 @@ def test_a_good_stand_meets_all_that_can_be_asked_of_it_live_and_by_its_run(tmp_
     assert (suite.get("tests"), suite.get("failures")) == ("10", "0")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("check", "keys", "said"),
     [

@@ -17,6 +17,16 @@ from processes import Interface  # noqa: E402
 _number = iter(range(1, 1000))
 
 
+def pytest_addoption(parser):
+    parser.addoption("--full", action="store_true", help="run the long ones too")
+
+
+def pytest_collection_modifyitems(config, items):
+    for item in items:
+        if "full" in item.keywords and not config.getoption("--full"):
+            item.add_marker(pytest.mark.skip(reason="takes long: --full runs it"))
+
+
 @pytest.fixture
 def bus():
     """A fresh interface, up; gone in the end."""

@@ -62,6 +62,7 @@ def test_all_that_can_be_seen_live_over_can(bus, fixture, tmp_path):
     assert table["at_rest"] and table["highest_deg"] > 359.9
 
 
+@pytest.mark.full
 def test_backlash_is_found(bus, fixture, tmp_path):
     fixture(motion__backlash_deg=0.2)
     done = validate(f"can:{bus}", "positions", "backlash", "--limits", limits(tmp_path, **ASKED))
@@ -69,6 +70,7 @@ def test_backlash_is_found(bus, fixture, tmp_path):
     assert done.returncode == 1 and "does not support a calibration to 3e-4 g: backlash 0." in said, said
 
 
+@pytest.mark.full
 def test_level_and_remounting_from_the_run_that_the_node_keeps(bus, fixture, started, tmp_path):
     """A node with non-volatile memory has the means of its last run, and no file is needed."""
     import can
@@ -122,6 +124,7 @@ def test_over_modbus(bus, fixture, started, tmp_path):
     assert gateway.wait(timeout=20) == 0
 
 
+@pytest.mark.full
 def test_a_node_that_falls_silent_and_one_that_is_not_there(bus, fixture, tmp_path):
     asked = limits(tmp_path, **ASKED)
     alone = validate(f"can:{bus}", "--limits", asked)

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 
 _TINY = 1e-300
+_HUGE = 1e300
 _SETTLED = 1e-16
 _MOST_TERMS = 100000
 _BISECTIONS = 200
@@ -27,6 +28,8 @@ def f_cdf(x: float, freedom: float, below: float) -> float:
     if below > _AS_GOOD_AS_INFINITE:
         return chi_squared_cdf(x * freedom, freedom)
     scaled = freedom * x
+    if math.isinf(scaled):
+        return 1.0
     return _beta_i(freedom / 2, below / 2, scaled / (scaled + below), below / (scaled + below))
 
 
@@ -52,7 +55,7 @@ def _inverse(cdf: Callable[[float], float], p: float) -> float:
     low, high = 0.5, 1.0
     while cdf(low) > p and low > _TINY:
         low, high = low / 2, low
-    while cdf(high) < p:
+    while cdf(high) < p and high < _HUGE:  # of hardly any freedom it is beyond all numbers
         low, high = high, high * 2
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2
@@ -89,6 +92,8 @@ def _beta_fraction(a: float, b: float, x: float, rest: float) -> float:
     """Likewise, where the continued fraction converges fast."""
     if x <= 0.0:
         return 0.0
+    if rest <= 0.0:
+        return 1.0
     front = math.exp(a * _log(x, rest) + b * _log(rest, x) - _log_beta(a, b))
 
     def numerator(n: int) -> float:
