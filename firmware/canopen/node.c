@@ -23,8 +23,20 @@ static tumble_abort_t set_pdo(tumble_node_t *node, tumble_pdo_direction_t direct
     return tumble_pdo_configure(&node->pdos, &node->dictionary, direction, number, &own);
 }
 
+/* They are numbered from `first` on. */
+static tumble_abort_t set_transmit(tumble_node_t *node, const tumble_pdo_setup_t *setups, uint8_t count, uint8_t first)
+{
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+
+    for (uint8_t i = 0; (i < count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+        refusal = set_pdo(node, TUMBLE_PDO_TRANSMIT, (uint8_t)(first + i), &setups[i]);
+    }
+    return refusal;
+}
+
 static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaults_t *defaults)
 {
+    const tumble_node_extension_t *extension = node->config->extension;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
     node->on_error = defaults->on_error;
@@ -34,8 +46,11 @@ static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaul
     for (uint8_t i = 0; (i < defaults->receive_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
         refusal = set_pdo(node, TUMBLE_PDO_RECEIVE, i, &defaults->receive[i]);
     }
-    for (uint8_t i = 0; (i < defaults->transmit_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
-        refusal = set_pdo(node, TUMBLE_PDO_TRANSMIT, i, &defaults->transmit[i]);
+    if (refusal == TUMBLE_ABORT_NONE) {
+        refusal = set_transmit(node, defaults->transmit, defaults->transmit_count, 0);
+    }
+    if ((refusal == TUMBLE_ABORT_NONE) && (extension != NULL)) {
+        refusal = set_transmit(node, extension->transmit, extension->transmit_count, defaults->transmit_count);
     }
     return refusal;
 }
@@ -68,24 +83,28 @@ static bool is_usable(const tumble_node_config_t *config, const tumble_node_bind
            are_usable(defaults->transmit, defaults->transmit_count, TUMBLE_MAX_TRANSMIT_PDOS);
 }
 
-/* A place is one byte. */
-static bool fits(const tumble_object_table_t *table, const tumble_object_extension_t *extension)
+/* A place in the tables is one byte. */
+static bool fits(const tumble_node_extension_t *extension, const tumble_node_config_t *config)
 {
+    const tumble_object_table_t *further = (extension != NULL) ? extension->objects.table : NULL;
+
     return (extension == NULL) ||
-           ((extension->table != NULL) && (((uint32_t)table->count + extension->table->count) <= UINT8_MAX));
+           ((further != NULL) && (((uint32_t)config->table->count + further->count) <= UINT8_MAX) &&
+            are_usable(extension->transmit, extension->transmit_count,
+                       (uint8_t)(TUMBLE_MAX_TRANSMIT_PDOS - config->defaults->transmit_count)));
 }
 
 tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,
                                  const tumble_node_binding_t *binding)
 {
-    if ((node == NULL) || !is_usable(config, binding) || !fits(config->table, config->extension)) {
+    if ((node == NULL) || !is_usable(config, binding) || !fits(config->extension, config)) {
         return TUMBLE_E_ARGUMENT;
     }
     (void)memset(node, 0, sizeof *node);
     node->config = config;
     node->dictionary = (tumble_dictionary_t){
         .table = config->table,
-        .extension = config->extension,
+        .extension = (config->extension != NULL) ? &config->extension->objects : NULL,
         .variables = binding->variables,
         .other = binding->other,
         .application = {.hooks = config->hooks, .context = binding->context},

@@ -60,10 +60,17 @@ typedef struct {
     uint8_t on_error;       /* TUMBLE_ON_ERROR_... */
 } tumble_node_defaults_t;
 
+/* What some computers have besides: objects, and transmit PDOs whose numbers go on from those of the defaults. */
+typedef struct {
+    tumble_object_extension_t objects;
+    const tumble_pdo_setup_t *transmit;
+    uint8_t transmit_count; /* together with the defaults' up to TUMBLE_MAX_TRANSMIT_PDOS */
+} tumble_node_extension_t;
+
 /* The constant part of a node. */
 typedef struct {
     const tumble_object_table_t *table;
-    const tumble_object_extension_t *extension; /* null: none */
+    const tumble_node_extension_t *extension; /* null: none */
     const tumble_node_defaults_t *defaults;
     const tumble_object_hooks_t *hooks;  /* may be null */
     const tumble_node_events_t *events;  /* may be null */

@@ -349,5 +349,4 @@ const tumble_keeping_t tumble_keeper_calls = {
     .command = command,
     .reset = reset,
     .objects = &tumble_keeper_extension,
-    .defaults = &tumble_keeper_defaults,
 };

@@ -66,6 +66,9 @@ typedef struct {
 extern const tumble_saved_t tumble_keeper_saved[TUMBLE_KEEPER_SAVED];
 
 extern const tumble_object_table_t tumble_keeper_table;
-extern const tumble_node_defaults_t tumble_keeper_defaults;
+
+#define TUMBLE_KEEPER_TRANSMIT 1U
+/* Transmit PDOs, behind those of the node's defaults. */
+extern const tumble_pdo_setup_t tumble_keeper_transmit[TUMBLE_KEEPER_TRANSMIT];
 
 #endif

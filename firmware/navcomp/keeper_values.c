@@ -341,5 +341,8 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
 
 const tumble_object_hooks_t tumble_keeper_object_hooks = {.read = read, .write = write};
 
-const tumble_object_extension_t tumble_keeper_extension = {.table = &tumble_keeper_table,
-                                                           .hooks = &tumble_keeper_object_hooks};
+const tumble_node_extension_t tumble_keeper_extension = {
+    .objects = {.table = &tumble_keeper_table, .hooks = &tumble_keeper_object_hooks},
+    .transmit = tumble_keeper_transmit,
+    .transmit_count = TUMBLE_KEEPER_TRANSMIT,
+};

@@ -32,6 +32,6 @@ typedef struct {
 extern const tumble_object_hooks_t tumble_keeper_object_hooks;
 
 /* The table and its hooks; their context is the tumble_navcomp_t, whose `keeper` is a tumble_keeper_t. */
-extern const tumble_object_extension_t tumble_keeper_extension;
+extern const tumble_node_extension_t tumble_keeper_extension;
 
 #endif

@@ -35,8 +35,7 @@ typedef struct tumble_keeping {
     /* An NMT reset of the node has set navcomp's own configuration back to the board's. */
     void (*reset)(void *keeper);
 
-    const tumble_object_extension_t *objects; /* of the dictionary, behind navcomp's own; may be null */
-    const tumble_node_defaults_t *defaults;   /* with `objects`: navcomp's own, and a PDO for them */
+    const tumble_node_extension_t *objects; /* and PDOs, behind navcomp's own; may be null */
 } tumble_keeping_t;
 
 #endif

@@ -96,11 +96,10 @@ static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
 static tumble_status_t init_node(tumble_navcomp_t *navcomp)
 {
     const tumble_keeping_t *keeping = navcomp->config->keeping;
-    const bool more = (keeping != NULL) && (keeping->objects != NULL);
     navcomp->node_config = (tumble_node_config_t){
         .table = &tumble_navcomp_table,
-        .extension = more ? keeping->objects : NULL,
-        .defaults = more ? keeping->defaults : &tumble_navcomp_defaults,
+        .extension = (keeping != NULL) ? keeping->objects : NULL,
+        .defaults = &tumble_navcomp_defaults,
         .hooks = &tumble_navcomp_object_hooks,
         .events = &tumble_navcomp_node_events,
         .node = navcomp->config->node,

@@ -91,7 +91,7 @@ static tumble_abort_t on_further_write(void *context, const tumble_entry_t *entr
 
 static const tumble_object_hooks_t hooks = {.write = on_write};
 static const tumble_object_hooks_t further_hooks = {.write = on_further_write};
-static const tumble_object_extension_t further = {.table = &tumble_keeper_table, .hooks = &further_hooks};
+static const tumble_node_extension_t further = {.objects = {.table = &tumble_keeper_table, .hooks = &further_hooks}};
 static tumble_node_config_t config = {.hooks = &hooks};
 
 /* One of all rows. */

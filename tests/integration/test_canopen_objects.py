@@ -80,6 +80,34 @@ def test_what_is_saved_follows_from_the_tables(tree, tables):
     assert "0x2122U" not in saved and "0x2123U" in saved
 
 
+def compiles(tree):
+    """Whether the extension's table is C; and what the compiler says."""
+    command = ["cc", "-std=c11", "-fsyntax-only", f"-I{tree}/firmware", f"-I{ROOT}/firmware"]
+    done = subprocess.run([*command, tree / "firmware/navcomp/keeper_objects.c"], text=True, capture_output=True)
+    return done.returncode == 0, done.stderr
+
+
+def test_the_compiler_takes_the_tables(tree):
+    assert compiles(tree) == (True, "")
+
+
+@pytest.mark.parametrize(
+    "old, new, where",
+    [
+        ('member = "judged"', 'member = "committed"', "2130h:2"),
+        ('type = "u8", member = "origin"', 'type = "u16", member = "origin"', "2100h:3"),
+        ('"coefficients.k_v_per_g[0][1]"', '"coefficients.k_v_per_g[0][2]"', "2104h:2"),
+        ('    { name = "U0_z", member = "per_month[11]", unit = "V/month" },\n', "", "2163h:1"),
+    ],
+    ids=["out of order", "another size", "an element left out", "not the whole array"],
+)
+def test_the_compiler_finds_a_table_that_disagrees_with_its_struct(tables, tree, old, new, where):
+    change(tables / "keeper.toml", old, new)
+    assert generate("--tables", tables, "--root", tree).returncode == 0
+    done, said = compiles(tree)
+    assert not done and f'static assertion failed: "{where}"' in said
+
+
 @pytest.mark.parametrize("product", PRODUCTS)
 def test_a_change_of_a_product_by_hand_is_noticed(tree, product):
     with (tree / product).open("a", encoding="utf-8") as file:

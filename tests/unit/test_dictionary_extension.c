@@ -60,11 +60,11 @@ static const tumble_object_table_t further_table = {.entries = further_entries,
                                                     .limits = further_limits,
                                                     .constants = &further_constants,
                                                     .count = COUNT_OF(further_entries)};
-static const tumble_object_extension_t further = {.table = &further_table, .hooks = &further_hooks};
+static const tumble_node_extension_t further = {.objects = {.table = &further_table, .hooks = &further_hooks}};
 
 static tumble_node_config_t config;
 
-static tumble_status_t start_with(const tumble_object_extension_t *extension)
+static tumble_status_t start_with(const tumble_node_extension_t *extension)
 {
     const tumble_node_binding_t binding = {
         .port = &at.fake.port, .variables = &at.variables, .other = &at.other, .context = &at};
@@ -206,7 +206,7 @@ static void test_hooks_are_the_tables_own(void)
 
 static void test_without_hooks_it_refuses_what_it_cannot_make(void)
 {
-    static const tumble_object_extension_t bare = {.table = &further_table};
+    static const tumble_node_extension_t bare = {.objects = {.table = &further_table}};
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
     uint8_t size = 0;
 
@@ -249,12 +249,39 @@ static void test_its_objects_can_be_mapped_into_a_pdo(void)
                                                                            TUMBLE_PDO_TRANSMIT, 3, &setup));
 }
 
+/* Numbered on from those of the defaults, of which `fixture_quiet` has none. */
+static void test_its_pdos_are_there_from_power_on(void)
+{
+    static const tumble_pdo_setup_t setups[TUMBLE_MAX_TRANSMIT_PDOS + 1] = {
+        {.cob_id = 0x80000000, .type = 255},
+        {.cob_id = 0x280, .type = 254, .count = 1, .map = {TUMBLE_MAP(0x3002, 4, 8)}},
+        {.cob_id = 0x80000000, .type = 255},
+        {.cob_id = 0x80000000, .type = 255},
+    };
+    tumble_node_extension_t extension = further;
+
+    extension.transmit = setups;
+    extension.transmit_count = 2;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&extension));
+    hooked.bytes[0] = 0xAB;
+    boot_to_operational();
+    expect(0x285, "AB");
+    ask("40 01 18 01 00 00 00 00", "43 01 18 01 85 02 00 00");
+    extension.transmit_count = TUMBLE_MAX_TRANSMIT_PDOS;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&extension));
+    extension.transmit_count = TUMBLE_MAX_TRANSMIT_PDOS + 1;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));
+    extension.transmit_count = 1;
+    extension.transmit = NULL;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));
+}
+
 static void test_both_tables_together_have_255_entries_at_most(void)
 {
     static tumble_entry_t many[UINT8_MAX];
     tumble_object_table_t table = {.entries = many};
-    const tumble_object_extension_t extension = {.table = &table};
-    const tumble_object_extension_t empty = {.table = NULL};
+    const tumble_node_extension_t extension = {.objects = {.table = &table}};
+    const tumble_node_extension_t empty = {.objects = {.table = NULL}};
 
     for (unsigned i = 0; i < COUNT_OF(many); i++) {
         many[i] = (tumble_entry_t){(uint16_t)(0x4000U + i), 0, U8, RO, TUMBLE_HOME_IMMEDIATE, 1, 0, (uint16_t)i, 0, 0};
@@ -281,6 +308,7 @@ int main(void)
     RUN_TEST(test_hooks_are_the_tables_own);
     RUN_TEST(test_without_hooks_it_refuses_what_it_cannot_make);
     RUN_TEST(test_its_objects_can_be_mapped_into_a_pdo);
+    RUN_TEST(test_its_pdos_are_there_from_power_on);
     RUN_TEST(test_both_tables_together_have_255_entries_at_most);
     return UNITY_END();
 }

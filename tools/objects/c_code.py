@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import replace
 
@@ -12,19 +13,33 @@ NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
 LIMIT_OF_U16 = 0xFFFF
 COLUMNS = 120
-BYTES_TO = ["/* How far behind another a member lies. */",
-            "#define BYTES_TO(type, from, member) (offsetof(type, member) - offsetof(type, from))"]
+# The entries must agree with the structs that they point into, which others write.
+CHECKS = {
+    "ONE": ["/* A member has so many bytes. */",
+            "#define ONE(where, type, member, size) \\",
+            "    static_assert(sizeof(((const type *)NULL)->member) == (size), where)"],
+    "NEXT": ["/* The same, and it lies right behind another one of its size. */",
+             "#define NEXT(where, type, before, member, size) \\",
+             "    ONE(where, type, member, size); \\",
+             "    static_assert(offsetof(type, member) == (offsetof(type, before) + (size)), where)"],
+    "ALL": ["/* The elements of an array, all of them, from its first one on. */",
+            "#define ALL(where, type, array, first, size, count) \\",
+            "    ONE(where, type, first, size); \\",
+            "    ONE(where, type, array, (size) * (count)); \\",
+            "    static_assert(offsetof(type, first) == offsetof(type, array), where)"],
+}
 
 
 def parts(node: Node) -> list[Node]:
-    """What has C files of its own: the node, and its extension, which has further objects and all PDOs."""
+    """What has C files of its own: the node, and its extension, which has further objects and PDOs."""
     mine = [item for item in node.objects if not item.further]
     if not node.extension:
         return [node]
     count = sum(1 for item in mine if item.index & 0xFE00 == 0x1800)
-    first = replace(node, objects=mine, transmit=node.transmit[:count])
+    first = replace(node, objects=mine, transmit=node.transmit[:count], extension={})
     settings = node.settings | node.extension | {"saves": [item for item in node.objects if item.saved]}
-    return [first, replace(node, objects=[item for item in node.objects if item.further], settings=settings)]
+    further = [item for item in node.objects if item.further]
+    return [first, replace(node, objects=further, receive=[], transmit=node.transmit[count:], settings=settings)]
 
 
 def macro(name: str) -> str:
@@ -134,13 +149,12 @@ def header(node: Node) -> str:
             f"#define {prefix.upper()}_SAVED_BYTES {sum(map(saved_bytes, saves))} /* in navcomp/parameters.h */",
             f"extern const tumble_saved_t {prefix}_saved[{prefix.upper()}_SAVED];",
         ]
-    lines += [
-        "",
-        f"extern const tumble_object_table_t {prefix}_table;",
-        f"extern const tumble_node_defaults_t {prefix}_defaults;",
-        "",
-        "#endif",
-    ]
+    pdos = [f"extern const tumble_node_defaults_t {prefix}_defaults;"]
+    if node.extension:
+        size = f"{prefix.upper()}_TRANSMIT"
+        pdos = ["", f"#define {size} {len(node.transmit)}U", "/* Transmit PDOs, behind those of the node's defaults. */",
+                f"extern const tumble_pdo_setup_t {prefix}_transmit[{size}];"]
+    lines += ["", f"extern const tumble_object_table_t {prefix}_table;", *pdos, "", "#endif"]
     return "\n".join(lines) + "\n"
 
 
@@ -164,12 +178,12 @@ class Source:
             self.initial_values(),
             self.constant_values(),
             self.limit_table(),
-            self.size_checks(),
+            self.layout_checks(),
             self.entry_table(),
             self.table(),
-            self.pdo_setups("receive", self.node.receive),
-            self.pdo_setups("transmit", self.node.transmit),
-            self.defaults(),
+            *([self.further_pdos()] if self.node.extension else
+              [self.pdo_setups("receive", self.node.receive), self.pdo_setups("transmit", self.node.transmit),
+               self.defaults()]),
             self.saved(),
         ]
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
@@ -199,15 +213,12 @@ class Source:
         rows = [f"    {{{real(low)}, {real(high)}}}," for low, high in self.limits]
         return ["static const tumble_limit_t limits[] = {", *rows, "};"]
 
-    def size_checks(self) -> list[str]:
-        """The entries must agree with the structs that they point into, which others write."""
-        lines = []
+    def layout_checks(self) -> list[str]:
         apart = [item for item in self.node.objects if item.like in (0, item.index)]
-        for run in (run for item in apart for run in runs_of(item)):
-            for place, entry in enumerate(run):
-                if entry.member and entry.home in ("other", "computed"):
-                    lines += checks(run[0], entry, place)
-        return [*BYTES_TO, "", *lines] if any("BYTES_TO(" in line for line in lines) else lines
+        lines = [line for item in apart for run in runs_of(item) for line in checks(run)]
+        used = [name for name in CHECKS if any(line.startswith(f"{name}(") for line in lines)]
+        wanted = [name for name in CHECKS if name in used or (name == "ONE" and used)]
+        return [*(line for name in wanted for line in CHECKS[name]), "", *lines] if lines else []
 
     def entry_table(self) -> list[str]:
         rows = []
@@ -246,16 +257,15 @@ class Source:
     def pdo_setups(self, name: str, pdos: list[Pdo]) -> list[str]:
         if not pdos:
             return []
-        lines = [f"static const tumble_pdo_setup_t {name}[] = {{"]
-        for pdo in pdos:
-            maps = [f"0x{entry.map_value:08X}U" for entry in pdo.map] + ["0U"] * (MAX_MAPPED - len(pdo.map))
-            lines += [
-                f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U, "
-                f".inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
-                f"     .map = {{{', '.join(maps)}}}}},",
-            ]
-        most = f"TUMBLE_MAX_{name.upper()}_PDOS"
-        return [*lines, "};", f"static_assert((sizeof {name} / sizeof {name}[0]) <= {most}, \"{name}\");"]
+        rows = [line for pdo in pdos for line in pdo_setup(pdo)]
+        most = f"static_assert((sizeof {name} / sizeof {name}[0]) <= TUMBLE_MAX_{name.upper()}_PDOS, \"{name}\");"
+        return [f"static const tumble_pdo_setup_t {name}[] = {{", *rows, "};", most]
+
+    def further_pdos(self) -> list[str]:
+        """How many there may be together with those of the table before, the node's init sees."""
+        rows = [line for pdo in self.node.transmit for line in pdo_setup(pdo)]
+        size = f"{self.prefix.upper()}_TRANSMIT"
+        return [f"const tumble_pdo_setup_t {self.prefix}_transmit[{size}] = {{", *rows, "};"]
 
     def defaults(self) -> list[str]:
         settings = self.node.settings
@@ -279,6 +289,15 @@ class Source:
         mine = self.node.settings["saves"]
         rows = [f"    {{0x{item.index:04X}U, {len(item.entries) - 1}U}}, /* {item.name} */" for item in mine]
         return [f"const tumble_saved_t {self.prefix}_saved[{self.prefix.upper()}_SAVED] = {{", *rows, "};"]
+
+
+def pdo_setup(pdo: Pdo) -> list[str]:
+    maps = [f"0x{entry.map_value:08X}U" for entry in pdo.map] + ["0U"] * (MAX_MAPPED - len(pdo.map))
+    return [
+        f"    {{.cob_id = 0x{pdo.cob_id:X}U, .type = {pdo.type}U, .count = {len(pdo.map)}U, "
+        f".inhibit_100us = {pdo.inhibit_100us}U, .event_ms = {pdo.event_ms}U,",
+        f"     .map = {{{', '.join(maps)}}}}},",
+    ]
 
 
 def runs_of(item: Object) -> list[list[Entry]]:
@@ -324,13 +343,30 @@ def layout(item: Object) -> list[tuple]:
     return [(entry.subindex, shape(entry)) for entry in item.entries]
 
 
-def checks(first: Entry, entry: Entry, place: int) -> list[str]:
-    size = f"sizeof(((const {entry.struct} *)NULL)->{entry.member}) == {entry.size}U"
-    lines = [f"static_assert({size}, \"{entry.where}\");"]
-    if place > 0:
-        bytes_to = f"BYTES_TO({entry.struct}, {first.member}, {entry.member}) == {place * first.size}U,"
-        lines.append(one_line_or_two(f"static_assert({bytes_to}", " " * 14, f"\"{entry.where}\");"))
-    return lines
+def checks(run: list[Entry]) -> list[str]:
+    """One line for every entry of a run, or for the whole of an array."""
+    if not run[0].member or run[0].home not in ("other", "computed"):
+        return []
+    if array := whole_array(run):
+        first = run[0]
+        return [f'ALL("{first.where}", {first.struct}, {array}, {first.member}, {first.size}U, {len(run)}U);']
+    return [check_of(before, entry) for before, entry in zip([None, *run], run)]
+
+
+def check_of(before: Entry | None, entry: Entry) -> str:
+    if before is None:
+        return f'ONE("{entry.where}", {entry.struct}, {entry.member}, {entry.size}U);'
+    return f'NEXT("{entry.where}", {entry.struct}, {before.member}, {entry.member}, {entry.size}U);'
+
+
+def whole_array(run: list[Entry]) -> str | None:
+    """The array whose elements, one after the other from the first, are a run; C says whether they are all."""
+    array = run[0].member.split("[")[0]
+    places = [tuple(map(int, re.findall(r"\[(\d+)\]", entry.member))) for entry in run]
+    ends = tuple(last + 1 for last in places[-1])
+    in_order = places == list(itertools.product(*map(range, ends)))
+    alike = all(entry.member == array + "".join(f"[{n}]" for n in place) for entry, place in zip(run, places))
+    return array if len(run) > 1 and in_order and alike else None
 
 
 def one_line_or_two(first: str, indent: str, rest: str) -> str:
