@@ -19,6 +19,15 @@ MAY_INCLUDE = {
     "navcomp": {"core", "port", "canopen", "store", "stand", "procedure"},
     "boards": {"core", "port", "store", "navcomp"},
 }
+# The same for programs of an operating system. A name without a room is beside the file, or in one of these folders.
+FIRMWARE = set(MAY_INCLUDE) - {"boards"}
+PROGRAMS = {
+    "host/simulation": ({"core", "port", "canopen", "procedure", "nv"}, []),
+    "host/bench": (FIRMWARE | {"simulation"}, []),
+    "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
+    "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
+    "boards/linux": (FIRMWARE | {"bench", "nv"}, []),
+}
 SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 SQUARE_ROOT = "firmware/core/arith.h"  # the one file that may include <math.h>, for sqrt
 OWN_ROOT = "boards/mps2_an386/root.c"  # a board's own instead of the library's
@@ -46,8 +55,9 @@ def main(arguments):
         print(f"rooms: {root} holds no firmware", file=sys.stderr)
         return 2
     sources = list(find_sources(root))
+    programs = [path for folder in PROGRAMS for path in sorted((root / folder).glob("*.[ch]"))]
     violations = [f"{path.relative_to(root)}:{line}: {what}"
-                  for check, paths in ((check_firmware, firmware), (check_size, sources))
+                  for check, paths in ((check_firmware, firmware), (check_program, programs), (check_size, sources))
                   for path in paths for line, what in check(root, path)]
     print("\n".join(violations) or f"rooms: {len(firmware)} firmware files, {len(sources)} sources, no violations")
     return 1 if violations else 0
@@ -94,6 +104,19 @@ def include_fault(root, location, room, target):
     if other == room or other in MAY_INCLUDE[room]:
         return None
     return f"{room} may not know {other}; it may know: {', '.join(sorted(MAY_INCLUDE[room])) or 'no other room'}"
+
+
+def check_program(root, path):
+    """Yield (line, violation) for the includes of one C file of a program."""
+    location = path.relative_to(root).parent
+    rooms, folders = PROGRAMS[location.as_posix()]
+    for number, line in enumerate(without_comments(path.read_text(encoding="utf-8")).splitlines(), 1):
+        if include := re.match(r'\s*#\s*include\s*"([^"]+)"', line):
+            *room, name = Path(include[1]).parts
+            if room and room[0] not in rooms | {location.name}:
+                yield number, f"{location} may not know {room[0]}; it may know: {', '.join(sorted(rooms))}"
+            elif not room and not any((root / folder / name).is_file() for folder in [location, *folders]):
+                yield number, f'"{name}" is neither beside the file nor in {", ".join(folders) or "another folder"}'
 
 
 def without_comments(text):
