@@ -17,6 +17,7 @@ from processes import HASTE, Node, Stand, scenario, wait_until
 RATES = (500000, 500000, 250000, 125000)  # bits a second, one after the other, until the load is there
 WANTED, ENOUGH, MOST = 0.80, 0.77, 0.95
 OURS_BITS_PER_S = 32500  # samples, process data, heartbeats
+FLOOD_ID = 0x110
 FLOOD_BITS = 114.5  # of a frame of 8 random bytes, with 3 or 4 stuff bits and interframe space, on average
 BARE_BITS = 47  # of a frame without data, likewise without stuff bits
 BURST = 32
@@ -47,7 +48,7 @@ class Flood(threading.Thread):
             gap_ms = max(self.least_period_ms - least_ms, 1e3 * due_s / BURSTS - own_ms, 0.0)
             command = ["chrt", "-f", "1", "cangen", str(self.bus), "-g", f"{gap_ms:.3f}", "-c", str(BURST)]
             chunk_began = time.monotonic()
-            command += ["-n", str(BURST * BURSTS), "-p", "1", "-I", "110", "-L", "8", "-D", "r"]
+            command += ["-n", str(BURST * BURSTS), "-p", "1", "-I", f"{FLOOD_ID:x}", "-L", "8", "-D", "r"]
             subprocess.run(command, check=True)
             own_ms = 1e3 * (time.monotonic() - chunk_began) / BURSTS - gap_ms
             least_ms = min(least_ms, own_ms)
@@ -80,13 +81,14 @@ def frames_of(path):
 
 
 def require_nothing_lost_unnoticed(folder, dropped):
-    """What candump has of others' frames, from node 1's boot-up to the last frame of the flood that it took, is what it
-    took and what was dropped."""
+    """What candump has of others' frames, from the first frame of the flood that node 1 took to the last, is what it took
+    and what was dropped. The flood's frames are random, and so none is there twice."""
     theirs, ours = frames_of(folder / "candump.log"), frames_of(folder / "run/bus.log")
-    last = next(frame for frame in reversed(ours) if frame[0] == 0x110)
-    theirs = theirs[theirs.index((0x701, b"\0")) : theirs.index(last) + 1]
-    ours = ours[: ours.index(last) + 1]
-    seen = [sum(frame[0] not in NODE_1 for frame in frames) for frames in (theirs, ours)]
+    flood = [frame for frame in ours if frame[0] == FLOOD_ID]
+    seen = []
+    for frames in (theirs, ours):
+        between = frames[frames.index(flood[0]) : frames.index(flood[-1]) + 1]
+        seen.append(sum(frame[0] not in NODE_1 for frame in between))
     assert seen[0] == seen[1] + dropped and seen[1] > 1000
 
 
