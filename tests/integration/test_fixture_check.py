@@ -20,6 +20,7 @@ from tumble.runfile import Run
 from tumble.solution import solve
 from tumble.standfile import read_stand
 
+pytestmark = pytest.mark.python
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 SCHEMA = json.loads((ROOT / "docs" / "schemas" / "tumble.fixture-1.schema.json").read_text())
@@ -67,7 +68,6 @@ def judged(rng, actual, declared, count=1, once=False):
     ("name", "runs", "checks"),
     [
         ("paper", 1, 150),
-        ("lab", 3, 150),
         *(
             pytest.param(name, runs, 400, marks=pytest.mark.full)
             for name, runs in (("paper", 1), ("lab", 3), ("angle", 1), ("lab", 1))
@@ -142,7 +142,7 @@ def test_runs_of_one_levelling_are_told_from_others():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("once", [True, False])
+@pytest.mark.parametrize("once", [pytest.param(True, marks=pytest.mark.full), False])
 def test_a_combined_result_lies_where_its_uncertainties_say(once):
     """150 times three runs, one of them noisier: rms of error over u, and the chi-squared of what the runs differ
     by."""

@@ -16,6 +16,7 @@ from tumble.doubts import look_for_doubts
 from tumble.runfile import Run
 from tumble.solution import solve
 
+pytestmark = pytest.mark.python
 SCHEMA = json.loads(Path(EXAMPLES.parent / "docs" / "schemas" / "tumble.result-1.schema.json").read_text())
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 

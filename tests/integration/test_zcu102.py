@@ -11,6 +11,7 @@ import time
 
 import pytest
 
+from bench_program import HASTY_STAND
 from conftest import EXAMPLES
 
 from tumble.bench import console, emulator, programs, uml
@@ -149,7 +150,9 @@ def need_bus():
 def test_the_board_calibrates_the_simulated_stand(tumble, tmp_path):
     need_bus()
     begin = time.monotonic()
-    command = ["bench", "--bus", "uml", "--firmware", "zcu102", "--seed", 11, "--samples", 60, "--out", "run", "--json"]
+    (tmp_path / "stand.toml").write_text(HASTY_STAND)
+    command = ["bench", "--bus", "uml", "--firmware", "zcu102", "--stand", "stand.toml", "--seed", 11, "--samples", 60]
+    command += ["--out", "run", "--json"]
     ended = tumble(*command, cwd=tmp_path, timeout=300)
     assert ended.returncode == 0, ended.stderr
     assert time.monotonic() - begin < 180
