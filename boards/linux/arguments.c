@@ -2,8 +2,6 @@
 
 #include "arguments.h"
 
-#include "bench/wrong_option.h"
-
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,10 +12,10 @@ bool arguments_refuse(const char *option, const char *what)
     return false;
 }
 
-bool arguments_wrong(int answer, char *const arguments[])
+bool arguments_options(int count, char *arguments[], const struct option known[], bench_take_t take, void *options,
+                       bool *help)
 {
-    bench_wrong_option(program_invocation_short_name, answer, arguments);
-    return false;
+    return bench_read_options(program_invocation_short_name, count, arguments, known, take, options, help);
 }
 
 bool arguments_whole(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *value)

@@ -1,11 +1,7 @@
-#define _GNU_SOURCE /* getopt_long */
-
 #include "node_options.h"
 
 #include "arguments.h"
-#include "bench/wrong_option.h"
 
-#include <getopt.h>
 #include <signal.h>
 #include <stddef.h>
 #include <sys/prctl.h>
@@ -60,14 +56,18 @@ const char node_options_help[] =
     "check failed; 2 bad input, or no such interface; 3 fault; 77 this kernel has\n"
     "no CAN; 130 told to end during a calibration.\n";
 
-enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT, HELP = 'h' };
+enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT };
 
 static const struct option OPTIONS[] = {
-    {"start", no_argument, NULL, START},          {"patience", required_argument, NULL, PATIENCE},
-    {"out", required_argument, NULL, OUT},        {"progress", no_argument, NULL, PROGRESS},
-    {"help", no_argument, NULL, HELP},            {"progress-fd", required_argument, NULL, PROGRESS_FD},
-    {"with-parent", no_argument, NULL, WITH_PARENT}, {"gain-record", required_argument, NULL, GAINS},
+    {"start", no_argument, NULL, START},
+    {"patience", required_argument, NULL, PATIENCE},
+    {"out", required_argument, NULL, OUT},
+    {"gain-record", required_argument, NULL, GAINS},
     {"nv", required_argument, NULL, NV},
+    {"progress", no_argument, NULL, PROGRESS},
+    {"progress-fd", required_argument, NULL, PROGRESS_FD},
+    {"with-parent", no_argument, NULL, WITH_PARENT},
+    {"help", no_argument, NULL, BENCH_HELP},
     {0},
 };
 
@@ -77,8 +77,9 @@ static bool take_text(const char *option, const char **text)
     return *optarg != '\0' || arguments_refuse(option, "must not be empty");
 }
 
-static bool take(node_options_t *options, int option, char *const arguments[])
+static bool take(void *to, int option)
 {
+    node_options_t *const options = to;
     uint64_t fd = 0;
     switch (option) {
     case START:
@@ -103,23 +104,16 @@ static bool take(node_options_t *options, int option, char *const arguments[])
         return true;
     case WITH_PARENT:
         return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-    case HELP:
-        options->help = true;
-        return true;
     default:
-        return arguments_wrong(option, arguments);
+        return false;
     }
 }
 
 bool node_options_read(node_options_t *options, int count, char *arguments[])
 {
-    int option;
-    opterr = 0;
     *options = (node_options_t){.progress_fd = -1};
-    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
-        if (!take(options, option, arguments)) {
-            return false;
-        }
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+        return false;
     }
     if (options->help) {
         return true;

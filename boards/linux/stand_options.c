@@ -1,11 +1,7 @@
-#define _GNU_SOURCE /* getopt_long */
-
 #include "stand_options.h"
 
 #include "arguments.h"
-#include "bench/wrong_option.h"
 
-#include <getopt.h>
 #include <signal.h>
 #include <stddef.h>
 #include <string.h>
@@ -37,13 +33,13 @@ const char stand_options_help[] =
     "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
     "kernel has no CAN.\n";
 
-enum { SEED = 1, OPERATOR, WITH_PARENT, HELP = 'h' };
+enum { SEED = 1, OPERATOR, WITH_PARENT };
 
 static const struct option OPTIONS[] = {
     {"seed", required_argument, NULL, SEED},
     {"operator", required_argument, NULL, OPERATOR},
     {"with-parent", no_argument, NULL, WITH_PARENT},
-    {"help", no_argument, NULL, HELP},
+    {"help", no_argument, NULL, BENCH_HELP},
     {0},
 };
 
@@ -59,8 +55,9 @@ static bool take_operator(stand_options_t *options, const char *what)
     return arguments_refuse("--operator", "must be none, mount, start or ask");
 }
 
-static bool take(stand_options_t *options, int option, char *const arguments[])
+static bool take(void *to, int option)
 {
+    stand_options_t *const options = to;
     switch (option) {
     case SEED:
         return arguments_whole("--seed", optarg, 0, UINT64_MAX, &options->seed);
@@ -68,23 +65,16 @@ static bool take(stand_options_t *options, int option, char *const arguments[])
         return take_operator(options, optarg);
     case WITH_PARENT:
         return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-    case HELP:
-        options->help = true;
-        return true;
     default:
-        return arguments_wrong(option, arguments);
+        return false;
     }
 }
 
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
-    int option;
-    opterr = 0;
     *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
-    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
-        if (!take(options, option, arguments)) {
-            return false;
-        }
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+        return false;
     }
     return options->help ||
            arguments_operands(count - optind, arguments + optind, &options->interface, &options->scenario);

@@ -1,12 +1,18 @@
-/* wrong_option.h - what getopt_long does not take, in the words of all our programs. */
+/* wrong_option.h - options by getopt_long, and what it does not take, in the words of all our programs. */
 #ifndef TUMBLE_BENCH_WRONG_OPTION_H
 #define TUMBLE_BENCH_WRONG_OPTION_H
 
-/* What a program asks of getopt_long: -h is --help, and what is wrong is told by us. */
-#define BENCH_SHORT_OPTIONS ":h"
+#include <getopt.h>
+#include <stdbool.h>
 
-/* One line on standard error, after getopt_long with BENCH_SHORT_OPTIONS and opterr = 0 has answered ':' or '?'. The
- * values of long options are below 32, but for that of --help: 'h'. */
-void bench_wrong_option(const char *program, int answer, char *const arguments[]);
+#define BENCH_HELP 'h' /* the value of --help, and -h; those of the other long options are below 32 */
+
+/* One option into `options`; its value is in optarg. Returns false when that was not right, which has been said. */
+typedef bool (*bench_take_t)(void *options, int option);
+
+/* All options of a command line, each by `take` but --help, which is told by itself; then optind is at the operands.
+ * Returns false once one is not right, which has been said in one line on standard error. */
+bool bench_read_options(const char *program, int count, char *arguments[], const struct option known[],
+                        bench_take_t take, void *options, bool *help);
 
 #endif

@@ -1,11 +1,7 @@
-#define _GNU_SOURCE /* getopt_long */
-
 #include "options.h"
 
 #include "arguments.h"
-#include "bench/wrong_option.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -40,14 +36,14 @@ const char gateway_options_help[] =
 #define US_PER_MS 1000U
 #define US_PER_S 1000000U
 
-enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK, HELP = 'h' };
+enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK };
 
 static const struct option OPTIONS[] = {
     {"can", required_argument, NULL, CAN},       {"tcp", required_argument, NULL, TCP},
     {"rtu", required_argument, NULL, RTU},       {"unit", required_argument, NULL, UNIT},
     {"node", required_argument, NULL, NODE},     {"poll", required_argument, NULL, POLL},
     {"idle", required_argument, NULL, IDLE},     {"allow-commands", no_argument, NULL, ALLOW},
-    {"unlock", required_argument, NULL, UNLOCK}, {"help", no_argument, NULL, HELP},
+    {"unlock", required_argument, NULL, UNLOCK}, {"help", no_argument, NULL, BENCH_HELP},
     {0},
 };
 
@@ -118,8 +114,9 @@ static bool take_time(const char *option, uint64_t low, uint64_t high, uint64_t 
     return true;
 }
 
-static bool take(gateway_options_t *options, int option, char *const arguments[])
+static bool take(void *to, int option)
 {
+    gateway_options_t *const options = to;
     gateway_settings_t *const settings = &options->settings;
     switch (option) {
     case CAN:
@@ -142,25 +139,18 @@ static bool take(gateway_options_t *options, int option, char *const arguments[]
         return true;
     case UNLOCK:
         return take_time("--unlock", 1, 3600, US_PER_S, &settings->unlock_us);
-    case HELP:
-        options->help = true;
-        return true;
     default:
-        return arguments_wrong(option, arguments);
+        return false;
     }
 }
 
 bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
 {
-    int option;
-    opterr = 0;
     *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
                                                 .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
-    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, OPTIONS, NULL)) != -1) {
-        if (!take(options, option, arguments)) {
-            return false;
-        }
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+        return false;
     }
     if (options->help) {
         return true;

@@ -1,5 +1,4 @@
 /* tumble-replay: a recorded bus log goes through the firmware again, in virtual time. */
-#define _GNU_SOURCE /* getopt_long */
 
 #include "bench/config_prepare.h"
 #include "bench/folder.h"
@@ -12,7 +11,6 @@
 #include "replay/replay.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,35 +77,34 @@ static bool read_operands(options_t *options, int count, char *operands[])
     return true;
 }
 
+enum { OUT = 1, RECORDING, COMMISSIONING, GAINS };
+
+static bool take(void *to, int option)
+{
+    options_t *const options = to;
+    if (option == OUT) {
+        options->out = optarg;
+    } else if (option == RECORDING) {
+        options->recording = optarg;
+    } else if (option == COMMISSIONING) {
+        options->commissioning = optarg;
+    } else {
+        options->gain_record = optarg;
+    }
+    return true;
+}
+
 static bool read_options(options_t *options, int count, char *arguments[])
 {
-    enum { OUT = 1, RECORDING, COMMISSIONING, GAINS };
     static const struct option KNOWN[] = {{"out", required_argument, NULL, OUT},
                                           {"recording", required_argument, NULL, RECORDING},
                                           {"commissioning", required_argument, NULL, COMMISSIONING},
                                           {"gain-record", required_argument, NULL, GAINS},
-                                          {"help", no_argument, NULL, 'h'},
+                                          {"help", no_argument, NULL, BENCH_HELP},
                                           {0}};
-    int option;
-    opterr = 0;
     *options = (options_t){0};
-    while ((option = getopt_long(count, arguments, BENCH_SHORT_OPTIONS, KNOWN, NULL)) != -1) {
-        if (option == OUT) {
-            options->out = optarg;
-        } else if (option == RECORDING) {
-            options->recording = optarg;
-        } else if (option == COMMISSIONING) {
-            options->commissioning = optarg;
-        } else if (option == GAINS) {
-            options->gain_record = optarg;
-        } else if (option == 'h') {
-            options->help = true;
-        } else {
-            bench_wrong_option("tumble-replay", option, arguments);
-            return false;
-        }
-    }
-    return options->help || read_operands(options, count - optind, arguments + optind);
+    return bench_read_options("tumble-replay", count, arguments, KNOWN, take, options, &options->help) &&
+           (options->help || read_operands(options, count - optind, arguments + optind));
 }
 
 static bool read_log(bus_log_t *log, const char *path)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Write the golden files of the store from their numbers, store.json, with the package's encoder (struct).
 
-    make.py [--check]     with PYTHONPATH=host/python/src; --check: exit 1 if a file is not what it would write
+    make.py [--check]     with PYTHONPATH=host/python/src; --check: exit 1 if a file is not what it would write, or too many
 
 Each file is one record: what C and Python must both read as the numbers of store.json, and both write.
 """
@@ -40,17 +40,21 @@ def cases():
 
 
 def main(arguments):
-    stale = [name for name, case in cases() if not is_written(HERE / f"{name}.bin", encode(case))]
     if arguments == ["--check"]:
-        print("\n".join(f"{name}.bin is stale" for name in stale) or "golden files: all right")
-        return 1 if stale else 0
+        faults = list(check())
+        print("\n".join(faults) or "golden files: all right")
+        return 1 if faults else 0
     for name, case in cases():
         (HERE / f"{name}.bin").write_bytes(encode(case))
     return 0
 
 
-def is_written(path, wanted):
-    return path.exists() and path.read_bytes() == wanted
+def check():
+    """What is wrong with the files, a line each."""
+    wanted = {f"{name}.bin": encode(case) for name, case in cases()}
+    found = {path.name: path.read_bytes() for path in sorted(HERE.glob("*.bin"))}
+    yield from (f"{name} is stale" for name, record in wanted.items() if found.get(name) != record)
+    yield from (f"{name} is of no case" for name in found if name not in wanted)
 
 
 if __name__ == "__main__":

@@ -10,32 +10,17 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import jsonschema
 import pytest
 from bench_program import HASTY_STAND, wait_until
 from conftest import ROOT
+from uml_kernels import inside, kernels
 
 from tumble import cli
 from tumble.bench import programs, uml
 
-LACKING = uml.missing()
-inside = pytest.mark.skipif(LACKING is not None, reason=f"user-mode Linux is not there: {LACKING}")
 SCHEMA = ROOT / "docs/schemas/tumble.result-1.schema.json"
-
-
-def kernels(folder):
-    """User-mode Linux kernels that run in a folder of ours, by their process number."""
-    found = set()
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            command = (process / "cmdline").read_bytes()
-        except OSError:
-            continue
-        if command.startswith((b"linux.uml", b"/usr/bin/linux.uml")) and os.fsencode(folder) in command:
-            found.add(process.name)
-    return found
 
 
 @inside
@@ -88,6 +73,7 @@ def test_a_person_confirms_a_mounting_and_interrupts_at_the_next_question(tmp_pa
     child.stdin.flush()
     assert child.stderr.readline().startswith("mounting 1: position 1 of 18")
     assert child.stderr.readline().startswith("Mount the block as mounting 2 says")
+    assert any(line.startswith("[Enter or done") for line in child.stderr)
     child.send_signal(signal.SIGINT)
     rest = child.communicate(timeout=30)[1]
     assert (child.returncode, rest) == (130, "tumble: interrupted; the table is at rest\n")

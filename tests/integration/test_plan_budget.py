@@ -143,6 +143,7 @@ NO_BLOCK = '[stand]\naxis_tilt_rad=0\nlevel_rad=0\nremount_rad=0\nangle_rad=0\nn
 ONE_TURN = "[[mounting]]\nnumber = 1\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n" + "".join(
     f"[[position]]\nmounting = 1\nposition = {number}\nangle_deg = {60 * number}\n" for number in range(1, 7)
 )
+SIX_FACES = EXAMPLES / "six_faces.toml"
 REFUSED = {
     "no subject": ([], "required"),
     "unknown subject": (["forecast"], "invalid choice"),
@@ -154,10 +155,16 @@ REFUSED = {
         ["budget", "--schedule", "one_turn.toml"],
         "one_turn.toml: these positions cannot identify K_xy",
     ),
-    "harmonic on six faces": (["budget", "--schedule", EXAMPLES / "six_faces.toml"], "least_squares solves any"),
+    **{
+        f"{subject} harmonic on six faces": (
+            [subject, "--schedule", SIX_FACES],
+            f"{SIX_FACES}: lacks positions that refined needs; least_squares solves any schedule",
+        )
+        for subject in ("budget", "require")
+    },
     "published of optimal": (["budget", "--weights", "published", "--estimator", "optimal"], "averaged and refined"),
     "published on six faces": (
-        ["budget", "--weights", "published", "--schedule", EXAMPLES / "six_faces.toml"],
+        ["budget", "--weights", "published", "--schedule", SIX_FACES],
         "for its own 2 x 9 positions",
     ),
     "limit of zero": (["require", "--limit", "0"], "--limit: '0' is not a number of g above 0, at most 1"),

@@ -21,6 +21,7 @@ from tumble.planning.simulate import U0_V, position_means
 from tumble.reference import Geometry
 from tumble.standfile import read_stand
 
+pytestmark = pytest.mark.python
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
 STANDS = ("paper", "angle", "lab")
 
@@ -226,7 +227,10 @@ BAD = {
     "seed": (["--seed", "-1"], "--seed"),
     "kind": (["--plot", "plot.gif"], "--plot: 'plot.gif' does not end in .svg"),
     "folder": (["--runs", "100", "--plot", "nowhere/plot.svg"], "nowhere/plot.svg: cannot be written: no such file"),
-    "schedule": (["--schedule", str(EXAMPLES / "six_faces.toml"), "--estimator", "refined"], "lacks positions"),
+    "schedule": (
+        ["--schedule", str(EXAMPLES / "six_faces.toml"), "--estimator", "refined"],
+        f"{EXAMPLES / 'six_faces.toml'}: lacks positions that refined needs",
+    ),
     "stand": (["--stand", "wild.toml", "--estimator", "optimal"], "a run on such a stand cannot be solved by optimal"),
 }
 

@@ -207,18 +207,24 @@ def test_bad_input_is_one_line_and_exit_2(tmp_path):
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
-def test_the_gate_of_the_golden_files_can_fail(tmp_path):
-    for file in GOLDEN.iterdir():
-        if file.is_file():
-            shutil.copy(file, tmp_path)
-    def check():
-        return subprocess.run([sys.executable, "-B", tmp_path / "make.py", "--check"], capture_output=True, text=True)
+def check_golden(folder):
+    done = subprocess.run([sys.executable, "-B", folder / "make.py", "--check"], capture_output=True, text=True)
+    return done.returncode, done.stdout
 
-    assert check().returncode == 0
-    record = bytearray((tmp_path / "run.bin").read_bytes())
-    record[0] ^= 1
-    (tmp_path / "run.bin").write_bytes(record)
-    assert (check().returncode, check().stdout) == (1, "run.bin is stale\n")
+
+def test_the_golden_files_are_what_their_generator_writes():
+    assert check_golden(GOLDEN) == (0, "golden files: all right\n")
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_changed_byte_of_a_golden_file_is_told(name, tmp_path):
+    for file in (GOLDEN / "make.py", GOLDEN / "store.json", *GOLDEN.glob("*.bin")):
+        shutil.copy(file, tmp_path)
+    record = bytearray((tmp_path / f"{name}.bin").read_bytes())
+    record[-1] ^= 1
+    (tmp_path / f"{name}.bin").write_bytes(record)
+    (tmp_path / "left_over.bin").write_bytes(record)
+    assert check_golden(tmp_path) == (1, f"{name}.bin is stale\nleft_over.bin is of no case\n")
 
 
 def test_the_factory_set_of_the_page_is_one(tmp_path):

@@ -48,8 +48,7 @@ def require_bus(text: str) -> str:
 def require_there(bus: str) -> None:
     """Raise, with one line about what to do, unless this bus is to be had here."""
     if bus == UML:
-        if (lacking := uml.missing()) is not None:
-            raise Skipped(f"--bus uml: user-mode Linux is not there: {lacking}")
+        uml.require_there("--bus uml: ")
         return
     interface = bus.removeprefix(SOCKETCAN)
     try:

@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,7 +33,7 @@ _PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
 _TICK_S = 0.05
 _BOOT_S = 60.0  # until it must have begun
 _SILENCE_S = 60.0  # between two signs of life
-_NO_BUS = 71
+_NO_BUS = "no bus"
 
 _INIT = """#!/bin/sh
 PATH={path}; export PATH
@@ -52,10 +52,9 @@ cd {folder}
 done) &
 ip link set up lo
 modules={modules}/$(uname -r)/kernel
-{{ for module in {names}; do insmod $modules/$module.ko || exit; done &&
-    ip link add dev {interface} type vcan && ip link set up {interface}; }} && sh job.sh
-code=$?
-[ -e /sys/class/net/{interface} ] || code={no_bus}
+code="{no_bus}"
+(for module in {names}; do insmod $modules/$module.ko || exit; done &&
+    ip link add dev {interface} type vcan && ip link set up {interface}) && {{ sh job.sh; code=$?; }}
 echo $code >code.part && mv code.part code
 echo o >/proc/sysrq-trigger
 sleep 10
@@ -72,6 +71,12 @@ def missing() -> str | None:
     return f"no {', '.join(lacking)}: install {PACKAGES}" if lacking else None
 
 
+def require_there(remark: str = "") -> None:
+    """Raise Skipped, with one line about what to install, where it cannot run; the remark before it."""
+    if (lacking := missing()) is not None:
+        raise Skipped(f"{remark}user-mode Linux is not there: {lacking}")
+
+
 def run(
     job: str,
     folder: Path,
@@ -79,24 +84,26 @@ def run(
     on_tick: Callable[[], None] = lambda: None,
     memory_mb: int = 128,
     timeout_s: float = float("inf"),
+    terminals: Sequence[tuple[int | None, int]] = (),
 ) -> int:
     """Run the shell script `job` in there. Returns its exit code.
 
     `folder`: the run's own (its working folder, writable); files appear outside when they are closed inside. `on_tick`
-    is called all the while. Raises Skipped where it is not installed, BenchFault where it does not start, falls silent
+    is called all the while. `terminals`: descriptors, input or None and output, of what is tty1, tty2 and so on in there
+    (character devices 4:1, 4:2); bytes go through them at once. Raises Skipped where it is not installed, BenchFault where it does not start, falls silent
     or takes longer than `timeout_s`; whatever on_tick raises, and an interrupt, ends it at once.
     """
-    if (lacking := missing()) is not None:
-        raise Skipped(f"user-mode Linux is not there: {lacking}")
+    require_there()
     _write_scripts(job, folder)
     with open(folder / "console.log", "wb") as console:
         process = subprocess.Popen(
-            _command(folder, memory_mb),
+            [*_command(folder, memory_mb), *_lines(terminals)],
             stdin=subprocess.DEVNULL,
             stdout=console,
             stderr=subprocess.STDOUT,
             env=_environment(folder, memory_mb),
             start_new_session=True,
+            pass_fds={one for pair in terminals for one in pair if one is not None},
         )
     try:
         with _watching(folder):
@@ -147,6 +154,13 @@ def _command(folder: Path, memory_mb: int) -> list[str]:
         "con=null",
         "con0=fd:0,fd:1",
         "quiet",
+    ]
+
+
+def _lines(terminals: Sequence[tuple[int | None, int]]) -> list[str]:
+    return [
+        f"con{number}={'null' if given is None else f'fd:{given}'},fd:{taken}"
+        for number, (given, taken) in enumerate(terminals, 1)
     ]
 
 
@@ -215,10 +229,10 @@ def _exit_code(folder: Path) -> int:
     path = folder / "code"
     if not path.exists():
         raise BenchFault(f"user-mode Linux ended without a word about the run: {_last_words(folder)}")
-    code = int(path.read_text())
+    code = path.read_text().strip()
     if code == _NO_BUS:
         raise BenchFault(f"user-mode Linux has no interface {INTERFACE}: {_last_words(folder)}")
-    return code
+    return int(code)
 
 
 def _last_words(folder: Path) -> str:

@@ -7,7 +7,15 @@ import math
 import os
 import sys
 
-from tumble.commands.options import DEFAULT_LIMIT_G, add_estimator, add_limit, add_schedule, parse_limit, parse_number
+from tumble.commands.options import (
+    DEFAULT_LIMIT_G,
+    add_estimator,
+    add_limit,
+    add_schedule,
+    add_subjects,
+    parse_limit,
+    parse_number,
+)
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
 
 LEVELLED = ("once", "anew")
@@ -17,12 +25,7 @@ DEFAULT_CONFIDENCE = 0.95
 
 def add_to(subparsers) -> None:
     """Describe the command to argparse."""
-    fixture = subparsers.add_parser(
-        "fixture",
-        help="judge a stand by the runs made on it",
-        description="Judge a stand by the runs made on it.",
-    )
-    subjects = fixture.add_subparsers(metavar="SUBJECT", required=True)
+    subjects = add_subjects(subparsers, "fixture", "judge a stand by the runs made on it")
     parser = subjects.add_parser(
         "check",
         help="runs against a stand file and an acceptance limit",

@@ -16,6 +16,14 @@ DEFAULT_LIMIT_G = 3e-4
 LARGEST_SEED = 2**64 - 1
 
 
+def add_subjects(subparsers, name: str, about: str, description: str = ""):
+    """A command that is nothing without a subject. Returns the subparsers of these. `description`: if it is not what
+    `about` says."""
+    said = description or f"{about[0].upper()}{about[1:]}."
+    parser = subparsers.add_parser(name, help=about, description=said)
+    return parser.add_subparsers(metavar="SUBJECT", required=True)
+
+
 def add_schedule(parser: argparse.ArgumentParser) -> None:
     """--schedule."""
     parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")

@@ -49,9 +49,12 @@ def read_case(arguments: argparse.Namespace):
 
         stand_file = read_stand(arguments.stand)
     if arguments.schedule is not None:
-        from tumble.schedulefile import read_schedule
+        from tumble.schedulefile import read_schedule, require_positions
 
-        schedule = read_schedule(arguments.schedule).data
+        read = read_schedule(arguments.schedule)
+        if getattr(arguments, "weights", DERIVED) == DERIVED and getattr(arguments, "estimator", None) is not None:
+            require_positions(read, arguments.estimator, arguments.schedule)
+        schedule = read.data
     return Case.of(stand_file, arguments.stand, schedule)
 
 

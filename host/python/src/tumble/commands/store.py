@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.commands.options import parse_whole
+from tumble.commands.options import add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24
@@ -12,12 +12,7 @@ _LARGEST_SECTOR = 1 << 24
 
 def add_to(subparsers) -> None:
     """Describe the command to argparse."""
-    store = subparsers.add_parser(
-        "store",
-        help="look into the non-volatile memory of a navigation computer",
-        description="Look into the non-volatile memory of a navigation computer.",
-    )
-    subjects = store.add_subparsers(metavar="SUBJECT", required=True)
+    subjects = add_subjects(subparsers, "store", "look into the non-volatile memory of a navigation computer")
     parser = subjects.add_parser(
         "dump",
         help="what an image of the memory holds",
