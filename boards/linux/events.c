@@ -2,6 +2,8 @@
 
 #include "events.h"
 
+#include "signals.h"
+
 #include <signal.h>
 #include <stddef.h>
 #include <sys/epoll.h>
@@ -23,25 +25,12 @@ void events_forget(const events_t *events, int fd)
     (void)epoll_ctl(events->epoll, EPOLL_CTL_DEL, fd, NULL);
 }
 
-static int open_signals(void)
-{
-    const struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigset_t set;
-    (void)sigaction(SIGPIPE, &ignore, NULL);
-    (void)sigemptyset(&set);
-    (void)sigaddset(&set, SIGINT);
-    (void)sigaddset(&set, SIGTERM);
-    (void)sigaddset(&set, SIGUSR1);
-    (void)sigprocmask(SIG_BLOCK, &set, NULL);
-    return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
-}
-
 bool events_open(events_t *events, int can_fd)
 {
     *events = (events_t){0};
     events->epoll = epoll_create1(EPOLL_CLOEXEC);
     events->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-    events->signals = open_signals();
+    events->signals = signals_open(SIGUSR1);
     return events->epoll >= 0 && events_watch(events, events->timer) && events_watch(events, events->signals) &&
            events_watch(events, can_fd);
 }

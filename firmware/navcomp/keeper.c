@@ -63,6 +63,7 @@ static void end_job(tumble_keeper_t *keeper)
     const tumble_status_t outcome = tumble_store_outcome(&keeper->store);
     keeper->job = JOB_NONE;
     keeper->stale = true;
+    keeper->history_tries = TUMBLE_KEEPER_TRIES;
     if (job == (uint8_t)JOB_NONE) {
         return; /* it only looked what is there */
     }
@@ -89,7 +90,13 @@ static void note_active(tumble_keeper_t *keeper, const tumble_set_t *set)
     keeper->active_utc_s = set->date_utc_s;
 }
 
-/* A commit whose entry in the history a loss of power prevented is caught up on here. */
+/* The entry was refused: look again what is missing. */
+static void try_history_again(tumble_keeper_t *keeper)
+{
+    keeper->stale = keeper->stale || (keeper->history_tries != 0U);
+}
+
+/* A commit whose entry in the history a loss of power or the memory prevented is caught up on here. */
 static void write_history(tumble_keeper_t *keeper, const tumble_set_t *set)
 {
     tumble_history_entry_t entry;
@@ -100,10 +107,14 @@ static void write_history(tumble_keeper_t *keeper, const tumble_set_t *set)
     if (status == TUMBLE_OK) {
         const bool other_block = (set->reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK)) != 0U;
         entry.flags |= other_block ? TUMBLE_HISTORY_OTHER_BLOCK : 0U;
+        keeper->history_tries = (uint8_t)(keeper->history_tries - ((keeper->history_tries != 0U) ? 1U : 0U));
         status = tumble_history_append(&keeper->history, &entry);
     }
     if (status != TUMBLE_OK) {
         tumble_keeper_fail(keeper, status);
+    }
+    if (status == TUMBLE_E_NV) {
+        try_history_again(keeper);
     }
 }
 
@@ -167,6 +178,9 @@ static void step_memory(tumble_keeper_t *keeper)
         }
     } else if (tumble_history_busy(&keeper->history)) {
         status = tumble_history_step(&keeper->history);
+        if (status == TUMBLE_E_NV) {
+            try_history_again(keeper);
+        }
     } else if (tumble_checkpoint_busy(&keeper->checkpoint)) {
         status = tumble_keeper_step_checkpoint(keeper);
     } else {
@@ -278,9 +292,16 @@ static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, u
 static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t argument)
 {
     tumble_keeper_t *keeper = context;
-    if (is_inhibitable(wanted) && tumble_keeper_is_inhibited(keeper)) {
-        tumble_count(&keeper->counters.inhibited);
-        return TUMBLE_E_STATE;
+    if ((wanted == TUMBLE_COMMAND_START) && tumble_parameters_reading(&keeper->parameters)) {
+        tumble_count(&keeper->counters.refused);
+        return TUMBLE_E_STATE; /* it would go by the board's values */
+    }
+    if (is_inhibitable(wanted)) {
+        if (tumble_keeper_is_inhibited(keeper)) {
+            tumble_count(&keeper->counters.inhibited);
+            return TUMBLE_E_STATE;
+        }
+        keeper->was_inhibited = false; /* whatever the last step saw: the next one is to see when it begins again */
     }
     tumble_keeper_watch(keeper); /* what ended before must be seen before anything begins anew */
     const tumble_status_t status = obey(keeper, wanted, argument);
@@ -316,6 +337,9 @@ static void reset(void *context)
 {
     tumble_keeper_t *keeper = context;
     keeper->settings = *keeper->config->settings;
+    keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
+    (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+    keeper->stale = true; /* a run that is kept may fit again what the node goes by */
     tumble_parameters_restore(&keeper->parameters);
 }
 
@@ -326,7 +350,10 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
     if ((keeper == NULL) || !is_usable(keeper->config)) {
         return TUMBLE_E_ARGUMENT;
     }
-    *keeper = (tumble_keeper_t){.config = keeper->config, .navcomp = navcomp, .settings = *keeper->config->settings};
+    *keeper = (tumble_keeper_t){.config = keeper->config,
+                                .navcomp = navcomp,
+                                .settings = *keeper->config->settings,
+                                .history_tries = TUMBLE_KEEPER_TRIES};
     const tumble_status_t status = open_memory(keeper, port->nv);
     tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node);
     keeper->now_us = port->now_us(port->context);

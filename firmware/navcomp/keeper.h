@@ -7,7 +7,9 @@
  * When a run is DONE the keeper makes a set of its result, judges it (store/commit_rules.h), and commits it or holds it
  * as the proposal. A result that the store has held before, to the last bit, is not stored again. After every finished
  * position it writes a checkpoint, so that a run that lost power can go on. All this goes on in navcomp's own step, at
- * most one call of the memory each; nothing waits. What the memory refuses is counted, and the active set stays.
+ * most one call of the memory each; nothing waits. What the memory refuses is counted, and the active set stays. An
+ * entry of the history, and what is done to the checkpoint, is tried again when refused, TUMBLE_KEEPER_TRIES times in
+ * all; then the history waits for the next job of the store, the checkpoint for the next mean.
  *
  * A checkpoint ends with the run that it is of: a run that is started anew, given up, or done and stored, leaves none.
  *
@@ -16,6 +18,7 @@
 #ifndef TUMBLE_NAVCOMP_KEEPER_H
 #define TUMBLE_NAVCOMP_KEEPER_H
 
+#include "navcomp/at_rest.h"
 #include "navcomp/keeping.h"
 #include "navcomp/navcomp.h"
 #include "navcomp/parameters.h"
@@ -37,6 +40,7 @@ enum {
 };
 
 #define TUMBLE_KEEPER_MIN_PAUSE_S 60U
+#define TUMBLE_KEEPER_TRIES 3U
 
 /* What may be changed over CAN, between runs. */
 typedef struct {
@@ -105,7 +109,8 @@ typedef struct {
     uint32_t not_resumed;  /* RESUME refused: nothing kept, or of another block, stand, schedule or configuration */
     uint32_t inhibited;    /* commands refused, runs given up and tables stopped because of the inhibit */
     uint32_t self_started;
-    uint32_t refused;      /* commands about sets, in a state that does not allow them */
+    uint32_t refused;      /* commands about sets in a state that does not allow them, and to start before what was
+                            * saved is in force */
 } tumble_keeper_counters_t;
 
 /* The object. `config` is the board's to set, everything else private: read it through the functions below. */
@@ -119,7 +124,9 @@ typedef struct {
     tumble_parameters_t parameters;
     tumble_keeper_counters_t counters;
     tumble_set_t set;         /* the result, until it is stored */
+    tumble_at_rest_t at_rest; /* 2152h */
     uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
+    uint64_t lost;            /* of `saved`: those that the memory would not take */
     uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
     uint64_t now_us;          /* of the last step */
     uint64_t utc_us;          /* UTC at the port's time 0 */
@@ -145,6 +152,9 @@ typedef struct {
     uint8_t verdict;
     uint8_t status;
     uint8_t resumable;
+    uint8_t trying;           /* the checkpoint's job: a position + 1, or TRYING_..., */
+    uint8_t tries;            /* begun so often */
+    uint8_t history_tries;    /* left for the entry of the active set */
     bool run_was_on;
     bool run_resumed;
     bool has_checkpoint;      /* the run's own has been begun; else it is tried again with its next mean */
@@ -167,7 +177,8 @@ static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2560U : 2816U
  * _ROLLBACK (something to go back to, and no proposal), all three only while no run is on and the memory is not at work;
  * and in IDLE TUMBLE_COMMAND_RESUME: go on with the run that lost power (there must be one, and block, stand,
  * schedule, configuration and active set be those that it was begun with); it begins within some steps. While inhibited
- * everything that begins or goes on with a run, or turns the table, is refused. Refusals: TUMBLE_E_STATE. */
+ * everything that begins or goes on with a run, or turns the table, is refused, and so is TUMBLE_COMMAND_START until what
+ * was saved (1010h) is in force after power-on or an NMT reset. Refusals: TUMBLE_E_STATE. */
 extern const tumble_keeping_t tumble_keeper_calls;
 
 /* A set by value, as tumble_store_read. */

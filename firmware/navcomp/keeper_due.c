@@ -47,7 +47,8 @@ static bool is_turning(const tumble_navcomp_t *navcomp)
     return (state == TUMBLE_STAND_MOVING) || (state == TUMBLE_STAND_HOMING);
 }
 
-/* A run that waits in FAULT keeps what it has measured: the table rests, and going on is refused. */
+/* A run that waits in FAULT keeps what it has measured: the table rests, and going on is refused. One that began between
+ * two looks at a contact that bounces is given up as well. */
 void tumble_keeper_obey_inhibit(tumble_keeper_t *keeper)
 {
     tumble_navcomp_t *navcomp = keeper->navcomp;
@@ -55,7 +56,7 @@ void tumble_keeper_obey_inhibit(tumble_keeper_t *keeper)
     const bool begins = inhibited && !keeper->was_inhibited;
     const bool run = tumble_run_is_on(navcomp) && (tumble_run_state(navcomp) != TUMBLE_STATE_FAULT);
     keeper->was_inhibited = inhibited;
-    if (!begins || (!run && !is_turning(navcomp))) {
+    if (!inhibited || (!run && (!begins || !is_turning(navcomp)))) {
         return;
     }
     tumble_count(&keeper->counters.inhibited);
@@ -102,7 +103,10 @@ static void watch_temperature(tumble_keeper_t *keeper, int8_t half_c)
 void tumble_keeper_sample(void *context, const tumble_block_sample_t *sample, bool averaged)
 {
     tumble_keeper_t *keeper = context;
+    const tumble_block_counters_t *block = &keeper->navcomp->block.counters;
     watch_temperature(keeper, sample->temperature_half_c);
+    tumble_at_rest_take(&keeper->at_rest, keeper->navcomp->procedure_config.averaging, sample,
+                        block->repeated + block->reordered);
     if (averaged) {
         keeper->warmth_half_c += sample->temperature_half_c;
         keeper->warm_samples++;

@@ -1,10 +1,11 @@
 /* keeper_internal.h - what the files of the keeper share (private to it).
  *
- *     keeper.c         init, the step: what is done when the memory is free, commands
- *     keeper_judge.c   from a result to a verdict
- *     keeper_resume.c  fingerprints, checkpoints, going on after a loss of power
- *     keeper_due.c     calendar, inhibit, when a run is due
- *     keeper_report.c  settings and the readable side
+ *     keeper.c             init, the step: what is done when the memory is free, commands
+ *     keeper_judge.c       from a result to a verdict
+ *     keeper_checkpoint.c  the run under way, and its checkpoint
+ *     keeper_resume.c      fingerprints, going on after a loss of power
+ *     keeper_due.c         calendar, inhibit, when a run is due
+ *     keeper_report.c      settings and the readable side
  */
 #ifndef TUMBLE_NAVCOMP_KEEPER_INTERNAL_H
 #define TUMBLE_NAVCOMP_KEEPER_INTERNAL_H
@@ -31,6 +32,14 @@ enum {
     JOB_DISCARD,
     JOB_ROLLBACK
 };
+
+/* tumble_keeper_t.trying: what the checkpoint is doing besides keeping a position. */
+enum {
+    TRYING_NOTHING = 0,
+    TRYING_TO_BEGIN = UINT8_MAX - 1,
+    TRYING_TO_CLEAR = UINT8_MAX
+};
+static_assert(TUMBLE_MAX_POSITIONS < TRYING_TO_BEGIN, "what is tried is one byte");
 
 /* tumble_keeper_t.wants */
 enum {
@@ -63,13 +72,17 @@ void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status
 void tumble_keeper_take_result(tumble_keeper_t *keeper);
 void tumble_keeper_judge(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
 
-/* keeper_resume.c */
-uint32_t tumble_keeper_schedule_crc(const tumble_keeper_t *keeper);
-uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper);
+/* keeper_checkpoint.c */
 void tumble_keeper_watch(tumble_keeper_t *keeper); /* has a run begun, ended, or lost a position? */
 void tumble_keeper_keep(tumble_keeper_t *keeper);  /* begin, append or clear: at most one job */
 tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper);
 void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper); /* its run is stored; unless the next has begun */
+
+/* keeper_resume.c */
+uint32_t tumble_keeper_schedule_crc(const tumble_keeper_t *keeper);
+uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper);
+uint32_t tumble_keeper_fingerprint(const tumble_keeper_t *keeper); /* of all that must not change in a run */
+uint8_t tumble_keeper_positions(const tumble_keeper_t *keeper);    /* in its schedule */
 void tumble_keeper_count_resumable(tumble_keeper_t *keeper);
 tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper);
 void tumble_keeper_restore(tumble_keeper_t *keeper); /* go on with it: one call of the memory */

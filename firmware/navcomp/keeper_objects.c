@@ -1,6 +1,7 @@
 /* Written by tools/objects/generate from tools/objects/keeper.toml: change it there. */
 #include "navcomp/keeper_objects.h"
 
+#include "navcomp/at_rest.h"
 #include "navcomp/keeper.h"
 #include "navcomp/keeper_values.h"
 
@@ -119,6 +120,15 @@ NEXT("2151h:2", tumble_position_view_t, count, mounting, 1U);
 NEXT("2151h:3", tumble_position_view_t, mounting, number, 1U);
 NEXT("2151h:4", tumble_position_view_t, number, use, 1U);
 ONE("2151h:5", tumble_position_view_t, angle_deg, 8U);
+ONE("2152h:1", tumble_at_rest_view_t, wanted, 2U);
+ONE("2152h:2", tumble_at_rest_view_t, taken, 2U);
+ONE("2152h:3", tumble_at_rest_view_t, mean_v[0], 8U);
+NEXT("2152h:4", tumble_at_rest_view_t, mean_v[0], mean_v[1], 8U);
+NEXT("2152h:5", tumble_at_rest_view_t, mean_v[1], mean_v[2], 8U);
+NEXT("2152h:6", tumble_at_rest_view_t, mean_v[2], deviation_v[0], 8U);
+NEXT("2152h:7", tumble_at_rest_view_t, deviation_v[0], deviation_v[1], 8U);
+NEXT("2152h:8", tumble_at_rest_view_t, deviation_v[1], deviation_v[2], 8U);
+ONE("2152h:9", tumble_at_rest_view_t, spoilt, 2U);
 ONE("2160h:3", tumble_history_entry_t, sequence, 4U);
 ONE("2160h:4", tumble_history_entry_t, date_utc_s, 8U);
 ONE("2160h:5", tumble_history_entry_t, temperature_c, 4U);
@@ -261,6 +271,15 @@ static const tumble_entry_t entries[] = {
      TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_position_view_t, count), 3U, 0U},
     {0x2151U, 5U, TUMBLE_TYPE_REAL64, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 8U, 0U, offsetof(tumble_position_view_t, angle_deg), 0U, 0U},
+    /* Measurement at rest */
+    {0x2152U, 1U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+     TUMBLE_HOME_COMPUTED, 2U, 0U, offsetof(tumble_at_rest_view_t, wanted), 0U, 0U},
+    {0x2152U, 2U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 2U, 0U, offsetof(tumble_at_rest_view_t, taken), 0U, 0U},
+    {0x2152U, 3U, TUMBLE_TYPE_REAL64, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 8U, 0U, offsetof(tumble_at_rest_view_t, mean_v[0]), 5U, 0U},
+    {0x2152U, 9U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 2U, 0U, offsetof(tumble_at_rest_view_t, spoilt), 0U, 0U},
     /* History */
     {0x2160U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMPUTED, 1U, 4U, 0U, 0U, 0U},

@@ -1,4 +1,4 @@
-/* Fingerprints, checkpoints, and how a run that lost power goes on. */
+/* Fingerprints, and how a run that lost power goes on. */
 #include "navcomp/keeper_internal.h"
 #include "navcomp/navcomp_internal.h"
 
@@ -86,7 +86,7 @@ static uint32_t add_positions(uint32_t crc, const tumble_schedule_t *schedule)
 
 /* All that must not have changed. The active set's sequence as well: a result that was committed is no run to go on with.
  */
-static uint32_t fingerprint(const tumble_keeper_t *keeper)
+uint32_t tumble_keeper_fingerprint(const tumble_keeper_t *keeper)
 {
     const tumble_procedure_config_t *config = &keeper->navcomp->procedure_config;
     const double numbers[] = {(double)tumble_keeper_schedule_crc(keeper), (double)tumble_keeper_stand_crc(keeper),
@@ -96,9 +96,9 @@ static uint32_t fingerprint(const tumble_keeper_t *keeper)
     return add_positions(add_configuration(crc, config), config->schedule);
 }
 
-/* The run under way. */
+/* Going on. */
 
-static uint8_t position_count(const tumble_keeper_t *keeper)
+uint8_t tumble_keeper_positions(const tumble_keeper_t *keeper)
 {
     return keeper->navcomp->procedure_config.schedule->position_count;
 }
@@ -108,170 +108,14 @@ static bool is_fit(const tumble_keeper_t *keeper, uint8_t index)
     return tumble_checkpoint_has(&keeper->checkpoint, index) && ((keeper->unfit & (UINT64_C(1) << index)) == 0U);
 }
 
-static bool is_saved(const tumble_keeper_t *keeper, uint8_t index)
-{
-    return (keeper->saved & (UINT64_C(1) << index)) != 0U;
-}
-
-static void begin_run(tumble_keeper_t *keeper)
-{
-    keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
-    keeper->run_resumed = false;
-    keeper->warmth_half_c = 0;
-    keeper->warm_samples = 0;
-    keeper->saved = 0;
-    keeper->unfit = 0;
-    keeper->resumable = 0;
-    keeper->wants = (uint8_t)((keeper->wants & ~(unsigned)WANT_CLEAR) | WANT_BEGIN);
-}
-
-static void end_run(tumble_keeper_t *keeper)
-{
-    const tumble_state_t state = tumble_run_state(keeper->navcomp);
-    tumble_keeper_pause(keeper);
-    if (state == TUMBLE_STATE_DONE) {
-        tumble_keeper_take_result(keeper);
-    } else if (state == TUMBLE_STATE_ABORT) {
-        keeper->wants = (uint8_t)((keeper->wants & ~(unsigned)(WANT_BEGIN | WANT_APPEND)) | WANT_CLEAR);
-    } else {
-        keeper->stale = true; /* IDLE: the application was reset, as at power-on */
-    }
-}
-
-/* A mean that is gone must not come back with the next power-on: the checkpoint is written anew without it. */
-static void look_at_means(tumble_keeper_t *keeper)
-{
-    for (uint8_t p = 0; p < position_count(keeper); p++) {
-        const bool measured = tumble_procedure_has_mean(&keeper->navcomp->procedure, p);
-        if (measured && !is_saved(keeper, p)) {
-            keeper->wants |= WANT_APPEND;
-        }
-        if (!measured && is_saved(keeper, p)) {
-            keeper->wants |= WANT_BEGIN;
-        }
-    }
-    if ((keeper->wants & WANT_BEGIN) != 0U) {
-        keeper->saved = 0;
-    }
-}
-
-void tumble_keeper_watch(tumble_keeper_t *keeper)
-{
-    const bool on = tumble_run_is_on(keeper->navcomp);
-    if (on && !keeper->run_was_on) {
-        begin_run(keeper);
-    }
-    if (!on && keeper->run_was_on) {
-        end_run(keeper);
-    }
-    keeper->run_was_on = on;
-    if (on) {
-        look_at_means(keeper);
-    }
-}
-
-/* The checkpoint. */
-
-/* There is none, for it could not be written. All that is measured so far counts as saved, so that the next mean is what
- * it is tried again for, and not the next step. */
-static void put_off(tumble_keeper_t *keeper)
-{
-    keeper->has_checkpoint = false;
-    keeper->saved = 0;
-    for (uint8_t p = 0; p < position_count(keeper); p++) {
-        const bool measured = tumble_procedure_has_mean(&keeper->navcomp->procedure, p);
-        keeper->saved |= (measured ? UINT64_C(1) : UINT64_C(0)) << p;
-    }
-}
-
-static tumble_status_t begin(tumble_keeper_t *keeper)
-{
-    keeper->wants &= (uint8_t)~(unsigned)WANT_BEGIN;
-    keeper->saved = 0;
-    keeper->has_checkpoint = false;
-    keeper->fingerprint = fingerprint(keeper); /* now: what the run before has left is stored */
-    const tumble_status_t status = tumble_checkpoint_begin(&keeper->checkpoint, keeper->fingerprint);
-    if (status != TUMBLE_OK) {
-        put_off(keeper);
-    }
-    return status;
-}
-
-/* What was under way while there was none was its beginning, or no run is on. A failure may cost all of it. */
-tumble_status_t tumble_keeper_step_checkpoint(tumble_keeper_t *keeper)
-{
-    const tumble_status_t status = tumble_checkpoint_step(&keeper->checkpoint);
-    if (status == TUMBLE_OK) {
-        keeper->has_checkpoint = true;
-    } else if ((status != TUMBLE_E_PORT_BUSY) && !(keeper->has_checkpoint && keeper->checkpoint.kept)) {
-        put_off(keeper);
-    } else {
-        /* it goes on, or a mean alone is lost */
-    }
-    return status;
-}
-
-static void append(tumble_keeper_t *keeper)
-{
-    const tumble_averaging_t *averages = tumble_procedure_averages(&keeper->navcomp->procedure);
-    uint8_t p = 0;
-    while ((p < position_count(keeper)) &&
-           (is_saved(keeper, p) || !tumble_procedure_has_mean(&keeper->navcomp->procedure, p))) {
-        p++;
-    }
-    if (p == position_count(keeper)) {
-        keeper->wants &= (uint8_t)~(unsigned)WANT_APPEND;
-        return;
-    }
-    if (!keeper->has_checkpoint) {
-        keeper->wants |= WANT_BEGIN;
-        return;
-    }
-    const tumble_status_t status = tumble_checkpoint_append(&keeper->checkpoint, p, &averages->averages[p]);
-    if (status == TUMBLE_E_FULL) {
-        keeper->wants |= WANT_BEGIN; /* of what was measured again only the last remains */
-        return;
-    }
-    keeper->saved |= UINT64_C(1) << p;
-    if (status == TUMBLE_OK) {
-        tumble_count(&keeper->counters.checkpoints);
-    } else {
-        tumble_keeper_fail(keeper, status);
-    }
-}
-
-void tumble_keeper_end_checkpoint(tumble_keeper_t *keeper)
-{
-    keeper->wants |= keeper->run_was_on ? 0U : (unsigned)WANT_CLEAR;
-}
-
-void tumble_keeper_keep(tumble_keeper_t *keeper)
-{
-    tumble_status_t status = TUMBLE_OK;
-    if ((keeper->wants & WANT_BEGIN) != 0U) {
-        status = begin(keeper);
-    } else if ((keeper->wants & WANT_CLEAR) != 0U) {
-        keeper->wants &= (uint8_t)~(unsigned)WANT_CLEAR;
-        keeper->resumable = 0;
-        status = tumble_checkpoint_clear(&keeper->checkpoint);
-    } else if ((keeper->wants & WANT_APPEND) != 0U) {
-        append(keeper);
-    } else {
-        /* nothing to do */
-    }
-    if (status != TUMBLE_OK) {
-        tumble_keeper_fail(keeper, status);
-    }
-}
-
-/* Going on. */
-
+/* One that is about to be cleared holds none. */
 void tumble_keeper_count_resumable(tumble_keeper_t *keeper)
 {
-    const bool idle = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE);
+    const bool idle = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE) &&
+                      ((keeper->wants & WANT_CLEAR) == 0U);
     keeper->resumable = 0;
-    if (idle && tumble_checkpoint_matches(&keeper->checkpoint, fingerprint(keeper))) {
-        for (uint8_t p = 0; p < position_count(keeper); p++) {
+    if (idle && tumble_checkpoint_matches(&keeper->checkpoint, tumble_keeper_fingerprint(keeper))) {
+        for (uint8_t p = 0; p < tumble_keeper_positions(keeper); p++) {
             keeper->resumable = (uint8_t)(keeper->resumable + (is_fit(keeper, p) ? 1U : 0U));
         }
     }
@@ -293,8 +137,9 @@ tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper)
     if (keeper->resumable == 0U) {
         return refuse(keeper);
     }
-    keeper->fingerprint = fingerprint(keeper);
+    keeper->fingerprint = tumble_keeper_fingerprint(keeper);
     keeper->saved = 0;
+    keeper->lost = 0;
     keeper->task = TASK_RESTORE;
     keeper->at = 0;
     return TUMBLE_OK;
@@ -304,13 +149,14 @@ tumble_status_t tumble_keeper_resume(tumble_keeper_t *keeper)
 static void go_on(tumble_keeper_t *keeper)
 {
     keeper->task = TASK_NONE;
-    const bool same = (keeper->fingerprint == fingerprint(keeper)) && !tumble_keeper_is_inhibited(keeper);
+    const bool same = (keeper->fingerprint == tumble_keeper_fingerprint(keeper)) && !tumble_keeper_is_inhibited(keeper);
     if (!same || (tumble_procedure_resume(&keeper->navcomp->procedure) != TUMBLE_OK)) {
         (void)refuse(keeper);
         tumble_keeper_count_resumable(keeper); /* for what cannot be put back nothing waits */
         return;
     }
     tumble_count(&keeper->counters.resumed);
+    (void)tumble_at_rest_begin(&keeper->at_rest, 0);
     keeper->has_checkpoint = true;
     keeper->run_was_on = true;
     keeper->run_resumed = true;
@@ -322,10 +168,10 @@ static void go_on(tumble_keeper_t *keeper)
 void tumble_keeper_restore(tumble_keeper_t *keeper)
 {
     tumble_average_t average;
-    while ((keeper->at < position_count(keeper)) && !tumble_checkpoint_has(&keeper->checkpoint, keeper->at)) {
+    while ((keeper->at < tumble_keeper_positions(keeper)) && !tumble_checkpoint_has(&keeper->checkpoint, keeper->at)) {
         keeper->at++;
     }
-    if (keeper->at == position_count(keeper)) {
+    if (keeper->at == tumble_keeper_positions(keeper)) {
         go_on(keeper);
         return;
     }

@@ -155,6 +155,16 @@ static tumble_abort_t read_position(const tumble_keeper_t *keeper, const tumble_
     return there ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
+/* The numbers of samples are there to read before there is anything else. */
+static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                   uint8_t *size)
+{
+    tumble_at_rest_view_t view;
+    const double v_per_count = keeper->navcomp->procedure_config.v_per_count;
+    const bool told = (tumble_at_rest_view(&keeper->at_rest, v_per_count, &view) == TUMBLE_OK);
+    return (told || (entry->type == TUMBLE_TYPE_UNSIGNED16)) ? member(&view, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
+}
+
 /* What was. */
 
 static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
@@ -251,6 +261,9 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     case TUMBLE_KEEPER_INDEX_SCHEDULE:
         refusal = read_position(keeper, entry, bytes, size);
         break;
+    case TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST:
+        refusal = read_at_rest(keeper, entry, bytes, size);
+        break;
     case TUMBLE_KEEPER_INDEX_HISTORY:
     case TUMBLE_KEEPER_INDEX_HISTORY_VALUES:
     case TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES:
@@ -297,6 +310,14 @@ static tumble_abort_t write_host(tumble_keeper_t *keeper, uint8_t subindex, cons
     return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
 }
 
+static tumble_abort_t write_at_rest(tumble_keeper_t *keeper, uint16_t wanted)
+{
+    if (tumble_run_is_on(keeper->navcomp)) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    return (tumble_at_rest_begin(&keeper->at_rest, wanted) == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+}
+
 static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint32_t signature)
 {
     const bool save = (entry->index == INDEX_SAVE);
@@ -328,6 +349,9 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
         break;
     case TUMBLE_KEEPER_INDEX_POSITION:
         keeper->shown_position = bytes[0];
+        break;
+    case TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST:
+        refusal = write_at_rest(keeper, tumble_get_u16(bytes));
         break;
     case TUMBLE_KEEPER_INDEX_HISTORY:
         keeper->shown_entry = bytes[0];

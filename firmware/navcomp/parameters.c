@@ -18,6 +18,7 @@
 #define AT_MARK 288U
 #define MARK_BYTES (TUMBLE_PARAMETERS_BYTES - AT_MARK)
 #define FIRST_SUBINDEX 1U
+#define READ_ATTEMPTS 3U
 
 static_assert((AT_VALUES + TUMBLE_KEEPER_SAVED_BYTES) <= AT_CRC, "all that is saved must fit the record");
 static_assert((AT_MARK % TUMBLE_NV_MAX_GRANULE) == 0U, "the mark has granules of its own");
@@ -33,6 +34,12 @@ enum { IDLE = 0, READ_FIRST, READ_SECOND, READ_BEST, ERASE, PROGRAM, MARK };
 bool tumble_parameters_busy(const tumble_parameters_t *parameters)
 {
     return parameters->phase != (uint8_t)IDLE;
+}
+
+bool tumble_parameters_reading(const tumble_parameters_t *parameters)
+{
+    const bool reads = tumble_parameters_busy(parameters) && (parameters->phase <= (uint8_t)READ_BEST);
+    return parameters->again || (reads && !parameters->failed);
 }
 
 bool tumble_parameters_room(const tumble_parameters_t *parameters)
@@ -137,7 +144,7 @@ static void end_reading(tumble_parameters_t *parameters, bool good)
     rest(parameters);
 }
 
-/* A memory that cannot be read holds nothing. */
+/* A memory that cannot be read holds nothing; but one that fails once or twice is asked again. */
 static void read_record(tumble_parameters_t *parameters)
 {
     const uint8_t slot = (parameters->phase == (uint8_t)READ_BEST) ? parameters->slot
@@ -147,6 +154,11 @@ static void read_record(tumble_parameters_t *parameters)
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
+    if ((status != TUMBLE_OK) && (parameters->failed_reads < (READ_ATTEMPTS - 1U))) {
+        parameters->failed_reads++;
+        return;
+    }
+    parameters->failed_reads = 0;
     parameters->unread = parameters->unread || (status != TUMBLE_OK);
     const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->bytes) : 0U;
     if (parameters->phase == (uint8_t)READ_BEST) {

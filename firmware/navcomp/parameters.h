@@ -41,6 +41,7 @@ typedef struct {
     tumble_parameters_view_t view;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
+    uint8_t failed_reads; /* in a row */
     bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
     bool failed;  /* a job: it is being looked what that left behind */
     bool again;   /* to be restored when that is done which is under way */
@@ -56,6 +57,9 @@ bool tumble_parameters_room(const tumble_parameters_t *parameters);
 
 /* Read again and put in force what was saved: after a reset to the board's own values. While busy it waits. */
 void tumble_parameters_restore(tumble_parameters_t *parameters);
+
+/* What was saved is not in force yet: it is being read, or about to be. */
+bool tumble_parameters_reading(const tumble_parameters_t *parameters);
 
 /* Begin to save the present values, or to forget what was saved. The SDO server is told the answer at the end
  * (tumble_sdo_server_answer). Returns TUMBLE_ABORT_LATER; _HARDWARE: no room, or a record could not be read

@@ -34,7 +34,7 @@ static void count(uint32_t *counter)
 
 static uint32_t offset_of(const tumble_checkpoint_t *checkpoint, uint32_t at)
 {
-    return (((uint32_t)TUMBLE_REGION_CHECKPOINT + (at / CELLS_PER_SECTOR)) * checkpoint->nv->sector_bytes) +
+    return (((uint32_t)TUMBLE_REGION_CHECKPOINT + (at / CELLS_PER_SECTOR)) * checkpoint->writer.nv->sector_bytes) +
            ((at % CELLS_PER_SECTOR) * TUMBLE_CHECKPOINT_BYTES);
 }
 
@@ -103,11 +103,9 @@ tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tu
         return TUMBLE_E_ARGUMENT;
     }
     *checkpoint = (tumble_checkpoint_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_regions_check(nv);
+    const tumble_status_t status = tumble_nv_writer_open(&checkpoint->writer, nv);
     if (status == TUMBLE_OK) {
-        checkpoint->nv = nv;
         checkpoint->outcome = TUMBLE_OK;
-        tumble_nv_writer_init(&checkpoint->writer, nv);
         begin_scan(checkpoint);
     }
     return status;
@@ -145,7 +143,7 @@ static void scan(tumble_checkpoint_t *checkpoint)
 {
     const uint32_t offset = offset_of(checkpoint, checkpoint->scanned);
     const tumble_status_t status =
-        tumble_nv_read(checkpoint->nv, offset, checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES);
+        tumble_nv_read(checkpoint->writer.nv, offset, checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES);
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
@@ -238,7 +236,7 @@ static tumble_status_t ready(const tumble_checkpoint_t *checkpoint)
     if (tumble_checkpoint_busy(checkpoint)) {
         return TUMBLE_E_PORT_BUSY;
     }
-    return (checkpoint->nv != NULL) ? TUMBLE_OK : TUMBLE_E_STATE;
+    return (checkpoint->writer.nv != NULL) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
 tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
@@ -308,7 +306,7 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     if (!tumble_checkpoint_has(checkpoint, index)) {
         return TUMBLE_E_MISSING_POSITION;
     }
-    const tumble_status_t status = tumble_nv_read(checkpoint->nv, offset_of(checkpoint, checkpoint->place[index]),
+    const tumble_status_t status = tumble_nv_read(checkpoint->writer.nv, offset_of(checkpoint, checkpoint->place[index]),
                                                   checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES);
     if (status != TUMBLE_OK) {
         return status;

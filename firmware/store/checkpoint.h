@@ -22,7 +22,6 @@
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
 
 typedef struct {
-    const tumble_nv_t *nv;
     tumble_nv_writer_t writer;
     tumble_status_t outcome;
     uint32_t fingerprint; /* of the run that is kept */

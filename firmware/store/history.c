@@ -14,7 +14,7 @@ static_assert(TUMBLE_HISTORY_CELLS == 32U, "the valid cells of a sector are the 
 
 static uint32_t offset_of(const tumble_history_t *history, uint32_t sector, uint32_t at)
 {
-    return (((uint32_t)TUMBLE_REGION_HISTORY + sector) * history->nv->sector_bytes) + (at * TUMBLE_HISTORY_BYTES);
+    return (((uint32_t)TUMBLE_REGION_HISTORY + sector) * history->writer.nv->sector_bytes) + (at * TUMBLE_HISTORY_BYTES);
 }
 
 static void count(uint32_t *counter)
@@ -40,11 +40,9 @@ tumble_status_t tumble_history_init(tumble_history_t *history, const tumble_nv_t
         return TUMBLE_E_ARGUMENT;
     }
     *history = (tumble_history_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_regions_check(nv);
+    const tumble_status_t status = tumble_nv_writer_open(&history->writer, nv);
     if (status == TUMBLE_OK) {
-        history->nv = nv;
         history->outcome = TUMBLE_OK;
-        tumble_nv_writer_init(&history->writer, nv);
         begin_scan(history);
     }
     return status;
@@ -88,7 +86,7 @@ static void scan(tumble_history_t *history)
 {
     const uint32_t sector = history->scanned / TUMBLE_HISTORY_CELLS;
     const uint32_t offset = offset_of(history, sector, history->scanned % TUMBLE_HISTORY_CELLS);
-    const tumble_status_t status = tumble_nv_read(history->nv, offset, history->bytes, TUMBLE_HISTORY_BYTES);
+    const tumble_status_t status = tumble_nv_read(history->writer.nv, offset, history->bytes, TUMBLE_HISTORY_BYTES);
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
@@ -161,7 +159,7 @@ tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_hi
     if (tumble_history_busy(history)) {
         return TUMBLE_E_PORT_BUSY;
     }
-    if ((history->nv == NULL) || (history->newest >= MAX_NUMBER)) {
+    if ((history->writer.nv == NULL) || (history->newest >= MAX_NUMBER)) {
         return TUMBLE_E_STATE;
     }
     const tumble_status_t status = tumble_history_encode(entry, history->bytes);
@@ -221,6 +219,6 @@ tumble_status_t tumble_history_read(tumble_history_t *history, uint8_t age, tumb
         return TUMBLE_E_ARGUMENT;
     }
     const tumble_status_t status =
-        tumble_nv_read(history->nv, offset_of_age(history, age), history->bytes, TUMBLE_HISTORY_BYTES);
+        tumble_nv_read(history->writer.nv, offset_of_age(history, age), history->bytes, TUMBLE_HISTORY_BYTES);
     return (status == TUMBLE_OK) ? tumble_history_decode(history->bytes, entry) : status;
 }

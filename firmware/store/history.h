@@ -39,7 +39,6 @@ typedef struct {
 } tumble_history_entry_t;
 
 typedef struct {
-    const tumble_nv_t *nv;
     tumble_nv_writer_t writer;
     tumble_status_t outcome;
     uint32_t valid[2];  /* one bit a cell */

@@ -1,5 +1,7 @@
 #include "store/nv_writer.h"
 
+#include "store/regions.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -8,6 +10,15 @@
 void tumble_nv_writer_init(tumble_nv_writer_t *writer, const tumble_nv_t *nv)
 {
     *writer = (tumble_nv_writer_t){.nv = nv};
+}
+
+tumble_status_t tumble_nv_writer_open(tumble_nv_writer_t *writer, const tumble_nv_t *nv)
+{
+    const tumble_status_t status = tumble_regions_check(nv);
+    if (status == TUMBLE_OK) {
+        tumble_nv_writer_init(writer, nv);
+    }
+    return status;
 }
 
 static void begin(tumble_nv_writer_t *writer, bool changes, uint32_t offset, uint32_t size)

@@ -27,6 +27,9 @@ typedef struct {
 
 void tumble_nv_writer_init(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
 
+/* The same if all regions have room there, else nothing. Returns what tumble_regions_check says. */
+tumble_status_t tumble_nv_writer_open(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
+
 /* Erase the sector at `offset`; its first `size` bytes must be blank then. Sizes are multiples of TUMBLE_NV_MAX_GRANULE. */
 void tumble_nv_begin_erase(tumble_nv_writer_t *writer, uint32_t offset, uint32_t size);
 

@@ -10,11 +10,9 @@ tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv)
         return TUMBLE_E_ARGUMENT;
     }
     *store = (tumble_store_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_regions_check(nv);
+    const tumble_status_t status = tumble_nv_writer_open(&store->writer, nv);
     if (status == TUMBLE_OK) {
-        store->nv = nv;
         store->outcome = TUMBLE_OK;
-        tumble_nv_writer_init(&store->writer, nv);
         tumble_store_begin_scan(store);
     }
     return status;
@@ -78,6 +76,21 @@ static tumble_status_t take_apart(tumble_store_t *store, tumble_status_t read, t
     return status;
 }
 
+/* A failure or two are as good as a memory at work. A scan for each would find what is there, and a memory that fails
+ * every so many calls could fail in the read behind it, time and again. */
+static tumble_status_t read_place(tumble_store_t *store, uint8_t region)
+{
+    const tumble_status_t status =
+        tumble_nv_read(store->writer.nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
+    if ((status == TUMBLE_E_NV) && (store->failed_reads < (READ_ATTEMPTS - 1U))) {
+        store->failed_reads++;
+        tumble_store_count(&store->counters.nv_errors);
+        return TUMBLE_E_PORT_BUSY;
+    }
+    store->failed_reads = (status == TUMBLE_E_PORT_BUSY) ? store->failed_reads : 0U;
+    return status;
+}
+
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set)
 {
     if ((set == NULL) || ((unsigned)which > (unsigned)TUMBLE_SET_PREVIOUS)) {
@@ -90,8 +103,7 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
     if (region == NO_REGION) {
         return TUMBLE_E_STATE;
     }
-    const tumble_status_t status =
-        tumble_nv_read(store->nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
+    const tumble_status_t status = read_place(store, region);
     return (status == TUMBLE_E_PORT_BUSY) ? status : take_apart(store, status, set);
 }
 
@@ -105,7 +117,7 @@ static uint8_t spare_slot(const tumble_store_t *store)
 /* What every job needs: nothing under way, and, where it gives out a sequence, one to give. */
 static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
 {
-    if (store->nv == NULL) {
+    if (store->writer.nv == NULL) {
         return TUMBLE_E_STATE;
     }
     if (tumble_store_busy(store)) {

@@ -51,8 +51,7 @@ typedef struct {
 } tumble_store_place_t;
 
 typedef struct {
-    const tumble_nv_t *nv; /* null: init has refused */
-    tumble_nv_writer_t writer;
+    tumble_nv_writer_t writer; /* without a memory: init has refused */
     tumble_store_counters_t counters;
     tumble_store_place_t places[4]; /* by region */
     tumble_set_stamp_t stamp;       /* of the record in `bytes` */
@@ -61,7 +60,7 @@ typedef struct {
     uint32_t sequence;     /* of the active set */
     uint32_t highest;      /* that one was known to have: of the active set, or told */
     uint8_t scanned;       /* places so far */
-    uint8_t failed_reads;  /* of the place that comes next */
+    uint8_t failed_reads;  /* in a row, of the place that is read */
     bool unread;           /* the last scan could not read a place: what is there must not be overwritten */
     uint8_t factory_place; /* where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
     uint8_t target;        /* the slot that is being written */
@@ -102,9 +101,10 @@ uint32_t tumble_store_sequence(const tumble_store_t *store);
 void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
 
 /* A set by value: one read and one check of its CRC; `*set` is written on TUMBLE_OK alone.
- * Returns TUMBLE_OK; _PORT_BUSY (a job is under way, or the memory is: step, and ask again); _STATE (there is no such
- * set); _ARGUMENT (null, or no such kind); and where the memory cannot be read or has decayed since the last scan, _NV or
- * as tumble_set_decode: then a scan is begun, after which the next valid set is active. */
+ * Returns TUMBLE_OK; _PORT_BUSY (a job is under way, or the memory is, or it failed for the first or second time in a
+ * row: step, and ask again); _STATE (there is no such set); _ARGUMENT (null, or no such kind); and where the memory
+ * cannot be read or has decayed since the last scan, _NV or as tumble_set_decode: then a scan is begun, after which the
+ * next valid set is active. */
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set);
 
 /* The jobs. Each returns TUMBLE_OK (begun: step), or why it was not begun: _PORT_BUSY (one is under way), _STATE (see

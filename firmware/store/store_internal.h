@@ -5,6 +5,7 @@
 #include "store/store.h"
 
 #define NO_REGION 0xFFU
+#define READ_ATTEMPTS 3U /* to read a place, before it counts as lost */
 
 /* An action of a job: what, and where. A plan is a row of them. */
 #define PLAN_END 0x00U

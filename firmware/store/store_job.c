@@ -8,7 +8,6 @@
 
 #define SCAN_PLACES (TUMBLE_FACTORY_PLACES + 3U) /* factory set, both slots, proposal */
 #define SCAN_DONE SCAN_PLACES
-#define SCAN_ATTEMPTS 3U /* to read a place, before it counts as lost */
 #define MARK_CRC 4U
 
 static const uint8_t done[MARK_CRC] = {0x44, 0x4F, 0x4E, 0x45}; /* DONE */
@@ -66,7 +65,7 @@ static uint32_t factory_offset(uint32_t place)
 uint32_t tumble_store_place(const tumble_store_t *store, uint8_t region)
 {
     const uint32_t within = (region == (uint8_t)TUMBLE_REGION_FACTORY) ? factory_offset(store->factory_place) : 0U;
-    return (region * store->nv->sector_bytes) + within;
+    return (region * store->writer.nv->sector_bytes) + within;
 }
 
 /* The mark belongs to this record alone: one that an erase left standing cannot make another record valid. */
@@ -165,8 +164,8 @@ static tumble_status_t scan(tumble_store_t *store)
     const uint32_t place = store->scanned;
     const uint32_t offset = (place < TUMBLE_FACTORY_PLACES)
                                 ? factory_offset(place)
-                                : ((place - TUMBLE_FACTORY_PLACES + 1U) * store->nv->sector_bytes);
-    const tumble_status_t status = tumble_nv_read(store->nv, offset, store->bytes, TUMBLE_SET_PLACE_BYTES);
+                                : ((place - TUMBLE_FACTORY_PLACES + 1U) * store->writer.nv->sector_bytes);
+    const tumble_status_t status = tumble_nv_read(store->writer.nv, offset, store->bytes, TUMBLE_SET_PLACE_BYTES);
     if (status == TUMBLE_E_PORT_BUSY) {
         return status;
     }
@@ -175,7 +174,7 @@ static tumble_status_t scan(tumble_store_t *store)
         tumble_store_count(&store->counters.nv_errors);
         store->failed_reads++;
     }
-    if (!read && (store->failed_reads < SCAN_ATTEMPTS)) {
+    if (!read && (store->failed_reads < READ_ATTEMPTS)) {
         return TUMBLE_E_PORT_BUSY;
     }
     store->unread = store->unread || !read;
@@ -206,7 +205,7 @@ static void put_stamp(tumble_store_t *store)
 static tumble_status_t load(tumble_store_t *store, uint8_t region)
 {
     const tumble_status_t status =
-        tumble_nv_read(store->nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
+        tumble_nv_read(store->writer.nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
     if (status != TUMBLE_OK) {
         return status;
     }
@@ -276,7 +275,7 @@ static void end_job(tumble_store_t *store, tumble_status_t outcome)
 
 bool tumble_store_busy(const tumble_store_t *store)
 {
-    return (store->nv != NULL) && ((store->scanned < SCAN_DONE) || (store->plan != NULL));
+    return (store->writer.nv != NULL) && ((store->scanned < SCAN_DONE) || (store->plan != NULL));
 }
 
 tumble_status_t tumble_store_step(tumble_store_t *store)

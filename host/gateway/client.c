@@ -12,6 +12,7 @@ void gateway_client_open(gateway_client_t *client, int fd, uint64_t now_us)
 {
     client->fd = fd;
     client->has_asked = false;
+    client->has_ended = false;
     client->asked_us = now_us;
     client->begun_us = now_us;
     client->in_count = 0;
@@ -24,16 +25,17 @@ static bool has_room(const gateway_client_t *client)
     return GATEWAY_OUTPUT_BYTES - client->out_count >= GATEWAY_MAX_ADU;
 }
 
-/* False: the connection has ended. */
+/* False: the connection is broken. */
 static bool receive(gateway_client_t *client, uint64_t now_us)
 {
     const size_t room = GATEWAY_INPUT_BYTES - client->in_count;
-    if (room == 0U) {
+    if (room == 0U || client->has_ended) {
         return true;
     }
     const ssize_t got = recv(client->fd, &client->in[client->in_count], room, MSG_DONTWAIT);
     if (got <= 0) {
-        return got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
+        client->has_ended = got == 0;
+        return got == 0 || errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
     }
     client->begun_us = (client->in_count == 0U) ? now_us : client->begun_us;
     client->in_count += (size_t)got;
@@ -99,7 +101,9 @@ bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gat
     if (!send_out(client)) {
         return false;
     }
-    const bool is_open = !has_room(client) || receive(client, now_us);
+    if (has_room(client) && !receive(client, now_us)) {
+        return false;
+    }
     bool is_readable = true;
     bool is_full = true; /* of answers: frames may wait that no event will tell of */
     while (is_full && is_readable && has_room(client)) {
@@ -109,12 +113,13 @@ bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gat
             return false;
         }
     }
-    return is_open && is_readable;
+    return is_readable && (!client->has_ended || client->out_count > 0U);
 }
 
 uint32_t gateway_client_events(const gateway_client_t *client)
 {
-    return (has_room(client) ? (uint32_t)EPOLLIN : 0U) | ((client->out_count > 0U) ? (uint32_t)EPOLLOUT : 0U);
+    const bool is_wanted = has_room(client) && !client->has_ended;
+    return (is_wanted ? (uint32_t)EPOLLIN : 0U) | ((client->out_count > 0U) ? (uint32_t)EPOLLOUT : 0U);
 }
 
 uint64_t gateway_client_deadline_us(const gateway_client_t *client, const gateway_settings_t *settings)

@@ -5,14 +5,11 @@
 
 #include <string.h>
 
-enum { PHASE_REST = 0, PHASE_BEFORE, PHASE_VALUES, PHASE_AFTER };
-enum { DOING_NOTHING = 0, DOING_READ, DOING_ARGUMENT, DOING_ANGLE, DOING_COMMAND };
+enum { PHASE_REST = 0, PHASE_BEFORE, PHASE_VALUES, PHASE_AFTER, PHASE_SELECTORS };
+enum { DOING_NOTHING = 0, DOING_READ, DOING_WRITE };
 
 #define BOOT_UP_ID 0x700U
 #define PROTOCOL_ERRORS 0x05U /* first byte of their abort codes */
-#define COMMAND_ARGUMENT 1U
-#define COMMAND_COMMAND 2U
-#define COMMAND_ANGLE 3U
 
 void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, uint8_t node, uint64_t period_us,
                          gateway_counters_t *counters)
@@ -39,6 +36,8 @@ static void begin_poll(gateway_poller_t *poller, uint64_t now_us)
     poller->must_be_fresh = poller->must_be_fresh || poller->has_booted;
     poller->has_booted = false;
     poller->is_partial = false;
+    poller->stale |= poller->written;
+    poller->written = 0;
     poller->phase = PHASE_BEFORE;
     poller->place = 0;
     poller->next_us = now_us + poller->period_us;
@@ -52,6 +51,9 @@ static void publish(gateway_poller_t *poller, uint64_t now_us)
     poller->building.taken_us = now_us;
     poller->published = poller->building;
     memcpy(poller->published_marks, poller->marks, sizeof poller->marks);
+    memcpy(poller->published_keys, poller->keys, sizeof poller->keys);
+    poller->stale = 0;
+    poller->begun_anew = 0;
     poller->must_be_fresh = poller->is_partial || (poller->must_be_fresh && !poller->is_fresh);
     poller->kept = poller->is_fresh ? 0U : (uint16_t)(poller->kept + 1U);
     poller->torn = 0;
@@ -109,10 +111,16 @@ static void keep(gateway_poller_t *poller, const gateway_value_t *value)
            value->words * sizeof poller->building.words[0]);
 }
 
+static bool is_due(const gateway_poller_t *poller, const gateway_value_t *value)
+{
+    const bool is_always = value->group == GATEWAY_GROUP_ALWAYS || value->key < GATEWAY_KEYS;
+    return is_always || (poller->dirty & 1U << value->group) != 0U;
+}
+
 /* On to the next value that is to be read, or past all. */
 static void skip_kept(gateway_poller_t *poller)
 {
-    while (!poller->is_fresh && poller->place < GATEWAY_VALUES && gateway_values[poller->place].kept) {
+    while (poller->place < GATEWAY_VALUES && !is_due(poller, &gateway_values[poller->place])) {
         keep(poller, &gateway_values[poller->place]);
         poller->place++;
     }
@@ -127,9 +135,19 @@ static void begin_values(gateway_poller_t *poller)
     poller->is_fresh =
         poller->must_be_fresh || poller->kept >= GATEWAY_KEPT_POLLS || !marks_are_as_published(poller);
     poller->must_be_fresh = poller->is_fresh; /* until it is published */
+    poller->dirty = poller->is_fresh ? UINT32_MAX : poller->stale;
     poller->phase = PHASE_VALUES;
     poller->place = 0;
     skip_kept(poller);
+}
+
+/* Another than that of the last snapshot: its group is read anew, which is behind it. */
+static void take_key(gateway_poller_t *poller, const gateway_value_t *value)
+{
+    poller->keys[value->key] = mark_read(poller);
+    if (!is_same(&poller->keys[value->key], &poller->published_keys[value->key])) {
+        poller->dirty |= 1U << value->group;
+    }
 }
 
 /* One object has been read, or refused: into all the registers that are its. */
@@ -141,6 +159,9 @@ static void take_value(gateway_poller_t *poller)
     if (poller->client.result != TUMBLE_OK) {
         gateway_count(poller->counters, GATEWAY_COUNT_VALUES_REFUSED);
         poller->is_partial = poller->is_partial || poller->client.abort == (uint32_t)TUMBLE_ABORT_DEVICE_STATE;
+    }
+    if (first->key < GATEWAY_KEYS) {
+        take_key(poller, first);
     }
     while (poller->place < GATEWAY_VALUES && is_of_one_object(first, &gateway_values[poller->place])) {
         if (poller->client.result == TUMBLE_OK) {
@@ -156,6 +177,39 @@ static bool is_disturbed(const gateway_poller_t *poller)
     return poller->client.result == TUMBLE_E_SDO_ABORTED && (poller->client.abort >> 24) == PROTOCOL_ERRORS;
 }
 
+/* The mark, or the selector, that the phase is at, as it was read before. */
+static const gateway_mark_t *mark_before(const gateway_poller_t *poller)
+{
+    return (poller->phase == PHASE_SELECTORS) ? &poller->keys[gateway_selectors[poller->place]]
+                                              : &poller->marks[poller->place];
+}
+
+/* On to the selector of a group that was read anew; past all the poll is done. */
+static void go_on_with_selectors(gateway_poller_t *poller, uint64_t now_us)
+{
+    while (poller->place < GATEWAY_GROUPS &&
+           (gateway_selectors[poller->place] == GATEWAY_KEYS || (poller->dirty & 1U << poller->place) == 0U)) {
+        poller->place++;
+    }
+    if (poller->place == GATEWAY_GROUPS) {
+        publish(poller, now_us);
+    }
+}
+
+static void go_on_with_marks(gateway_poller_t *poller, uint64_t now_us)
+{
+    poller->place++;
+    if (poller->phase == PHASE_SELECTORS) {
+        go_on_with_selectors(poller, now_us);
+    } else if (poller->place == GATEWAY_MARKS && poller->phase == PHASE_BEFORE) {
+        begin_values(poller);
+    } else if (poller->place == GATEWAY_MARKS) {
+        poller->phase = PHASE_SELECTORS;
+        poller->place = 0;
+        go_on_with_selectors(poller, now_us);
+    }
+}
+
 static void take_read(gateway_poller_t *poller, uint64_t now_us)
 {
     if (is_disturbed(poller)) {
@@ -168,111 +222,83 @@ static void take_read(gateway_poller_t *poller, uint64_t now_us)
         return;
     }
     const gateway_mark_t mark = mark_read(poller);
-    const bool is_other = poller->phase == PHASE_AFTER && !is_same(&mark, &poller->marks[poller->place]);
+    const bool is_other = poller->phase != PHASE_BEFORE && !is_same(&mark, mark_before(poller));
     if (is_other || poller->has_booted) {
         note_torn(poller, now_us);
         return;
     }
-    poller->marks[poller->place++] = mark;
-    if (poller->place == GATEWAY_MARKS && poller->phase == PHASE_BEFORE) {
-        begin_values(poller);
-    } else if (poller->place == GATEWAY_MARKS) {
-        publish(poller, now_us);
+    if (poller->phase == PHASE_BEFORE) {
+        poller->marks[poller->place] = mark;
     }
+    go_on_with_marks(poller, now_us);
 }
 
 /* Commands. */
 
 static void end_command(gateway_poller_t *poller, gateway_result_t result, int counter)
 {
-    gateway_command_t *const owner = poller->queue[0].owner;
     gateway_count(poller->counters, counter);
-    if (owner != NULL) {
-        owner->result = (uint8_t)result;
-        owner->abort = (result == GATEWAY_RESULT_REFUSED) ? poller->client.abort : 0U;
+    gateway_queue_end(&poller->queue, result, (result == GATEWAY_RESULT_REFUSED) ? poller->client.abort : 0U);
+    poller->part = 0;
+}
+
+/* What it has changed is wanted soon, and in no mixture with what was read before. */
+static void note_sent(gateway_poller_t *poller, uint32_t group, uint64_t now_us)
+{
+    poller->written |= 1U << group;
+    poller->next_us = now_us;
+    if (poller->phase != PHASE_REST && poller->begun_anew < GATEWAY_MAX_ANEW) {
+        poller->begun_anew++;
+        begin_poll(poller, now_us);
     }
-    poller->queued--;
-    memmove(&poller->queue[0], &poller->queue[1], poller->queued * sizeof poller->queue[0]);
 }
 
 static void take_written(gateway_poller_t *poller, uint64_t now_us)
 {
+    const gateway_command_t *const command = &poller->queue.items[0].command;
+    poller->part++;
     if (poller->client.result != TUMBLE_OK) {
         end_command(poller, GATEWAY_RESULT_REFUSED, GATEWAY_COUNT_COMMANDS_REFUSED);
-    } else if (poller->doing == DOING_COMMAND) {
+    } else if (poller->part == command->count) {
+        note_sent(poller, command->group, now_us);
         end_command(poller, GATEWAY_RESULT_ACCEPTED, GATEWAY_COUNT_COMMANDS_SENT);
-        poller->next_us = now_us; /* what it has changed is wanted soon */
     }
-}
-
-bool gateway_poller_command(gateway_poller_t *poller, gateway_command_t *command)
-{
-    if (poller->queued == GATEWAY_MAX_SESSIONS) {
-        return false;
-    }
-    command->result = (uint8_t)GATEWAY_RESULT_PENDING;
-    command->abort = 0;
-    poller->queue[poller->queued++] = (gateway_queued_t){*command, command};
-    return true;
-}
-
-void gateway_poller_forget(gateway_poller_t *poller, const gateway_command_t *command)
-{
-    for (uint16_t i = 0; i < poller->queued; i++) {
-        if (poller->queue[i].owner == command) {
-            poller->queue[i].owner = NULL;
-        }
-    }
-}
-
-static bool is_sending(const gateway_poller_t *poller)
-{
-    return poller->doing >= DOING_ARGUMENT;
 }
 
 /* Transfers. */
 
-static void begin_read(gateway_poller_t *poller)
+static void read_object(gateway_poller_t *poller, uint16_t index, uint8_t subindex)
 {
-    uint16_t index;
-    uint8_t subindex;
-    if (poller->phase == PHASE_VALUES) {
-        index = gateway_values[poller->place].index;
-        subindex = gateway_values[poller->place].subindex;
-    } else {
-        index = gateway_marks[poller->place].index;
-        subindex = gateway_marks[poller->place].subindex;
-    }
     (void)tumble_sdo_client_read_into(&poller->client, poller->node, index, subindex, poller->bytes,
                                       (uint8_t)sizeof poller->bytes);
     poller->doing = DOING_READ;
 }
 
-/* The next part of the first command; `before` is the one that has been written, if any. */
-static void begin_write(gateway_poller_t *poller, uint8_t before)
+static void begin_read(gateway_poller_t *poller)
 {
-    const gateway_command_t *const command = &poller->queue[0].command;
-    if (before != DOING_ARGUMENT && before != DOING_ANGLE) {
-        (void)tumble_sdo_client_write(&poller->client, poller->node, command->index, COMMAND_ARGUMENT,
-                                      command->argument, 1);
-        poller->doing = DOING_ARGUMENT;
-    } else if (before == DOING_ARGUMENT && command->has_angle) {
-        tumble_put_f64(poller->bytes, command->angle_deg);
-        (void)tumble_sdo_client_write_from(&poller->client, poller->node, command->index, COMMAND_ANGLE, poller->bytes,
-                                           (uint8_t)sizeof(double));
-        poller->doing = DOING_ANGLE;
+    if (poller->phase == PHASE_VALUES) {
+        read_object(poller, gateway_values[poller->place].index, gateway_values[poller->place].subindex);
+    } else if (poller->phase == PHASE_SELECTORS) {
+        const gateway_object_t *const key = &gateway_keys[gateway_selectors[poller->place]];
+        read_object(poller, key->index, key->subindex);
     } else {
-        (void)tumble_sdo_client_write(&poller->client, poller->node, command->index, COMMAND_COMMAND,
-                                      command->command, 1);
-        poller->doing = DOING_COMMAND;
+        read_object(poller, gateway_marks[poller->place].index, gateway_marks[poller->place].subindex);
     }
 }
 
-/* `before` is what the last transfer was for, if it went well. False: nothing is due. */
-static bool begin_transfer(gateway_poller_t *poller, uint8_t before, uint64_t now_us)
+/* The next part of the first command; its bytes stay where they are until it has ended. */
+static void begin_write(gateway_poller_t *poller)
 {
-    if (poller->queued > 0U) {
-        begin_write(poller, before);
+    const gateway_write_t *const one = &poller->queue.items[0].command.writes[poller->part];
+    (void)tumble_sdo_client_write_from(&poller->client, poller->node, one->index, one->subindex, one->bytes, one->size);
+    poller->doing = DOING_WRITE;
+}
+
+/* False: nothing is due. */
+static bool begin_transfer(gateway_poller_t *poller, uint64_t now_us)
+{
+    if (poller->queue.count > 0U) {
+        begin_write(poller);
         return true;
     }
     if (poller->phase == PHASE_REST && now_us >= poller->next_us) {
@@ -289,7 +315,7 @@ static void take_silence(gateway_poller_t *poller, uint64_t now_us)
     const bool is_down = poller->link.last == TUMBLE_E_PORT_DOWN;
     poller->must_be_fresh = true;
     poller->link_state = (uint8_t)(is_down ? GATEWAY_LINK_DOWN : GATEWAY_LINK_SILENT);
-    if (is_sending(poller)) {
+    if (poller->doing == DOING_WRITE) {
         end_command(poller, GATEWAY_RESULT_UNANSWERED, GATEWAY_COUNT_COMMANDS_UNANSWERED);
     }
     if (poller->phase != PHASE_REST) {
@@ -318,13 +344,11 @@ static bool advance(gateway_poller_t *poller, uint64_t now_us)
     if (tumble_sdo_client_result(&poller->client) == TUMBLE_E_SDO_BUSY) {
         return false;
     }
-    const uint8_t before = poller->doing;
-    const bool in_order = poller->client.result == TUMBLE_OK;
-    if (before != DOING_NOTHING) {
+    if (poller->doing != DOING_NOTHING) {
         take_end(poller, now_us);
     }
     poller->doing = DOING_NOTHING;
-    return begin_transfer(poller, in_order ? before : (uint8_t)DOING_NOTHING, now_us);
+    return begin_transfer(poller, now_us);
 }
 
 /* A boot-up message: what it knows may be something else now. */
@@ -365,5 +389,5 @@ uint64_t gateway_poller_next_us(const gateway_poller_t *poller)
     if (poller->doing != DOING_NOTHING) {
         return tumble_sdo_client_next_us(&poller->client);
     }
-    return (poller->queued > 0U) ? 0U : poller->next_us;
+    return (poller->queue.count > 0U) ? 0U : poller->next_us;
 }

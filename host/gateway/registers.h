@@ -27,7 +27,8 @@ typedef struct {
     uint8_t subindex;
     uint8_t type; /* TUMBLE_TYPE_... */
     uint8_t size; /* bytes of the object; of a text the most it may have */
-    bool kept;    /* read anew only when a mark has changed, and now and then */
+    uint8_t group; /* GATEWAY_GROUP_..., or one of those that have keys */
+    uint8_t key;   /* its place among the keys, which are read in every poll; GATEWAY_KEYS: it is none */
     double scale; /* of GATEWAY_FORM_SCALED */
 } gateway_value_t;
 
@@ -38,8 +39,31 @@ typedef struct {
     uint8_t size;
 } gateway_object_t;
 
-/* Values of one object stand together. */
+/* An object that may be written by the number that Modbus has for it. */
+typedef struct {
+    uint16_t number;
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t type;
+    uint8_t size;
+    uint8_t group; /* what changes with it */
+} gateway_target_t;
+
+/* When values are read: in every poll; when a mark has changed, and now and then; in groups from GATEWAY_GROUP_KEYED on
+ * when a key of theirs or a mark has changed, a setting of theirs was written, and now and then. */
+enum { GATEWAY_GROUP_ALWAYS = 0, GATEWAY_GROUP_KEPT, GATEWAY_GROUP_KEYED };
+
+/* Values of one object stand together, and so do those of a group that has keys, its keys first. */
 extern const gateway_value_t gateway_values[GATEWAY_VALUES];
+
+/* In the order in which they are read. */
+extern const gateway_object_t gateway_keys[GATEWAY_KEYS];
+
+/* Of each group the place of its key that selects what the others are of; GATEWAY_KEYS: it has none. */
+extern const uint8_t gateway_selectors[GATEWAY_GROUPS];
+
+/* In the order of their numbers. */
+extern const gateway_target_t gateway_targets[GATEWAY_TARGETS];
 
 /* Objects whose change tells that the results, and all that is kept, are others. */
 extern const gateway_object_t gateway_marks[GATEWAY_MARKS];

@@ -5,13 +5,12 @@
 #include "client.h"
 #include "listener.h"
 #include "notify.h"
+#include "signals.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #define US_PER_MS 1000U
@@ -195,22 +194,10 @@ static int fail(const char *subject, const char *what)
     return GATEWAY_EXIT_FAULT;
 }
 
-static int open_signals(void)
-{
-    const struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigset_t set;
-    (void)sigaction(SIGPIPE, &ignore, NULL);
-    (void)sigemptyset(&set);
-    (void)sigaddset(&set, SIGINT);
-    (void)sigaddset(&set, SIGTERM);
-    (void)sigprocmask(SIG_BLOCK, &set, NULL);
-    return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
-}
-
 static bool open_events(server_t *server, int can_fd)
 {
     server->epoll = epoll_create1(EPOLL_CLOEXEC);
-    server->signals = open_signals();
+    server->signals = signals_open(0);
     return server->epoll >= 0 && watch(server, EPOLL_CTL_ADD, server->signals, SIGNALS, EPOLLIN) &&
            watch(server, EPOLL_CTL_ADD, can_fd, BUS, EPOLLIN) && gateway_replies_open(&server->replies);
 }

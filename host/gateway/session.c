@@ -1,5 +1,6 @@
 #include "session.h"
 
+#include "canopen/bytes.h"
 #include "image.h"
 
 #include <string.h>
@@ -12,6 +13,7 @@
 #define LARGEST_BYTE 255U
 #define KEYS 2U
 #define ANGLES_PER_DEG 1e5
+#define VALUE_WORDS (sizeof(double) / sizeof(uint16_t))
 
 #define ACCESS_ALLOWED 1U
 #define ACCESS_UNLOCKED 2U
@@ -91,6 +93,8 @@ void gateway_session_holding(const gateway_session_t *session, uint16_t *words, 
     words[GATEWAY_HOLDING_RESULT] = session->sent.result;
     words[GATEWAY_HOLDING_RESULT_OF] = session->executed;
     gateway_put_u32(&words[GATEWAY_HOLDING_ABORT_CODE], session->sent.abort);
+    words[GATEWAY_HOLDING_SETTING] = session->setting;
+    memcpy(&words[GATEWAY_HOLDING_VALUE], session->value, sizeof session->value);
 }
 
 /* Writing. */
@@ -125,8 +129,19 @@ static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16
         session->command = value;
         return (value <= LARGEST_BYTE) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
     }
-    session->executed = value;
-    return (value != 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    if (at == GATEWAY_HOLDING_EXECUTE) {
+        session->executed = value;
+        return (value != 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    }
+    if (at == GATEWAY_HOLDING_SETTING) {
+        session->setting = value;
+        return (value == 0U || gateway_target(value) != NULL) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
+    }
+    if (at >= GATEWAY_HOLDING_VALUE) {
+        session->value[at - GATEWAY_HOLDING_VALUE] = value;
+        return GATEWAY_OK;
+    }
+    return (value == 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE; /* passed over */
 }
 
 static double angle_deg(const gateway_session_t *session)
@@ -135,17 +150,33 @@ static double angle_deg(const gateway_session_t *session)
     return (double)(int32_t)bits / ANGLES_PER_DEG;
 }
 
+static double value_of(const gateway_session_t *session)
+{
+    uint8_t bytes[sizeof(double)];
+    for (size_t i = 0; i < VALUE_WORDS; i++) {
+        tumble_put_u16(&bytes[2U * i], session->value[VALUE_WORDS - 1U - i]);
+    }
+    return tumble_get_f64(bytes);
+}
+
 static gateway_exception_t execute(gateway_session_t *session, gateway_t *gateway)
 {
     if (gateway->poller.link_state != GATEWAY_LINK_UP) {
         return GATEWAY_TARGET_FAILED;
     }
-    session->sent.index = gateway_command_objects[session->object];
-    session->sent.argument = (uint8_t)session->argument;
-    session->sent.command = (uint8_t)session->command;
-    session->sent.has_angle = session->has_angle;
-    session->sent.angle_deg = angle_deg(session);
-    session->has_angle = false;
+    if (session->setting != 0U) {
+        session->sent = gateway_setting(gateway_target(session->setting), value_of(session));
+        session->setting = 0;
+    } else {
+        const double angle = angle_deg(session);
+        session->sent = gateway_command(gateway_command_objects[session->object], (uint8_t)session->argument,
+                                        session->has_angle ? &angle : NULL, (uint8_t)session->command);
+        session->has_angle = false;
+    }
+    if (session->sent.result == GATEWAY_RESULT_UNFIT) {
+        gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
+        return GATEWAY_OK;
+    }
     return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
 }
 
@@ -158,7 +189,7 @@ static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gate
     for (uint16_t i = 0; i < count && wrong == GATEWAY_OK; i++) {
         wrong = stage(session, (uint16_t)(at + i), words[i]);
     }
-    if (wrong == GATEWAY_OK && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE) {
+    if (wrong == GATEWAY_OK && at <= GATEWAY_HOLDING_EXECUTE && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE) {
         wrong = execute(session, gateway);
     }
     if (wrong != GATEWAY_OK) {
@@ -167,10 +198,16 @@ static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gate
     return wrong;
 }
 
+/* Can a request begin and end there? It may pass over what cannot be written. */
+static bool is_writable(unsigned at)
+{
+    return (at >= GATEWAY_HOLDING_COMMAND_OBJECT && at <= GATEWAY_HOLDING_EXECUTE) || at >= GATEWAY_HOLDING_SETTING;
+}
+
 static gateway_exception_t write_staged(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
                                         const uint16_t *words, uint64_t now_us)
 {
-    if (at < GATEWAY_HOLDING_COMMAND_OBJECT || at + (unsigned)count > GATEWAY_HOLDING_EXECUTE + 1U) {
+    if (!is_writable(at) || !is_writable(at + (unsigned)count - 1U)) {
         return GATEWAY_ILLEGAL_ADDRESS;
     }
     if (!is_unlocked(session, now_us)) {

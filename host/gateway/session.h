@@ -36,6 +36,8 @@ typedef struct {
     uint16_t angle[2];
     bool has_angle;             /* written since the last execution */
     uint16_t command;
+    uint16_t setting;           /* staged, and `value` as it came; 0: none */
+    uint16_t value[4];
     uint16_t executed;          /* what was written to Execute last */
     gateway_command_t sent;
 } gateway_session_t;

@@ -42,7 +42,8 @@ def build(folder):
     folder.mkdir()
     program = folder / "gateway_harness"
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
-    sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")] + ["boards/linux/arguments.c"]
+    sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")]
+    sources += [f"boards/linux/{name}.c" for name in ("arguments", "signals")]
     sources += ["host/bench/wrong_option.c"]
     command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost", "-Ihost/gateway",
                "-Iboards/linux", "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o",
@@ -214,7 +215,8 @@ def decode(row, words):
     data = struct.pack(f">{len(words)}H", *words)
     if row["type"] == "text":
         return data.rstrip(b"\0").decode()
-    letter = {"u16": "H", "i16": "h", "u32": "I", "i32": "i", "u64": "Q", "i64": "q", "f32": "f"}[row["type"]]
+    letter = {"u16": "H", "i16": "h", "u32": "I", "i32": "i", "u64": "Q", "i64": "q", "f32": "f",
+              "f64": "d"}[row["type"]]
     [number] = struct.unpack(">" + letter, data)
     return number if row["scale"] is None else number * row["scale"]
 

@@ -6,6 +6,7 @@
  *     refuse CODE             writes are refused with this abort code (hexadecimal); 0: taken
  *     silent 0|1              it does not answer
  *     hold 0|1                it answers writes later: when told "hold 0"
+ *     play 0|1                it answers a write that was taken when told "played", so that objects may follow from it
  *     down 0|1                the bus is down
  *     boot                    it says that it has booted
  *     tear N                  N times from now on, 2020h:1 changes when 2020h:5 is read
@@ -49,6 +50,7 @@ typedef struct {
     unsigned refuse;
     unsigned silent;
     unsigned hold;
+    unsigned play;
     unsigned down;
     unsigned tear;
     unsigned noise;
@@ -59,6 +61,7 @@ typedef struct {
     unsigned put;
     unsigned taken;
     tumble_can_frame_t held;
+    uint8_t owed[8];
     char line[1024];
     size_t length;
 } node_t;
@@ -133,7 +136,7 @@ static void upload_segment(const uint8_t *request)
     offer(answer);
 }
 
-static void report_write(void)
+static void take_write(const uint8_t *answer)
 {
     printf("write %04X %u ", node.download.index, node.download.sub);
     for (unsigned i = 0; i < node.download.size; i++) {
@@ -141,6 +144,10 @@ static void report_write(void)
     }
     printf("\n");
     (void)fflush(stdout);
+    memcpy(node.owed, answer, sizeof node.owed);
+    if (node.play == 0U) {
+        offer(answer);
+    }
 }
 
 static void download(const uint8_t *request)
@@ -154,9 +161,10 @@ static void download(const uint8_t *request)
     if ((request[0] & TUMBLE_SDO_E) != 0U) {
         node.download.size = 4U - ((request[0] >> 2) & 3U);
         memcpy(node.download.bytes, &request[4], node.download.size);
-        report_write();
+        take_write(answer);
+    } else {
+        offer(answer);
     }
-    offer(answer);
 }
 
 static void download_segment(const uint8_t *request)
@@ -166,9 +174,10 @@ static void download_segment(const uint8_t *request)
     memcpy(&node.download.bytes[node.download.size], &request[1], size);
     node.download.size += size;
     if ((request[0] & TUMBLE_SDO_C) != 0U) {
-        report_write();
+        take_write(answer);
+    } else {
+        offer(answer);
     }
-    offer(answer);
 }
 
 static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
@@ -230,12 +239,14 @@ static void take_line(const char *line)
         if (node.hold == 0U) {
             download(node.held.data);
         }
+    } else if (strcmp(line, "played") == 0) {
+        offer(node.owed);
     } else if (strcmp(line, "boot") == 0) {
         node.inbox[node.put++ % INBOX] = (tumble_can_frame_t){.id = 0x700U + NODE, .length = 1};
         (void)eventfd_write(node.wake, 1);
     } else if (sscanf(line, "refuse %x", &node.refuse) != 1 && sscanf(line, "silent %u", &node.silent) != 1 &&
                sscanf(line, "down %u", &node.down) != 1 && sscanf(line, "tear %u", &node.tear) != 1 &&
-               sscanf(line, "noise %u", &node.noise) != 1) {
+               sscanf(line, "noise %u", &node.noise) != 1 && sscanf(line, "play %u", &node.play) != 1) {
         fprintf(stderr, "gateway_harness: %s?\n", line);
         exit(1);
     }

@@ -18,6 +18,7 @@ RULES = {
     (0x1010, 1): ([], [0, 1, 0x73617665, 0x65766172, 0xFFFFFFFF], STORE),
     (0x1011, 1): ([], [0, 1, 0x65766173, 0x64616F6D, 0xFFFFFFFF], STORE),
     (0x2121, 1): ([1, 1 << 40, 0], [(1 << 40) + 1, (1 << 64) - 1], VALUE),
+    (0x2152, 1): ([2, 65535, 0], [1], VALUE),
     (0x2122, 1): ([9.7, 9.9, 0.0], [9.69, 9.91, -9.8, 1e300], VALUE),
 }
 
@@ -176,8 +177,8 @@ def test_settings_are_refused_while_a_run_is_on(start):
     ours.node.sdo["Command"]["Command"].raw = 1
     tried = 0
     for entry in read(EDS["navcomp"]):
-        if entry.writable and (entry.index == 0x2050 or 0x2122 <= entry.index <= 0x2126):
+        if entry.writable and (entry.index in (0x2050, 0x2152) or 0x2122 <= entry.index <= 0x2126):
             value = entry.high if entry.high is not None else 0
             assert refusal_of(download, ours, entry, entry.encode(value)) == DEVICE_STATE, entry
             tried += 1
-    assert tried == 49
+    assert tried == 50

@@ -157,7 +157,7 @@ def test_numbers_out_of_range_change_nothing(start, words, at):
 
 def test_registers_that_cannot_be_written(start):
     client = unlocked(start("--allow-commands"))
-    for at, count in ((2, 1), (2, 2), (EXECUTE, 2), (EXECUTE + 1, 1), (end_of("holding") - 1, 1), (1, 3)):
+    for at, count in ((2, 1), (2, 2), (EXECUTE, 2), (EXECUTE + 1, 1), (EXECUTE + 4, 2), (1, 3), (COMMAND, 4)):
         assert client.write(at, *[1] * count) == ADDRESS, at
     assert client.write(end_of("holding"), 1) == ADDRESS
     assert client.write(65535, 1) == ADDRESS

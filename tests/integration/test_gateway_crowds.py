@@ -79,6 +79,53 @@ def test_requests_in_one_piece_whose_answers_need_more_room_than_there_is(start)
         assert answer[:6] == struct.pack(">HHH", i, 0, 253) and len(answer) == 259
 
 
+def asked(gateway, count):
+    """A client that has asked so much and not yet read an answer."""
+    client = gateway.connect()
+    client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65536)
+    client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 20)
+    client.socket.settimeout(20)
+    client.send(b"".join(frame(struct.pack(">BHH", READ_INPUT, 0, 125), transaction=i) for i in range(count)))
+    return client
+
+
+def test_who_says_that_it_asks_no_more_gets_its_answers(start):
+    """As many as there is room for on the way, and some that the gateway has to keep for it until it reads."""
+    gateway = start()
+    for _ in range(3):  # the kernel's room is another the first time
+        before = counter(gateway, "Requests")
+        endless = asked(gateway, 20000)
+        time.sleep(1.0)
+        room = counter(gateway, "Requests") - before - 1
+        endless.close()
+    assert room < 20000
+    for count in range(room - 2, room + 7, 2):
+        client = asked(gateway, count)
+        client.socket.shutdown(socket.SHUT_WR)
+        time.sleep(0.5)
+        for i in range(count):
+            answer = client.receive()
+            assert answer[:6] == struct.pack(">HHH", i, 0, 253), (i, room)
+        assert client.receive() == b""
+        client.close()
+    wait_until(lambda: counter(gateway, "Clients") == 1)
+
+
+def test_who_asks_no_more_and_takes_nothing_is_closed(start):
+    gateway = start("--idle", 2)
+    client = gateway.connect()
+    client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    client.socket.setblocking(False)
+    request, end = frame(struct.pack(">BHH", READ_INPUT, 0, 125)), time.monotonic() + 0.5
+    while time.monotonic() < end:
+        try:
+            client.socket.send(request * 100)
+        except BlockingIOError:
+            time.sleep(0.01)
+    client.socket.shutdown(socket.SHUT_WR)
+    wait_until(lambda: counter(gateway, "Connections idle") == 1, timeout=15)
+
+
 def test_a_silent_client(start):
     gateway = start("--idle", 2)
     silent, talking = gateway.connect(), gateway.connect()

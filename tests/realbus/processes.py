@@ -23,9 +23,13 @@ HASTE = {  # a calibration within seconds of real time
     "operator__mount_s": 0.05,
     "keeper__serial": "TB-0001",
 }
+PATIENCE = {  # where a busy machine that lets a process wait is not what is tested
+    "firmware__heartbeat_timeout_ms": 3000,
+    "profile__heartbeat_timeout_ms": 3000,
+}
 SLOW_TABLE = {**HASTE, "motion__speed_deg_s": 60, "profile__homing_fast_deg_s": 180}  # time for something to happen
 
-__all__ = ["HASTE", "SLOW_TABLE", "Interface", "Node", "Stand", "scenario", "sdo_command", "wait_until"]
+__all__ = ["HASTE", "PATIENCE", "SLOW_TABLE", "Interface", "Node", "Stand", "scenario", "sdo_command", "wait_until"]
 
 
 class Interface:

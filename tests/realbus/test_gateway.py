@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 from gateway_bench import KEYS, decode, register, wait_until
-from processes import HASTE, Node, Stand, scenario
+from processes import HASTE, PATIENCE, Node, Stand, scenario
 
 from tumble.bench import programs
 from tumble.errors import BenchFault
@@ -84,6 +84,18 @@ class Served:
         return self.number("Result", "holding"), self.number("Abort code", "holding")
 
 
+    def tell(self, name, value):
+        """A setting, in an unlocked session: (result, abort code)."""
+        words = struct.unpack(">4H", struct.pack(">d", value))
+        answer = self.client.write_registers(register("Setting", "holding")["register"],
+                                             [register(name, "setting")["register"], *words], device_id=1)
+        assert not answer.isError(), answer
+        answer = self.client.write_register(register("Execute", "holding")["register"], 78, device_id=1)
+        assert not answer.isError(), answer
+        wait_until(lambda: self.number("Result", "holding") != 1)
+        return self.number("Result", "holding"), self.number("Abort code", "holding")
+
+
 @pytest.fixture
 def serve(bus, started):
     def run(*options):
@@ -94,12 +106,12 @@ def serve(bus, started):
 
 
 @pytest.fixture
-def calibrating(bus, started, tmp_path):
+def calibrating(bus, started, tmp_path, memory):
     """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands; what it finds
     waits for them, too."""
-    path = scenario(tmp_path, **HASTE, keeper__commits="no")
+    path = scenario(tmp_path, **HASTE, **PATIENCE, keeper__commits="no")
     stand = Stand(bus, path, "--seed", 11)
-    node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
+    node = Node(bus, path, "--nv", memory, folder=tmp_path)
     started.extend([stand, node])
     return stand, node
 
@@ -176,6 +188,84 @@ def test_pymodbus_and_mbpoll_each_drive_a_recalibration(calibrating, serve):
     exact = np.concatenate([np.array(documents[0]["K"]).ravel(), documents[0]["U0"]])
     assert first == [struct.unpack("<f", struct.pack("<f", number))[0] for number in exact]
     assert np.abs(scaled - exact).max() <= 0.51e-8
+
+
+TOLD = 2208988800  # 2040-01-01; the computer's own calendar is another
+POSITION = ("Position: Samples", "Position: Mean x", "Position: Mean y", "Position: Standard error z")
+
+
+def test_what_is_told_over_modbus_stands_in_the_set_that_a_run_commits(calibrating, serve):
+    served = serve("--allow-commands")
+    served.wait_for("State", 0)
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    assert served.tell("Host: Calendar", TOLD) == (2, 0)
+    assert served.tell("Recalibration: Gravity", 9.8125) == (2, 0)
+    assert served.tell("Recalibration: Gravity", 1.0) == (3, 0x06090030)
+    assert served.tell("Configuration: Samples per position", 12) == (2, 0)
+    assert served.tell("Configuration: Samples per position", 12.5) == (5, 0)
+    assert served.tell("Store parameters: Save all parameters", 0x65766173) == (2, 0)
+    served.wait_for("Parameters: Saved", 1)
+    assert served.number("Recalibration: Gravity") == 9.8125
+    assert served.execute(0, 0, 0, 0, START) == (2, 0)
+    assert served.tell("Recalibration: Gravity", 9.75) == (3, 0x08000022)
+    assert served.tell("Measurement at rest: Samples wanted", 40) == (3, 0x08000022)
+    served.wait_for("State", DONE)
+    served.wait_for("Keeper: Verdict", HELD)
+    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    served.wait_for("Keeper: Verdict", ACCEPTED)
+    served.wait_for("Active set: Gravity", 9.8125)
+    assert TOLD <= served.number("Active set: Date") <= TOLD + 300
+    served.wait_for("History: Entries", 1)
+    assert served.number("History: Date") == served.number("Active set: Date")
+    assert served.number("History values: K_xx") == served.number("Active set: K: K_xx")
+    seen = set()
+    for index in (3, 0, 5):
+        assert served.tell("Position: Position index", index) == (2, 0)
+        served.wait_for("Position: Position index", index)
+        numbers = [served.number(name) for name in POSITION]
+        assert numbers[0] == 12 and abs(served.number("Position: Mean x", scaled=True) - numbers[1]) < 2e-7
+        seen.add(tuple(numbers))
+    assert len(seen) == 3
+    assert served.tell("Measurement at rest: Samples wanted", 40) == (2, 0)
+    served.wait_for("Measurement at rest: Samples taken", 40)
+    assert 1e-5 < served.number("Measurement at rest: Standard deviation x") < 1e-2
+    assert served.number("Measurement at rest: Samples spoilt") is not None
+
+
+def polls_on(log):
+    """Numbers of frames of the polls that candump saw: what comes without a break."""
+    times = [float(line[1:].split(")")[0]) for line in log.read_text().splitlines()]
+    begins = [0] + [at for at in range(1, len(times)) if times[at] - times[at - 1] > 0.4]
+    return [behind - begin for begin, behind in zip(begins, begins[1:])]
+
+
+def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):
+    """With a result, an active set and a selected position, as docs/gateway.md says."""
+    served = serve("--allow-commands")
+    served.wait_for("State", 0)
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    assert served.execute(0, 0, 0, 0, START) == (2, 0)
+    served.wait_for("State", DONE)
+    served.wait_for("Keeper: Verdict", HELD)
+    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    served.wait_for("Keeper: Verdict", ACCEPTED)
+    assert served.tell("Measurement at rest: Samples wanted", 40) == (2, 0)
+    served.wait_for("Measurement at rest: Samples taken", 40)
+    served.end()
+    with open(tmp_path / "polls.log", "w") as log:
+        dump = subprocess.Popen(["candump", "-L", f"{bus},601:7FF,581:7FF"], stdout=log)
+        time.sleep(0.5)
+        served = serve("--poll", "2000", "--allow-commands")
+        served.wait_for("Link state", 1)
+        time.sleep(6.5)
+        assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+        assert served.tell("Position: Position index", 3) == (2, 0)
+        time.sleep(6.5)
+        dump.terminate()
+        dump.wait()
+    polls = polls_on(tmp_path / "polls.log")
+    print(f"frames of the polls: {polls}")
+    assert 900 < polls[0] < 1600 and min(polls) < 350 and sorted(polls)[-2] < 450, polls
 
 
 def test_a_gateway_that_may_not_command_cannot(calibrating, serve):

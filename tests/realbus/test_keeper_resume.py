@@ -4,7 +4,7 @@ import signal
 import time
 
 import pytest
-from processes import HASTE, Node, Stand, scenario, wait_until
+from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from recalibration import Computer
 
 RESUMED = 1 << 5  # of a set's flags
@@ -12,15 +12,15 @@ POSITIONS = 18
 
 
 @pytest.fixture
-def switch_on(bus, network, started, tmp_path):
+def switch_on(bus, network, started, tmp_path, memory):
     """Start the node; back when its heartbeat is there."""
-    path = scenario(tmp_path, **HASTE)
+    path = scenario(tmp_path, **HASTE, **PATIENCE)
     heard = []
     network.subscribe(0x701, lambda identifier, data, stamp: heard.append(data))
 
     def start():
         heard.clear()
-        node = Node(bus, path, "--nv", tmp_path / "memory.nv", folder=tmp_path)
+        node = Node(bus, path, "--nv", memory, folder=tmp_path)
         started.append(node)
         wait_until(lambda: heard)
         return node
@@ -29,7 +29,7 @@ def switch_on(bus, network, started, tmp_path):
 
 
 def test_killed_twice_it_goes_on(bus, network, started, switch_on, tmp_path):
-    stand = Stand(bus, scenario(tmp_path, **HASTE), "--seed", 11, "--operator", "ask")
+    stand = Stand(bus, scenario(tmp_path, **HASTE, **PATIENCE), "--seed", 11, "--operator", "ask")
     started.append(stand)
     mounted = [1]
 

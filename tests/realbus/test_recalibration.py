@@ -3,7 +3,7 @@ from the EDS file alone: limits, start, mountings, result, proposal, accept, rol
 
 import time
 
-from processes import HASTE, Node, Stand, scenario, wait_until
+from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from recalibration import Computer, refusal_of
 
 DEVICE_STATE = 0x08000022
@@ -25,8 +25,8 @@ class Table:
         return True
 
 
-def switch_on(bus, path, tmp_path, started):
-    node = Node(bus, path, "--nv", tmp_path / "memory.nv", folder=tmp_path)
+def switch_on(bus, path, memory, started):
+    node = Node(bus, path, "--nv", memory, folder=path.parent)
     started.append(node)
     return node
 
@@ -50,11 +50,11 @@ def accept_next(computer, counter):
     return found
 
 
-def test_a_life_in_a_file(bus, network, started, tmp_path):
-    path = scenario(tmp_path, **HASTE)
+def test_a_life_in_a_file(bus, network, started, tmp_path, memory):
+    path = scenario(tmp_path, **HASTE, **PATIENCE)
     stand = Stand(bus, path, "--seed", 7, "--operator", "ask")
     started.append(stand)
-    node = switch_on(bus, path, tmp_path, started)
+    node = switch_on(bus, path, memory, started)
     heard = []
     network.subscribe(0x681, lambda identifier, data, stamp: heard.append(int.from_bytes(data[:4], "little")))
     computer = Computer(network, lambda ms: time.sleep(ms / 1000), Table(stand).mount, timeout=5.0)
@@ -78,7 +78,7 @@ def test_a_life_in_a_file(bus, network, started, tmp_path):
     computer["Recalibration"]["Interval"].raw = 54_321  # not saved
     switch_off(node)
     heard.clear()
-    switch_on(bus, path, tmp_path, started)
+    switch_on(bus, path, memory, started)
     wait_until(lambda: heard)
     assert computer.counter() == 3 and computer.coefficients("Active set: ") == first
     assert computer["Recalibration"]["Interval"].raw == 12_345

@@ -1,6 +1,7 @@
 /* gateway_bench.h - the gateway's poller and a node that a test plays, on a clock that it holds.
  *
- * The node refuses all objects but 2020h:1, a REAL64 (`k_xx`), and 2000h, which is 5; it takes writes of 2002h.
+ * The node refuses all objects but 2020h:1, a REAL64 (`k_xx`), 2000h, which is 5, and those that the test gives it; it
+ * takes all writes, and remembers the last ones.
  */
 #ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
 #define TUMBLE_TESTS_GATEWAY_BENCH_H
@@ -20,6 +21,13 @@
 #define STEPS_OF_A_POLL 100000
 
 typedef struct {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t size;
+    uint8_t bytes[8];
+} bench_object_t;
+
+typedef struct {
     fake_port_t fake;
     gateway_counters_t counters;
     gateway_poller_t poller;
@@ -30,9 +38,15 @@ typedef struct {
     unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */
     uint32_t refuse;     /* of writes */
     uint32_t abort_next; /* of the next read */
-    uint8_t writes[16];  /* subindices */
+    bench_object_t writes[64];
     unsigned written;
-    double angle_deg;
+    bench_object_t objects[32]; /* given by the test */
+    unsigned objects_given;
+    const bench_object_t *upload; /* under way in segments; null: k_xx */
+    unsigned reads_of[32];      /* of the objects given */
+    unsigned event_at;          /* so many reads from now on `event` happens, before the answer; 0: never */
+    void (*event)(void);
+    void (*on_write)(void);     /* null: nothing; `last_write` is what was written */
 } bench_t;
 
 static bench_t bench;
@@ -58,10 +72,56 @@ static inline void answer(uint8_t command, const uint8_t *request, uint32_t valu
     fake_port_give(&bench.fake, &frame);
 }
 
+static inline bench_object_t *given(uint16_t index, uint8_t subindex)
+{
+    unsigned i = 0;
+    while (i < bench.objects_given && (bench.objects[i].index != index || bench.objects[i].subindex != subindex)) {
+        i++;
+    }
+    return (i < bench.objects_given) ? &bench.objects[i] : NULL;
+}
+
+/* From now on the object is the low `size` bytes of `bits`; 0 bytes: it is refused. */
+static inline void give(uint16_t index, uint8_t subindex, uint8_t size, uint64_t bits)
+{
+    bench_object_t *object = given(index, subindex);
+    if (object == NULL) {
+        TEST_ASSERT_LESS_THAN_UINT(COUNT_OF(bench.objects), bench.objects_given);
+        object = &bench.objects[bench.objects_given++];
+    }
+    *object = (bench_object_t){index, subindex, size, {0}};
+    tumble_put_u64(object->bytes, bits);
+}
+
+static inline void give_f64(uint16_t index, uint8_t subindex, double number)
+{
+    uint8_t bytes[8];
+    tumble_put_f64(bytes, number);
+    give(index, subindex, 8, tumble_get_u64(bytes));
+}
+
+static inline void read_given(const bench_object_t *object, const uint8_t *request)
+{
+    bench.reads_of[object - bench.objects]++;
+    bench.upload = object;
+    if (object->size == 0U) {
+        answer(TUMBLE_SDO_ABORT, request, NO_DATA);
+    } else if (object->size <= 4U) {
+        answer(tumble_sdo_expedited(TUMBLE_SDO_UPLOAD_ANSWER, object->size), request, tumble_get_u32(object->bytes));
+    } else {
+        answer(TUMBLE_SDO_UPLOAD_ANSWER | TUMBLE_SDO_S, request, object->size);
+    }
+}
+
 static inline void read(const uint8_t *request)
 {
     const uint16_t index = tumble_get_u16(&request[1]);
+    const bench_object_t *const object = given(index, request[3]);
     bench.reads++;
+    bench.upload = NULL;
+    if (bench.event_at > 0U && --bench.event_at == 0U) {
+        bench.event();
+    }
     if (bench.tear_at > 0U && --bench.tear_at == 0U) {
         bench.k_xx += 1.0;
     }
@@ -70,6 +130,8 @@ static inline void read(const uint8_t *request)
     } else if (bench.abort_next != 0U) {
         answer(TUMBLE_SDO_ABORT, request, bench.abort_next);
         bench.abort_next = 0;
+    } else if (object != NULL) {
+        read_given(object, request);
     } else if (index == 0x2020U && request[3] == 1U && bench.k_xx > 0.0) {
         answer(TUMBLE_SDO_UPLOAD_ANSWER | TUMBLE_SDO_S, request, 8);
     } else if (index == 0x2000U) {
@@ -85,30 +147,45 @@ static inline void read_segment(const uint8_t *request)
     tumble_can_frame_t frame = {.id = TUMBLE_SDO_RESPONSE_ID + NODE, .length = 8};
     const bool is_second = (request[0] & TUMBLE_SDO_TOGGLE) != 0U;
     tumble_put_f64(bytes, bench.k_xx);
+    if (bench.upload != NULL) {
+        memcpy(bytes, bench.upload->bytes, sizeof bytes);
+    }
     frame.data[0] = is_second ? (uint8_t)(TUMBLE_SDO_TOGGLE | 6U << 1 | TUMBLE_SDO_C) : 0U;
     memcpy(&frame.data[1], &bytes[is_second ? 7 : 0], is_second ? 1 : 7);
     fake_port_give(&bench.fake, &frame);
 }
 
+static inline bench_object_t *last_write(void)
+{
+    return &bench.writes[(bench.written + COUNT_OF(bench.writes) - 1U) % COUNT_OF(bench.writes)];
+}
+
 static inline void write(const uint8_t *request)
 {
-    TEST_ASSERT_EQUAL_HEX16(0x2002U, tumble_get_u16(&request[1]));
-    bench.writes[bench.written++ % sizeof bench.writes] = request[3];
+    const bool is_expedited = (request[0] & TUMBLE_SDO_E) != 0U;
+    const uint8_t size = is_expedited ? (uint8_t)(4U - ((request[0] >> 2) & 3U)) : request[4];
+    bench.written++;
+    *last_write() = (bench_object_t){tumble_get_u16(&request[1]), request[3], size, {0}};
+    if (is_expedited) {
+        memcpy(last_write()->bytes, &request[4], 4);
+    }
     if (bench.refuse != 0U) {
         answer(TUMBLE_SDO_ABORT, request, bench.refuse);
     } else {
+        if (bench.on_write != NULL) {
+            bench.on_write();
+        }
         answer(TUMBLE_SDO_DOWNLOAD_ANSWER, request, 0);
     }
 }
 
+/* Of eight bytes. */
 static inline void write_segment(const uint8_t *request)
 {
-    static uint8_t bytes[8];
     const uint8_t acknowledged[8] = {
         (uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER | (request[0] & TUMBLE_SDO_TOGGLE))};
     const bool is_last = (request[0] & TUMBLE_SDO_C) != 0U;
-    memcpy(&bytes[is_last ? 7 : 0], &request[1], is_last ? 1 : 7);
-    bench.angle_deg = is_last ? tumble_get_f64(bytes) : bench.angle_deg;
+    memcpy(&last_write()->bytes[is_last ? 7 : 0], &request[1], is_last ? 1 : 7);
     const tumble_can_frame_t frame = fake_frame(TUMBLE_SDO_RESPONSE_ID + NODE, 8, acknowledged);
     fake_port_give(&bench.fake, &frame);
 }

@@ -16,7 +16,8 @@ typedef struct {
     tumble_nv_t nv;
     uint8_t bytes[MEMORY_SECTOR * MEMORY_SECTORS];
     uint32_t changes;  /* erases and programs so far */
-    uint32_t fails_at; /* this change, and all after it, fail */
+    uint32_t fails_at; /* this change fails, ... */
+    uint32_t fails;    /* ... and so do the ones after it, so many in all */
     uint32_t answers;  /* calls so far; every `busy_every`th answers busy, 0: none */
     uint32_t busy_every;
     bool reads_fail;
@@ -28,13 +29,19 @@ static inline bool memory_is_busy(memory_t *m)
     return (m->busy_every != 0U) && ((m->answers % m->busy_every) == 0U);
 }
 
+static inline bool memory_refuses(memory_t *m)
+{
+    const uint32_t change = m->changes++;
+    return (change >= m->fails_at) && ((change - m->fails_at) < m->fails);
+}
+
 static inline tumble_status_t memory_erase(void *context, uint32_t offset)
 {
     memory_t *m = context;
     if (memory_is_busy(m)) {
         return TUMBLE_E_PORT_BUSY;
     }
-    if (m->changes++ >= m->fails_at) {
+    if (memory_refuses(m)) {
         return TUMBLE_E_NV;
     }
     memset(&m->bytes[offset], 0xFF, MEMORY_SECTOR);
@@ -47,7 +54,7 @@ static inline tumble_status_t memory_program(void *context, uint32_t offset, con
     if (memory_is_busy(m)) {
         return TUMBLE_E_PORT_BUSY;
     }
-    if (m->changes++ >= m->fails_at) {
+    if (memory_refuses(m)) {
         return TUMBLE_E_NV;
     }
     for (uint32_t i = 0; i < size; i++) {
@@ -73,6 +80,7 @@ static inline void memory_init(memory_t *m)
     memset(m, 0, sizeof *m);
     memset(m->bytes, 0xFF, sizeof m->bytes);
     m->fails_at = NEVER_FAILS;
+    m->fails = UINT32_MAX;
     m->nv = (tumble_nv_t){m, sizeof m->bytes, MEMORY_SECTOR, MEMORY_GRANULE, memory_erase, memory_program, memory_read};
 }
 

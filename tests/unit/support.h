@@ -5,6 +5,7 @@
 #ifndef TUMBLE_TESTS_UNIT_SUPPORT_H
 #define TUMBLE_TESTS_UNIT_SUPPORT_H
 
+#include "core/status.h"
 #include "unity.h"
 
 #include <math.h>
@@ -20,6 +21,12 @@
 #define INFINITE ((double)INFINITY)
 
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+/* A status, by its name. */
+static inline void assert_status(tumble_status_t expected, tumble_status_t status)
+{
+    TEST_ASSERT_EQUAL_STRING(tumble_status_name(expected), tumble_status_name(status));
+}
 
 /* Splitmix64: a fixed seed replays the same cases on every machine. */
 typedef struct {

@@ -114,6 +114,30 @@ static void test_parameters_beside_some_that_cannot_be_read_are_refused(void)
     TEST_ASSERT_EQUAL(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
 }
 
+static uint32_t reads;
+
+static tumble_status_t read_every_other_time(void *context, uint32_t offset, uint8_t *bytes, uint32_t size)
+{
+    reads++;
+    return ((reads % 2U) == 0U) ? TUMBLE_E_NV : memory_read(context, offset, bytes, size);
+}
+
+/* What was saved is in force although the memory fails now and then while it is read. */
+static void test_parameters_that_can_be_read_at_the_second_attempt(void)
+{
+    const uint8_t samples[4] = {34, 0, 0, 0};
+    TEST_ASSERT_EQUAL(TUMBLE_ABORT_NONE, tumble_node_write(&bench.navcomp.node, 0x2050, 1, samples, sizeof samples));
+    TEST_ASSERT_EQUAL(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
+    settle_memory();
+    memory.nv.read = read_every_other_time;
+    for (uint32_t first = 0; first < 2U; first++) {
+        reads = first;
+        keeper_power_cycle();
+        TEST_ASSERT_EQUAL_UINT32(34, bench.navcomp.procedure_config.samples);
+        TEST_ASSERT_EQUAL_UINT32(1, keeper.parameters.view.sequence);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -123,5 +147,6 @@ int main(void)
     RUN_TEST(test_not_decayed_but_unreadable_at_power_on);
     RUN_TEST(test_and_unreadable_it_remains);
     RUN_TEST(test_parameters_beside_some_that_cannot_be_read_are_refused);
+    RUN_TEST(test_parameters_that_can_be_read_at_the_second_attempt);
     return UNITY_END();
 }

@@ -85,6 +85,47 @@ static void test_the_board_ends_a_run(void)
     TEST_ASSERT_EQUAL(TUMBLE_REASON_INHIBITED, bench_progress(&bench).run.reason);
 }
 
+/* A contact that is open just as the command comes, and closed in the steps before and after it. */
+static void test_a_contact_that_bounces_inhibits_all_the_same(void)
+{
+    board_inhibits = true;
+    bench_pass(&bench, 1.0);
+    board_inhibits = false;
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    board_inhibits = true;
+    bench_event(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
+    TEST_ASSERT_EQUAL(TUMBLE_REASON_INHIBITED, bench_progress(&bench).run.reason);
+    bench_pass(&bench, 3.0);
+    board_inhibits = false;
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_HOME_AXIS));
+    board_inhibits = true;
+    bench_pass(&bench, 0.1);
+    TEST_ASSERT_EQUAL(TUMBLE_STAND_READY, bench_progress(&bench).stand); /* not homed */
+}
+
+static unsigned looks;
+
+static bool bounce(void *context)
+{
+    (void)context;
+    looks++;
+    return ((looks % 2U) != 0U) || (run_state() != TUMBLE_STATE_IDLE);
+}
+
+/* And one that is open at every other look, until a run has begun by itself: it does not go on for long. */
+static void test_a_run_that_slipped_through_is_given_up(void)
+{
+    settings.flags = TUMBLE_KEEPER_STARTS;
+    keeper_config.inhibited = bounce;
+    looks = 0;
+    keeper_power_cycle();
+    bench_pass(&bench, 600.0);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_keeper_counters(&keeper)->self_started);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
+    TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).procedure.positions);
+}
+
 static void test_a_fault_waits_until_the_inhibit_is_over(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
@@ -213,6 +254,8 @@ int main(void)
     RUN_TEST(test_the_board_inhibits_as_long_as_it_likes);
     RUN_TEST(test_a_run_under_way_is_given_up);
     RUN_TEST(test_the_board_ends_a_run);
+    RUN_TEST(test_a_contact_that_bounces_inhibits_all_the_same);
+    RUN_TEST(test_a_run_that_slipped_through_is_given_up);
     RUN_TEST(test_a_fault_waits_until_the_inhibit_is_over);
     RUN_TEST(test_inhibited_it_does_not_start_by_itself);
     RUN_TEST(test_nor_goes_on_after_a_loss_of_power);

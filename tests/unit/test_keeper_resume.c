@@ -313,6 +313,26 @@ static void test_after_an_nmt_reset_the_run_can_be_gone_on_with(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
+/* It is the same run: the set tells that it was interrupted, and the temperature of all of it. */
+static void test_a_position_of_a_resumed_run_is_repeated(void)
+{
+    start_and_cut(6);
+    resume_to_end();
+    bench.block.temperature_half_c = 62;
+    drift(1e-5);
+    ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, POSITIONS - 1U));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
+    settle_memory();
+    const tumble_set_t set = set_of(TUMBLE_SET_ACTIVE);
+    TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
+    TEST_ASSERT_BITS_HIGH(TUMBLE_SET_RESUMED, set.flags);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 25.0, set.temperature_c);
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    TEST_ASSERT_BITS_LOW(TUMBLE_SET_RESUMED, set_of(TUMBLE_SET_ACTIVE).flags);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 31.0, set_of(TUMBLE_SET_ACTIVE).temperature_c);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -333,5 +353,6 @@ int main(void)
     RUN_TEST(test_a_mounting_that_was_dropped_stays_dropped);
     RUN_TEST(test_a_damaged_entry_is_measured_again);
     RUN_TEST(test_after_an_nmt_reset_the_run_can_be_gone_on_with);
+    RUN_TEST(test_a_position_of_a_resumed_run_is_repeated);
     return UNITY_END();
 }

@@ -295,7 +295,7 @@ static void test_a_memory_that_cannot_be_read_holds_nothing(void)
 {
     save_pattern(6);
     memory.read_fails_at = memory.reads;
-    memory.read_fails = 3;
+    memory.read_fails = 3U * 3U; /* each of them three times */
     TEST_ASSERT_TRUE(boot(&memory));
     TEST_ASSERT_TRUE(is_pattern(0));
     memory.read_fails_at = NV_NEVER;

@@ -5,11 +5,6 @@
 
 static store_nv_t memory;
 
-static void assert_status(tumble_status_t expected, tumble_status_t status)
-{
-    TEST_ASSERT_EQUAL_STRING(tumble_status_name(expected), tumble_status_name(status));
-}
-
 void setUp(void)
 {
     nv_make(&memory, 8, 4096);
@@ -229,8 +224,18 @@ static void test_a_read_that_fails_is_tried_again(void)
     TEST_ASSERT_EQUAL_UINT32(2, tumble_store_counters(&jobs_store)->nv_errors);
     assert_sets(FIRST, 0, 0, 0);
     memory.read_fails_at = memory.reads;
-    memory.read_fails = 1U;
+    memory.read_fails = 2U;
+    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    assert_status(TUMBLE_OK, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    TEST_ASSERT_FALSE(tumble_store_busy(&jobs_store));
+    TEST_ASSERT_EQUAL_UINT32(4, tumble_store_counters(&jobs_store)->nv_errors);
+    memory.read_fails_at = memory.reads;
+    memory.read_fails = 3U;
+    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    assert_status(TUMBLE_E_PORT_BUSY, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     assert_status(TUMBLE_E_NV, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
+    TEST_ASSERT_EQUAL_UINT32(7, tumble_store_counters(&jobs_store)->nv_errors);
     TEST_ASSERT_TRUE(store_settles(&jobs_store));
     assert_sets(FIRST, 0, 0, 0);
     memory.read_fails_at = memory.reads + 4U;

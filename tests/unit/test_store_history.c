@@ -6,11 +6,6 @@
 
 static store_nv_t memory;
 
-static void assert_status(tumble_status_t expected, tumble_status_t status)
-{
-    TEST_ASSERT_EQUAL_STRING(tumble_status_name(expected), tumble_status_name(status));
-}
-
 void setUp(void)
 {
     nv_make(&memory, 8, 4096);

@@ -17,11 +17,6 @@ static void assert_near(double expected, double value, double tolerance)
     TEST_ASSERT_TRUE(magnitude(value - expected) <= tolerance);
 }
 
-static void assert_status(tumble_status_t expected, tumble_status_t status)
-{
-    TEST_ASSERT_EQUAL_INT(expected, status);
-}
-
 /* Slope, its uncertainty and chi-squared by sums over long double, months counted from a fixed date. */
 static void by_the_textbook(const double *months, const double *values, const double *u, int count, double expected[3])
 {

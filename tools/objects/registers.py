@@ -9,9 +9,11 @@ from model import Entry, Node, Object, check, read_toml, slug
 
 LAST = 0xFFFF
 VALIDITY_BITS = 16
-GROUP_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept"}
+MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
 OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
-OWN_TYPES = ("u16", "u32", "i32", "f32")
+OWN_TYPES = ("u16", "u32", "i32", "f32", "f64")
+ALWAYS, KEPT = 0, 1  # groups of values: read in every poll; kept until a mark changes. Others have numbers above.
+SETTING_TYPES = ("u8", "u16", "u32", "u64", "i8", "i16", "i32", "i64", "f32", "f64")
 
 # Form of a value in registers: number of words (0: the text's own), words for a person.
 WORD, LONG, QUAD, FLOAT, SCALED, TEXT = "WORD", "LONG", "QUAD", "FLOAT", "SCALED", "TEXT"
@@ -40,7 +42,8 @@ class Register:
     entry: Entry | None = None
     validity: int | None = None
     bit: int | None = None
-    kept: bool = False  # read anew only when a mark has changed
+    group: int = ALWAYS  # what is read anew together
+    is_key: bool = False  # read in every poll: tells that its group is to be read anew
 
     @property
     def end(self) -> int:
@@ -49,6 +52,16 @@ class Register:
     @property
     def place(self) -> str:
         return str(self.at) if self.words == 1 else f"{self.at}-{self.end - 1}"
+
+
+@dataclass
+class Setting:
+    """An object that may be written by number."""
+
+    number: int
+    entry: Entry
+    name: str
+    group: int  # read anew once it has been written
 
 
 @dataclass
@@ -61,12 +74,24 @@ class Map:
     commands: list[Object]
     marks: list[Entry]
     gateway: int  # registers below are the gateway's own
+    settings: list[Setting]
+    groups: int  # how many there are
 
     @property
     def values(self) -> list[Register]:
-        """Those that come from the node; those of one object together, so that it is read once."""
+        """Those that come from the node, those of one object together, so that it is read once; groups that have keys
+        one behind the other, each with its keys first."""
         mine = [register for register in self.input if register.entry]
-        return sorted(mine, key=lambda register: (register.entry.key, register.at))
+        return sorted(mine, key=lambda one: (max(one.group, KEPT), not one.is_key, one.entry.key, one.at))
+
+    @property
+    def keys(self) -> list[Entry]:
+        """In the order in which they are read."""
+        return list({one.entry.key: one.entry for one in self.values if one.is_key}.values())
+
+    def selector(self, group: int) -> Entry | None:
+        """The first key of a group."""
+        return next((one.entry for one in self.values if one.is_key and one.group == group), None)
 
 
 def read(path: Path, node: Node) -> Map:
@@ -81,11 +106,14 @@ def read(path: Path, node: Node) -> Map:
     own = [own_register(table, "input", where) for table in document["input"]]
     counters = counter_registers(document["counters"])
     mapped = [item for item in node.objects if item.modbus]
-    groups = [register for item in mapped for register in group(item, f"{node.path.name}: object {item.index:04X}h")]
+    numbers = group_numbers(mapped, node.path.name)
+    groups = [register for item in mapped
+              for register in group(item, numbers, f"{node.path.name}: object {item.index:04X}h")]
     holding = [own_register(table, "holding", where) for table in document["holding"]]
     made = Map(document["map_version"], in_order([*own, *counters, *groups]), in_order(holding),
                document["counters"]["at"], counters, command_objects(mapped, node),
-               [entry for item in mapped for entry in marks(item)], max(r.end for r in [*own, *counters]))
+               [entry for item in mapped for entry in marks(item)], max(r.end for r in [*own, *counters]),
+               settings(mapped, numbers, node.path.name), 1 + max([KEPT, *numbers.values()]))
     check(min(register.at for register in groups) >= made.gateway, where, "an object lies among the gateway's own")
     return made
 
@@ -93,9 +121,14 @@ def read(path: Path, node: Node) -> Map:
 def own_register(table: dict, name: str, where: str) -> Register:
     check({"at", "name", "type"} <= set(table) <= OWN_KEYS, where, f"a register with wrong keys: {table}")
     check(table["type"] in OWN_TYPES, where, f"{table['name']}: type is not one of {', '.join(OWN_TYPES)}")
-    form, type_name = FORMS[table["type"]]
-    return Register(name, table["at"], WORDS[form], type_name, table["name"], table.get("unit", ""),
+    words, type_name = (4, "f64") if table["type"] == "f64" else own_form(table["type"])
+    return Register(name, table["at"], words, type_name, table["name"], table.get("unit", ""),
                     table.get("about", ""), table.get("access", "ro"), table.get("scale"))
+
+
+def own_form(key: str) -> tuple[int, str]:
+    form, type_name = FORMS[key]
+    return WORDS[form], type_name
 
 
 def counter_registers(table: dict) -> list[Register]:
@@ -103,25 +136,42 @@ def counter_registers(table: dict) -> list[Register]:
             for place, (name, about) in enumerate(table["names"])]
 
 
-def group(item: Object, where: str) -> list[Register]:
+def group_numbers(items: list[Object], file: str) -> dict[int, int]:
+    """{index of an object: number of its group}, of those that have `keys`, and of those `with` them."""
+    leaders = [item.index for item in items if "keys" in item.modbus]
+    numbers = {index: KEPT + 1 + place for place, index in enumerate(leaders)}
+    for item in items:
+        if "with" in item.modbus:
+            where = f"{file}: object {item.index:04X}h"
+            check(item.modbus["with"] in leaders, where, "modbus: with an object that has no keys")
+            numbers[item.index] = numbers[item.modbus["with"]]
+    return numbers
+
+
+def group(item: Object, numbers: dict[int, int], where: str) -> list[Register]:
     """Validity, then the values of an object one after the other; and the same again as scaled integers."""
     keys = item.modbus
-    check(set(keys) <= GROUP_KEYS, where, f"modbus may have the keys {', '.join(sorted(GROUP_KEYS))}")
+    check(set(keys) <= MODBUS_KEYS, where, f"modbus may have the keys {', '.join(sorted(MODBUS_KEYS))}")
     if "command" in keys:
         check(set(keys) == {"command"}, where, "a command object has no other registers")
         return []
+    if set(keys) == {"settings"}:
+        return []
     check("at" in keys, where, "modbus needs at")
+    check(len({"keys", "with", "kept"} & set(keys)) < 2, where, "modbus: has two of keys, with and kept")
     check(("scaled_at" in keys) == ("scale" in keys), where, "modbus needs both scaled_at and scale, or neither")
     readable = [entry for entry in item.entries if entry.access != "wo" and (item.is_var or entry.subindex)]
     check(0 < len(readable) <= VALIDITY_BITS, where, f"modbus: not 1 to {VALIDITY_BITS} values that can be read")
-    made = block(item, readable, keys["at"], None)
+    check(set(keys.get("keys", [])) <= {entry.subindex for entry in readable}, where, "modbus: a key does not exist")
+    number = numbers.get(item.index, KEPT if keys.get("kept") else ALWAYS)
+    made = block(item, readable, keys["at"], None, number)
     if "scaled_at" in keys:
         check(keys["scale"] > 0, where, "modbus: scale is not above 0")
-        made += block(item, readable, keys["scaled_at"], keys["scale"])
+        made += block(item, readable, keys["scaled_at"], keys["scale"], number)
     return made
 
 
-def block(item: Object, entries: list[Entry], at: int, scale: float | None) -> list[Register]:
+def block(item: Object, entries: list[Entry], at: int, scale: float | None, number: int) -> list[Register]:
     about = "Bit n: the value of place n below is there." if scale is None else "As for the numbers in floating point."
     title = item.name if scale is None else f"{item.name}, scaled"
     made = [Register("input", at, 1, "u16", f"{title}: valid", about=about)]
@@ -130,9 +180,30 @@ def block(item: Object, entries: list[Entry], at: int, scale: float | None) -> l
             continue
         form, type_name = FORMS[entry.type.key] if scale is None else (SCALED, "i32")
         words = WORDS.get(form) or (entry.size + 1) // 2
-        name = entry.name if item.is_var else f"{item.name}: {entry.name}"
-        made.append(Register("input", made[-1].end, words, type_name, name, entry.unit, entry.about, scale=scale,
-                             form=form, entry=entry, validity=at, bit=bit, kept=item.modbus.get("kept", False)))
+        made.append(Register("input", made[-1].end, words, type_name, full_name(item, entry), entry.unit, entry.about,
+                             scale=scale, form=form, entry=entry, validity=at, bit=bit, group=number,
+                             is_key=entry.subindex in item.modbus.get("keys", [])))
+    return made
+
+
+def full_name(item: Object, entry: Entry) -> str:
+    return entry.name if item.is_var else f"{item.name}: {entry.name}"
+
+
+def settings(items: list[Object], numbers: dict[int, int], file: str) -> list[Setting]:
+    """What can be written of the objects that say so; the number that they give is that of subindex 1."""
+    made = []
+    for item in (item for item in items if "settings" in item.modbus):
+        where = f"{file}: object {item.index:04X}h"
+        writable = [entry for entry in item.entries if entry.subindex and entry.access in ("rw", "wo")]
+        check(writable != [], where, "modbus: settings, and nothing can be written")
+        check(all(entry.type.key in SETTING_TYPES for entry in writable), where, "modbus: a setting is no number")
+        made += [Setting(item.modbus["settings"] + entry.subindex - 1, entry, full_name(item, entry),
+                         numbers.get(item.index, ALWAYS)) for entry in writable]
+    made.sort(key=lambda setting: setting.number)
+    for before, after in zip(made, made[1:]):
+        check(before.number < after.number, file, f"{before.name!r} and {after.name!r} are setting {after.number}")
+    check(not made or 0 < made[0].number <= made[-1].number <= LAST, file, f"settings are not within 1 to {LAST}")
     return made
 
 
@@ -202,6 +273,9 @@ def header(registers: Map) -> str:
         "",
         f"#define GATEWAY_VALUES {len(registers.values)}U",
         f"#define GATEWAY_MARKS {len(registers.marks)}U",
+        f"#define GATEWAY_KEYS {len(registers.keys)}U",
+        f"#define GATEWAY_GROUPS {registers.groups}U",
+        f"#define GATEWAY_TARGETS {len(registers.settings)}U",
         f"#define GATEWAY_COMMAND_OBJECTS {len(registers.commands)}U",
         "",
         "#endif",
@@ -210,8 +284,11 @@ def header(registers: Map) -> str:
 
 
 def source(registers: Map) -> str:
+    places = {entry.key: place for place, entry in enumerate(registers.keys)}
     rows = [f"    {{{one.at}U, {one.words}U, GATEWAY_FORM_{one.form}, {one.validity}U, {one.bit}U, "
-            f"{object_cells(one.entry)}, {str(one.kept).lower()}, {one.scale or 0.0!r}}}," for one in registers.values]
+            f"{object_cells(one.entry)}, {one.group}U, {places.get(one.entry.key, len(places))}U, "
+            f"{one.scale or 0.0!r}}}," for one in registers.values]
+    selectors = [registers.selector(number) for number in range(registers.groups)]
     parts = [
         f"/* {NOTICE} */",
         '#include "registers.h"',
@@ -224,6 +301,18 @@ def source(registers: Map) -> str:
         "",
         "const gateway_object_t gateway_marks[GATEWAY_MARKS] = {",
         *(f"    {{{object_cells(entry)}}}," for entry in registers.marks),
+        "};",
+        "",
+        "const gateway_object_t gateway_keys[GATEWAY_KEYS] = {",
+        *(f"    {{{object_cells(entry)}}}," for entry in registers.keys),
+        "};",
+        "",
+        "const uint8_t gateway_selectors[GATEWAY_GROUPS] = {",
+        "    " + ", ".join(f"{places[entry.key] if entry else len(places)}U" for entry in selectors) + ",",
+        "};",
+        "",
+        "const gateway_target_t gateway_targets[GATEWAY_TARGETS] = {",
+        *(f"    {{{one.number}U, {object_cells(one.entry)}, {one.group}U}}," for one in registers.settings),
         "};",
         "",
         "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",
@@ -241,15 +330,26 @@ CSV_HEAD = "table,register,words,type,scale,access,unit,index,subindex,valid_reg
 
 
 def csv(registers: Map) -> str:
-    """What scripts read: registers by number from 0; numbers of more than one word have the high word first."""
-    return "\n".join([CSV_HEAD, *(csv_row(register) for register in [*registers.input, *registers.holding])]) + "\n"
+    """What scripts read: registers by number from 0; numbers of more than one word have the high word first. Behind
+    them the settings by theirs."""
+    rows = [csv_row(register) for register in [*registers.input, *registers.holding]]
+    return "\n".join([CSV_HEAD, *rows, *(setting_row(setting) for setting in registers.settings)]) + "\n"
 
 
 def csv_row(register: Register) -> str:
     entry = register.entry
-    cells = [register.table, register.at, register.words, register.type, register.scale, register.access,
-             register.unit, f"{entry.index:04X}" if entry else None, entry.subindex if entry else None,
-             register.validity, register.bit, register.name]
+    return joined([register.table, register.at, register.words, register.type, register.scale, register.access,
+                   register.unit, f"{entry.index:04X}" if entry else None, entry.subindex if entry else None,
+                   register.validity, register.bit, register.name])
+
+
+def setting_row(setting: Setting) -> str:
+    entry = setting.entry
+    return joined(["setting", setting.number, 4, entry.type.key, None, entry.access, entry.unit, f"{entry.index:04X}",
+                   entry.subindex, None, None, setting.name])
+
+
+def joined(cells: list[object]) -> str:
     return ",".join("" if cell is None else quoted(str(cell)) for cell in cells)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from registers import Map, Register
+from model import Entry
+from registers import Map, Register, Setting
 
 HEAD = """\
 # Modbus registers
@@ -23,6 +24,15 @@ What `tumble-gateway` serves; how it behaves stands in [gateway.md](gateway.md),
   in the order of the table) is there. Where the bit is 0 the value is 0 and means nothing: there is no result yet, the
   node refused it, or it does not fit the registers. No value is ever infinite or not a number.
 - **Scaled numbers**: multiply the i32 by the scale. They resolve more than f32 does: 1e-8 V/g of 2 V/g against 1.2e-7.
+- In modbus.csv `table` says what a row is: `input` and `holding` registers by number, and below them each `setting`
+  with its number in the column `register`, the type of its object, and the same names as the registers have.
+"""
+
+SETTINGS = """\
+Settings: staged by their number in register {setting}, with their value, an f64, in {value}, and written by Execute.
+The value must be one that the object's type can hold: an integer without a fraction within the type's range, or a
+finite number, for an f32 rounded to it. What else is allowed says the object ([canopen.md](canopen.md)); the node
+refuses what is not.
 """
 
 
@@ -38,9 +48,27 @@ def page(registers: Map) -> str:
     lines += own_table(registers.holding)
     lines += ["", "Command objects:", "", "| number | object | name |", "|---|---|---|"]
     lines += [f"| {number} | {item.index:04X}h | {item.name} |" for number, item in enumerate(registers.commands)]
-    marks = ", ".join(f"{entry.name} ({entry.where})" for entry in registers.marks)
-    lines += ["", f"A snapshot is published only if these were the same before and after it was read: {marks}."]
+    places = {one.name: one.place for one in registers.holding}
+    lines += ["", SETTINGS.format(setting=places["Setting"], value=places["Value"])]
+    lines += ["| number | name | type | unit | object |", "|---|---|---|---|---|"]
+    lines += [setting_row(setting) for setting in registers.settings]
+    lines += ["", f"A snapshot is published only if these were the same before and after it was read: "
+              f"{listed(registers.marks)}. The same holds of what selects values that it reads anew: "
+              f"{listed(selectors(registers))}."]
     return "\n".join(lines) + "\n"
+
+
+def selectors(registers: Map) -> list[Entry]:
+    return [entry for entry in map(registers.selector, range(registers.groups)) if entry]
+
+
+def listed(entries: list[Entry]) -> str:
+    return ", ".join(f"{entry.name} ({entry.where})" for entry in entries)
+
+
+def setting_row(setting: Setting) -> str:
+    entry = setting.entry
+    return f"| {setting.number} | {cell(setting.name)} | {entry.type.key} | {cell(entry.unit)} | {entry.where} |"
 
 
 def own_table(registers: list[Register]) -> list[str]:

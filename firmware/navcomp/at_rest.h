@@ -1,0 +1,64 @@
+/* at_rest.h - mean and scatter of so many samples in a row, on a table that somebody else has brought to rest.
+ *
+ * For whoever checks a stand without calibrating on it: how well it comes back to a place, how much it is tilted there,
+ * how much noise there is. The sums are integers and exact, so neither number depends on the order of the samples: the
+ * mean is one correctly rounded division, the variance is right to some units of the last place.
+ *
+ * A sample is judged as core/averaging judges it, and by the status that the block gives it. One that is refused is
+ * counted as spoilt and the measurement goes on without it, for whoever asked decides how many are too many. Samples
+ * that never came are counted as spoilt by the counter of the next.
+ *
+ * The caller owns the object; nothing is allocated, nothing waits. Not re-entrant on one object.
+ */
+#ifndef TUMBLE_NAVCOMP_AT_REST_H
+#define TUMBLE_NAVCOMP_AT_REST_H
+
+#include "core/limits.h"
+#include "procedure/procedure.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TUMBLE_AT_REST_MIN_SAMPLES 2U
+
+static_assert(UINT16_MAX <= TUMBLE_MAX_SAMPLES, "the sums of core/limits.h hold as many samples");
+
+/* Private; all zero: nothing is measured. */
+typedef struct {
+    int64_t sum[TUMBLE_CHANNELS];        /* of deviations from `first`, counts */
+    int64_t square_sum[TUMBLE_CHANNELS]; /* of their squares */
+    int32_t first[TUMBLE_CHANNELS];
+    uint32_t dropped; /* before the last sample */
+    uint16_t wanted;
+    uint16_t taken;
+    uint16_t spoilt;
+    uint16_t last_counter;
+    bool has_counter;
+} tumble_at_rest_t;
+
+static_assert(sizeof(tumble_at_rest_t) <= 80, "it must stay small");
+
+/* What has been measured. */
+typedef struct {
+    double mean_v[TUMBLE_CHANNELS];
+    double deviation_v[TUMBLE_CHANNELS]; /* standard deviation of one sample, n - 1 */
+    uint16_t wanted;
+    uint16_t taken;
+    uint16_t spoilt; /* stays at UINT16_MAX */
+} tumble_at_rest_view_t;
+
+/* Forget what was measured and begin anew: TUMBLE_AT_REST_MIN_SAMPLES or more are wanted, or 0: none. Returns TUMBLE_OK
+ * or _ARGUMENT (1): then nothing has changed. */
+tumble_status_t tumble_at_rest_begin(tumble_at_rest_t *at_rest, uint16_t wanted);
+
+/* Every sample that comes; what is not wanted (any more) is not looked at. `dropped`: how many frames of the block came
+ * again or too late and were dropped before they got here, in all, modulo 2^32. */
+void tumble_at_rest_take(tumble_at_rest_t *at_rest, const tumble_averaging_config_t *config,
+                         const tumble_block_sample_t *sample, uint32_t dropped);
+
+/* The numbers of samples, and with all that were wanted what they tell: TUMBLE_OK. Else TUMBLE_E_TOO_FEW, and means and
+ * deviations are 0. `v_per_count` finite, not 0. */
+tumble_status_t tumble_at_rest_view(const tumble_at_rest_t *at_rest, double v_per_count, tumble_at_rest_view_t *view);
+
+#endif
