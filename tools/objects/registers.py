@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from model import Entry, Node, Object, check, read_toml, slug
 
 LAST = 0xFFFF
+COLUMNS = 120
 VALIDITY_BITS = 16
 MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
 OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
@@ -283,17 +285,44 @@ def header(registers: Map) -> str:
     return "\n".join(lines) + "\n"
 
 
+VALUE_MACROS = [
+    "/* V(register, form, register and bit of its validity, index, subindex, type, bytes, group, key, scale) */",
+    "#define V(at, form, validity, bit, index, subindex, type, size, group, key, scale) \\",
+    "    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, group, \\",
+    "     key, scale}",
+    *(f"#define WORDS_{form}(size) {words}" for form, words in WORDS.items()),
+    f"#define WORDS_{TEXT}(size) (((size) + 1) / 2)",
+]
+
+
+def value_cells(register: Register, key: int) -> str:
+    entry = register.entry
+    return (f"V({register.at}, {register.form}, {register.validity}, {register.bit}, 0x{entry.index:04X}, {entry.subindex}, "
+            f"{entry.type.name}, {entry.size}, {register.group}, {key}, {register.scale or 0!r}),")
+
+
+def filled(cells: Iterable[str]) -> list[str]:
+    """Lines with as many of them as they can take."""
+    lines: list[str] = []
+    for cell in cells:
+        if lines and len(lines[-1]) + 1 + len(cell) <= COLUMNS:
+            lines[-1] += " " + cell
+        else:
+            lines.append("    " + cell)
+    return lines
+
+
 def source(registers: Map) -> str:
     places = {entry.key: place for place, entry in enumerate(registers.keys)}
-    rows = [f"    {{{one.at}U, {one.words}U, GATEWAY_FORM_{one.form}, {one.validity}U, {one.bit}U, "
-            f"{object_cells(one.entry)}, {one.group}U, {places.get(one.entry.key, len(places))}U, "
-            f"{one.scale or 0.0!r}}}," for one in registers.values]
+    rows = filled(value_cells(one, places.get(one.entry.key, len(places))) for one in registers.values)
     selectors = [registers.selector(number) for number in range(registers.groups)]
     parts = [
         f"/* {NOTICE} */",
         '#include "registers.h"',
         "",
         '#include "canopen/dictionary.h"',
+        "",
+        *VALUE_MACROS,
         "",
         "const gateway_value_t gateway_values[GATEWAY_VALUES] = {",
         *rows,
