@@ -1,11 +1,11 @@
 /* Written by tools/objects/generate from tools/objects/keeper.toml: change it there. */
 #include "navcomp/keeper_objects.h"
 
+#include "canopen/table_checks.h"
 #include "navcomp/at_rest.h"
 #include "navcomp/keeper.h"
 #include "navcomp/keeper_values.h"
 
-#include <assert.h>
 #include <stddef.h>
 
 static const tumble_limit_t limits[] = {
@@ -19,128 +19,115 @@ static const tumble_limit_t limits[] = {
     {60.0, 4294967295.0},
 };
 
-/* A member has so many bytes. */
-#define ONE(where, type, member, size) \
-    static_assert(sizeof(((const type *)NULL)->member) == (size), where)
-/* The same, and it lies right behind another one of its size. */
-#define NEXT(where, type, before, member, size) \
-    ONE(where, type, member, size); \
-    static_assert(offsetof(type, member) == (offsetof(type, before) + (size)), where)
-/* The elements of an array, all of them, from its first one on. */
-#define ALL(where, type, array, first, size, count) \
-    ONE(where, type, first, size); \
-    ONE(where, type, array, (size) * (count)); \
-    static_assert(offsetof(type, first) == offsetof(type, array), where)
-
-ALL("2023h:1", tumble_uncertainty_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
-ALL("2024h:1", tumble_uncertainty_t, u0_v, u0_v[0], 8U, 3U);
-ONE("2100h:1", tumble_set_t, sequence, 4U);
-NEXT("2100h:2", tumble_set_t, sequence, restores, 4U);
-ONE("2100h:3", tumble_set_t, origin, 1U);
-NEXT("2100h:4", tumble_set_t, origin, estimator, 1U);
-ONE("2100h:5", tumble_set_t, flags, 2U);
-ONE("2100h:6", tumble_set_t, block_serial, 24U);
-ONE("2100h:7", tumble_set_t, date_utc_s, 8U);
-ONE("2100h:8", tumble_set_t, temperature_c, 8U);
-NEXT("2100h:9", tumble_set_t, temperature_c, gravity_m_s2, 8U);
-ONE("2100h:10", tumble_set_t, samples, 4U);
-ONE("2100h:11", tumble_set_t, schedule_crc, 4U);
-NEXT("2100h:12", tumble_set_t, schedule_crc, stand_crc, 4U);
-NEXT("2100h:13", tumble_set_t, stand_crc, reasons, 4U);
-ALL("2104h:1", tumble_set_t, coefficients.k_v_per_g, coefficients.k_v_per_g[0][0], 8U, 9U);
-ALL("2108h:1", tumble_set_t, coefficients.u0_v, coefficients.u0_v[0], 8U, 3U);
-ALL("210Ch:1", tumble_set_t, uncertainty.k_v_per_g, uncertainty.k_v_per_g[0][0], 8U, 9U);
-ALL("2110h:1", tumble_set_t, uncertainty.u0_v, uncertainty.u0_v[0], 8U, 3U);
-ONE("2114h:1", tumble_set_t, max_abs_fit_g, 8U);
-NEXT("2114h:2", tumble_set_t, max_abs_fit_g, max_abs_check_g, 8U);
-NEXT("2114h:3", tumble_set_t, max_abs_check_g, limit_g, 8U);
-NEXT("2114h:4", tumble_set_t, limit_g, closure_v, 8U);
-ONE("2114h:5", tumble_set_t, fit_positions, 1U);
-NEXT("2114h:6", tumble_set_t, fit_positions, check_positions, 1U);
-ONE("2120h:1", tumble_keeper_state_t, utc_s, 8U);
-ONE("2120h:2", tumble_keeper_state_t, counter, 4U);
-NEXT("2120h:3", tumble_keeper_state_t, counter, age_s, 4U);
-NEXT("2120h:4", tumble_keeper_state_t, age_s, due_in_s, 4U);
-ONE("2120h:5", tumble_keeper_state_t, inhibit_s, 2U);
-NEXT("2120h:6", tumble_keeper_state_t, inhibit_s, objections, 2U);
-ONE("2120h:7", tumble_keeper_state_t, verdict, 1U);
-NEXT("2120h:8", tumble_keeper_state_t, verdict, status, 1U);
-NEXT("2120h:9", tumble_keeper_state_t, status, due, 1U);
-NEXT("2120h:10", tumble_keeper_state_t, due, resumable, 1U);
-ONE("2120h:11", tumble_keeper_state_t, inhibited, 1U);
-NEXT("2120h:12", tumble_keeper_state_t, inhibited, busy, 1U);
-NEXT("2120h:13", tumble_keeper_state_t, busy, has_proposal, 1U);
-NEXT("2120h:14", tumble_keeper_state_t, has_proposal, has_factory, 1U);
-ONE("2122h:1", tumble_keeper_settings_t, gravity_m_s2, 8U);
-ONE("2122h:2", tumble_keeper_settings_t, interval_s, 4U);
-ONE("2122h:3", tumble_keeper_settings_t, pause_s, 4U);
-ONE("2122h:4", tumble_keeper_settings_t, temperature_samples, 2U);
-ONE("2122h:5", tumble_keeper_settings_t, temperature_half_c, 1U);
-ONE("2122h:6", tumble_keeper_settings_t, flags, 1U);
-ONE("2123h:1", tumble_keeper_settings_t, limits.coverage, 4U);
-ONE("2123h:2", tumble_keeper_settings_t, limits.flags, 1U);
-ALL("2124h:1", tumble_keeper_settings_t, limits.uncertainty, limits.uncertainty[0], 4U, 12U);
-ALL("2125h:1", tumble_keeper_settings_t, limits.drift_per_month, limits.drift_per_month[0], 4U, 12U);
-ALL("2126h:1", tumble_keeper_settings_t, limits.drift_per_kelvin, limits.drift_per_kelvin[0], 4U, 12U);
-ONE("2130h:1", tumble_keeper_counters_t, judged, 4U);
-NEXT("2130h:2", tumble_keeper_counters_t, judged, committed, 4U);
-NEXT("2130h:3", tumble_keeper_counters_t, committed, held, 4U);
-NEXT("2130h:4", tumble_keeper_counters_t, held, repeated, 4U);
-NEXT("2130h:5", tumble_keeper_counters_t, repeated, accepted, 4U);
-NEXT("2130h:6", tumble_keeper_counters_t, accepted, discarded, 4U);
-NEXT("2130h:7", tumble_keeper_counters_t, discarded, rolled_back, 4U);
-NEXT("2130h:8", tumble_keeper_counters_t, rolled_back, failures, 4U);
-NEXT("2130h:9", tumble_keeper_counters_t, failures, checkpoints, 4U);
-NEXT("2130h:10", tumble_keeper_counters_t, checkpoints, resumed, 4U);
-NEXT("2130h:11", tumble_keeper_counters_t, resumed, not_resumed, 4U);
-NEXT("2130h:12", tumble_keeper_counters_t, not_resumed, inhibited, 4U);
-NEXT("2130h:13", tumble_keeper_counters_t, inhibited, self_started, 4U);
-NEXT("2130h:14", tumble_keeper_counters_t, self_started, refused, 4U);
-ONE("2131h:1", tumble_keeper_t, store.counters.commits, 4U);
-NEXT("2131h:2", tumble_keeper_t, store.counters.commits, store.counters.verify, 4U);
-NEXT("2131h:3", tumble_keeper_t, store.counters.verify, store.counters.nv_errors, 4U);
-NEXT("2131h:4", tumble_keeper_t, store.counters.nv_errors, store.counters.torn_at_boot, 4U);
-ONE("2131h:5", tumble_keeper_t, history.verify, 4U);
-NEXT("2131h:6", tumble_keeper_t, history.verify, history.nv_errors, 4U);
-NEXT("2131h:7", tumble_keeper_t, history.nv_errors, history.torn, 4U);
-ONE("2131h:8", tumble_keeper_t, checkpoint.verify, 4U);
-NEXT("2131h:9", tumble_keeper_t, checkpoint.verify, checkpoint.nv_errors, 4U);
-NEXT("2131h:10", tumble_keeper_t, checkpoint.nv_errors, checkpoint.torn, 4U);
-ALL("2140h:1", tumble_stand_view_t, number, number[0], 8U, 10U);
-ONE("2150h:1", tumble_position_view_t, index, 1U);
-ONE("2150h:2", tumble_position_view_t, samples, 4U);
-ONE("2150h:3", tumble_position_view_t, mean_v[0], 8U);
-NEXT("2150h:4", tumble_position_view_t, mean_v[0], mean_v[1], 8U);
-NEXT("2150h:5", tumble_position_view_t, mean_v[1], mean_v[2], 8U);
-NEXT("2150h:6", tumble_position_view_t, mean_v[2], standard_error_v[0], 8U);
-NEXT("2150h:7", tumble_position_view_t, standard_error_v[0], standard_error_v[1], 8U);
-NEXT("2150h:8", tumble_position_view_t, standard_error_v[1], standard_error_v[2], 8U);
-ONE("2151h:1", tumble_position_view_t, count, 1U);
-NEXT("2151h:2", tumble_position_view_t, count, mounting, 1U);
-NEXT("2151h:3", tumble_position_view_t, mounting, number, 1U);
-NEXT("2151h:4", tumble_position_view_t, number, use, 1U);
-ONE("2151h:5", tumble_position_view_t, angle_deg, 8U);
-ONE("2152h:1", tumble_at_rest_view_t, wanted, 2U);
-ONE("2152h:2", tumble_at_rest_view_t, taken, 2U);
-ONE("2152h:3", tumble_at_rest_view_t, mean_v[0], 8U);
-NEXT("2152h:4", tumble_at_rest_view_t, mean_v[0], mean_v[1], 8U);
-NEXT("2152h:5", tumble_at_rest_view_t, mean_v[1], mean_v[2], 8U);
-NEXT("2152h:6", tumble_at_rest_view_t, mean_v[2], deviation_v[0], 8U);
-NEXT("2152h:7", tumble_at_rest_view_t, deviation_v[0], deviation_v[1], 8U);
-NEXT("2152h:8", tumble_at_rest_view_t, deviation_v[1], deviation_v[2], 8U);
-ONE("2152h:9", tumble_at_rest_view_t, spoilt, 2U);
-ONE("2160h:3", tumble_history_entry_t, sequence, 4U);
-ONE("2160h:4", tumble_history_entry_t, date_utc_s, 8U);
-ONE("2160h:5", tumble_history_entry_t, temperature_c, 4U);
-ONE("2160h:6", tumble_history_entry_t, origin, 1U);
-NEXT("2160h:7", tumble_history_entry_t, origin, estimator, 1U);
-ALL("2161h:1", tumble_history_entry_t, value, value[0], 4U, 12U);
-ALL("2162h:1", tumble_history_entry_t, u, u[0], 4U, 12U);
-ALL("2163h:1", tumble_trend_view_t, per_month, per_month[0], 8U, 12U);
-ALL("2164h:1", tumble_trend_view_t, u_per_month, u_per_month[0], 8U, 12U);
-ONE("2170h:1", tumble_parameters_view_t, sequence, 4U);
-NEXT("2170h:2", tumble_parameters_view_t, sequence, refused, 4U);
-NEXT("2170h:3", tumble_parameters_view_t, refused, applied, 4U);
+TUMBLE_IS_ARRAY("2023h:1", tumble_uncertainty_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
+TUMBLE_IS_ARRAY("2024h:1", tumble_uncertainty_t, u0_v, u0_v[0], 8U, 3U);
+TUMBLE_HAS_SIZE("2100h:1", tumble_set_t, sequence, 4U);
+TUMBLE_FOLLOWS("2100h:2", tumble_set_t, sequence, restores, 4U);
+TUMBLE_HAS_SIZE("2100h:3", tumble_set_t, origin, 1U);
+TUMBLE_FOLLOWS("2100h:4", tumble_set_t, origin, estimator, 1U);
+TUMBLE_HAS_SIZE("2100h:5", tumble_set_t, flags, 2U);
+TUMBLE_HAS_SIZE("2100h:6", tumble_set_t, block_serial, 24U);
+TUMBLE_HAS_SIZE("2100h:7", tumble_set_t, date_utc_s, 8U);
+TUMBLE_HAS_SIZE("2100h:8", tumble_set_t, temperature_c, 8U);
+TUMBLE_FOLLOWS("2100h:9", tumble_set_t, temperature_c, gravity_m_s2, 8U);
+TUMBLE_HAS_SIZE("2100h:10", tumble_set_t, samples, 4U);
+TUMBLE_HAS_SIZE("2100h:11", tumble_set_t, schedule_crc, 4U);
+TUMBLE_FOLLOWS("2100h:12", tumble_set_t, schedule_crc, stand_crc, 4U);
+TUMBLE_FOLLOWS("2100h:13", tumble_set_t, stand_crc, reasons, 4U);
+TUMBLE_IS_ARRAY("2104h:1", tumble_set_t, coefficients.k_v_per_g, coefficients.k_v_per_g[0][0], 8U, 9U);
+TUMBLE_IS_ARRAY("2108h:1", tumble_set_t, coefficients.u0_v, coefficients.u0_v[0], 8U, 3U);
+TUMBLE_IS_ARRAY("210Ch:1", tumble_set_t, uncertainty.k_v_per_g, uncertainty.k_v_per_g[0][0], 8U, 9U);
+TUMBLE_IS_ARRAY("2110h:1", tumble_set_t, uncertainty.u0_v, uncertainty.u0_v[0], 8U, 3U);
+TUMBLE_HAS_SIZE("2114h:1", tumble_set_t, max_abs_fit_g, 8U);
+TUMBLE_FOLLOWS("2114h:2", tumble_set_t, max_abs_fit_g, max_abs_check_g, 8U);
+TUMBLE_FOLLOWS("2114h:3", tumble_set_t, max_abs_check_g, limit_g, 8U);
+TUMBLE_FOLLOWS("2114h:4", tumble_set_t, limit_g, closure_v, 8U);
+TUMBLE_HAS_SIZE("2114h:5", tumble_set_t, fit_positions, 1U);
+TUMBLE_FOLLOWS("2114h:6", tumble_set_t, fit_positions, check_positions, 1U);
+TUMBLE_HAS_SIZE("2120h:1", tumble_keeper_state_t, utc_s, 8U);
+TUMBLE_HAS_SIZE("2120h:2", tumble_keeper_state_t, counter, 4U);
+TUMBLE_FOLLOWS("2120h:3", tumble_keeper_state_t, counter, age_s, 4U);
+TUMBLE_FOLLOWS("2120h:4", tumble_keeper_state_t, age_s, due_in_s, 4U);
+TUMBLE_HAS_SIZE("2120h:5", tumble_keeper_state_t, inhibit_s, 2U);
+TUMBLE_FOLLOWS("2120h:6", tumble_keeper_state_t, inhibit_s, objections, 2U);
+TUMBLE_HAS_SIZE("2120h:7", tumble_keeper_state_t, verdict, 1U);
+TUMBLE_FOLLOWS("2120h:8", tumble_keeper_state_t, verdict, status, 1U);
+TUMBLE_FOLLOWS("2120h:9", tumble_keeper_state_t, status, due, 1U);
+TUMBLE_FOLLOWS("2120h:10", tumble_keeper_state_t, due, resumable, 1U);
+TUMBLE_HAS_SIZE("2120h:11", tumble_keeper_state_t, inhibited, 1U);
+TUMBLE_FOLLOWS("2120h:12", tumble_keeper_state_t, inhibited, busy, 1U);
+TUMBLE_FOLLOWS("2120h:13", tumble_keeper_state_t, busy, has_proposal, 1U);
+TUMBLE_FOLLOWS("2120h:14", tumble_keeper_state_t, has_proposal, has_factory, 1U);
+TUMBLE_HAS_SIZE("2122h:1", tumble_keeper_settings_t, gravity_m_s2, 8U);
+TUMBLE_HAS_SIZE("2122h:2", tumble_keeper_settings_t, interval_s, 4U);
+TUMBLE_HAS_SIZE("2122h:3", tumble_keeper_settings_t, pause_s, 4U);
+TUMBLE_HAS_SIZE("2122h:4", tumble_keeper_settings_t, temperature_samples, 2U);
+TUMBLE_HAS_SIZE("2122h:5", tumble_keeper_settings_t, temperature_half_c, 1U);
+TUMBLE_HAS_SIZE("2122h:6", tumble_keeper_settings_t, flags, 1U);
+TUMBLE_HAS_SIZE("2123h:1", tumble_keeper_settings_t, limits.coverage, 4U);
+TUMBLE_HAS_SIZE("2123h:2", tumble_keeper_settings_t, limits.flags, 1U);
+TUMBLE_IS_ARRAY("2124h:1", tumble_keeper_settings_t, limits.uncertainty, limits.uncertainty[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2125h:1", tumble_keeper_settings_t, limits.drift_per_month, limits.drift_per_month[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2126h:1", tumble_keeper_settings_t, limits.drift_per_kelvin, limits.drift_per_kelvin[0], 4U, 12U);
+TUMBLE_HAS_SIZE("2130h:1", tumble_keeper_counters_t, judged, 4U);
+TUMBLE_FOLLOWS("2130h:2", tumble_keeper_counters_t, judged, committed, 4U);
+TUMBLE_FOLLOWS("2130h:3", tumble_keeper_counters_t, committed, held, 4U);
+TUMBLE_FOLLOWS("2130h:4", tumble_keeper_counters_t, held, repeated, 4U);
+TUMBLE_FOLLOWS("2130h:5", tumble_keeper_counters_t, repeated, accepted, 4U);
+TUMBLE_FOLLOWS("2130h:6", tumble_keeper_counters_t, accepted, discarded, 4U);
+TUMBLE_FOLLOWS("2130h:7", tumble_keeper_counters_t, discarded, rolled_back, 4U);
+TUMBLE_FOLLOWS("2130h:8", tumble_keeper_counters_t, rolled_back, failures, 4U);
+TUMBLE_FOLLOWS("2130h:9", tumble_keeper_counters_t, failures, checkpoints, 4U);
+TUMBLE_FOLLOWS("2130h:10", tumble_keeper_counters_t, checkpoints, resumed, 4U);
+TUMBLE_FOLLOWS("2130h:11", tumble_keeper_counters_t, resumed, not_resumed, 4U);
+TUMBLE_FOLLOWS("2130h:12", tumble_keeper_counters_t, not_resumed, inhibited, 4U);
+TUMBLE_FOLLOWS("2130h:13", tumble_keeper_counters_t, inhibited, self_started, 4U);
+TUMBLE_FOLLOWS("2130h:14", tumble_keeper_counters_t, self_started, refused, 4U);
+TUMBLE_HAS_SIZE("2131h:1", tumble_keeper_t, store.counters.commits, 4U);
+TUMBLE_FOLLOWS("2131h:2", tumble_keeper_t, store.counters.commits, store.counters.verify, 4U);
+TUMBLE_FOLLOWS("2131h:3", tumble_keeper_t, store.counters.verify, store.counters.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:4", tumble_keeper_t, store.counters.nv_errors, store.counters.torn_at_boot, 4U);
+TUMBLE_HAS_SIZE("2131h:5", tumble_keeper_t, history.verify, 4U);
+TUMBLE_FOLLOWS("2131h:6", tumble_keeper_t, history.verify, history.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:7", tumble_keeper_t, history.nv_errors, history.torn, 4U);
+TUMBLE_HAS_SIZE("2131h:8", tumble_keeper_t, checkpoint.verify, 4U);
+TUMBLE_FOLLOWS("2131h:9", tumble_keeper_t, checkpoint.verify, checkpoint.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:10", tumble_keeper_t, checkpoint.nv_errors, checkpoint.torn, 4U);
+TUMBLE_IS_ARRAY("2140h:1", tumble_stand_view_t, number, number[0], 8U, 10U);
+TUMBLE_HAS_SIZE("2150h:1", tumble_position_view_t, index, 1U);
+TUMBLE_HAS_SIZE("2150h:2", tumble_position_view_t, samples, 4U);
+TUMBLE_HAS_SIZE("2150h:3", tumble_position_view_t, mean_v[0], 8U);
+TUMBLE_FOLLOWS("2150h:4", tumble_position_view_t, mean_v[0], mean_v[1], 8U);
+TUMBLE_FOLLOWS("2150h:5", tumble_position_view_t, mean_v[1], mean_v[2], 8U);
+TUMBLE_FOLLOWS("2150h:6", tumble_position_view_t, mean_v[2], standard_error_v[0], 8U);
+TUMBLE_FOLLOWS("2150h:7", tumble_position_view_t, standard_error_v[0], standard_error_v[1], 8U);
+TUMBLE_FOLLOWS("2150h:8", tumble_position_view_t, standard_error_v[1], standard_error_v[2], 8U);
+TUMBLE_HAS_SIZE("2151h:1", tumble_position_view_t, count, 1U);
+TUMBLE_FOLLOWS("2151h:2", tumble_position_view_t, count, mounting, 1U);
+TUMBLE_FOLLOWS("2151h:3", tumble_position_view_t, mounting, number, 1U);
+TUMBLE_FOLLOWS("2151h:4", tumble_position_view_t, number, use, 1U);
+TUMBLE_HAS_SIZE("2151h:5", tumble_position_view_t, angle_deg, 8U);
+TUMBLE_HAS_SIZE("2152h:1", tumble_at_rest_view_t, wanted, 2U);
+TUMBLE_HAS_SIZE("2152h:2", tumble_at_rest_view_t, taken, 2U);
+TUMBLE_HAS_SIZE("2152h:3", tumble_at_rest_view_t, mean_v[0], 8U);
+TUMBLE_FOLLOWS("2152h:4", tumble_at_rest_view_t, mean_v[0], mean_v[1], 8U);
+TUMBLE_FOLLOWS("2152h:5", tumble_at_rest_view_t, mean_v[1], mean_v[2], 8U);
+TUMBLE_FOLLOWS("2152h:6", tumble_at_rest_view_t, mean_v[2], deviation_v[0], 8U);
+TUMBLE_FOLLOWS("2152h:7", tumble_at_rest_view_t, deviation_v[0], deviation_v[1], 8U);
+TUMBLE_FOLLOWS("2152h:8", tumble_at_rest_view_t, deviation_v[1], deviation_v[2], 8U);
+TUMBLE_HAS_SIZE("2152h:9", tumble_at_rest_view_t, spoilt, 2U);
+TUMBLE_HAS_SIZE("2160h:3", tumble_history_entry_t, sequence, 4U);
+TUMBLE_HAS_SIZE("2160h:4", tumble_history_entry_t, date_utc_s, 8U);
+TUMBLE_HAS_SIZE("2160h:5", tumble_history_entry_t, temperature_c, 4U);
+TUMBLE_HAS_SIZE("2160h:6", tumble_history_entry_t, origin, 1U);
+TUMBLE_FOLLOWS("2160h:7", tumble_history_entry_t, origin, estimator, 1U);
+TUMBLE_IS_ARRAY("2161h:1", tumble_history_entry_t, value, value[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2162h:1", tumble_history_entry_t, u, u[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2163h:1", tumble_trend_view_t, per_month, per_month[0], 8U, 12U);
+TUMBLE_IS_ARRAY("2164h:1", tumble_trend_view_t, u_per_month, u_per_month[0], 8U, 12U);
+TUMBLE_HAS_SIZE("2170h:1", tumble_parameters_view_t, sequence, 4U);
+TUMBLE_FOLLOWS("2170h:2", tumble_parameters_view_t, sequence, refused, 4U);
+TUMBLE_FOLLOWS("2170h:3", tumble_parameters_view_t, refused, applied, 4U);
 
 static const tumble_entry_t entries[] = {
     /* Store parameters */

@@ -2,6 +2,7 @@
 #include "navcomp/objects.h"
 
 #include "canopen/cia402.h"
+#include "canopen/table_checks.h"
 #include "navcomp/navcomp.h"
 
 #include <assert.h>
@@ -36,93 +37,80 @@ static const tumble_limit_t limits[] = {
     {1.0, 1048576.0},
 };
 
-/* A member has so many bytes. */
-#define ONE(where, type, member, size) \
-    static_assert(sizeof(((const type *)NULL)->member) == (size), where)
-/* The same, and it lies right behind another one of its size. */
-#define NEXT(where, type, before, member, size) \
-    ONE(where, type, member, size); \
-    static_assert(offsetof(type, member) == (offsetof(type, before) + (size)), where)
-/* The elements of an array, all of them, from its first one on. */
-#define ALL(where, type, array, first, size, count) \
-    ONE(where, type, first, size); \
-    ONE(where, type, array, (size) * (count)); \
-    static_assert(offsetof(type, first) == offsetof(type, array), where)
-
-ONE("2003h:1", tumble_navcomp_progress_t, run.index, 1U);
-NEXT("2003h:2", tumble_navcomp_progress_t, run.index, run.count, 1U);
-NEXT("2003h:3", tumble_navcomp_progress_t, run.count, run.finished, 1U);
-NEXT("2003h:4", tumble_navcomp_progress_t, run.finished, run.mounting, 1U);
-NEXT("2003h:5", tumble_navcomp_progress_t, run.mounting, run.position, 1U);
-NEXT("2003h:6", tumble_navcomp_progress_t, run.position, run.attempt, 1U);
-ONE("2003h:7", tumble_navcomp_progress_t, run.samples, 4U);
-NEXT("2003h:8", tumble_navcomp_progress_t, run.samples, run.samples_wanted, 4U);
-ONE("2003h:9", tumble_navcomp_progress_t, run.target_deg, 8U);
-ONE("2003h:10", tumble_navcomp_progress_t, angle_deg, 8U);
-ONE("2003h:11", tumble_navcomp_progress_t, temperature_half_c, 1U);
-ONE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
-ALL("2010h:1", tumble_navcomp_progress_t, mean_v, mean_v[0], 8U, 3U);
-ALL("2011h:1", tumble_navcomp_progress_t, standard_error_v, standard_error_v[0], 8U, 3U);
-ALL("2020h:1", tumble_coefficients_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
-ALL("2021h:1", tumble_coefficients_t, u0_v, u0_v[0], 8U, 3U);
-ONE("2022h:1", tumble_gravity_check_t, max_abs_fit_g, 8U);
-NEXT("2022h:2", tumble_gravity_check_t, max_abs_fit_g, max_abs_check_g, 8U);
-ONE("2022h:3", tumble_procedure_config_t, gravity_limit_g, 8U);
-ONE("2022h:4", tumble_gravity_check_t, fit_positions, 1U);
-NEXT("2022h:5", tumble_gravity_check_t, fit_positions, check_positions, 1U);
-ONE("2022h:6", tumble_gravity_check_t, pass, 1U);
-ONE("2030h:1", tumble_navcomp_counters_t, link.sent, 4U);
-NEXT("2030h:2", tumble_navcomp_counters_t, link.sent, link.received, 4U);
-NEXT("2030h:3", tumble_navcomp_counters_t, link.received, link.busy, 4U);
-NEXT("2030h:4", tumble_navcomp_counters_t, link.busy, link.down, 4U);
-NEXT("2030h:5", tumble_navcomp_counters_t, link.down, link.invalid, 4U);
-ONE("2031h:1", tumble_navcomp_counters_t, events.frames_ignored, 4U);
-NEXT("2031h:2", tumble_navcomp_counters_t, events.frames_ignored, events.source_corrupted, 4U);
-NEXT("2031h:3", tumble_navcomp_counters_t, events.source_corrupted, events.source_faults, 4U);
-NEXT("2031h:4", tumble_navcomp_counters_t, events.source_faults, events.commands_refused, 4U);
-NEXT("2031h:5", tumble_navcomp_counters_t, events.commands_refused, events.heartbeats_lost, 4U);
-NEXT("2031h:6", tumble_navcomp_counters_t, events.heartbeats_lost, events.boot_ups, 4U);
-NEXT("2031h:7", tumble_navcomp_counters_t, events.boot_ups, events.starts, 4U);
-NEXT("2031h:8", tumble_navcomp_counters_t, events.starts, events.emergencies, 4U);
-ONE("2032h:1", tumble_navcomp_counters_t, block.samples, 4U);
-NEXT("2032h:2", tumble_navcomp_counters_t, block.samples, block.lost, 4U);
-NEXT("2032h:3", tumble_navcomp_counters_t, block.lost, block.repeated, 4U);
-NEXT("2032h:4", tumble_navcomp_counters_t, block.repeated, block.reordered, 4U);
-NEXT("2032h:5", tumble_navcomp_counters_t, block.reordered, block.wrong_length, 4U);
-NEXT("2032h:6", tumble_navcomp_counters_t, block.wrong_length, block.wrong_crc, 4U);
-NEXT("2032h:7", tumble_navcomp_counters_t, block.wrong_crc, block.wrong_pair, 4U);
-NEXT("2032h:8", tumble_navcomp_counters_t, block.wrong_pair, block.lone_halves, 4U);
-ONE("2033h:1", tumble_navcomp_counters_t, averaging.saturated, 4U);
-NEXT("2033h:2", tumble_navcomp_counters_t, averaging.saturated, averaging.deviating, 4U);
-NEXT("2033h:3", tumble_navcomp_counters_t, averaging.deviating, averaging.repeated, 4U);
-NEXT("2033h:4", tumble_navcomp_counters_t, averaging.repeated, averaging.reordered, 4U);
-NEXT("2033h:5", tumble_navcomp_counters_t, averaging.reordered, averaging.lost, 4U);
-ONE("2034h:1", tumble_navcomp_counters_t, procedure.samples, 4U);
-NEXT("2034h:2", tumble_navcomp_counters_t, procedure.samples, procedure.corrupted, 4U);
-NEXT("2034h:3", tumble_navcomp_counters_t, procedure.corrupted, procedure.lost, 4U);
-NEXT("2034h:4", tumble_navcomp_counters_t, procedure.lost, procedure.averaged, 4U);
-NEXT("2034h:5", tumble_navcomp_counters_t, procedure.averaged, procedure.positions, 4U);
-NEXT("2034h:6", tumble_navcomp_counters_t, procedure.positions, procedure.refused, 4U);
-NEXT("2034h:7", tumble_navcomp_counters_t, procedure.refused, procedure.retries, 4U);
-NEXT("2034h:8", tumble_navcomp_counters_t, procedure.retries, procedure.timeouts, 4U);
-NEXT("2034h:9", tumble_navcomp_counters_t, procedure.timeouts, procedure.moves, 4U);
-NEXT("2034h:10", tumble_navcomp_counters_t, procedure.moves, procedure.unwinds, 4U);
-NEXT("2034h:11", tumble_navcomp_counters_t, procedure.unwinds, procedure.homings, 4U);
-NEXT("2034h:12", tumble_navcomp_counters_t, procedure.homings, procedure.faults, 4U);
-NEXT("2034h:13", tumble_navcomp_counters_t, procedure.faults, procedure.resumes, 4U);
-NEXT("2034h:14", tumble_navcomp_counters_t, procedure.resumes, procedure.commands_refused, 4U);
-ONE("2040h:1", tumble_drive_mirror_t, controlword, 2U);
-ONE("2040h:2", tumble_drive_mirror_t, target_position, 4U);
-ONE("2040h:3", tumble_drive_mirror_t, mode, 1U);
-ONE("2040h:4", tumble_drive_mirror_t, statusword, 2U);
-ONE("2040h:5", tumble_drive_mirror_t, actual_position, 4U);
-ONE("2040h:6", tumble_drive_mirror_t, mode_display, 1U);
-ONE("2040h:7", tumble_drive_mirror_t, actual_velocity, 4U);
-ONE("2040h:8", tumble_drive_mirror_t, error_code, 2U);
-ONE("2050h:1", tumble_procedure_config_t, samples, 4U);
-ONE("2050h:3", tumble_procedure_config_t, settle_ms, 2U);
-ONE("2050h:4", tumble_procedure_config_t, retries, 1U);
-ONE("2050h:5", tumble_procedure_config_t, gravity_limit_g, 8U);
+TUMBLE_HAS_SIZE("2003h:1", tumble_navcomp_progress_t, run.index, 1U);
+TUMBLE_FOLLOWS("2003h:2", tumble_navcomp_progress_t, run.index, run.count, 1U);
+TUMBLE_FOLLOWS("2003h:3", tumble_navcomp_progress_t, run.count, run.finished, 1U);
+TUMBLE_FOLLOWS("2003h:4", tumble_navcomp_progress_t, run.finished, run.mounting, 1U);
+TUMBLE_FOLLOWS("2003h:5", tumble_navcomp_progress_t, run.mounting, run.position, 1U);
+TUMBLE_FOLLOWS("2003h:6", tumble_navcomp_progress_t, run.position, run.attempt, 1U);
+TUMBLE_HAS_SIZE("2003h:7", tumble_navcomp_progress_t, run.samples, 4U);
+TUMBLE_FOLLOWS("2003h:8", tumble_navcomp_progress_t, run.samples, run.samples_wanted, 4U);
+TUMBLE_HAS_SIZE("2003h:9", tumble_navcomp_progress_t, run.target_deg, 8U);
+TUMBLE_HAS_SIZE("2003h:10", tumble_navcomp_progress_t, angle_deg, 8U);
+TUMBLE_HAS_SIZE("2003h:11", tumble_navcomp_progress_t, temperature_half_c, 1U);
+TUMBLE_HAS_SIZE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
+TUMBLE_IS_ARRAY("2010h:1", tumble_navcomp_progress_t, mean_v, mean_v[0], 8U, 3U);
+TUMBLE_IS_ARRAY("2011h:1", tumble_navcomp_progress_t, standard_error_v, standard_error_v[0], 8U, 3U);
+TUMBLE_IS_ARRAY("2020h:1", tumble_coefficients_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
+TUMBLE_IS_ARRAY("2021h:1", tumble_coefficients_t, u0_v, u0_v[0], 8U, 3U);
+TUMBLE_HAS_SIZE("2022h:1", tumble_gravity_check_t, max_abs_fit_g, 8U);
+TUMBLE_FOLLOWS("2022h:2", tumble_gravity_check_t, max_abs_fit_g, max_abs_check_g, 8U);
+TUMBLE_HAS_SIZE("2022h:3", tumble_procedure_config_t, gravity_limit_g, 8U);
+TUMBLE_HAS_SIZE("2022h:4", tumble_gravity_check_t, fit_positions, 1U);
+TUMBLE_FOLLOWS("2022h:5", tumble_gravity_check_t, fit_positions, check_positions, 1U);
+TUMBLE_HAS_SIZE("2022h:6", tumble_gravity_check_t, pass, 1U);
+TUMBLE_HAS_SIZE("2030h:1", tumble_navcomp_counters_t, link.sent, 4U);
+TUMBLE_FOLLOWS("2030h:2", tumble_navcomp_counters_t, link.sent, link.received, 4U);
+TUMBLE_FOLLOWS("2030h:3", tumble_navcomp_counters_t, link.received, link.busy, 4U);
+TUMBLE_FOLLOWS("2030h:4", tumble_navcomp_counters_t, link.busy, link.down, 4U);
+TUMBLE_FOLLOWS("2030h:5", tumble_navcomp_counters_t, link.down, link.invalid, 4U);
+TUMBLE_HAS_SIZE("2031h:1", tumble_navcomp_counters_t, events.frames_ignored, 4U);
+TUMBLE_FOLLOWS("2031h:2", tumble_navcomp_counters_t, events.frames_ignored, events.source_corrupted, 4U);
+TUMBLE_FOLLOWS("2031h:3", tumble_navcomp_counters_t, events.source_corrupted, events.source_faults, 4U);
+TUMBLE_FOLLOWS("2031h:4", tumble_navcomp_counters_t, events.source_faults, events.commands_refused, 4U);
+TUMBLE_FOLLOWS("2031h:5", tumble_navcomp_counters_t, events.commands_refused, events.heartbeats_lost, 4U);
+TUMBLE_FOLLOWS("2031h:6", tumble_navcomp_counters_t, events.heartbeats_lost, events.boot_ups, 4U);
+TUMBLE_FOLLOWS("2031h:7", tumble_navcomp_counters_t, events.boot_ups, events.starts, 4U);
+TUMBLE_FOLLOWS("2031h:8", tumble_navcomp_counters_t, events.starts, events.emergencies, 4U);
+TUMBLE_HAS_SIZE("2032h:1", tumble_navcomp_counters_t, block.samples, 4U);
+TUMBLE_FOLLOWS("2032h:2", tumble_navcomp_counters_t, block.samples, block.lost, 4U);
+TUMBLE_FOLLOWS("2032h:3", tumble_navcomp_counters_t, block.lost, block.repeated, 4U);
+TUMBLE_FOLLOWS("2032h:4", tumble_navcomp_counters_t, block.repeated, block.reordered, 4U);
+TUMBLE_FOLLOWS("2032h:5", tumble_navcomp_counters_t, block.reordered, block.wrong_length, 4U);
+TUMBLE_FOLLOWS("2032h:6", tumble_navcomp_counters_t, block.wrong_length, block.wrong_crc, 4U);
+TUMBLE_FOLLOWS("2032h:7", tumble_navcomp_counters_t, block.wrong_crc, block.wrong_pair, 4U);
+TUMBLE_FOLLOWS("2032h:8", tumble_navcomp_counters_t, block.wrong_pair, block.lone_halves, 4U);
+TUMBLE_HAS_SIZE("2033h:1", tumble_navcomp_counters_t, averaging.saturated, 4U);
+TUMBLE_FOLLOWS("2033h:2", tumble_navcomp_counters_t, averaging.saturated, averaging.deviating, 4U);
+TUMBLE_FOLLOWS("2033h:3", tumble_navcomp_counters_t, averaging.deviating, averaging.repeated, 4U);
+TUMBLE_FOLLOWS("2033h:4", tumble_navcomp_counters_t, averaging.repeated, averaging.reordered, 4U);
+TUMBLE_FOLLOWS("2033h:5", tumble_navcomp_counters_t, averaging.reordered, averaging.lost, 4U);
+TUMBLE_HAS_SIZE("2034h:1", tumble_navcomp_counters_t, procedure.samples, 4U);
+TUMBLE_FOLLOWS("2034h:2", tumble_navcomp_counters_t, procedure.samples, procedure.corrupted, 4U);
+TUMBLE_FOLLOWS("2034h:3", tumble_navcomp_counters_t, procedure.corrupted, procedure.lost, 4U);
+TUMBLE_FOLLOWS("2034h:4", tumble_navcomp_counters_t, procedure.lost, procedure.averaged, 4U);
+TUMBLE_FOLLOWS("2034h:5", tumble_navcomp_counters_t, procedure.averaged, procedure.positions, 4U);
+TUMBLE_FOLLOWS("2034h:6", tumble_navcomp_counters_t, procedure.positions, procedure.refused, 4U);
+TUMBLE_FOLLOWS("2034h:7", tumble_navcomp_counters_t, procedure.refused, procedure.retries, 4U);
+TUMBLE_FOLLOWS("2034h:8", tumble_navcomp_counters_t, procedure.retries, procedure.timeouts, 4U);
+TUMBLE_FOLLOWS("2034h:9", tumble_navcomp_counters_t, procedure.timeouts, procedure.moves, 4U);
+TUMBLE_FOLLOWS("2034h:10", tumble_navcomp_counters_t, procedure.moves, procedure.unwinds, 4U);
+TUMBLE_FOLLOWS("2034h:11", tumble_navcomp_counters_t, procedure.unwinds, procedure.homings, 4U);
+TUMBLE_FOLLOWS("2034h:12", tumble_navcomp_counters_t, procedure.homings, procedure.faults, 4U);
+TUMBLE_FOLLOWS("2034h:13", tumble_navcomp_counters_t, procedure.faults, procedure.resumes, 4U);
+TUMBLE_FOLLOWS("2034h:14", tumble_navcomp_counters_t, procedure.resumes, procedure.commands_refused, 4U);
+TUMBLE_HAS_SIZE("2040h:1", tumble_drive_mirror_t, controlword, 2U);
+TUMBLE_HAS_SIZE("2040h:2", tumble_drive_mirror_t, target_position, 4U);
+TUMBLE_HAS_SIZE("2040h:3", tumble_drive_mirror_t, mode, 1U);
+TUMBLE_HAS_SIZE("2040h:4", tumble_drive_mirror_t, statusword, 2U);
+TUMBLE_HAS_SIZE("2040h:5", tumble_drive_mirror_t, actual_position, 4U);
+TUMBLE_HAS_SIZE("2040h:6", tumble_drive_mirror_t, mode_display, 1U);
+TUMBLE_HAS_SIZE("2040h:7", tumble_drive_mirror_t, actual_velocity, 4U);
+TUMBLE_HAS_SIZE("2040h:8", tumble_drive_mirror_t, error_code, 2U);
+TUMBLE_HAS_SIZE("2050h:1", tumble_procedure_config_t, samples, 4U);
+TUMBLE_HAS_SIZE("2050h:3", tumble_procedure_config_t, settle_ms, 2U);
+TUMBLE_HAS_SIZE("2050h:4", tumble_procedure_config_t, retries, 1U);
+TUMBLE_HAS_SIZE("2050h:5", tumble_procedure_config_t, gravity_limit_g, 8U);
 
 static const tumble_entry_t entries[] = {
     /* Dummy UNSIGNED8 */

@@ -160,4 +160,14 @@ static inline void resume_to_end(void)
     settle_memory();
 }
 
+/* After a loss of power so many positions are there, the others are measured, and the result is committed. */
+static inline void assert_goes_on(uint8_t kept)
+{
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL_UINT8(kept, state_of_keeper().resumable);
+    resume_to_end();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    TEST_ASSERT_EQUAL_UINT32(POSITIONS - kept, bench_counters(&bench).procedure.positions);
+}
+
 #endif

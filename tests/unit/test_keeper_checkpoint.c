@@ -48,11 +48,7 @@ static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, tumble_keeper_counters(&keeper)->failures);
     TEST_ASSERT_EQUAL_UINT32(6, tumble_keeper_counters(&keeper)->checkpoints);
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
+    assert_goes_on(6);
 }
 
 /* The same for one that was begun, and then could not even be read. */

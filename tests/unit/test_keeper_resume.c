@@ -52,11 +52,7 @@ static void test_cut_twice(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     run_to_average(13);
     settle_memory();
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(13, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(5, bench_counters(&bench).procedure.positions);
+    assert_goes_on(13);
 }
 
 /* Power fails when all is measured and nothing is stored: the result comes without the table. */
@@ -232,10 +228,7 @@ static void test_block_stand_schedule_and_configuration_must_be_the_same(void)
     assert_not_resumable("averaging");
     bench.averaging.max_lost--;
 
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    assert_goes_on(6);
 }
 
 /* A configuration that is written over CAN between power-on and the command counts, too. */
@@ -291,11 +284,7 @@ static void test_a_damaged_entry_is_measured_again(void)
 {
     start_and_cut(6);
     memory.bytes[CHECKPOINT_AT + (3U * TUMBLE_CHECKPOINT_BYTES) + 20U] ^= 0x10U;
-    keeper_power_cycle();
-    TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
-    resume_to_end();
-    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(13, bench_counters(&bench).procedure.positions);
+    assert_goes_on(5);
 }
 
 /* An NMT reset of the application is as a loss of power. */

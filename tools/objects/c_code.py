@@ -13,21 +13,6 @@ NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
 LIMIT_OF_U16 = 0xFFFF
 COLUMNS = 120
-# The entries must agree with the structs that they point into, which others write.
-CHECKS = {
-    "ONE": ["/* A member has so many bytes. */",
-            "#define ONE(where, type, member, size) \\",
-            "    static_assert(sizeof(((const type *)NULL)->member) == (size), where)"],
-    "NEXT": ["/* The same, and it lies right behind another one of its size. */",
-             "#define NEXT(where, type, before, member, size) \\",
-             "    ONE(where, type, member, size); \\",
-             "    static_assert(offsetof(type, member) == (offsetof(type, before) + (size)), where)"],
-    "ALL": ["/* The elements of an array, all of them, from its first one on. */",
-            "#define ALL(where, type, array, first, size, count) \\",
-            "    ONE(where, type, first, size); \\",
-            "    ONE(where, type, array, (size) * (count)); \\",
-            "    static_assert(offsetof(type, first) == offsetof(type, array), where)"],
-}
 
 
 def parts(node: Node) -> list[Node]:
@@ -170,11 +155,11 @@ class Source:
     def text(self) -> str:
         settings = self.node.settings
         includes = [f'#include "{settings["include"]}"', ""]
-        includes += [f'#include "{name}"' for name in settings.get("includes", [])]
-        includes += [""] if settings.get("includes") else []
+        others = sorted([*settings.get("includes", []), *(["canopen/table_checks.h"] if self.layout_checks() else [])])
+        includes += [*(f'#include "{name}"' for name in others), *([""] if others else [])]
         notice = f"/* {NOTICE.format(file=table_of(self.node))} */"
         parts = [
-            [notice, *includes, "#include <assert.h>", "#include <stddef.h>"],
+            [notice, *includes, *([] if self.node.extension else ["#include <assert.h>"]), "#include <stddef.h>"],
             self.initial_values(),
             self.constant_values(),
             self.limit_table(),
@@ -214,11 +199,9 @@ class Source:
         return ["static const tumble_limit_t limits[] = {", *rows, "};"]
 
     def layout_checks(self) -> list[str]:
+        """The entries must agree with the structs that they point into, which others write."""
         apart = [item for item in self.node.objects if item.like in (0, item.index)]
-        lines = [line for item in apart for run in runs_of(item) for line in checks(run)]
-        used = [name for name in CHECKS if any(line.startswith(f"{name}(") for line in lines)]
-        wanted = [name for name in CHECKS if name in used or (name == "ONE" and used)]
-        return [*(line for name in wanted for line in CHECKS[name]), "", *lines] if lines else []
+        return [line for item in apart for run in runs_of(item) for line in checks(run)]
 
     def entry_table(self) -> list[str]:
         rows = []
@@ -349,14 +332,20 @@ def checks(run: list[Entry]) -> list[str]:
         return []
     if array := whole_array(run):
         first = run[0]
-        return [f'ALL("{first.where}", {first.struct}, {array}, {first.member}, {first.size}U, {len(run)}U);']
+        return [check_line("IS_ARRAY", first, f"{array}, {first.member}", f", {len(run)}U")]
     return [check_of(before, entry) for before, entry in zip([None, *run], run)]
 
 
 def check_of(before: Entry | None, entry: Entry) -> str:
     if before is None:
-        return f'ONE("{entry.where}", {entry.struct}, {entry.member}, {entry.size}U);'
-    return f'NEXT("{entry.where}", {entry.struct}, {before.member}, {entry.member}, {entry.size}U);'
+        return check_line("HAS_SIZE", entry, entry.member)
+    return check_line("FOLLOWS", entry, f"{before.member}, {entry.member}")
+
+
+def check_line(name: str, entry: Entry, members: str, count: str = "") -> str:
+    """A macro of firmware/canopen/table_checks.h."""
+    first = f'TUMBLE_{name}("{entry.where}", {entry.struct}, {members},'
+    return one_line_or_two(first, " " * (len(f"TUMBLE_{name}") + 1), f"{entry.size}U{count});")
 
 
 def whole_array(run: list[Entry]) -> str | None:
