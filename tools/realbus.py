@@ -21,7 +21,7 @@ SKIPPED = 77
 TOOLS = {"candump": "can-utils", "cangen": "can-utils", "ip": "iproute2"}
 PROBE = "vcan999"
 MEMORY_MB = 768
-TIMEOUT_S = 900.0
+TIMEOUT_S = {False: 900.0, True: 2700.0}  # with --full, or not
 
 
 def main(arguments):
@@ -79,7 +79,7 @@ def in_uml(report, chosen):
         settings += f" TMPDIR={folder}/tmp HOME=/run"
         job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
                f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
-        code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S)
+        code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen])
         print((folder / "output").read_text(errors="replace"))
         if (folder / "report.xml").exists():
             shutil.copy(folder / "report.xml", report)

@@ -114,4 +114,4 @@ def limits(folder, **changes):
     return path
 
 
-__all__ = ["FAULT", "PlayedTable", "limits", "read_limits"]
+__all__ = ["FAULT", "PlayedTable", "Refused", "limits", "read_limits"]

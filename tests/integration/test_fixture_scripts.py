@@ -123,13 +123,13 @@ def test_without_runs_it_cannot_be_told_and_that_counts_as_does_not(tmp_path):
 
 
 def test_without_the_blocks_samples_gravity_cannot_tell(tmp_path):
-    """As over Modbus: the encoder's figures stay, noise and closure come from the runs."""
+    """As over Modbus with a node without memory: the encoder's figures stay, noise and closure come from the runs."""
     outcomes = checked(tmp_path, CHECKS, [EXAMPLES / "paper_stand.csv"], gravity=False)
     found = {one.check: one.verdict for one in outcomes}
     assert {name for name in CHECKS if found[name] != Verdict.MEETS} == {"homing", "positions", "backlash"}
     assert outcomes[CHECKS.index("positions")].lines[0].verdict == Verdict.MEETS
     lines = [line for one in outcomes for line in one.lines if isinstance(line, judge.Figure)]
-    assert all("on CAN alone" in line.note for line in lines if line.value is None)
+    assert all("it has no memory" in line.note for line in lines if line.value is None)
 
 
 def test_a_silent_node_ends_everything(tmp_path):
@@ -266,7 +266,8 @@ def bus_log_checksum():
         ({"limit_g": None}, "no limit_g"),
         ({"noise__noise_v": "-1"}, r"\[noise\] noise_v must be 1e-09 to 10"),
         ({"closure__closure_g": None}, r"\[closure\] has no closure_g"),
-        ({"table__samples": "1"}, r"\[table\] samples must be 2 to 100000"),
+        ({"table__samples": "1"}, r"\[table\] samples must be 2 to 65535"),
+        ({"table__converter_step_v": "0"}, r"\[table\] converter_step_v must be"),
         ({"table__samples": "2.5"}, r"\[table\] samples must be a whole number"),
         ({"identity__vendor_id": "-1"}, r"\[identity\] vendor_id must be"),
         ({"estimator": '"optimal"'}, 'estimator must be "averaged" or "refined" or "least_squares"'),

@@ -5,7 +5,6 @@ brings them into user-mode Linux where it has not.
 import os
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 import pytest
@@ -45,14 +44,6 @@ def network(bus):
     made.connect(interface="socketcan", channel=str(bus))
     yield made
     made.disconnect()
-
-
-@pytest.fixture
-def memory(tmp_path):
-    """A node's memory, not there yet, where no write waits for a disk: in user-mode Linux all processes would."""
-    quick = Path("/run")
-    with tempfile.TemporaryDirectory(dir=quick if os.access(quick, os.W_OK) else tmp_path) as folder:
-        yield Path(folder) / "memory"
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ POSITIONS = 18
 
 
 @pytest.fixture
-def switch_on(bus, network, started, tmp_path, memory):
+def switch_on(bus, network, started, tmp_path):
     """Start the node; back when its heartbeat is there."""
     path = scenario(tmp_path, **HASTE, **PATIENCE)
     heard = []
@@ -20,7 +20,7 @@ def switch_on(bus, network, started, tmp_path, memory):
 
     def start():
         heard.clear()
-        node = Node(bus, path, "--nv", memory, folder=tmp_path)
+        node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
         started.append(node)
         wait_until(lambda: heard)
         return node

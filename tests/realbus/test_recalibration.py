@@ -25,8 +25,8 @@ class Table:
         return True
 
 
-def switch_on(bus, path, memory, started):
-    node = Node(bus, path, "--nv", memory, folder=path.parent)
+def switch_on(bus, path, started):
+    node = Node(bus, path, "--nv", path.with_name("memory"), folder=path.parent)
     started.append(node)
     return node
 
@@ -50,11 +50,11 @@ def accept_next(computer, counter):
     return found
 
 
-def test_a_life_in_a_file(bus, network, started, tmp_path, memory):
+def test_a_life_in_a_file(bus, network, started, tmp_path):
     path = scenario(tmp_path, **HASTE, **PATIENCE)
     stand = Stand(bus, path, "--seed", 7, "--operator", "ask")
     started.append(stand)
-    node = switch_on(bus, path, memory, started)
+    node = switch_on(bus, path, started)
     heard = []
     network.subscribe(0x681, lambda identifier, data, stamp: heard.append(int.from_bytes(data[:4], "little")))
     computer = Computer(network, lambda ms: time.sleep(ms / 1000), Table(stand).mount, timeout=5.0)
@@ -78,7 +78,7 @@ def test_a_life_in_a_file(bus, network, started, tmp_path, memory):
     computer["Recalibration"]["Interval"].raw = 54_321  # not saved
     switch_off(node)
     heard.clear()
-    switch_on(bus, path, memory, started)
+    switch_on(bus, path, started)
     wait_until(lambda: heard)
     assert computer.counter() == 3 and computer.coefficients("Active set: ") == first
     assert computer["Recalibration"]["Interval"].raw == 12_345
