@@ -21,7 +21,7 @@
 /* An array has so many elements of that size, and this is the first. */
 #define TUMBLE_IS_ARRAY(where, type, array, first, size, count) \
     TUMBLE_HAS_SIZE(where, type, first, size); \
-    TUMBLE_HAS_SIZE(where, type, array, (size) * (count)); \
+    TUMBLE_HAS_SIZE(where, type, array, (size) * (size_t)(count)); \
     static_assert(offsetof(type, first) == offsetof(type, array), where)
 
 #endif
