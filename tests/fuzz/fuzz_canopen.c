@@ -98,9 +98,9 @@ static tumble_node_config_t config = {.hooks = &hooks};
 static const tumble_entry_t *row(uint8_t number)
 {
     const uint8_t first = config.table->count;
-    const uint8_t place = number % (uint8_t)(first + ((config.extension != NULL) ? further.table->count : 0U));
+    const uint8_t place = number % (uint8_t)(first + ((config.extension != NULL) ? further.objects.table->count : 0U));
 
-    return (place < first) ? &config.table->entries[place] : &further.table->entries[place - first];
+    return (place < first) ? &config.table->entries[place] : &further.objects.table->entries[place - first];
 }
 
 static void power_on(world_t *world, const tumble_port_t *port, bool drive, bool extended)
