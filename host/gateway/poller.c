@@ -27,6 +27,7 @@ static void rest(gateway_poller_t *poller, uint64_t next_us)
 {
     poller->phase = PHASE_REST;
     poller->place = 0;
+    poller->begun_anew = 0;
     poller->next_us = next_us;
 }
 
@@ -53,7 +54,6 @@ static void publish(gateway_poller_t *poller, uint64_t now_us)
     memcpy(poller->published_marks, poller->marks, sizeof poller->marks);
     memcpy(poller->published_keys, poller->keys, sizeof poller->keys);
     poller->stale = 0;
-    poller->begun_anew = 0;
     poller->must_be_fresh = poller->is_partial || (poller->must_be_fresh && !poller->is_fresh);
     poller->kept = poller->is_fresh ? 0U : (uint16_t)(poller->kept + 1U);
     poller->torn = 0;
@@ -86,11 +86,6 @@ static gateway_mark_t mark_read(const gateway_poller_t *poller)
 static bool is_same(const gateway_mark_t *a, const gateway_mark_t *b)
 {
     return a->refusal == b->refusal && a->size == b->size && memcmp(a->bytes, b->bytes, a->size) == 0;
-}
-
-static bool is_of_one_object(const gateway_value_t *a, const gateway_value_t *b)
-{
-    return a->index == b->index && a->subindex == b->subindex;
 }
 
 static bool marks_are_as_published(const gateway_poller_t *poller)
@@ -163,7 +158,7 @@ static void take_value(gateway_poller_t *poller)
     if (first->key < GATEWAY_KEYS) {
         take_key(poller, first);
     }
-    while (poller->place < GATEWAY_VALUES && is_of_one_object(first, &gateway_values[poller->place])) {
+    while (poller->place < GATEWAY_VALUES && gateway_is_same_object(first, &gateway_values[poller->place])) {
         if (poller->client.result == TUMBLE_OK) {
             (void)gateway_image_put(poller->building.words, &gateway_values[poller->place], bytes, size);
         }
@@ -258,6 +253,7 @@ static void take_written(gateway_poller_t *poller, uint64_t now_us)
     const gateway_command_t *const command = &poller->queue.items[0].command;
     poller->part++;
     if (poller->client.result != TUMBLE_OK) {
+        poller->written |= is_disturbed(poller) ? 1U << command->group : 0U; /* the node may have taken it */
         end_command(poller, GATEWAY_RESULT_REFUSED, GATEWAY_COUNT_COMMANDS_REFUSED);
     } else if (poller->part == command->count) {
         note_sent(poller, command->group, now_us);
@@ -294,10 +290,17 @@ static void begin_write(gateway_poller_t *poller)
     poller->doing = DOING_WRITE;
 }
 
-/* False: nothing is due. */
-static bool begin_transfer(gateway_poller_t *poller, uint64_t now_us)
+/* After a command a read of the poll that is due comes first, however many commands wait. */
+static bool is_reads_turn(const gateway_poller_t *poller, uint8_t done, uint64_t now_us)
 {
-    if (poller->queue.count > 0U) {
+    const bool is_due = poller->phase != PHASE_REST || now_us >= poller->next_us;
+    return done == DOING_WRITE && poller->part == 0U && poller->link_state == GATEWAY_LINK_UP && is_due;
+}
+
+/* `done`: what the last transfer was for. False: nothing is due. */
+static bool begin_transfer(gateway_poller_t *poller, uint8_t done, uint64_t now_us)
+{
+    if (poller->queue.count > 0U && !is_reads_turn(poller, done, now_us)) {
         begin_write(poller);
         return true;
     }
@@ -344,11 +347,12 @@ static bool advance(gateway_poller_t *poller, uint64_t now_us)
     if (tumble_sdo_client_result(&poller->client) == TUMBLE_E_SDO_BUSY) {
         return false;
     }
-    if (poller->doing != DOING_NOTHING) {
+    const uint8_t done = poller->doing;
+    if (done != DOING_NOTHING) {
         take_end(poller, now_us);
     }
     poller->doing = DOING_NOTHING;
-    return begin_transfer(poller, now_us);
+    return begin_transfer(poller, done, now_us);
 }
 
 /* A boot-up message: what it knows may be something else now. */

@@ -49,6 +49,11 @@ typedef struct {
     uint8_t group; /* what changes with it */
 } gateway_target_t;
 
+static inline bool gateway_is_same_object(const gateway_value_t *a, const gateway_value_t *b)
+{
+    return a->index == b->index && a->subindex == b->subindex;
+}
+
 /* When values are read: in every poll; when a mark has changed, and now and then; in groups from GATEWAY_GROUP_KEYED on
  * when a key of theirs or a mark has changed, a setting of theirs was written, and now and then. */
 enum { GATEWAY_GROUP_ALWAYS = 0, GATEWAY_GROUP_KEPT, GATEWAY_GROUP_KEYED };

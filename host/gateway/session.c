@@ -99,6 +99,19 @@ void gateway_session_holding(const gateway_session_t *session, uint16_t *words, 
 
 /* Writing. */
 
+/* Whoever opens the lock is another than who let it close, as far as anybody knows: on the serial line, say. */
+static void forget_staged(gateway_session_t *session)
+{
+    session->object = 0;
+    session->argument = 0;
+    session->has_angle = false;
+    session->command = 0;
+    session->setting = 0;
+    session->is_setting_done = false;
+    memset(session->angle, 0, sizeof session->angle);
+    memset(session->value, 0, sizeof session->value);
+}
+
 static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway, const uint16_t *keys, uint64_t now_us)
 {
     if (keys[0] != GATEWAY_KEY_1 || keys[1] != GATEWAY_KEY_2) {
@@ -106,12 +119,16 @@ static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway
         session->unlocked_until_us = 0;
         return GATEWAY_ILLEGAL_VALUE;
     }
+    if (!is_unlocked(session, now_us)) {
+        forget_staged(session);
+    }
     session->unlocked_until_us = now_us + gateway->settings.unlock_us;
     return GATEWAY_OK;
 }
 
 static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16_t value)
 {
+    session->is_setting_done = session->is_setting_done && at == GATEWAY_HOLDING_EXECUTE;
     if (at == GATEWAY_HOLDING_COMMAND_OBJECT) {
         session->object = value;
         return (value < GATEWAY_COMMAND_OBJECTS) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
@@ -164,6 +181,7 @@ static gateway_exception_t execute(gateway_session_t *session, gateway_t *gatewa
     if (gateway->poller.link_state != GATEWAY_LINK_UP) {
         return GATEWAY_TARGET_FAILED;
     }
+    session->is_setting_done = session->setting != 0U;
     if (session->setting != 0U) {
         session->sent = gateway_setting(gateway_target(session->setting), value_of(session));
         session->setting = 0;
@@ -180,6 +198,12 @@ static gateway_exception_t execute(gateway_session_t *session, gateway_t *gatewa
     return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
 }
 
+/* A request for a setting come once more, as after a lost answer: what is staged now is a command that nobody wants. */
+static bool is_repeated(const gateway_session_t *session, const gateway_session_t *before)
+{
+    return session->is_setting_done && session->executed == before->executed;
+}
+
 /* All or nothing: what does not go well is taken back. */
 static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
                                      const uint16_t *words)
@@ -189,7 +213,8 @@ static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gate
     for (uint16_t i = 0; i < count && wrong == GATEWAY_OK; i++) {
         wrong = stage(session, (uint16_t)(at + i), words[i]);
     }
-    if (wrong == GATEWAY_OK && at <= GATEWAY_HOLDING_EXECUTE && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE) {
+    const bool executes = at <= GATEWAY_HOLDING_EXECUTE && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE;
+    if (wrong == GATEWAY_OK && executes && !is_repeated(session, &before)) {
         wrong = execute(session, gateway);
     }
     if (wrong != GATEWAY_OK) {

@@ -39,6 +39,7 @@ typedef struct {
     uint16_t setting;           /* staged, and `value` as it came; 0: none */
     uint16_t value[4];
     uint16_t executed;          /* what was written to Execute last */
+    bool is_setting_done;       /* a setting was executed, and nothing has been staged since */
     gateway_command_t sent;
 } gateway_session_t;
 

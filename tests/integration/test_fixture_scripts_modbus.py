@@ -109,6 +109,17 @@ def test_a_setting_that_was_staged_and_not_executed_does_not_go_in_a_commands_pl
     assert node.commands == [ABORT] and len(node.measured) == measured
 
 
+def test_a_command_that_is_under_way_is_waited_for_and_the_table_stopped(played):
+    """As when a script is interrupted before it has its result."""
+    node, link = played()
+    node.gateway.tell("hold 1")
+    for name, words in [("Unlock key 1", [0x4F50, 0x454E]), ("Command object", [0, 0, 0, 0, HOME, 1])]:
+        link._answer(link._client.write_registers, link._map.holding[name].at, words)
+    threading.Timer(0.1, node.gateway.tell, ["hold 0"]).start()
+    link.command(ABORT)
+    assert node.commands == [HOME, ABORT]
+
+
 def test_what_selects_a_position_stands_before_what_it_selects():
     """A snapshot that has the new index has all else of the new position: the gateway reads upwards."""
     found = read_map().input

@@ -126,6 +126,41 @@ def test_a_setting_is_executed_once_and_what_was_staged_for_a_command_stays(star
                                    f"write 2002 3 {struct.pack('<d', 90.0).hex().upper()}", "write 2002 2 07"]
 
 
+@pytest.mark.parametrize("value, found", [(60, ACCEPTED), (0.5, UNFIT)])
+def test_an_execute_that_is_repeated_after_a_setting_sends_no_command(start, value, found):
+    """As by a client that has lost the answer: the setting is no longer staged, but a command still is."""
+    gateway = start("--allow-commands")
+    client = unlocked(gateway)
+    assert client.write(COMMAND, 7, 1) is None and result(client) == (ACCEPTED, 1, 0)
+    assert tell(client, INHIBIT, value, 2) == (found, 0)
+    for _ in range(2):
+        assert client.write(EXECUTE, 2) is None and result(client) == (found, 2, 0)
+    assert written(gateway, 2) == ["write 2002 1 00", "write 2002 2 07"]
+    assert tell(client, INHIBIT, 90, 2) == (ACCEPTED, 0)  # staged anew
+    assert client.write(COMMAND, 8) is None and client.write(EXECUTE, 2) is None and result(client)[0] == ACCEPTED
+    settings = ["write 2121 2 3C00"] * (found == ACCEPTED) + ["write 2121 2 5A00"]
+    assert written(gateway, len(settings) + 2) == [*settings, "write 2002 1 00", "write 2002 2 08"]
+
+
+def test_what_was_staged_before_the_lock_closed_is_forgotten(start):
+    """Somebody else may be at the same line by then: what he executes is his own."""
+    gateway = start("--allow-commands", "--unlock", 1)
+    client = unlocked(gateway)
+    angle = struct.unpack(">HH", struct.pack(">i", 9000000))
+    assert client.write(OBJECT, 0, 4, *angle, 7) is None and client.write(SETTING, INHIBIT, *words_of(60)) is None
+    staged = client.read(OBJECT, BEHIND, READ_HOLDING)
+    wait_until(lambda: client.number("Access") == 1)
+    assert client.read(OBJECT, BEHIND, READ_HOLDING) == staged
+    client.unlock()
+    assert client.read(OBJECT, BEHIND, READ_HOLDING) == BEHIND * (0,)
+    assert client.write(COMMAND, 3, 1) is None and result(client) == (ACCEPTED, 1, 0)
+    assert written(gateway, 2) == ["write 2002 1 00", "write 2002 2 03"]
+    assert client.write(SETTING, INHIBIT, *words_of(60)) is None
+    client.unlock()  # while it is open: that it stays so
+    assert client.write(EXECUTE, 2) is None and result(client) == (ACCEPTED, 2, 0)
+    assert written(gateway, 1) == ["write 2121 2 3C00"]
+
+
 def test_all_in_one_request(start):
     gateway = start("--allow-commands")
     client = gateway.connect()

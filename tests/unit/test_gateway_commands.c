@@ -103,6 +103,27 @@ static void test_polls_between_commands_without_end(void)
     TEST_ASSERT_GREATER_THAN_UINT32(20, bench.poller.published.number);
 }
 
+/* Nor do two by turns, of whom one always waits; whether or not they are obeyed. */
+static void test_polls_between_commands_of_two_without_end(void)
+{
+    gateway_command_t commands[] = {command_of(1), gateway_setting(gateway_target(101), 3.0)};
+    for (int i = 0; i < 40000; i++) {
+        gateway_command_t *const command = &commands[i % 2];
+        if (command->result != GATEWAY_RESULT_PENDING) {
+            TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+        }
+        bench.refuse = (i < 20000) ? 0U : 0x08000022U;
+        gateway_poller_step(&bench.poller);
+        (void)serve();
+        if (i == 20000) {
+            TEST_ASSERT_GREATER_THAN_UINT32(5, bench.poller.published.number);
+            bench.poller.published.number = 0;
+        }
+        bench.fake.now_us += 1000U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(5, bench.poller.published.number);
+}
+
 static void test_a_command_without_an_answer(void)
 {
     gateway_command_t command = command_of(1);
@@ -279,6 +300,7 @@ int main(void)
     RUN_TEST(test_a_refused_argument_ends_the_command);
     RUN_TEST(test_a_command_in_the_middle_of_a_poll);
     RUN_TEST(test_polls_between_commands_without_end);
+    RUN_TEST(test_polls_between_commands_of_two_without_end);
     RUN_TEST(test_a_command_without_an_answer);
     RUN_TEST(test_no_more_commands_than_fit);
     return UNITY_END();

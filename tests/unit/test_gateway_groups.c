@@ -8,6 +8,7 @@
 #define SETTING_POSITION 101U
 #define SETTING_AT_REST 111U
 #define SETTING_COVERAGE 31U
+#define REGISTER_PROGRESS 121U
 #define REGISTER_INDEX 961U
 #define REGISTER_MEAN_Y 966U /* a REAL32 */
 #define REGISTER_MOUNTING 1002U
@@ -264,6 +265,61 @@ static void test_a_refused_setting_changes_nothing(void)
     TEST_ASSERT_EQUAL_UINT(few, next_poll());
 }
 
+/* The node may have taken it: what was disturbed is the answer. */
+static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
+{
+    give(LIMITS, 1, 4, 0x40000000U);
+    settle();
+    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+    give(LIMITS, 1, 4, 0x40400000U);
+    bench.refuse = 0x05040001U;
+    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+    (void)next_poll();
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, command.result);
+    TEST_ASSERT_EQUAL_HEX16(0x4040U, word(1151));
+}
+
+static void command_in_a_poll(gateway_command_t *command)
+{
+    gateway_poller_step(&bench.poller);
+    (void)serve();
+    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+    while (command->result == GATEWAY_RESULT_PENDING) {
+        gateway_poller_step(&bench.poller);
+        (void)serve();
+    }
+}
+
+static void show_position(void)
+{
+    give(0x2003U, 1, 1, 7);
+}
+
+/* How often one that was given up has begun anew says nothing of the next one. */
+static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
+{
+    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+    for (unsigned i = 0; i < GATEWAY_MAX_ANEW; i++) {
+        command_in_a_poll(&command);
+    }
+    bench.silent = true;
+    pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 10U);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    bench.silent = false;
+    bench.fake.now_us = bench.poller.next_us;
+    for (const unsigned before = bench.reads; bench.reads < before + 100U;) {
+        gateway_poller_step(&bench.poller);
+        (void)serve();
+    }
+    bench.on_write = show_position;
+    command_in_a_poll(&command);
+    while (bench.poller.published.number == 0U) {
+        gateway_poller_step(&bench.poller);
+        (void)serve();
+    }
+    TEST_ASSERT_EQUAL_UINT16(7, word(REGISTER_PROGRESS));
+}
+
 /* A poll that is given up has not read what was written before it. */
 static void test_what_was_written_is_read_although_a_poll_fails(void)
 {
@@ -295,6 +351,8 @@ int main(void)
     RUN_TEST(test_a_measurement_that_no_poll_has_seen);
     RUN_TEST(test_settings_written_here_are_read_back_and_what_others_write_later);
     RUN_TEST(test_a_refused_setting_changes_nothing);
+    RUN_TEST(test_a_setting_whose_answer_was_disturbed_is_read_back);
+    RUN_TEST(test_a_poll_after_silence_begins_anew_for_a_setting);
     RUN_TEST(test_what_was_written_is_read_although_a_poll_fails);
     return UNITY_END();
 }
