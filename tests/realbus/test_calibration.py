@@ -46,7 +46,7 @@ def test_a_calibration_that_candump_and_python_can_watch_and_cantools_decodes(bu
     count = 0
     while seen.get_message(timeout=0) is not None:
         count += 1
-    assert len(ours) - 5 <= count <= len(theirs)
+    assert len(ours) - 5 <= count <= len(theirs) + 5  # they do not end at the same moment
     decode(tmp_path)
 
 
