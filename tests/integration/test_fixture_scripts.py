@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
 from fixture_table import FAULT, K, LIMITS, U0, PlayedTable, limits, read_limits
-from validation import harmonic, judge, report, runs, samples, session
+from validation import can_link, harmonic, judge, report, runs, samples, session
 from validation.errors import CommunicationError
 from validation.judge import Verdict
 from validation.limits import CHECKS
@@ -135,6 +135,25 @@ def test_without_the_blocks_samples_gravity_cannot_tell(tmp_path):
 def test_a_silent_node_ends_everything(tmp_path):
     with pytest.raises(CommunicationError, match="node 1 does not answer"):
         checked(tmp_path, ["link"], silent=True)
+
+
+class Shared(can_link.CanLink):
+    """A channel on which so many answers are to another client first."""
+
+    def __init__(self, others):
+        self.others = others
+
+    def _ask_once(self, node, name):
+        self.others -= 1
+        if self.others >= 0:
+            raise can_link._silent(1, Exception("Unexpected response 0x43"))
+        return 7
+
+
+def test_what_another_client_was_told_is_asked_for_again():
+    assert Shared(20)._ask(None, "State") == 7
+    with pytest.raises(CommunicationError, match="node 1 answers another SDO client as well, say a gateway: Unexpected"):
+        Shared(21)._ask(None, "State")
 
 
 def test_an_endless_motion_is_stopped(tmp_path):
