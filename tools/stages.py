@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The stages of tools/test, in the order of how soon they tell something."""
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -181,6 +182,8 @@ def long_stages():
 
 
 if __name__ == "__main__":
+    # Whoever is started in the background ignores interrupts, and so would all that the tests interrupt.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         sys.exit(main(sys.argv[1:]))
     except KeyboardInterrupt:

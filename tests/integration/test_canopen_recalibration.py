@@ -18,7 +18,7 @@ DEVICE_STATE, STORE, VALUE = 0x08000022, 0x08000020, 0x06090030
 @functools.cache
 def build(folder):
     """tests/integration/recalibration_harness.c with the firmware, once."""
-    folder.mkdir()
+    folder.mkdir(exist_ok=True)
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = folder / "recalibration_harness"

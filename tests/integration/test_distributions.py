@@ -23,7 +23,10 @@ def exact_chi_squared(x, freedom):
 def exact_f(x, freedom, below):
     scaled = mpmath.mpf(freedom) * mpmath.mpf(x)
     halves = mpmath.mpf(freedom) / 2, mpmath.mpf(below) / 2
-    return mpmath.betainc(*halves, 0, scaled / (scaled + below), regularized=True)
+    try:
+        return mpmath.betainc(*halves, 0, scaled / (scaled + below), regularized=True)
+    except ValueError:  # its series does not converge: from the other end
+        return 1 - mpmath.betainc(*reversed(halves), 0, below / (scaled + below), regularized=True)
 
 
 @given(FREEDOM, st.floats(-4.0, 4.0))

@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define PLAIN_REQUIRE(condition, what)                                                                                 \
     do {                                                                                                               \
@@ -22,6 +23,8 @@
 #define TEST_ASSERT_EQUAL(wanted, found) PLAIN_REQUIRE((wanted) == (found), #found)
 #define TEST_ASSERT_NOT_EQUAL(other, found) PLAIN_REQUIRE((other) != (found), #found)
 #define TEST_ASSERT_EQUAL_INT(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
+#define TEST_ASSERT_EQUAL_STRING(wanted, found) PLAIN_REQUIRE(strcmp(wanted, found) == 0, #found)
+#define TEST_ASSERT_EQUAL_UINT8(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define TEST_ASSERT_EQUAL_UINT32(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define TEST_ASSERT_EQUAL_HEX64(wanted, found) TEST_ASSERT_EQUAL(wanted, found)
 #define UNITY_LINE_TYPE int
