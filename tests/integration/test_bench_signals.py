@@ -7,11 +7,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from bench_program import wait_until
 from conftest import ROOT
 from test_bench import BENCH, wrapper
+
+from tumble import cli
 
 SLOW = 'exec "$REAL" "$@" --pace 3'
 
@@ -118,6 +121,27 @@ def test_an_early_interrupt_ends_quietly(tmp_path):
             break
         assert child.returncode in (-signal.SIGINT, 130), err
         assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.python
+@pytest.mark.parametrize("received, code", [([signal.SIGINT], 130), ([], 3)])
+def test_a_class_half_made_when_the_interrupt_came(monkeypatch, capsys, received, code):
+    """Python 3.11 makes a RuntimeError of what is raised while a class names its attributes."""
+
+    class Interrupting:
+        def __set_name__(self, owner, name):
+            raise KeyboardInterrupt
+
+    def command(_):
+        try:
+            type("Half", (), {"made": Interrupting()})
+        except KeyboardInterrupt as interrupt:  # as from 3.12 on
+            raise RuntimeError("Error calling __set_name__") from interrupt
+
+    monkeypatch.setattr(cli, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command)))
+    monkeypatch.setattr(cli.interruption, "_received", received)
+    assert cli.main([]) == code
+    assert capsys.readouterr().err.startswith("tumble: interrupted\n" if received else "tumble: fault in tumble itself: ")
 
 
 @pytest.mark.python

@@ -101,13 +101,21 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         _complain("not enough memory for this input")
         return EXIT_BAD_INPUT
     except Exception as error:
-        if isinstance(error, ImportError) and interruption.has_come():  # numpy's import makes that of an interrupt
+        if interruption.has_come() and _is_of_an_interrupt(error):
             _complain("interrupted")
             return interruption.exit_code()
         if os.environ.get("TUMBLE_TRACEBACK"):
             traceback.print_exc()
         _complain(f"fault in tumble itself: {error!r} (TUMBLE_TRACEBACK=1 shows where)")
         return EXIT_DISAGREEMENT
+
+
+def _is_of_an_interrupt(error: Exception) -> bool:
+    """What an import makes of one: numpy an ImportError, Python 3.11 a RuntimeError that a class half made has caused."""
+    causes: list[BaseException] = [error]
+    while (cause := causes[-1].__cause__ or causes[-1].__context__) is not None and cause not in causes:
+        causes.append(cause)
+    return isinstance(error, ImportError) or any(isinstance(cause, KeyboardInterrupt) for cause in causes)
 
 
 def _discard_output() -> None:
