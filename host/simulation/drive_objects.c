@@ -161,6 +161,11 @@ static const tumble_entry_t entries[] = {
     /* Home offset */
     {0x607CU, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, home_offset), 0U, 0U},
+    /* Software position limit */
+    {0x607DU, 1U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+     TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_min_position_limit), 0U, 0U},
+    {0x607DU, 2U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+     TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_max_position_limit), 0U, 0U},
     /* Profile velocity */
     {0x6081U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE,
      TUMBLE_HOME_VARIABLES, 4U, 4U, offsetof(tumble_drive_objects_t, profile_velocity), 0U, 0U},
