@@ -28,6 +28,7 @@ const char stand_options_help[] =
     "                   default: mount\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
@@ -40,6 +41,7 @@ static const struct option OPTIONS[] = {
     {"operator", required_argument, NULL, OPERATOR},
     {"with-parent", no_argument, NULL, WITH_PARENT},
     {"help", no_argument, NULL, BENCH_HELP},
+    {"version", no_argument, NULL, BENCH_VERSION},
     {0},
 };
 
@@ -73,9 +75,9 @@ static bool take(void *to, int option)
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
     *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
         return false;
     }
-    return options->help ||
+    return options->asks != BENCH_ASKS_WORK ||
            arguments_operands(count - optind, arguments + optind, &options->interface, &options->scenario);
 }
