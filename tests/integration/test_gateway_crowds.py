@@ -24,6 +24,19 @@ def test_an_unfinished_request_is_not_waited_for_forever(abused):
     abused.abuse, abused.came_back = "a request begun and not ended", "closed after 5 s"
 
 
+@pytest.mark.parametrize("asked_before", [False, True])
+def test_bytes_that_trickle_in_do_not_prolong_a_request(start, asked_before):
+    """The 5 s are those since its first byte, however many come in between."""
+    client = start().connect()
+    assert not asked_before or client.ask(GOOD) == GOOD_ANSWER
+    began = time.monotonic()
+    for byte in frame(GOOD)[:-1]:
+        client.send(bytes((byte,)))
+        if client.receive(timeout=1.0) == b"":
+            break
+    assert 4.5 < time.monotonic() - began < 6.0
+
+
 def test_a_slow_writer(abused):
     client = abused.connect()
     for _ in range(3):
