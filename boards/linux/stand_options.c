@@ -25,7 +25,8 @@ const char stand_options_help[] =
     "                   a mounting; start: gives the command to start as well,\n"
     "                   once; ask: does what standard input says, a line for each:\n"
     "                   done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
-    "                   default: mount\n"
+    "                   hands: mounts and mends at once and tells node 1 nothing:\n"
+    "                   a script or PLC does; default: mount\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
     "  --version        print the version\n"
@@ -47,14 +48,14 @@ static const struct option OPTIONS[] = {
 
 static bool take_operator(stand_options_t *options, const char *what)
 {
-    static const char *const KINDS[] = {"none", "mount", "start", "ask"}; /* as stand_operator_kind_t */
+    static const char *const KINDS[] = {"none", "mount", "start", "ask", "hands"}; /* as stand_operator_kind_t */
     for (unsigned kind = 0; kind < sizeof KINDS / sizeof KINDS[0]; kind++) {
         if (strcmp(what, KINDS[kind]) == 0) {
             options->operator = (stand_operator_kind_t)kind;
             return true;
         }
     }
-    return arguments_refuse("--operator", "must be none, mount, start or ask");
+    return arguments_refuse("--operator", "must be none, mount, start, ask or hands");
 }
 
 static bool take(void *to, int option)
