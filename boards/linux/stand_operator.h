@@ -2,9 +2,9 @@
  *
  * He reads the state PDO of node 1 and answers by SDO: puts the block on the table as asked and confirms it, mends what
  * the scenario lets him mend, and, if told to, gives the command to start. Or he does nothing by himself: a person says
- * when it is done, and what is to be done after a fault. Or he lends his hands alone, and sends nothing: a script or PLC
- * under test is the one that talks to node 1. So it is the same to him whether node 1 is a
- * process of Linux, an emulated board or a real one.
+ * when it is done, and what is to be done after a fault. Or he lends his hands alone and sends nothing: the script or
+ * PLC that is tried talks to node 1. So it is the same to him whether node 1 is a process of Linux, an emulated board
+ * or a real one.
  */
 #ifndef TUMBLE_LINUX_STAND_OPERATOR_H
 #define TUMBLE_LINUX_STAND_OPERATOR_H
