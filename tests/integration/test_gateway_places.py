@@ -109,7 +109,8 @@ def processor_s(gateway):
 
 
 def limit_descriptors(gateway, count):
-    resource.prlimit(gateway.process.pid, resource.RLIMIT_NOFILE, (count, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+    resource.prlimit(gateway.process.pid, resource.RLIMIT_NOFILE, (count, most))
 
 
 def measured(gateway, seconds=3.0):
