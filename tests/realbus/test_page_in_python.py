@@ -7,14 +7,14 @@ import sys
 import numpy as np
 import pytest
 from conftest import ROOT
-from processes import HASTE, Node, Stand, scenario
+from processes import HASTE, PATIENCE, Node, Stand, scenario
 
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 PAGE = re.search(r"```python\n(.*?)```", (ROOT / "docs/operations.md").read_text(encoding="utf-8"), re.DOTALL)[1]
 
 
 def test_the_example_calibrates_and_accepts(bus, network, started, tmp_path):
-    path = scenario(tmp_path, **HASTE)
+    path = scenario(tmp_path, **HASTE, **PATIENCE)
     stand = Stand(bus, path, "--seed", 7, "--operator", "hands")
     node = Node(bus, path, "--nv", tmp_path / "nv.bin", folder=tmp_path)
     started += [stand, node]
