@@ -23,7 +23,7 @@ typedef struct {
 static const constants_t constants = {
     .value_1008_0 = "Tumble navigation computer",
     .value_1009_0 = "any board",
-    .value_100a_0 = "0.1.0",
+    .value_100a_0 = "0.2.0",
     .value_1018_2 = 1413611521,
     .value_1018_3 = 65536,
 };

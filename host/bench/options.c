@@ -44,6 +44,7 @@ const char bench_options_help[] =
     "  --summary        instead of the lines one document with statistics and speed\n"
     "\n"
     "  --keys           print the keys of a scenario file\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that\n"
@@ -143,6 +144,7 @@ static bool read_flag(bench_options_t *options, const char *name)
         {"--summary", offsetof(bench_options_t, summary)},
         {"--interactive", offsetof(bench_options_t, interactive)},
         {"--keys", offsetof(bench_options_t, keys)},
+        {"--version", offsetof(bench_options_t, version)},
         {"--help", offsetof(bench_options_t, help)},
         {"-h", offsetof(bench_options_t, help)},
     };

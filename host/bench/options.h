@@ -22,6 +22,7 @@ typedef struct {
     bool summary;
     bool interactive;
     bool keys;
+    bool version;
     bool help;
 } bench_options_t;
 

@@ -38,7 +38,7 @@ static const constants_t constants = {
     .value_1000_0 = 131474,
     .value_1008_0 = "Tumble turntable drive",
     .value_1009_0 = "simulated",
-    .value_100a_0 = "0.1.0",
+    .value_100a_0 = "0.2.0",
     .value_1018_2 = 1413611522,
     .value_1018_3 = 65536,
 };
