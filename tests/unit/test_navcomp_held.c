@@ -72,6 +72,7 @@ static void test_a_failed_run_keeps_it_and_an_ended_one_does_not(void)
     TEST_ASSERT_EQUAL_HEX8(0x80, answer[0]);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, tumble_get_u32(&answer[4]));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ABORT));
+    unlock();
     for (size_t i = 0; i < sizeof held / sizeof held[0]; i++) {
         TEST_ASSERT_NOT_EQUAL_MESSAGE(TUMBLE_ABORT_DEVICE_STATE, write_object(&held[i]), "still held");
     }
