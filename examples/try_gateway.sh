@@ -108,7 +108,7 @@ calibrate() {
 }
 
 accept() {
-    give $ACCEPT
+    accept_proposal
     wait_for "the verdict" is "Keeper: Verdict" $ACCEPTED
     wait_for "the active set" is "Active set: K: valid" 511
     echo "ACCEPT given; calibration counter $(input "Keeper: Calibration counter" 3:int). The active set:"
@@ -126,6 +126,14 @@ finish() {
 give() {
     mbpoll -m tcp -p "$port" -a 1 -0 -q -t 4 -r 0 127.0.0.1 20304 17742 0 0 0 0 0 "$1" 1 >/dev/null ||
         fail 3 "the gateway refuses command $1"
+}
+
+# The same for ACCEPT, and behind it, with 0 for what lies between, the name of the proposal that was shown: its record CRC.
+accept_proposal() {
+    name=$(input "Proposal: Record CRC" 3 2 | sed 's/ (.*//')
+    # shellcheck disable=SC2086 # two numbers
+    mbpoll -m tcp -p "$port" -a 1 -0 -q -t 4 -r 0 127.0.0.1 20304 17742 0 0 0 0 0 "$ACCEPT" 1 \
+        0 0 0 0 0 0 0 0 0 $name >/dev/null || fail 3 "the gateway refuses command $ACCEPT"
 }
 
 # input NAME TYPE [COUNT]: values of the newest snapshot, one a line; TYPE as mbpoll has it.

@@ -40,6 +40,7 @@
 #define TUMBLE_ACCESS_WRITE 0x02U
 #define TUMBLE_ACCESS_MAP_RECEIVE 0x04U  /* may be mapped into a receive PDO */
 #define TUMBLE_ACCESS_MAP_TRANSMIT 0x08U /* may be mapped into a transmit PDO */
+#define TUMBLE_ACCESS_SERVICE 0x10U      /* written from outside at service level only: the SDO server sees to it */
 #define TUMBLE_ACCESS_EXTENSION 0x80U    /* of the extension: set in an entry that was found, not in its table */
 
 /* tumble_entry_t.home: where the value lives. */

@@ -31,6 +31,9 @@
 #define TUMBLE_EMCY_HEARTBEAT 0x8130U
 #define TUMBLE_EMCY_PDO_LENGTH 0x8210U
 
+/* The navigation computer's own. First info byte: */
+#define TUMBLE_EMCY_SERVICE_LEVEL 0xFF30U /* the level (2006h:2), 1: open. Cleared when it is normal again */
+
 /* One emergency message, as sent and as received. */
 typedef struct {
     uint16_t code;

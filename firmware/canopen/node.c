@@ -50,7 +50,7 @@ static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaul
         refusal = set_transmit(node, defaults->transmit, defaults->transmit_count, 0);
     }
     if ((refusal == TUMBLE_ABORT_NONE) && (extension != NULL)) {
-        refusal = set_transmit(node, extension->transmit, extension->transmit_count, defaults->transmit_count);
+        refusal = set_transmit(node, extension->transmit, extension->transmit_count, extension->first_transmit);
     }
     return refusal;
 }
@@ -90,8 +90,9 @@ static bool fits(const tumble_node_extension_t *extension, const tumble_node_con
 
     return (extension == NULL) ||
            ((further != NULL) && (((uint32_t)config->table->count + further->count) <= UINT8_MAX) &&
+            (extension->first_transmit <= TUMBLE_MAX_TRANSMIT_PDOS) &&
             are_usable(extension->transmit, extension->transmit_count,
-                       (uint8_t)(TUMBLE_MAX_TRANSMIT_PDOS - config->defaults->transmit_count)));
+                       (uint8_t)(TUMBLE_MAX_TRANSMIT_PDOS - extension->first_transmit)));
 }
 
 tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t *config,

@@ -60,11 +60,13 @@ typedef struct {
     uint8_t on_error;       /* TUMBLE_ON_ERROR_... */
 } tumble_node_defaults_t;
 
-/* What some computers have besides: objects, and transmit PDOs whose numbers go on from those of the defaults. */
+/* What some computers have besides: objects, and transmit PDOs, in place of those that the defaults leave unused, or
+ * behind them. */
 typedef struct {
     tumble_object_extension_t objects;
     const tumble_pdo_setup_t *transmit;
-    uint8_t transmit_count; /* together with the defaults' up to TUMBLE_MAX_TRANSMIT_PDOS */
+    uint8_t first_transmit; /* number of the first (0 is 1800h) */
+    uint8_t transmit_count; /* from there up to TUMBLE_MAX_TRANSMIT_PDOS */
 } tumble_node_extension_t;
 
 /* The constant part of a node. */
@@ -98,7 +100,7 @@ typedef struct {
     uint8_t on_error; /* 1029h:1 */
 } tumble_node_t;
 
-static_assert(sizeof(tumble_node_t) <= ((sizeof(void *) == 4) ? 648 : 760), "a node must leave room for the rest");
+static_assert(sizeof(tumble_node_t) <= ((sizeof(void *) == 4) ? 696 : 760), "a node must leave room for the rest");
 
 /* Power on: variables are the caller's to set before. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may
  * not be null, a node number out of range, tables of more than 255 entries together, or defaults that the node's own

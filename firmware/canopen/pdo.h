@@ -17,7 +17,7 @@
 #include <stdint.h>
 
 #define TUMBLE_MAX_RECEIVE_PDOS 2
-#define TUMBLE_MAX_TRANSMIT_PDOS 4
+#define TUMBLE_MAX_TRANSMIT_PDOS 5
 #define TUMBLE_MAX_MAPPED 8
 
 #define TUMBLE_PDO_INVALID 0x80000000U /* bit 31 of a COB-ID: the PDO does not exist */

@@ -39,6 +39,7 @@ typedef struct {
     uint16_t dropped;         /* requests dropped: not eight bytes long, or sent before the last one was answered */
     uint16_t aborted;         /* transfers refused or ended by an abort, either side's */
     uint16_t index;           /* of the transfer, for aborts */
+    bool service;             /* the owner's to set: TUMBLE_ACCESS_SERVICE may be written */
     uint64_t deadline_us;     /* TUMBLE_NEVER: no transfer under way */
     tumble_entry_t entry;     /* download: of the object */
     uint8_t answer[TUMBLE_CAN_MAX_BYTES];
@@ -49,7 +50,8 @@ void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node);
 
 /* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h,
  * 1017h, 1029h, the first two PDOs of each direction (1400h, 1600h, 1800h, 1A00h and those after them) and objects of
- * TUMBLE_HOME_OTHER can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. */
+ * TUMBLE_HOME_OTHER can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. So is one of what is
+ * TUMBLE_ACCESS_SERVICE, unless the server is at `service` level. */
 void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                                const tumble_can_frame_t *frame, uint64_t now_us);
 

@@ -122,12 +122,18 @@ static bool is_held(const tumble_entry_t *entry)
            (entry->index == ERROR_BEHAVIOUR) || (pdo == RECEIVE_PDO) || (pdo == TRANSMIT_PDO);
 }
 
+/* The one place where a level is asked for: what comes from outside comes through here, and nothing else does. */
+static bool is_of_this_level(const tumble_sdo_server_t *server)
+{
+    return server->service || ((server->entry.access & TUMBLE_ACCESS_SERVICE) == 0U);
+}
+
 static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary, const uint8_t *bytes,
                         uint8_t size)
 {
     tumble_abort_t refusal = TUMBLE_ABORT_DEVICE_STATE;
 
-    if (!server->held || !is_held(&server->entry)) {
+    if ((!server->held || !is_held(&server->entry)) && is_of_this_level(server)) {
         refusal = tumble_dictionary_write(dictionary, &server->entry, bytes, size);
     }
     if (refusal == TUMBLE_ABORT_LATER) {

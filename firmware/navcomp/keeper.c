@@ -157,7 +157,7 @@ static void refresh(tumble_keeper_t *keeper)
 static void begin_command(tumble_keeper_t *keeper)
 {
     if ((keeper->wants & WANT_ACCEPT) != 0U) {
-        tumble_keeper_begin_job(keeper, JOB_ACCEPT, tumble_store_accept(&keeper->store));
+        tumble_keeper_begin_job(keeper, JOB_ACCEPT, tumble_keeper_accept(keeper));
     } else if ((keeper->wants & WANT_DISCARD) != 0U) {
         tumble_keeper_begin_job(keeper, JOB_DISCARD, tumble_store_discard(&keeper->store));
     } else {
@@ -185,6 +185,7 @@ static void step_memory(tumble_keeper_t *keeper)
         status = tumble_keeper_step_checkpoint(keeper);
     } else {
         tumble_parameters_step(&keeper->parameters);
+        tumble_keeper_note_rules(keeper);
     }
     if ((status != TUMBLE_OK) && (status != TUMBLE_E_PORT_BUSY)) {
         tumble_keeper_fail(keeper, status);
@@ -242,18 +243,36 @@ static uint64_t next_us(const void *context)
 /* Commands. */
 
 /* A command about sets: allowed while no run is on, nothing is being decided, and there is what it is about. */
+static bool is_free_to(const tumble_keeper_t *keeper, tumble_which_set_t which)
+{
+    return (keeper->task == (uint8_t)TASK_NONE) && ((keeper->wants & WANT_COMMANDS) == 0U) &&
+           !tumble_run_is_on(keeper->navcomp) && tumble_store_has(&keeper->store, which);
+}
+
 static tumble_status_t want(tumble_keeper_t *keeper, unsigned wanted, tumble_which_set_t which)
 {
-    const bool free_to = (keeper->task == (uint8_t)TASK_NONE) && ((keeper->wants & WANT_COMMANDS) == 0U) &&
-                         !tumble_run_is_on(keeper->navcomp) && tumble_store_has(&keeper->store, which);
     const bool held = tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL);
-    if (!free_to || ((wanted == (unsigned)WANT_ROLLBACK) && held)) {
+    if (!is_free_to(keeper, which) || ((wanted == (unsigned)WANT_ROLLBACK) && held)) {
         tumble_count(&keeper->counters.refused);
         return TUMBLE_E_STATE;
     }
     keeper->wants |= (uint8_t)wanted;
     keeper->verdict = TUMBLE_VERDICT_WORKING;
     return TUMBLE_OK;
+}
+
+/* The proposal that is meant is named by its CRC, once: what was read is what becomes active. */
+static tumble_status_t want_accept(tumble_keeper_t *keeper)
+{
+    const uint32_t named = keeper->navcomp->objects.command_proposal;
+    const bool other = (tumble_store_proposal(&keeper->store) != named) || (named == 0U);
+    keeper->navcomp->objects.command_proposal = 0;
+    if (other && is_free_to(keeper, TUMBLE_SET_PROPOSAL)) {
+        tumble_count(&keeper->counters.refused);
+        return TUMBLE_E_ARGUMENT;
+    }
+    keeper->accepted = named;
+    return want(keeper, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
 }
 
 /* Does it begin or go on with a run, or turn the table? */
@@ -271,7 +290,7 @@ static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, u
     tumble_status_t status;
     switch (command) {
     case TUMBLE_COMMAND_ACCEPT:
-        status = want(keeper, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
+        status = want_accept(keeper);
         break;
     case TUMBLE_COMMAND_DISCARD:
         status = want(keeper, WANT_DISCARD, TUMBLE_SET_PROPOSAL);
@@ -337,6 +356,7 @@ static void reset(void *context)
 {
     tumble_keeper_t *keeper = context;
     keeper->settings = *keeper->config->settings;
+    keeper->rules = tumble_keeper_rules_of_board(keeper);
     keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
     (void)tumble_at_rest_begin(&keeper->at_rest, 0);
     keeper->stale = true; /* a run that is kept may fit again what the node goes by */
@@ -354,6 +374,7 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
                                 .navcomp = navcomp,
                                 .settings = *keeper->config->settings,
                                 .history_tries = TUMBLE_KEEPER_TRIES};
+    keeper->rules = tumble_keeper_rules_of_board(keeper);
     const tumble_status_t status = open_memory(keeper, port->nv);
     tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node);
     keeper->now_us = port->now_us(port->context);

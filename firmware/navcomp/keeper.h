@@ -140,6 +140,9 @@ typedef struct {
     uint32_t fingerprint;     /* of the run that is kept */
     uint32_t sequence;        /* of the active set, as last seen */
     uint32_t shown;           /* what the PDO told last */
+    uint32_t rules;           /* fingerprint of those that are in force after power-on, */
+    uint32_t rules_written;   /* and of those that are being saved */
+    uint32_t accepted;        /* the proposal that is to become active */
     uint16_t objections;
     uint16_t off_temperature; /* samples in a row */
     uint8_t shown_position; /* 2150h:1 */
@@ -173,7 +176,8 @@ static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2560U : 2816U
  * configuration, a serial number or settings out of range, no memory behind the port); _NV (regions.h). It reads the
  * whole of what is kept, unless the memory is busy: then the rest is read step by step, and until then there is no set.
  *
- * Commands that are its own, by tumble_navcomp_command: TUMBLE_COMMAND_ACCEPT and _DISCARD (there must be a proposal),
+ * Commands that are its own, by tumble_navcomp_command: TUMBLE_COMMAND_ACCEPT and _DISCARD (there must be a proposal,
+ * and ACCEPT must name it, tumble_navcomp_accept: else TUMBLE_E_ARGUMENT),
  * _ROLLBACK (something to go back to, and no proposal), all three only while no run is on and the memory is not at work;
  * and in IDLE TUMBLE_COMMAND_RESUME: go on with the run that lost power (there must be one, and block, stand,
  * schedule, configuration and active set be those that it was begun with); it begins within some steps. While inhibited
@@ -213,7 +217,8 @@ void tumble_keeper_state(const tumble_keeper_t *keeper, tumble_keeper_state_t *s
 const tumble_keeper_counters_t *tumble_keeper_counters(const tumble_keeper_t *keeper);
 
 /* Settings. `configure` looks at all of them and takes all or none: TUMBLE_OK, TUMBLE_E_ARGUMENT (one is out of range),
- * TUMBLE_E_STATE (a run is on). */
+ * TUMBLE_E_STATE (a run is on). The board's program needs no service level for it, and what it sets are the board's rules
+ * unless others were in force before. */
 const tumble_keeper_settings_t *tumble_keeper_settings(const tumble_keeper_t *keeper);
 tumble_status_t tumble_keeper_configure(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings);
 

@@ -2,6 +2,7 @@
  *
  *     keeper.c             init, the step: what is done when the memory is free, commands
  *     keeper_judge.c       from a result to a verdict
+ *     keeper_rules.c       are the rules the board's?
  *     keeper_checkpoint.c  the run under way, and its checkpoint
  *     keeper_resume.c      fingerprints, going on after a loss of power
  *     keeper_due.c         calendar, inhibit, when a run is due
@@ -72,6 +73,14 @@ void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status
 void tumble_keeper_take_result(tumble_keeper_t *keeper);
 void tumble_keeper_judge(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
 
+/* keeper_rules.c */
+uint32_t tumble_keeper_rules(const tumble_keeper_t *keeper);          /* fingerprint of those in force */
+uint32_t tumble_keeper_rules_of_board(const tumble_keeper_t *keeper); /* of its constants: with nothing saved */
+bool tumble_keeper_rules_are_other(const tumble_keeper_t *keeper);    /* than after the next power-on */
+void tumble_keeper_note_rules(tumble_keeper_t *keeper);               /* after a step of the parameters */
+uint16_t tumble_keeper_rules_flag(const tumble_keeper_t *keeper);     /* of a set that becomes active now, or is held */
+tumble_status_t tumble_keeper_accept(tumble_keeper_t *keeper);        /* begin the store's job */
+
 /* keeper_checkpoint.c */
 void tumble_keeper_watch(tumble_keeper_t *keeper); /* has a run begun, ended, or lost a position? */
 void tumble_keeper_keep(tumble_keeper_t *keeper);  /* begin, append or clear: at most one job */
@@ -99,5 +108,6 @@ void tumble_keeper_sample(void *keeper, const tumble_block_sample_t *sample, boo
 
 /* keeper_report.c */
 bool tumble_keeper_settings_valid(const tumble_keeper_settings_t *settings);
+tumble_status_t tumble_keeper_change(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings); /* from outside */
 
 #endif

@@ -60,6 +60,14 @@ static uint32_t count_samples(const tumble_keeper_t *keeper)
     return samples;
 }
 
+/* Rules that were others when the run was done are held against it even if they are the board's when it is decided. */
+static void note_rules(tumble_keeper_t *keeper)
+{
+    const bool others = tumble_keeper_rules_are_other(keeper);
+    keeper->set.flags |= tumble_keeper_rules_flag(keeper);
+    keeper->set.reasons |= others ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) : 0U;
+}
+
 void tumble_keeper_take_result(tumble_keeper_t *keeper)
 {
     tumble_set_t *set = &keeper->set;
@@ -80,6 +88,7 @@ void tumble_keeper_take_result(tumble_keeper_t *keeper)
     add_check(keeper, result.check, set);
     add_closure(keeper, set);
     tumble_count(&keeper->counters.judged);
+    note_rules(keeper);
     keeper->verdict = TUMBLE_VERDICT_WORKING;
     keeper->repeated = false;
     keeper->looked_again = false;
@@ -177,8 +186,10 @@ static void decide(tumble_keeper_t *keeper)
         tumble_keeper_fail(keeper, status);
         return;
     }
+    note_rules(keeper);
     keeper->objections = tumble_commit_objections(&keeper->set, (status == TUMBLE_OK) ? &active : NULL,
                                                   &keeper->settings.limits, keeper->repeated);
+    keeper->objections |= (uint16_t)keeper->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
     keeper->set.reasons = keeper->objections;
     if (keeper->repeated) {
         keeper->verdict = TUMBLE_VERDICT_REPEATED;

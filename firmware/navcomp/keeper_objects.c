@@ -34,6 +34,7 @@ TUMBLE_HAS_SIZE("2100h:10", tumble_set_t, samples, 4U);
 TUMBLE_HAS_SIZE("2100h:11", tumble_set_t, schedule_crc, 4U);
 TUMBLE_FOLLOWS("2100h:12", tumble_set_t, schedule_crc, stand_crc, 4U);
 TUMBLE_FOLLOWS("2100h:13", tumble_set_t, stand_crc, reasons, 4U);
+TUMBLE_FOLLOWS("2100h:14", tumble_set_t, reasons, record_crc, 4U);
 TUMBLE_IS_ARRAY("2104h:1", tumble_set_t, coefficients.k_v_per_g, coefficients.k_v_per_g[0][0], 8U, 9U);
 TUMBLE_IS_ARRAY("2108h:1", tumble_set_t, coefficients.u0_v, coefficients.u0_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("210Ch:1", tumble_set_t, uncertainty.k_v_per_g, uncertainty.k_v_per_g[0][0], 8U, 9U);
@@ -131,25 +132,11 @@ TUMBLE_FOLLOWS("2170h:3", tumble_parameters_view_t, refused, applied, 4U);
 
 static const tumble_entry_t entries[] = {
     /* Store parameters */
-    {0x1010U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x1010U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 0U, 0U, 0U, 0U},
     /* Restore default parameters */
-    {0x1011U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x1011U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 0U, 0U, 0U, 0U},
-    /* Transmit PDO 4 parameter */
-    {0x1803U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 0U, 0U},
-    {0x1803U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 1U, 0U, 0U, 0U, 0U},
-    {0x1803U, 3U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 2U, 0U, 0U, 0U, 0U},
-    {0x1803U, 5U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 2U, 0U, 0U, 0U, 0U},
-    /* Transmit PDO 4 mapping */
-    {0x1A03U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 1U, 0U, 0U, 0U, 0U},
-    {0x1A03U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
-     TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 7U, 0U},
     /* u_K */
     {0x2023U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 8U, 0U, offsetof(tumble_uncertainty_t, k_v_per_g[0][0]), 8U, 0U},
@@ -172,7 +159,7 @@ static const tumble_entry_t entries[] = {
     {0x2100U, 10U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_set_t, samples), 0U, 3U},
     {0x2100U, 11U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_set_t, schedule_crc), 2U, 3U},
+     TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_set_t, schedule_crc), 3U, 3U},
     /* Active set: K, and 3 more */
     {0x2104U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 8U, 0U, offsetof(tumble_set_t, coefficients.k_v_per_g[0][0]), 8U, 3U},
@@ -217,21 +204,21 @@ static const tumble_entry_t entries[] = {
      TUMBLE_HOME_COMPUTED, 2U, 7U, offsetof(tumble_keeper_settings_t, temperature_samples), 0U, 0U},
     {0x2122U, 5U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_keeper_settings_t, temperature_half_c), 0U, 0U},
-    {0x2122U, 6U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2122U, 6U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 1U, 1U, offsetof(tumble_keeper_settings_t, flags), 0U, 0U},
     /* Commit rules */
-    {0x2123U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2123U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 6U, offsetof(tumble_keeper_settings_t, limits.coverage), 0U, 0U},
-    {0x2123U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2123U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 1U, 2U, offsetof(tumble_keeper_settings_t, limits.flags), 0U, 0U},
     /* Uncertainty limits */
-    {0x2124U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2124U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 5U, offsetof(tumble_keeper_settings_t, limits.uncertainty[0]), 11U, 0U},
     /* Drift limits per month */
-    {0x2125U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2125U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 1U, offsetof(tumble_keeper_settings_t, limits.drift_per_month[0]), 11U, 0U},
     /* Drift limits per kelvin */
-    {0x2126U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+    {0x2126U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE,
      TUMBLE_HOME_COMPUTED, 4U, 1U, offsetof(tumble_keeper_settings_t, limits.drift_per_kelvin[0]), 11U, 0U},
     /* Keeper counters */
     {0x2130U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,

@@ -69,7 +69,8 @@ extern const tumble_saved_t tumble_keeper_saved[TUMBLE_KEEPER_SAVED];
 extern const tumble_object_table_t tumble_keeper_table;
 
 #define TUMBLE_KEEPER_TRANSMIT 1U
-/* Transmit PDOs, behind those of the node's defaults. */
+#define TUMBLE_KEEPER_FIRST_TRANSMIT 3U
+/* Transmit PDOs, from that number (0 is 1800h) on. */
 extern const tumble_pdo_setup_t tumble_keeper_transmit[TUMBLE_KEEPER_TRANSMIT];
 
 #endif

@@ -292,7 +292,7 @@ static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_
     tumble_keeper_settings_t settings;
     settings = *tumble_keeper_settings(keeper);
     tumble_dictionary_unpack(entry, (uint8_t *)&settings + entry->offset, bytes, size);
-    const tumble_status_t status = tumble_keeper_configure(keeper, &settings);
+    const tumble_status_t status = tumble_keeper_change(keeper, &settings);
     if (status == TUMBLE_E_STATE) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
@@ -329,6 +329,7 @@ static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_ent
     } else if (tumble_keeper_is_busy(keeper) || tumble_run_is_on(keeper->navcomp)) {
         refusal = TUMBLE_ABORT_DEVICE_STATE;
     } else {
+        keeper->rules_written = save ? tumble_keeper_rules(keeper) : tumble_keeper_rules_of_board(keeper);
         refusal = save ? tumble_parameters_save(&keeper->parameters) : tumble_parameters_forget(&keeper->parameters);
     }
     return refusal;
@@ -368,5 +369,6 @@ const tumble_object_hooks_t tumble_keeper_object_hooks = {.read = read, .write =
 const tumble_node_extension_t tumble_keeper_extension = {
     .objects = {.table = &tumble_keeper_table, .hooks = &tumble_keeper_object_hooks},
     .transmit = tumble_keeper_transmit,
+    .first_transmit = TUMBLE_KEEPER_FIRST_TRANSMIT,
     .transmit_count = TUMBLE_KEEPER_TRANSMIT,
 };

@@ -246,6 +246,7 @@ static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *fram
     }
     navcomp->woken = true;
     navcomp->node.server.held = tumble_run_is_on(navcomp) || has_axis(navcomp);
+    navcomp->node.server.service = tumble_service_is_open(navcomp);
     if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
         tumble_count(&navcomp->events.frames_ignored);
         if (!tumble_notice_foreign(navcomp, frame->id)) {
@@ -361,6 +362,7 @@ void tumble_navcomp_step(tumble_navcomp_t *navcomp)
     navcomp->stepped_us = now_us;
     navcomp->more = false;
     navcomp->woken = (now_us >= navcomp->due_us);
+    navcomp->woken = tumble_service_watch(navcomp) || navcomp->woken;
     drain_bus(navcomp, now_us);
     if (!tumble_has_block(navcomp)) {
         drain_source(navcomp);

@@ -25,6 +25,7 @@
 #include "navcomp/keeping.h"
 #include "navcomp/objects.h"
 #include "navcomp/sample_source.h"
+#include "navcomp/service.h"
 #include "port/port.h"
 #include "procedure/procedure.h"
 #include "stand/drive402.h"
@@ -83,6 +84,8 @@ typedef struct tumble_navcomp {
     bool more;               /* the next one has something to do at once */
     const tumble_navcomp_config_t *config;
     uint32_t shown;          /* what the state PDO told last */
+    uint32_t runs;           /* begun since power-on: 2007h */
+    uint64_t service_until_us; /* the service level ends there; 0: it is not open */
     uint64_t stepped_us;     /* clock of the last step */
     uint64_t due_us;         /* of the next one if no frame comes */
     uint64_t block_start_us; /* not before: the next NMT start for the block */
@@ -128,6 +131,10 @@ tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command
  * between runs only, has homed it; TUMBLE_COMMAND_ABORT stops the table although it is refused. Returns TUMBLE_OK,
  * TUMBLE_E_STATE (not now), TUMBLE_E_ARGUMENT (not within the cable's limits). */
 tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg);
+
+/* TUMBLE_COMMAND_ACCEPT of this proposal: the CRC at the end of its record (tumble_set_t.record_crc). Returns TUMBLE_OK,
+ * TUMBLE_E_STATE (not now, or there is no proposal), TUMBLE_E_ARGUMENT (it is another one). */
+tumble_status_t tumble_navcomp_accept(tumble_navcomp_t *navcomp, uint32_t proposal);
 
 /* Where the calibration stands. */
 typedef struct {

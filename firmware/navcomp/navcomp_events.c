@@ -77,6 +77,7 @@ static void reset(void *context, bool application)
     if (tumble_node_state(node) == TUMBLE_NMT_OPERATIONAL) {
         tumble_pdo_step(&node->pdos, &node->dictionary, &node->link, navcomp->stepped_us); /* before they are gone */
     }
+    navcomp->service_until_us = 0; /* the node's emergencies begin anew as well */
     navcomp->restart = (uint8_t)(application ? RESTART_APPLICATION : RESTART_COMMUNICATION);
 }
 

@@ -4,6 +4,7 @@
  *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets
  *     navcomp_objects.c  the object dictionary's values
  *     navcomp_report.c   commands and the readable side
+ *     service.c          the service level, and how many runs there were
  */
 #ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 #define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H

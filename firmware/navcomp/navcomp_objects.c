@@ -10,6 +10,7 @@
 #define FAILURE_STATE 1U
 #define FAILURE_STATUS 2U
 #define GRAVITY_LIMIT 3U
+#define SERVICE_LEVEL 2U
 #define CONFIGURATION_SAMPLES 1U
 #define CONFIGURATION_ESTIMATE 2U
 #define CONFIGURATION_SETTLE 3U
@@ -89,6 +90,15 @@ static tumble_abort_t read_counters(const tumble_navcomp_t *navcomp, const tumbl
     return member(&counters, entry, bytes, size);
 }
 
+static tumble_abort_t read_service(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
+{
+    if (subindex == SERVICE_LEVEL) {
+        return one_byte(tumble_service_is_open(navcomp) ? 1U : 0U, bytes);
+    }
+    tumble_put_u16(bytes, tumble_service_left_s(navcomp));
+    return TUMBLE_ABORT_NONE;
+}
+
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     const tumble_navcomp_t *navcomp = context;
@@ -110,6 +120,13 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     case TUMBLE_NAVCOMP_INDEX_CONFIGURATION:
         refusal = read_configuration(navcomp, entry, bytes, size);
         break;
+    case TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL:
+        refusal = read_service(navcomp, entry->subindex, bytes);
+        break;
+    case TUMBLE_NAVCOMP_INDEX_RUN_NUMBER:
+        tumble_put_u32(bytes, tumble_service_runs(navcomp));
+        refusal = TUMBLE_ABORT_NONE;
+        break;
     default: /* the counters, 2030h to 2034h */
         refusal = read_counters(navcomp, entry, bytes, size);
         break;
@@ -119,14 +136,17 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
 
 /* Writing. Types, lengths and limits have been checked. */
 
-static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
+static tumble_abort_t refusal_of(tumble_status_t status)
 {
-    const tumble_status_t status =
-        tumble_navcomp_command(navcomp, (tumble_command_t)command, navcomp->objects.command_argument);
     if (status == TUMBLE_E_STATE) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
     return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_VALUE;
+}
+
+static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
+{
+    return refusal_of(tumble_navcomp_command(navcomp, (tumble_command_t)command, navcomp->objects.command_argument));
 }
 
 /* Between runs only: the means of one run are taken in one way. */
@@ -164,6 +184,9 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     (void)size;
     if ((entry->index == TUMBLE_NAVCOMP_INDEX_COMMAND) && (entry->subindex == COMMAND_COMMAND)) {
         return write_command(navcomp, bytes[0]);
+    }
+    if (entry->index == TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL) {
+        return refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
     }
     if (entry->index == TUMBLE_NAVCOMP_INDEX_CONFIGURATION) {
         return write_configuration(navcomp, entry->subindex, bytes);

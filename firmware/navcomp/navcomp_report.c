@@ -35,6 +35,15 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     return (status == TUMBLE_E_STAND_STATE) ? TUMBLE_E_STATE : status;
 }
 
+static tumble_status_t start(tumble_navcomp_t *navcomp)
+{
+    const tumble_status_t status = tumble_procedure_start(&navcomp->procedure);
+    if (status == TUMBLE_OK) {
+        tumble_service_run_began(navcomp);
+    }
+    return status;
+}
+
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
 {
     tumble_procedure_t *procedure = &navcomp->procedure;
@@ -45,7 +54,7 @@ tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t 
         status = TUMBLE_OK;
         break;
     case TUMBLE_COMMAND_START:
-        status = tumble_procedure_start(procedure);
+        status = start(navcomp);
         break;
     case TUMBLE_COMMAND_ABORT:
         status = tumble_procedure_abort(procedure);
@@ -104,6 +113,12 @@ tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg)
 {
     navcomp->objects.command_angle = angle_deg;
     return tumble_navcomp_command(navcomp, TUMBLE_COMMAND_TURN_AXIS, 0);
+}
+
+tumble_status_t tumble_navcomp_accept(tumble_navcomp_t *navcomp, uint32_t proposal)
+{
+    navcomp->objects.command_proposal = proposal;
+    return tumble_navcomp_command(navcomp, TUMBLE_COMMAND_ACCEPT, 0);
 }
 
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg)

@@ -18,6 +18,8 @@
 #define TUMBLE_NAVCOMP_INDEX_COMMAND 0x2002U
 #define TUMBLE_NAVCOMP_INDEX_PROGRESS 0x2003U
 #define TUMBLE_NAVCOMP_INDEX_FAILURE 0x2004U
+#define TUMBLE_NAVCOMP_INDEX_SERVICE_LEVEL 0x2006U
+#define TUMBLE_NAVCOMP_INDEX_RUN_NUMBER 0x2007U
 #define TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN 0x2010U
 #define TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR 0x2011U
 #define TUMBLE_NAVCOMP_INDEX_K 0x2020U
@@ -35,6 +37,7 @@
 /* The variables: TUMBLE_HOME_VARIABLES. */
 typedef struct {
     double command_angle; /* 2002h:3, deg */
+    uint32_t command_proposal; /* 2002h:4 */
     uint8_t command_argument; /* 2002h:1 */
 } tumble_navcomp_objects_t;
 

@@ -140,6 +140,7 @@ static void end_reading(tumble_parameters_t *parameters, bool good)
     }
     if (good) {
         apply(parameters);
+        parameters->event = (parameters->view.applied != 0U) ? TUMBLE_PARAMETERS_APPLIED : TUMBLE_PARAMETERS_NOTHING;
     }
     rest(parameters);
 }
@@ -236,6 +237,7 @@ static void write_next(tumble_parameters_t *parameters)
     } else {
         parameters->slot ^= 1U;
         parameters->view.sequence++;
+        parameters->event = TUMBLE_PARAMETERS_WRITTEN;
         end(parameters, TUMBLE_ABORT_NONE);
     }
 }

@@ -33,12 +33,20 @@ typedef struct {
     uint32_t applied;  /* values of it that are in force */
 } tumble_parameters_view_t;
 
-/* Private but for `view`. */
+/* tumble_parameters_t.event */
+enum {
+    TUMBLE_PARAMETERS_NOTHING = 0,
+    TUMBLE_PARAMETERS_APPLIED, /* what was saved is in force: some of it */
+    TUMBLE_PARAMETERS_WRITTEN  /* saved, or forgotten */
+};
+
+/* Private but for `view` and `event`, which the owner sets back. */
 typedef struct {
     const tumble_nv_t *nv; /* null: there is no room for parameters */
     tumble_node_t *node;
     tumble_nv_writer_t writer;
     tumble_parameters_view_t view;
+    uint8_t event;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
     uint8_t failed_reads; /* in a row */

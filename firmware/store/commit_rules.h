@@ -39,7 +39,8 @@
     X(TUMBLE_OBJECTION_OLDER, "it is dated before the active set: the clock is wrong or the run is an old one")        \
     X(TUMBLE_OBJECTION_REPLAYED, "the same coefficients, to the last bit, were found before: the run is not new")      \
     X(TUMBLE_OBJECTION_LIMITS, "a limit of these rules is out of its range")                                           \
-    X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")
+    X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")                                          \
+    X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")
 
 /* The bit numbers. */
 typedef enum {

@@ -161,6 +161,12 @@ void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stam
     stamp->origin = bytes[AT_ORIGIN];
 }
 
+void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags)
+{
+    const uint32_t word = tumble_layout_get_u32(&bytes[AT_ORIGIN]);
+    tumble_layout_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
+}
+
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
 {
     return tumble_layout_get_u32(&bytes[AT_CRC]);
@@ -209,6 +215,7 @@ tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_
         *set = (tumble_set_t){0};
         tumble_layout_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)set);
         tumble_layout_decode(late_fields, COUNT_OF(late_fields), &bytes[AT_ZERO + 2U], (uint8_t *)set);
+        set->record_crc = tumble_set_crc(bytes);
     }
     return status;
 }

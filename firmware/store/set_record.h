@@ -33,7 +33,9 @@ enum {
 #define TUMBLE_SET_HAS_CHECK 0x0008U   /* the gravity check: maxima, limit, positions */
 #define TUMBLE_SET_HAS_CLOSURE 0x0010U
 #define TUMBLE_SET_RESUMED 0x0020U     /* the run was interrupted by a loss of power, and went on after it */
-#define TUMBLE_SET_FLAGS 0x003FU
+#define TUMBLE_SET_OTHER_RULES 0x0040U /* judged, committed or accepted under rules other than the board's, or while those
+                                        * could be changed (the service level was open) */
+#define TUMBLE_SET_FLAGS 0x007FU
 
 typedef struct {
     /* Written by the store; what a caller puts here is not read. */
@@ -60,6 +62,7 @@ typedef struct {
     uint32_t schedule_crc; /* fingerprint, tumble_gain_record_schedule_crc; 0: unknown */
     uint32_t stand_crc;    /* fingerprint of the stand as the application makes it; 0: unknown */
     uint32_t reasons;      /* why it was held, bits of the application; 0: it was not */
+    uint32_t record_crc;   /* read: CRC-32 at the end of the record; writing a record does not look at it */
 } tumble_set_t;
 
 /* Write the record of `set`. What a cleared flag says is unknown is written as 0. After a refusal `bytes` hold nothing of
@@ -89,6 +92,9 @@ tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES]);
 /* Put another stamp on a record, and take it off. */
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp);
 void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp);
+
+/* Set further flags in a record; then it needs its stamp. */
+void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags);
 
 /* The CRC-32 at the end of a record. */
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES]);

@@ -63,6 +63,11 @@ bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which)
     return !tumble_store_busy(store) && (find(store, which) != NO_REGION);
 }
 
+uint32_t tumble_store_proposal(const tumble_store_t *store)
+{
+    return tumble_store_has(store, TUMBLE_SET_PROPOSAL) ? store->places[TUMBLE_REGION_PROPOSAL].crc : 0U;
+}
+
 static tumble_status_t take_apart(tumble_store_t *store, tumble_status_t read, tumble_set_t *set)
 {
     tumble_status_t status = read;
@@ -123,6 +128,7 @@ static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
     if (tumble_store_busy(store)) {
         return TUMBLE_E_PORT_BUSY;
     }
+    store->flags = 0;
     if (store->unread) { /* a place that could not be read may hold the active set: look again first */
         tumble_store_begin_scan(store);
         return TUMBLE_E_NV;
@@ -180,10 +186,16 @@ static tumble_status_t take_proposal(tumble_store_t *store)
 
 tumble_status_t tumble_store_accept(tumble_store_t *store)
 {
+    return tumble_store_accept_as(store, 0);
+}
+
+tumble_status_t tumble_store_accept_as(tumble_store_t *store, uint16_t flags)
+{
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_ACCEPTED);
     if (status != TUMBLE_OK) {
         return status;
     }
+    store->flags = flags;
     return tumble_store_has(store, TUMBLE_SET_PROPOSAL) ? take_proposal(store) : TUMBLE_E_STATE;
 }
 

@@ -65,6 +65,7 @@ typedef struct {
     uint8_t factory_place; /* where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
     uint8_t target;        /* the slot that is being written */
     uint8_t source;        /* the region that a rollback copies */
+    uint16_t flags;        /* further ones for the record that is loaded */
     bool begun;            /* the action is */
     bool booted;
     uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark */
@@ -90,6 +91,9 @@ const tumble_store_counters_t *tumble_store_counters(const tumble_store_t *store
 
 /* Is there such a set? By the last scan; false while busy. */
 bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which);
+
+/* The CRC-32 at the end of the proposal's record: its name; 0: there is none, or busy. By the last scan. */
+uint32_t tumble_store_proposal(const tumble_store_t *store);
 
 /* The sequence of the active set: the calibration counter, which grows with every set that becomes active by a job. 0:
  * the factory set, or none. Where the active set decays it goes back to that of the one before, and the next one that
@@ -120,6 +124,9 @@ tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set
 
 /* Make the proposal active, then clear it. _STATE: there is none, or as tumble_store_commit. */
 tumble_status_t tumble_store_accept(tumble_store_t *store);
+
+/* The same, and the set that becomes active gets these flags (TUMBLE_SET_...) besides those of the proposal. */
+tumble_status_t tumble_store_accept_as(tumble_store_t *store, uint16_t flags);
 
 /* Clear the proposal. _STATE: there is none. */
 tumble_status_t tumble_store_discard(tumble_store_t *store);

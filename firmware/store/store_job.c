@@ -212,6 +212,7 @@ static tumble_status_t load(tumble_store_t *store, uint8_t region)
     if (!is_valid(store->bytes)) {
         return TUMBLE_E_CRC;
     }
+    tumble_set_add_flags(store->bytes, store->flags);
     put_stamp(store);
     return TUMBLE_OK;
 }

@@ -10,6 +10,7 @@
 #define COMMAND_ARGUMENT 1U
 #define COMMAND_COMMAND 2U
 #define COMMAND_ANGLE 3U
+#define COMMAND_PROPOSAL 4U
 
 /* The integers: the least, one beyond the greatest, bytes; limits that a double has exactly. */
 static const struct {
@@ -60,12 +61,16 @@ static void append(gateway_command_t *command, uint16_t index, uint8_t subindex,
     command->count++;
 }
 
-gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double *angle_deg, uint8_t command)
+gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double *angle_deg, const uint32_t *proposal,
+                                  uint8_t command)
 {
     gateway_command_t made = {.group = GATEWAY_GROUP_ALWAYS};
     append(&made, index, COMMAND_ARGUMENT, TUMBLE_TYPE_UNSIGNED8, argument);
     if (angle_deg != NULL) {
         append(&made, index, COMMAND_ANGLE, TUMBLE_TYPE_REAL64, *angle_deg);
+    }
+    if (proposal != NULL) {
+        append(&made, index, COMMAND_PROPOSAL, TUMBLE_TYPE_UNSIGNED32, (double)*proposal);
     }
     append(&made, index, COMMAND_COMMAND, TUMBLE_TYPE_UNSIGNED8, command);
     return made;
@@ -82,9 +87,18 @@ const gateway_target_t *gateway_target(uint16_t number)
 
 gateway_command_t gateway_setting(const gateway_target_t *target, double value)
 {
+    return gateway_setting_by_key(target, 0, value);
+}
+
+gateway_command_t gateway_setting_by_key(const gateway_target_t *target, uint32_t key, double value)
+{
+    const gateway_target_t *const lock = gateway_target(GATEWAY_SERVICE_KEY);
     gateway_command_t made = {.group = target->group};
+    if (key != 0U) {
+        append(&made, lock->index, lock->subindex, lock->type, (double)key);
+    }
     append(&made, target->index, target->subindex, target->type, value);
-    made.result = (uint8_t)((made.writes[0].size == 0U) ? GATEWAY_RESULT_UNFIT : GATEWAY_RESULT_NONE);
+    made.result = (uint8_t)((made.writes[made.count - 1U].size == 0U) ? GATEWAY_RESULT_UNFIT : GATEWAY_RESULT_NONE);
     return made;
 }
 
@@ -101,6 +115,14 @@ bool gateway_queue_add(gateway_queue_t *queue, gateway_command_t *command)
     queue->items[queue->count].owner = command;
     queue->count++;
     return true;
+}
+
+void gateway_queue_end_service(gateway_queue_t *queue)
+{
+    if (queue->ends_service) {
+        queue->ending = gateway_setting(gateway_target(GATEWAY_SERVICE_KEY), 0.0);
+        queue->ends_service = !gateway_queue_add(queue, &queue->ending);
+    }
 }
 
 void gateway_queue_end(gateway_queue_t *queue, gateway_result_t result, uint32_t abort)

@@ -1,4 +1,4 @@
-/* commands.h - what the gateway writes to the node: a command with its argument and angle, or a setting. Pure functions
+/* commands.h - what the gateway writes to the node: a command with what belongs to it, or a setting. Pure functions
  * and a queue; it is sent by the poller. */
 #ifndef TUMBLE_GATEWAY_COMMANDS_H
 #define TUMBLE_GATEWAY_COMMANDS_H
@@ -10,7 +10,7 @@
 
 #define GATEWAY_MAX_CLIENTS 32U
 #define GATEWAY_MAX_SESSIONS (GATEWAY_MAX_CLIENTS + 1U) /* and that of the serial line */
-#define GATEWAY_MAX_WRITES 3U
+#define GATEWAY_MAX_WRITES 4U
 #define GATEWAY_NUMBER_BYTES 8U
 
 typedef enum {
@@ -19,7 +19,8 @@ typedef enum {
     GATEWAY_RESULT_ACCEPTED,
     GATEWAY_RESULT_REFUSED,
     GATEWAY_RESULT_UNANSWERED,
-    GATEWAY_RESULT_UNFIT
+    GATEWAY_RESULT_UNFIT,
+    GATEWAY_RESULT_NO_SERVICE
 } gateway_result_t;
 
 /* One object that is to be written: `size` little-endian bytes. */
@@ -44,14 +45,19 @@ typedef struct {
  * rounded to nearest, and what it has only as a denormal number does not fit. */
 uint8_t gateway_number_bytes(uint8_t type, double number, uint8_t *bytes);
 
-/* A command of the object at `index`: its argument, the angle if there is one (else null), the command. */
-gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double *angle_deg, uint8_t command);
+/* A command of the object at `index`: its argument, the angle and the proposal if there are any (else null), the
+ * command. */
+gateway_command_t gateway_command(uint16_t index, uint8_t argument, const double *angle_deg, const uint32_t *proposal,
+                                  uint8_t command);
 
 /* The object that has the number of a setting, or null. */
 const gateway_target_t *gateway_target(uint16_t number);
 
 /* A setting. With result GATEWAY_RESULT_UNFIT the object cannot hold the value, and nothing is to be sent. */
 gateway_command_t gateway_setting(const gateway_target_t *target, double value);
+
+/* The same, and before it the key to the service level; 0: none. */
+gateway_command_t gateway_setting_by_key(const gateway_target_t *target, uint32_t key, double value);
 
 /* What waits to be sent; the first one is being sent. */
 typedef struct {
@@ -60,10 +66,15 @@ typedef struct {
         gateway_command_t *owner; /* who is told the result; null: has gone */
     } items[GATEWAY_MAX_SESSIONS];
     uint16_t count;
+    bool ends_service;        /* the service level is to be ended, as soon as there is room, */
+    gateway_command_t ending; /* by this */
 } gateway_queue_t;
 
 /* Behind the others. Its result is PENDING from now on. False: too many wait, and nothing has changed. */
 bool gateway_queue_add(gateway_queue_t *queue, gateway_command_t *command);
+
+/* If the service level is to be ended, and there is room: that waits now behind the others. */
+void gateway_queue_end_service(gateway_queue_t *queue);
 
 /* The first one has ended: tell its owner, and forget it. */
 void gateway_queue_end(gateway_queue_t *queue, gateway_result_t result, uint32_t abort);

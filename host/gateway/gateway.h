@@ -17,11 +17,15 @@ typedef struct {
     uint64_t poll_us;
 } gateway_settings_t;
 
+struct gateway_session;
+
 typedef struct {
     gateway_settings_t settings;
     gateway_counters_t counters;
     gateway_poller_t poller;
     uint16_t clients; /* TCP connections now open */
+    const struct gateway_session *service; /* who opened the service level last; null: nobody, or it is over */
+    uint64_t service_until_us;
 } gateway_t;
 
 #endif

@@ -300,6 +300,7 @@ static bool is_reads_turn(const gateway_poller_t *poller, uint8_t done, uint64_t
 /* `done`: what the last transfer was for. False: nothing is due. */
 static bool begin_transfer(gateway_poller_t *poller, uint8_t done, uint64_t now_us)
 {
+    gateway_queue_end_service(&poller->queue);
     if (poller->queue.count > 0U && !is_reads_turn(poller, done, now_us)) {
         begin_write(poller);
         return true;
@@ -393,5 +394,5 @@ uint64_t gateway_poller_next_us(const gateway_poller_t *poller)
     if (poller->doing != DOING_NOTHING) {
         return tumble_sdo_client_next_us(&poller->client);
     }
-    return (poller->queue.count > 0U) ? 0U : poller->next_us;
+    return (poller->queue.count > 0U || poller->queue.ends_service) ? 0U : poller->next_us;
 }

@@ -95,6 +95,17 @@ static inline bool gateway_poller_command(gateway_poller_t *poller, gateway_comm
     return gateway_queue_add(&poller->queue, command);
 }
 
+/* End the node's service level, whose owner has gone, behind the commands that wait; and leave it, for another has opened
+ * it. */
+static inline void gateway_poller_end_service(gateway_poller_t *poller)
+{
+    poller->queue.ends_service = true;
+}
+static inline void gateway_poller_keep_service(gateway_poller_t *poller)
+{
+    poller->queue.ends_service = false;
+}
+
 /* Its owner goes away: what was accepted is sent all the same. */
 static inline void gateway_poller_forget(gateway_poller_t *poller, const gateway_command_t *command)
 {

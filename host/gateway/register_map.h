@@ -34,7 +34,9 @@
 #define GATEWAY_HOLDING_ABORT_CODE 11U
 #define GATEWAY_HOLDING_SETTING 13U
 #define GATEWAY_HOLDING_VALUE 14U
-#define GATEWAY_HOLDING_END 18U
+#define GATEWAY_HOLDING_PROPOSAL 18U
+#define GATEWAY_HOLDING_SERVICE_KEY 20U
+#define GATEWAY_HOLDING_END 22U
 
 /* Counters: two registers each. */
 enum {
@@ -67,11 +69,14 @@ enum {
     GATEWAY_COUNTERS
 };
 
-#define GATEWAY_VALUES 420U
+#define GATEWAY_VALUES 425U
 #define GATEWAY_MARKS 6U
 #define GATEWAY_KEYS 10U
 #define GATEWAY_GROUPS 7U
-#define GATEWAY_TARGETS 56U
+#define GATEWAY_TARGETS 57U
 #define GATEWAY_COMMAND_OBJECTS 1U
+
+/* The setting that opens the service level. */
+#define GATEWAY_SERVICE_KEY 151U
 
 #endif

@@ -47,6 +47,7 @@ typedef struct {
     uint8_t type;
     uint8_t size;
     uint8_t group; /* what changes with it */
+    bool service;  /* the node takes it at service level only */
 } gateway_target_t;
 
 static inline bool gateway_is_same_object(const gateway_value_t *a, const gateway_value_t *b)
@@ -74,7 +75,7 @@ extern const gateway_target_t gateway_targets[GATEWAY_TARGETS];
 extern const gateway_object_t gateway_marks[GATEWAY_MARKS];
 
 /* Indices of the command objects, by the number that Modbus has for them: argument at subindex 1, command at 2, angle
- * at 3. */
+ * at 3, the proposal's name at 4. */
 extern const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS];
 
 #endif

@@ -325,5 +325,6 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
         notify_manager("STOPPING=1");
     }
     close_all(&server);
+    gateway_poller_step(&server.gateway.poller); /* the end of a service level, unless the bus is busy: else it ends itself */
     return code;
 }

@@ -95,6 +95,8 @@ void gateway_session_holding(const gateway_session_t *session, uint16_t *words, 
     gateway_put_u32(&words[GATEWAY_HOLDING_ABORT_CODE], session->sent.abort);
     words[GATEWAY_HOLDING_SETTING] = session->setting;
     memcpy(&words[GATEWAY_HOLDING_VALUE], session->value, sizeof session->value);
+    memcpy(&words[GATEWAY_HOLDING_PROPOSAL], session->proposal, sizeof session->proposal);
+    memcpy(&words[GATEWAY_HOLDING_SERVICE_KEY], session->service_key, sizeof session->service_key);
 }
 
 /* Writing. */
@@ -109,7 +111,18 @@ static void forget_staged(gateway_session_t *session)
     session->setting = 0;
     session->is_setting_done = false;
     memset(session->angle, 0, sizeof session->angle);
+    session->has_proposal = false;
+    memset(session->proposal, 0, sizeof session->proposal);
+    memset(session->service_key, 0, sizeof session->service_key);
     memset(session->value, 0, sizeof session->value);
+}
+
+static void end_service(const gateway_session_t *session, gateway_t *gateway)
+{
+    if (gateway->service == session) {
+        gateway->service = NULL;
+        gateway_poller_end_service(&gateway->poller);
+    }
 }
 
 static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway, const uint16_t *keys, uint64_t now_us)
@@ -117,10 +130,12 @@ static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway
     if (keys[0] != GATEWAY_KEY_1 || keys[1] != GATEWAY_KEY_2) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_KEYS);
         session->unlocked_until_us = 0;
+        end_service(session, gateway);
         return GATEWAY_ILLEGAL_VALUE;
     }
     if (!is_unlocked(session, now_us)) {
         forget_staged(session);
+        end_service(session, gateway); /* another opened it, on a serial line */
     }
     session->unlocked_until_us = now_us + gateway->settings.unlock_us;
     return GATEWAY_OK;
@@ -154,6 +169,15 @@ static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16
         session->setting = value;
         return (value == 0U || gateway_target(value) != NULL) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
     }
+    if (at >= GATEWAY_HOLDING_SERVICE_KEY) {
+        session->service_key[at - GATEWAY_HOLDING_SERVICE_KEY] = value;
+        return GATEWAY_OK;
+    }
+    if (at >= GATEWAY_HOLDING_PROPOSAL) {
+        session->proposal[at - GATEWAY_HOLDING_PROPOSAL] = value;
+        session->has_proposal = true;
+        return GATEWAY_OK;
+    }
     if (at >= GATEWAY_HOLDING_VALUE) {
         session->value[at - GATEWAY_HOLDING_VALUE] = value;
         return GATEWAY_OK;
@@ -161,10 +185,14 @@ static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16
     return (value == 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE; /* passed over */
 }
 
+static uint32_t u32_of(const uint16_t words[2])
+{
+    return (uint32_t)words[0] << 16 | words[1];
+}
+
 static double angle_deg(const gateway_session_t *session)
 {
-    const uint32_t bits = (uint32_t)session->angle[0] << 16 | session->angle[1];
-    return (double)(int32_t)bits / ANGLES_PER_DEG;
+    return (double)(int32_t)u32_of(session->angle) / ANGLES_PER_DEG;
 }
 
 static double value_of(const gateway_session_t *session)
@@ -176,26 +204,79 @@ static double value_of(const gateway_session_t *session)
     return tumble_get_f64(bytes);
 }
 
-static gateway_exception_t execute(gateway_session_t *session, gateway_t *gateway)
+static gateway_command_t command_of(gateway_session_t *session)
+{
+    const double angle = angle_deg(session);
+    const uint32_t proposal = u32_of(session->proposal);
+    const gateway_command_t made = gateway_command(
+        gateway_command_objects[session->object], (uint8_t)session->argument, session->has_angle ? &angle : NULL,
+        session->has_proposal ? &proposal : NULL, (uint8_t)session->command);
+    session->has_angle = false;
+    session->has_proposal = false;
+    return made;
+}
+
+/* The service level of the node is open for the session alone that opened it last. */
+static bool has_service(const gateway_session_t *session, const gateway_t *gateway, uint64_t now_us)
+{
+    return gateway->service == session && now_us < gateway->service_until_us;
+}
+
+static void note_key(const gateway_session_t *session, gateway_t *gateway, double key, uint64_t now_us)
+{
+    if (key == (double)GATEWAY_SERVICE_NUMBER) {
+        gateway->service = session;
+        gateway->service_until_us = now_us + GATEWAY_SERVICE_US;
+        gateway_poller_keep_service(&gateway->poller);
+    } else if (gateway->service == session && key == 0.0) {
+        gateway->service = NULL;
+    } else {
+        /* the node refuses it, and nothing changes */
+    }
+}
+
+static gateway_exception_t send(gateway_session_t *session, gateway_t *gateway)
+{
+    return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
+}
+
+/* Nothing is sent of what does not fit, or needs a level that this session has not. */
+static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t *gateway, uint64_t now_us)
+{
+    const gateway_target_t *const target = gateway_target(session->setting);
+    const uint32_t key = u32_of(session->service_key);
+    session->sent = gateway_setting_by_key(target, key, value_of(session));
+    session->setting = 0;
+    memset(session->service_key, 0, sizeof session->service_key);
+    if (session->sent.result == GATEWAY_RESULT_UNFIT) {
+        gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
+        return GATEWAY_OK;
+    }
+    if (target->service && key == 0U && !has_service(session, gateway, now_us)) {
+        session->sent.result = (uint8_t)GATEWAY_RESULT_NO_SERVICE;
+        return GATEWAY_OK;
+    }
+    const gateway_exception_t wrong = send(session, gateway);
+    if (wrong == GATEWAY_OK && key != 0U) {
+        note_key(session, gateway, (double)key, now_us);
+    }
+    if (wrong == GATEWAY_OK && target->number == GATEWAY_SERVICE_KEY) {
+        note_key(session, gateway, value_of(session), now_us);
+    }
+    return wrong;
+}
+
+static gateway_exception_t execute(gateway_session_t *session, gateway_t *gateway, uint64_t now_us)
 {
     if (gateway->poller.link_state != GATEWAY_LINK_UP) {
         return GATEWAY_TARGET_FAILED;
     }
     session->is_setting_done = session->setting != 0U;
-    if (session->setting != 0U) {
-        session->sent = gateway_setting(gateway_target(session->setting), value_of(session));
-        session->setting = 0;
-    } else {
-        const double angle = angle_deg(session);
-        session->sent = gateway_command(gateway_command_objects[session->object], (uint8_t)session->argument,
-                                        session->has_angle ? &angle : NULL, (uint8_t)session->command);
-        session->has_angle = false;
+    if (session->is_setting_done) {
+        return execute_setting(session, gateway, now_us);
     }
-    if (session->sent.result == GATEWAY_RESULT_UNFIT) {
-        gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
-        return GATEWAY_OK;
-    }
-    return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
+    session->sent = command_of(session);
+    return send(session, gateway);
 }
 
 /* A request for a setting come once more, as after a lost answer: what is staged now is a command that nobody wants. */
@@ -206,7 +287,7 @@ static bool is_repeated(const gateway_session_t *session, const gateway_session_
 
 /* All or nothing: what does not go well is taken back. */
 static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
-                                     const uint16_t *words)
+                                     const uint16_t *words, uint64_t now_us)
 {
     const gateway_session_t before = *session;
     gateway_exception_t wrong = GATEWAY_OK;
@@ -215,7 +296,7 @@ static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gate
     }
     const bool executes = at <= GATEWAY_HOLDING_EXECUTE && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE;
     if (wrong == GATEWAY_OK && executes && !is_repeated(session, &before)) {
-        wrong = execute(session, gateway);
+        wrong = execute(session, gateway, now_us);
     }
     if (wrong != GATEWAY_OK) {
         *session = before;
@@ -242,7 +323,7 @@ static gateway_exception_t write_staged(gateway_session_t *session, gateway_t *g
     if (session->sent.result == GATEWAY_RESULT_PENDING) {
         return GATEWAY_BUSY;
     }
-    const gateway_exception_t wrong = stage_all(session, gateway, at, count, words);
+    const gateway_exception_t wrong = stage_all(session, gateway, at, count, words, now_us);
     if (wrong == GATEWAY_OK) {
         session->unlocked_until_us = now_us + gateway->settings.unlock_us;
     }
@@ -284,5 +365,6 @@ gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t 
 void gateway_session_close(gateway_session_t *session, gateway_t *gateway)
 {
     gateway_poller_forget(&gateway->poller, &session->sent);
+    end_service(session, gateway);
     gateway_session_open(session);
 }

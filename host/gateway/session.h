@@ -12,6 +12,10 @@
 #define GATEWAY_HOLD_US 2000000U
 #define GATEWAY_PASS_US 30000000U
 
+/* The service level of the node, as its object 2006h has it. */
+#define GATEWAY_SERVICE_NUMBER 0x76726573U
+#define GATEWAY_SERVICE_US 60000000U
+
 #define GATEWAY_KEY_1 0x4F50U
 #define GATEWAY_KEY_2 0x454EU
 
@@ -26,7 +30,7 @@ typedef enum {
     GATEWAY_TARGET_FAILED = 0x0B
 } gateway_exception_t;
 
-typedef struct {
+typedef struct gateway_session {
     gateway_snapshot_t snapshot;
     uint64_t renewed_us;
     uint16_t last_at;           /* of input registers, the first one of the last request */
@@ -34,7 +38,10 @@ typedef struct {
     uint16_t object;            /* staged; likewise up to `command` */
     uint16_t argument;
     uint16_t angle[2];
-    bool has_angle;             /* written since the last execution */
+    bool has_angle;             /* written since the last execution; likewise `has_proposal` */
+    uint16_t proposal[2];
+    bool has_proposal;
+    uint16_t service_key[2];    /* staged for the next setting; 0: none */
     uint16_t command;
     uint16_t setting;           /* staged, and `value` as it came; 0: none */
     uint16_t value[4];
@@ -57,7 +64,7 @@ void gateway_session_holding(const gateway_session_t *session, uint16_t *words, 
 gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
                                           const uint16_t *words, uint64_t now_us);
 
-/* Its client has gone. */
+/* Its client has gone. A service level that it opened is ended. */
 void gateway_session_close(gateway_session_t *session, gateway_t *gateway);
 
 #endif

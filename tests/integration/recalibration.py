@@ -69,12 +69,23 @@ class Computer:
         raise AssertionError(f"not in time: {self.state()}, reason {self['Reason'].raw}")
 
     def set_rules(self, uncertainty, drift, coverage=3.0, flags=3):
-        """Commit rules, the same for all coefficients."""
+        """Commit rules, the same for all coefficients; saved, so that they are the board's."""
+        self.unlock()
         self["Commit rules"]["Coverage"].raw = coverage
         self["Commit rules"]["Flags"].raw = flags
         for name, value in (("Uncertainty limits", uncertainty), ("Drift limits per month", drift)):
             for entry in entries_of(self[name]):
                 entry.raw = value
+        self.save()
+
+    def unlock(self):
+        """Open the service level, or prolong it."""
+        self["Service level"]["Key"].raw = signature("serv")
+
+    def accept(self):
+        """The proposal that is there, by its name."""
+        self["Command"]["Proposal"].raw = self["Proposal"]["Record CRC"].raw
+        self.command("ACCEPT")
 
     def finish_run(self):
         """Mount whatever is asked for, until the run is done and judged."""
@@ -109,6 +120,7 @@ class Computer:
 
     def save(self):
         """1010h, as long as the memory takes."""
+        self.unlock()
         self["Store parameters"]["Save all parameters"].raw = signature("save")
 
 

@@ -28,7 +28,7 @@ static void show(const tumble_can_frame_t *frame)
 {
     const unsigned kind = frame->id & 0x780U;
     answered = answered || (frame->id == SDO_ANSWER);
-    if (((frame->id & 0x7FU) != 1U) || (kind == 0x600U) || (kind == 0U)) {
+    if ((((frame->id & 0x7FU) != 1U) && (frame->id != 0x6C1U)) || (kind == 0x600U) || (kind == 0U)) {
         return; /* to others */
     }
     printf("%03X#", frame->id);

@@ -5,7 +5,7 @@ import math
 import struct
 
 import pytest
-from canopen_bridge import EDS, canopen, program, refusal_of, start  # noqa: F401
+from canopen_bridge import EDS, ROOT, canopen, program, refusal_of, start  # noqa: F401
 from eds_reader import BOOLEAN, INTEGERS, TEXT, read
 
 READ_ONLY, WRITE_ONLY = 0x06010002, 0x06010001
@@ -13,10 +13,13 @@ TOO_LONG, TOO_SHORT = 0x06070012, 0x06070013
 VALUE, TOO_HIGH, TOO_LOW = 0x06090030, 0x06090031, 0x06090032
 NO_SUBINDEX, NO_DATA, DEVICE_STATE, STORE = 0x06090011, 0x08000024, 0x08000022, 0x08000020
 
+KEY = 0x76726573  # "serv"
+
 # Objects of the keeper whose rules go beyond limits (docs/canopen.md): a good value, bad ones, and their code.
 RULES = {
     (0x1010, 1): ([], [0, 1, 0x73617665, 0x65766172, 0xFFFFFFFF], STORE),
     (0x1011, 1): ([], [0, 1, 0x65766173, 0x64616F6D, 0xFFFFFFFF], STORE),
+    (0x2006, 1): ([], [1, KEY ^ 1, 0x73657276, 0xFFFFFFFF], VALUE),
     (0x2121, 1): ([1, 1 << 40, 0], [(1 << 40) + 1, (1 << 64) - 1], VALUE),
     (0x2152, 1): ([2, 65535, 0], [1], VALUE),
     (0x2122, 1): ([9.7, 9.9, 0.0], [9.69, 9.91, -9.8, 1e300], VALUE),
@@ -43,9 +46,10 @@ def check_refused(ours, entry, data, code):
 
 
 def quiet(ours, name):
-    """No run is to begin by itself in between."""
+    """No run is to begin by itself in between, and the level is to keep nothing out: the clock stands still."""
     if name == "navcomp":
         ours.node.sdo["Host"]["Inhibit"].raw = 65535
+        ours.node.sdo["Service level"]["Key"].raw = KEY
     return read(EDS[name])
 
 
@@ -182,3 +186,33 @@ def test_settings_are_refused_while_a_run_is_on(start):
             assert refusal_of(download, ours, entry, entry.encode(value)) == DEVICE_STATE, entry
             tried += 1
     assert tried == 50
+
+
+def test_what_is_of_service_level_is_refused_at_normal_level(start):
+    """As docs/canopen.md has it, which the table generates: every such object, and no other for that reason."""
+    ours = start("navcomp")
+    ours.node.sdo["Host"]["Inhibit"].raw = 65535
+    protected = of_service_level()
+    tried = 0
+    for entry in (entry for entry in read(EDS["navcomp"]) if (entry.index, entry.subindex) in protected):
+        before = upload(ours, entry)
+        value = before if isinstance(before, bytes) else bytes(entry.size)
+        assert refusal_of(download, ours, entry, value) == DEVICE_STATE, entry
+        assert upload(ours, entry) == before, entry
+        tried += 1
+    assert tried == len(protected) > 90
+    for place in ((0x1016, 1), (0x1800, 1), (0x2050, 5), (0x2123, 2), (0x2124, 1), (0x2126, 12), (0x1010, 1)):
+        assert place in protected
+
+
+def of_service_level():
+    """(index, subindex) of all whose column says so."""
+    page = (ROOT / "docs/canopen.md").read_text(encoding="utf-8").split("## Node 1:")[1].split("## Node 2:")[0]
+    found, index = set(), 0
+    for cells in (line.split("|")[1:-1] for line in page.splitlines() if line.startswith("|")):
+        place = cells[0].strip()
+        if place.endswith("h"):
+            index, place = int(place[:-1], 16), ":0"
+        if place.startswith(":") and cells[4].strip() == "service":
+            found.add((index, int(place[1:])))
+    return found

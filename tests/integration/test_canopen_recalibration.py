@@ -93,7 +93,7 @@ def test_a_life_from_the_first_set_to_a_rollback(bench):
     assert computer.coefficients("Proposal: ") == proposed and computer.coefficients("Active set: ") == first
     assert computer["Proposal"]["Reasons"].raw == computer["Keeper"]["Objections"].raw
 
-    computer.command("ACCEPT")
+    computer.accept()
     computer.settle()
     assert computer.counter() == 2 and not computer["Keeper"]["Proposal present"].raw
     assert computer.coefficients("Active set: ") == proposed
@@ -133,8 +133,7 @@ def test_a_discarded_proposal_leaves_no_trace(bench):
 
 def test_a_run_that_lost_power_goes_on(bench):
     computer = bench.computer
-    computer.set_rules(LOOSE, 1e-4)
-    computer.save()  # the rules of the run are no part of it, but they are to be there when it ends
+    computer.set_rules(LOOSE, 1e-4)  # the rules of the run are no part of it, but they are to be there when it ends
     computer.command("START")
     computer.wait(lambda: computer.state() == "WAIT_MOUNTING")
     number = computer["Progress"]["Mounting number"].raw
@@ -169,12 +168,15 @@ def test_parameters_are_forgotten_by_their_signature_alone(bench):
     before = computer["Recalibration"]["Pause"].raw
     assert store.raw == 1 and load.raw == 1
     computer["Recalibration"]["Pause"].raw = before + 100
+    computer.unlock()
     for wrong in (0, signature("evas"), signature("load"), 0xFFFFFFFF):
         assert refusal_of(setattr, store, "raw", wrong) == STORE
     computer.save()
     assert refusal_of(setattr, load, "raw", signature("save")) == STORE
     bench.power_cycle()
     assert computer["Recalibration"]["Pause"].raw == before + 100
+    assert refusal_of(setattr, load, "raw", signature("load")) == DEVICE_STATE
+    computer.unlock()
     load.raw = signature("load")
     assert computer["Recalibration"]["Pause"].raw == before + 100
     bench.power_cycle()

@@ -20,9 +20,13 @@ SETTING, VALUE_AT = (register(name, "holding")["register"] for name in ("Setting
 ROWS = [row for row in registers() if row["table"] == "setting"]
 NUMBER = {row["name"]: row["register"] for row in ROWS}
 CALENDAR, INHIBIT = NUMBER["Host: Calendar"], NUMBER["Host: Inhibit"]
-UNFIT = 5
+UNFIT, NO_SERVICE = 5, 6
+KEY_OF_SERVICE, SERV = NUMBER["Service level: Key"], 0x76726573
+PROTECTED = {int(number) for number in re.findall(r"^\| (\d+) \|[^|]*\|[^|]*\|[^|]*\| \w{4}h:\d+ \| service \|$",
+                                                  (ROOT / "docs/modbus.md").read_text(encoding="utf-8"), re.M)}
 SAVE = 0x65766173
-BEHIND = VALUE_AT + 4 - OBJECT  # registers from the first to the last that can be staged
+PROPOSAL_AT, SERVICE_KEY_AT = (register(name, "holding")["register"] for name in ("Proposal", "Service key"))
+BEHIND = SERVICE_KEY_AT + 2 - OBJECT  # registers from the first to the last that can be staged
 
 
 def words_of(number):
@@ -37,6 +41,17 @@ def tell(client, number, value, token=1):
     found = result(client)
     assert found[1] == token
     return found[0], found[2]
+
+
+def open_service(gateway, client, token=1000):
+    """The service level, for this session."""
+    assert tell(client, KEY_OF_SERVICE, SERV, token) == (ACCEPTED, 0)
+    assert written(gateway, 1) == ["write 2006 1 73657276"]  # "serv"
+
+
+def is_protected(row):
+    """By the column of docs/modbus.md."""
+    return row["register"] in PROTECTED
 
 
 def limits(row):
@@ -59,12 +74,15 @@ def test_every_setting_is_written_as_its_object_has_it(start):
     client, sent = unlocked(gateway), 0
     for row in ROWS:
         for number in some_numbers(row, draw):
+            if is_protected(row):
+                sent += 1
+                open_service(gateway, client, sent)
             sent += 1
             assert tell(client, row["register"], number, sent) == (ACCEPTED, 0), row
             data = variable(row).encode_raw(number)
             assert written(gateway, 1) == [f"write {row['index']:04X} {row['subindex']} {data.hex().upper()}"], row
             assert client.read(SETTING, 5, READ_HOLDING) == (0, *words_of(number))
-    assert client.number("Commands sent") == sent == 3 * len(ROWS) and client.number("Values unfit") == 0
+    assert client.number("Commands sent") == sent == 3 * (len(ROWS) + len(PROTECTED)) and client.number("Values unfit") == 0
     assert gateway.written.empty() and DICTIONARY[0x1010]
 
 
@@ -83,6 +101,8 @@ def test_an_integer_takes_no_fraction_and_nothing_beyond_its_type(start):
     gateway = start("--allow-commands")
     client = unlocked(gateway)
     for row in (row for row in ROWS if row["type"][0] != "f"):
+        if is_protected(row):
+            open_service(gateway, client)
         low, high = limits(row)
         for number in (low - 1, float(high) + 1 if high < 1 << 53 else 2.0**64, 0.5, 1e-9, high / 2 + 0.25):
             wanted = UNFIT if number != int(number) or not low <= number <= high else ACCEPTED
@@ -148,6 +168,7 @@ def test_what_was_staged_before_the_lock_closed_is_forgotten(start):
     client = unlocked(gateway)
     angle = struct.unpack(">HH", struct.pack(">i", 9000000))
     assert client.write(OBJECT, 0, 4, *angle, 7) is None and client.write(SETTING, INHIBIT, *words_of(60)) is None
+    assert client.write(PROPOSAL_AT, 1, 2, 3, 4) is None
     staged = client.read(OBJECT, BEHIND, READ_HOLDING)
     wait_until(lambda: client.number("Access") == 1)
     assert client.read(OBJECT, BEHIND, READ_HOLDING) == staged
@@ -174,17 +195,18 @@ def test_all_in_one_request(start):
     assert result(client) == (ACCEPTED, 9, 0)
     assert written(gateway, 1) == ["write 2121 1 " + struct.pack("<Q", 1795000000).hex().upper()]
     assert client.write(EXECUTE, *good[EXECUTE:]) is None and result(client)[0] == ACCEPTED
-    for at, words in ((EXECUTE + 1, good[EXECUTE + 1 :]), (EXECUTE, good[EXECUTE : SETTING]), (SETTING, 6 * [0])):
+    for at, words in ((EXECUTE + 1, good[EXECUTE + 1 :]), (EXECUTE, good[EXECUTE : SETTING]), (SETTING, (SERVICE_KEY_AT + 3 - SETTING) * [0])):
         assert client.write(at, *words) == ADDRESS
 
 
 def test_a_refusal_of_the_node_is_told(start):
     gateway = start("--allow-commands")
     client = unlocked(gateway)
+    open_service(gateway, client)
     gateway.tell("refuse 08000020")
     save = NUMBER["Store parameters: Save all parameters"]
     assert tell(client, save, SAVE - 1) == (REFUSED, 0x08000020)
-    assert client.number("Commands refused") == 1 and client.number("Commands sent") == 0
+    assert client.number("Commands refused") == 1 and client.number("Commands sent") == 1
     gateway.tell("refuse 0")
     assert tell(client, save, SAVE) == (ACCEPTED, 0)
     assert written(gateway, 1) == ["write 1010 1 73617665"]  # "save"
@@ -239,9 +261,11 @@ def test_pymodbus_tells_the_calendar_and_saves(start):
 
         executed(CALENDAR, 1795252800, 5)
         executed(NUMBER["Recalibration: Gravity"], 9.81234, 6)
+        executed(KEY_OF_SERVICE, SERV, 8)
         executed(NUMBER["Store parameters: Save all parameters"], SAVE, 7)
     data = struct.pack("<d", 9.81234).hex().upper()
-    assert written(gateway, 3) == ["write 2121 1 4062016B00000000", f"write 2122 1 {data}", "write 1010 1 73617665"]
+    assert written(gateway, 5) == ["write 2121 1 4062016B00000000", f"write 2122 1 {data}", "write 2006 1 73657276",
+                                   "write 1010 1 73617665", "write 2006 1 00000000"]  # the connection is closed
 
 
 def test_mbpoll_tells_the_calendar_in_one_request(start):
@@ -268,3 +292,74 @@ def test_the_examples_of_the_page(start):
     assert mbpoll_write(gateway, 0, *words) == "" and written(gateway, 1) == ["write 2121 2 5802"]
     gateway.tell("refuse 08000022")
     assert example(gateway, 1) == (0, "result 3\n", "")
+
+
+def test_the_service_level_is_the_sessions_own(start):
+    gateway = start("--allow-commands")
+    one, other = unlocked(gateway), unlocked(gateway)
+    limit, data = NUMBER["Configuration: Gravity limit"], struct.pack("<d", 1e-3).hex().upper()
+    assert tell(one, limit, 1e-3) == (NO_SERVICE, 0) and gateway.written.empty()
+    open_service(gateway, one)
+    assert tell(other, limit, 1e-3) == (NO_SERVICE, 0) and gateway.written.empty()
+    assert tell(one, limit, 1e-3) == (ACCEPTED, 0) and written(gateway, 1) == [f"write 2050 5 {data}"]
+    assert tell(other, INHIBIT, 60) == (ACCEPTED, 0) and written(gateway, 1)  # the others are free
+    open_service(gateway, other)  # who gives the key last has it
+    assert tell(one, limit, 1e-3) == (NO_SERVICE, 0) and tell(other, limit, 1e-3) == (ACCEPTED, 0)
+    assert written(gateway, 1) == [f"write 2050 5 {data}"]
+    one.close()
+    time.sleep(0.2)
+    assert gateway.written.empty()
+    other.close()
+    assert written(gateway, 1) == ["write 2006 1 00000000"]
+    assert tell(unlocked(gateway), limit, 1e-3) == (NO_SERVICE, 0)
+
+
+def test_the_service_level_ends_with_the_lock_and_by_the_key_0(start):
+    gateway = start("--allow-commands")
+    client, limit = unlocked(gateway), NUMBER["Commit rules: Flags"]
+    open_service(gateway, client)
+    assert tell(client, KEY_OF_SERVICE, 0) == (ACCEPTED, 0) and written(gateway, 1) == ["write 2006 1 00000000"]
+    assert tell(client, limit, 1) == (NO_SERVICE, 0)
+    open_service(gateway, client)
+    assert client.write(0, 1, 2) == VALUE  # other keys lock
+    assert written(gateway, 1) == ["write 2006 1 00000000"]
+    client.unlock()
+    assert tell(client, limit, 1) == (NO_SERVICE, 0)
+    gateway.tell("refuse 06090030")
+    assert tell(client, KEY_OF_SERVICE, SERV + 1) == (REFUSED, 0x06090030)  # the node's to say
+    gateway.tell("refuse 0")
+    assert tell(client, limit, 1) == (NO_SERVICE, 0) and gateway.written.empty()
+
+
+def test_without_permission_there_is_no_service_level(start):
+    gateway = start()
+    client = gateway.connect()
+    assert client.write(SETTING, KEY_OF_SERVICE, *words_of(SERV)) == FUNCTION
+    assert client.write(SERVICE_KEY_AT, 0x7672, 0x6573) == FUNCTION
+    gateway = start("--allow-commands")
+    client = gateway.connect()
+    assert client.write(SETTING, KEY_OF_SERVICE, *words_of(SERV)) == FUNCTION and gateway.written.empty()
+
+
+def test_mbpoll_writes_a_protected_setting_in_one_request(start):
+    """The key goes first, and the level ends with the connection."""
+    gateway = start("--allow-commands")
+    gateway.wait_fresh()
+    staged = [0, 0, 0, 0, 0, 1, 0, 0, 0, 0]
+    limit = [NUMBER["Configuration: Gravity limit"], *words_of(1e-3)]
+    assert mbpoll_write(gateway, 0, *KEYS, 0, *staged, *limit, 0, 0, 0x7672, 0x6573) == ""
+    assert written(gateway, 3) == ["write 2006 1 73657276", "write 2050 5 " + struct.pack("<d", 1e-3).hex().upper(),
+                                   "write 2006 1 00000000"]
+    assert mbpoll_write(gateway, 0, *KEYS, 0, *staged, *limit) == ""
+    time.sleep(0.2)
+    assert gateway.written.empty()
+
+
+def test_accept_names_its_proposal(start):
+    gateway = start("--allow-commands")
+    client = unlocked(gateway)
+    assert client.write(PROPOSAL_AT, 0xFEDC, 0xBA98) is None
+    assert client.write(COMMAND, 9, 1) is None and result(client) == (ACCEPTED, 1, 0)
+    assert written(gateway, 3) == ["write 2002 1 00", "write 2002 4 98BADCFE", "write 2002 2 09"]
+    assert client.write(COMMAND, 9, 2) is None and result(client) == (ACCEPTED, 2, 0)  # not named again
+    assert written(gateway, 2) == ["write 2002 1 00", "write 2002 2 09"]

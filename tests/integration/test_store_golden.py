@@ -51,6 +51,7 @@ def expected_fields(case):
         known = ("temperature_c", "gravity_m_s2", "u_k", "check", "closure_v")
         numbers["flags"] = sum(1 << bit for bit, name in enumerate(known) if numbers[name] is not None)
         numbers["flags"] |= codec.RESUMED if numbers.pop("resumed") else 0
+        numbers["flags"] |= codec.OTHER_RULES if numbers.pop("other_rules") else 0
         numbers["serial"] = numbers["serial"].encode().ljust(24, b"\0").hex()
         lengths = {"u_k": 9, "u_u0": 3, "check": 3}
         numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
@@ -110,7 +111,7 @@ WORD = st.integers(0, 2**32 - 1)
     u_k=st.lists(POSITIVE, min_size=9, max_size=9), u_u0=st.lists(POSITIVE, min_size=3, max_size=3),
     check=st.lists(POSITIVE, min_size=3, max_size=3) | st.none(), closure_v=POSITIVE | st.none(), samples=WORD,
     fit_positions=st.integers(0, 255), check_positions=st.integers(0, 255), schedule_crc=WORD, stand_crc=WORD,
-    reasons=WORD, restores=WORD, from_crc=WORD, resumed=st.booleans()))
+    reasons=WORD, restores=WORD, from_crc=WORD, resumed=st.booleans(), other_rules=st.booleans()))
 def test_any_set_comes_back(found):
     assert codec.decode_set(codec.encode_set(found)) == found
 
@@ -237,3 +238,14 @@ def test_the_factory_set_of_the_page_is_one(tmp_path):
     assert image.stat().st_size == 65536  # as tumble-node --nv has it
     done = dump(image)
     assert done.stdout.startswith("active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"), done
+
+
+def test_the_dump_tells_of_other_rules(tmp_path):
+    image, told = tmp_path / "memory", ", under other rules than the board's"
+    for flag in (False, True):
+        record = codec.encode_set(a_set(sequence=1, origin=3, other_rules=flag))
+        memory = bytearray(b"\xff" * (10 * 4096))
+        put(memory, 4096, record + codec.mark_of(record))
+        image.write_bytes(memory)
+        line = dump(image).stdout.splitlines()[0]
+        assert line.startswith("active (slot A): sequence 1, accepted") and line.endswith(told) == flag, line

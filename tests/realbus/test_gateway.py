@@ -11,8 +11,9 @@ import time
 
 import numpy as np
 import pytest
-from gateway_bench import KEYS, decode, register, wait_until
+from gateway_bench import KEYS, ROOT, decode, register, wait_until
 from processes import HASTE, PATIENCE, Node, Stand, scenario
+from recalibration import refusal_of
 
 from tumble.bench import programs
 from tumble.errors import BenchFault
@@ -87,6 +88,15 @@ class Served:
         wait_until(lambda: self.number("Result", "holding") != 1)
         return self.number("Result", "holding"), self.number("Abort code", "holding")
 
+    def accept(self):
+        """The proposal as it is shown, by its name; in an unlocked session."""
+        self.renew()
+        row = register("Proposal: Record CRC")
+        name = self.client.read_input_registers(row["register"], count=2, device_id=1).registers
+        answer = self.client.write_registers(register("Proposal", "holding")["register"], name, device_id=1)
+        assert not answer.isError(), answer
+        return self.execute(0, 0, 0, 0, ACCEPT)
+
     def tell(self, name, value):
         """A setting, in an unlocked session: (result, abort code)."""
         words = struct.unpack(">4H", struct.pack(">d", value))
@@ -155,7 +165,7 @@ def test_pymodbus_and_mbpoll_each_drive_a_recalibration(calibrating, serve):
     served.wait_for("Proposal: K: K_xx", first[0])  # one reading later at most, where the memory was at work
     assert [served.number(f"Proposal: {name}") for name in K + U0] == first
     assert served.number("Active set: K: K_xx") is None
-    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    assert served.accept() == (2, 0)
     served.wait_for("Keeper: Verdict", ACCEPTED)
     served.wait_for("Active set: K: K_xx", first[0])
     assert [served.number(f"Active set: {name}") for name in K + U0] == first
@@ -168,7 +178,9 @@ def test_pymodbus_and_mbpoll_each_drive_a_recalibration(calibrating, serve):
     second = [mbpoll_number(served, name) for name in K + U0]
     wait_until(lambda: mbpoll_number(served, "Keeper: Verdict") == HELD, 60)
     assert [mbpoll_number(served, f"Active set: {name}") for name in K + U0] != second  # six digits may agree by chance
-    mbpoll(served, "-t", "4", "-r", 0, "127.0.0.1", *KEYS, 0, 0, 0, 0, 0, ACCEPT, 2)
+    at = register("Proposal: Record CRC")["register"]
+    shown = [text.split()[0] for _, text in sorted(mbpoll(served, "-t", "3", "-r", at, "-c", 2, "127.0.0.1").items())]
+    mbpoll(served, "-t", "4", "-r", 0, "127.0.0.1", *KEYS, 0, 0, 0, 0, 0, ACCEPT, 2, *9 * [0], *shown)
     wait_until(lambda: mbpoll_number(served, "Keeper: Verdict") == ACCEPTED, 60)
     wait_until(lambda: mbpoll_number(served, "Active set: K: valid") == 0x1FF)
     assert mbpoll_number(served, "Active set: K: K_xx") == second[0]
@@ -206,6 +218,8 @@ def test_what_is_told_over_modbus_stands_in_the_set_that_a_run_commits(calibrati
     assert served.tell("Recalibration: Gravity", 1.0) == (3, 0x06090030)
     assert served.tell("Configuration: Samples per position", 12) == (2, 0)
     assert served.tell("Configuration: Samples per position", 12.5) == (5, 0)
+    assert served.tell("Store parameters: Save all parameters", 0x65766173) == (6, 0)
+    assert served.tell("Service level: Key", 0x76726573) == (2, 0)
     assert served.tell("Store parameters: Save all parameters", 0x65766173) == (2, 0)
     served.wait_for("Parameters: Saved", 1)
     assert served.number("Recalibration: Gravity") == 9.8125
@@ -214,7 +228,7 @@ def test_what_is_told_over_modbus_stands_in_the_set_that_a_run_commits(calibrati
     assert served.tell("Measurement at rest: Samples wanted", 40) == (3, 0x08000022)
     served.wait_for("State", DONE)
     served.wait_for("Keeper: Verdict", HELD)
-    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    assert served.accept() == (2, 0)
     served.wait_for("Keeper: Verdict", ACCEPTED)
     served.wait_for("Active set: Gravity", 9.8125)
     assert TOLD <= served.number("Active set: Date") <= TOLD + 300
@@ -250,7 +264,7 @@ def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):
     assert served.execute(0, 0, 0, 0, START) == (2, 0)
     served.wait_for("State", DONE)
     served.wait_for("Keeper: Verdict", HELD)
-    assert served.execute(0, 0, 0, 0, ACCEPT) == (2, 0)
+    assert served.accept() == (2, 0)
     served.wait_for("Keeper: Verdict", ACCEPTED)
     assert served.tell("Measurement at rest: Samples wanted", 40) == (2, 0)
     served.wait_for("Measurement at rest: Samples taken", 40)
@@ -310,3 +324,41 @@ def test_no_such_interface():
         pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
     done = subprocess.run([program, "--can", "can999"], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stderr) == (2, "tumble-gateway: can999: there is no CAN interface of this name\n")
+
+
+def test_the_service_level_of_the_bus_and_of_a_session(network, calibrating, serve):
+    """Unlock, write, lock: over CAN and through the gateway, of the same node."""
+    level, limit = "Service level: Level", "Configuration: Gravity limit"
+    node = network.add_node(1, str(ROOT / "docs/eds/tumble_navcomp.eds"))
+    heard = []
+    network.subscribe(0x6C1, lambda identifier, data, stamp: heard.append(struct.unpack("<BHI", data)))
+    served = serve("--allow-commands")
+    served.wait_for("State", 0)
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    before = served.number(limit)
+    assert served.tell(limit, 0.5) == (6, 0)
+    assert served.tell("Service level: Key", 1) == (3, 0x06090030)
+    assert served.tell("Service level: Key", 0x76726573) == (2, 0)
+    assert served.tell(limit, 0.5) == (2, 0)
+    served.wait_for(level, 1)
+    served.wait_for(limit, 0.5)
+    assert heard[-1][0] == 1
+    served.client.close()  # and with it the level
+    wait_until(lambda: heard[-1][:2] == (0, 0))
+    served.client.connect()
+    assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
+    assert served.tell(limit, before) == (6, 0)
+    served.end()  # the node has one SDO channel, and polls would come between
+
+    def write(value):
+        node.sdo["Configuration"]["Gravity limit"].raw = value
+
+    assert refusal_of(write, before) == 0x08000022
+    node.sdo["Service level"]["Key"].raw = 0x76726573
+    wait_until(lambda: heard[-1][0] == 1)
+    write(before)
+    node.sdo["Command"]["Command"].raw = START
+    wait_until(lambda: heard[-1] == (0, 0, 1))
+    assert refusal_of(write, 0.25) == 0x08000022
+    assert refusal_of(setattr, node.sdo["Service level"]["Key"], "raw", 0x76726573) == 0x08000022
+    assert node.sdo["Run number"].raw == 1

@@ -43,7 +43,7 @@ def accept_next(computer, counter):
     found = computer.coefficients()
     assert computer["Keeper"]["Proposal present"].raw and "BY_HAND" in computer.objections()
     assert computer.coefficients("Proposal: ") == found and computer.counter() == counter
-    computer.command("ACCEPT")
+    computer.accept()
     computer.settle()
     assert computer.counter() == counter + 1
     assert computer.coefficients("Active set: ") == found

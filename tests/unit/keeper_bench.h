@@ -91,6 +91,12 @@ static inline tumble_status_t tell(tumble_command_t command)
     return bench_command(&bench, command, 0);
 }
 
+/* ACCEPT of the proposal that is there, by its name. */
+static inline tumble_status_t accept_proposal(void)
+{
+    return tumble_navcomp_accept(&bench.navcomp, tumble_store_proposal(&keeper.store));
+}
+
 /* Something else than before: the biases move by so many V. */
 static inline void drift(double by_v)
 {

@@ -89,6 +89,19 @@ static inline uint32_t read_number(uint16_t index, uint8_t subindex, uint8_t exp
     return tumble_get_u32(bytes);
 }
 
+/* 2006h:1; the abort code, or 0. */
+static inline uint32_t give_key(uint32_t key)
+{
+    uint8_t bytes[4];
+    tumble_put_u32(bytes, key);
+    return sdo_write(0x2006, 1, bytes, 4);
+}
+
+static inline void unlock(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0, give_key(TUMBLE_SERVICE_KEY));
+}
+
 static inline uint32_t command(uint8_t number)
 {
     return sdo_write(0x2002, 2, &number, 1);

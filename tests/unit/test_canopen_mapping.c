@@ -148,7 +148,7 @@ static void test_parameters_that_are_not_there(void)
     uint32_t value;
     tumble_pdos_t *pdos = &at.node.pdos;
     const tumble_dictionary_t *dictionary = &at.node.dictionary;
-    static const uint16_t indices[] = {0x1402, 0x1602, 0x1804, 0x1A04, 0x15FF, 0x1BFF, 0x1500, 0x1900};
+    static const uint16_t indices[] = {0x1402, 0x1602, 0x1805, 0x1A05, 0x15FF, 0x1BFF, 0x1500, 0x1900};
 
     for (size_t i = 0; i < COUNT_OF(indices); i++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT,

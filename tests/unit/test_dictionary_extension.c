@@ -249,12 +249,13 @@ static void test_its_objects_can_be_mapped_into_a_pdo(void)
                                                                            TUMBLE_PDO_TRANSMIT, 3, &setup));
 }
 
-/* Numbered on from those of the defaults, of which `fixture_quiet` has none. */
+/* Numbered on from those of the defaults, of which `fixture_quiet` has none, or wherever the extension says. */
 static void test_its_pdos_are_there_from_power_on(void)
 {
     static const tumble_pdo_setup_t setups[TUMBLE_MAX_TRANSMIT_PDOS + 1] = {
         {.cob_id = 0x80000000, .type = 255},
         {.cob_id = 0x280, .type = 254, .count = 1, .map = {TUMBLE_MAP(0x3002, 4, 8)}},
+        {.cob_id = 0x80000000, .type = 255},
         {.cob_id = 0x80000000, .type = 255},
         {.cob_id = 0x80000000, .type = 255},
     };
@@ -271,6 +272,16 @@ static void test_its_pdos_are_there_from_power_on(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&extension));
     extension.transmit_count = TUMBLE_MAX_TRANSMIT_PDOS + 1;
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));
+    extension.transmit_count = 2;
+    extension.first_transmit = TUMBLE_MAX_TRANSMIT_PDOS - 2;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&extension));
+    boot_to_operational();
+    expect(0x285, "AB");
+    extension.first_transmit = TUMBLE_MAX_TRANSMIT_PDOS - 1;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));
+    extension.first_transmit = UINT8_MAX;
+    TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));
+    extension.first_transmit = 0;
     extension.transmit_count = 1;
     extension.transmit = NULL;
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&extension));

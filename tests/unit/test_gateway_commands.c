@@ -19,7 +19,7 @@ void tearDown(void)
 
 static gateway_command_t command_of(uint8_t number)
 {
-    return gateway_command(gateway_command_objects[0], 3, NULL, number);
+    return gateway_command(gateway_command_objects[0], 3, NULL, NULL, number);
 }
 
 static void assert_written(unsigned place, uint16_t index, uint8_t subindex, uint8_t size, uint64_t bits)
@@ -42,7 +42,8 @@ static void test_commands(void)
 {
     gateway_command_t one = command_of(1);
     const double angle_deg = -12.5;
-    gateway_command_t two = gateway_command(gateway_command_objects[0], 4, &angle_deg, 2);
+    const uint32_t proposal = 0xFEDCBA98U;
+    gateway_command_t two = gateway_command(gateway_command_objects[0], 4, &angle_deg, &proposal, 2);
     settle();
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &one));
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &two));
@@ -51,12 +52,13 @@ static void test_commands(void)
     settle();
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, one.result);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, two.result);
-    TEST_ASSERT_EQUAL_UINT(5, bench.written);
+    TEST_ASSERT_EQUAL_UINT(6, bench.written);
     assert_written(0, 0x2002U, 1, 1, 3);
     assert_written(1, 0x2002U, 2, 1, 1);
     assert_written(2, 0x2002U, 1, 1, 4);
     assert_written(3, 0x2002U, 3, 8, bits_of(angle_deg));
-    assert_written(4, 0x2002U, 2, 1, 2);
+    assert_written(4, 0x2002U, 4, 4, proposal);
+    assert_written(5, 0x2002U, 2, 1, 2);
     TEST_ASSERT_EQUAL_UINT32(2, bench.poller.published.number); /* what they changed is read at once */
 }
 
@@ -230,6 +232,50 @@ static void test_every_setting_is_written_as_its_object_is(void)
     TEST_ASSERT_EQUAL_UINT32(GATEWAY_TARGETS, count(GATEWAY_COUNT_COMMANDS_SENT));
 }
 
+/* A key goes before it, and a refused key keeps it back. */
+static void test_a_setting_behind_its_key(void)
+{
+    const uint32_t key = 0x76726573U;
+    gateway_command_t setting = gateway_setting_by_key(gateway_target(5), key, 3e-4);
+    settle();
+    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
+    settle();
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
+    TEST_ASSERT_EQUAL_UINT(2, bench.written);
+    assert_written(0, 0x2006U, 1, 4, key);
+    assert_written(1, 0x2050U, 5, 8, bits_of(3e-4));
+    bench.refuse = 0x08000022U;
+    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
+    settle();
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, setting.result);
+    TEST_ASSERT_EQUAL_UINT(3, bench.written); /* the key once more, and nothing behind it */
+    TEST_ASSERT_EQUAL_HEX16(0x2006, last_write()->index);
+}
+
+/* What ends the service level waits behind the commands, however many, and is not sent when it is to be kept. */
+static void test_the_end_of_the_service_level(void)
+{
+    static gateway_command_t commands[GATEWAY_MAX_SESSIONS];
+    settle();
+    for (size_t i = 0; i < GATEWAY_MAX_SESSIONS; i++) {
+        commands[i] = command_of(1);
+        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &commands[i]));
+    }
+    gateway_poller_end_service(&bench.poller);
+    TEST_ASSERT_EQUAL_UINT64(0, gateway_poller_next_us(&bench.poller));
+    bench.written = 0;
+    settle();
+    TEST_ASSERT_EQUAL_UINT(2U * GATEWAY_MAX_SESSIONS + 1U, bench.written);
+    TEST_ASSERT_EQUAL_HEX16(0x2006, last_write()->index);
+    TEST_ASSERT_EQUAL_HEX32(0, tumble_get_u32(last_write()->bytes));
+    TEST_ASSERT_EQUAL_UINT32(GATEWAY_MAX_SESSIONS + 1U, count(GATEWAY_COUNT_COMMANDS_SENT));
+    bench.written = 0;
+    gateway_poller_end_service(&bench.poller);
+    gateway_poller_keep_service(&bench.poller);
+    settle();
+    TEST_ASSERT_EQUAL_UINT(0, bench.written);
+}
+
 static void test_no_other_number_is_a_setting(void)
 {
     size_t found = 0;
@@ -293,6 +339,8 @@ int main(void)
     RUN_TEST(test_every_type_has_its_bytes);
     RUN_TEST(test_no_type_holds_what_is_not_finite);
     RUN_TEST(test_every_setting_is_written_as_its_object_is);
+    RUN_TEST(test_a_setting_behind_its_key);
+    RUN_TEST(test_the_end_of_the_service_level);
     RUN_TEST(test_no_other_number_is_a_setting);
     RUN_TEST(test_a_setting_that_is_refused_or_not_answered);
     RUN_TEST(test_a_command_refused_in_its_last_part_leaves_the_next_one_whole);

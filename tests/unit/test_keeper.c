@@ -73,7 +73,7 @@ static void test_an_implausible_change_waits_for_an_operator(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), proposal.reasons);
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ACCEPT));
+    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
     TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
@@ -140,7 +140,7 @@ static void test_commands_about_sets_wait_for_the_end_of_a_run(void)
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK));
     TEST_ASSERT_EQUAL_UINT32(3, tumble_keeper_counters(&keeper)->refused);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ACCEPT));
+    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
 }
 
 /* Noise makes no two runs alike. The scripted block has none: what it says again is a replay. */
@@ -182,7 +182,7 @@ static void test_the_first_set_waits_unless_the_settings_say_otherwise(void)
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST), state_of_keeper().objections);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_keeper_set(&keeper, TUMBLE_SET_ACTIVE, &(tumble_set_t){0}));
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ACCEPT));
+    ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
 }

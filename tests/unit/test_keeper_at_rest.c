@@ -114,6 +114,7 @@ static void test_a_run_by_itself_ends_it(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, want(2));
     bench_pass(&bench, 0.1);
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 6, TUMBLE_KEEPER_STARTS));
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);

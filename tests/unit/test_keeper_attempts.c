@@ -222,11 +222,11 @@ static void test_none_of_them_reaches_the_active_set(void)
 }
 
 /* Every objection that a run can earn has an attempt above; the others cannot be earned with an active set that is good,
- * or with limits that init has looked at. */
+ * or with limits that init has looked at, or without a write at service level (test_keeper_service.c). */
 static void test_no_objection_is_left_out(void)
 {
     static const tumble_objection_t others[] = {TUMBLE_OBJECTION_NOT_FINITE, TUMBLE_OBJECTION_FIRST,
-                                                TUMBLE_OBJECTION_LIMITS};
+                                                TUMBLE_OBJECTION_LIMITS, TUMBLE_OBJECTION_OTHER_RULES};
     for (int o = 0; o < TUMBLE_OBJECTION_COUNT; o++) {
         bool known = false;
         for (size_t i = 0; i < COUNT_OF(others); i++) {

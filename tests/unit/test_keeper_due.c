@@ -249,7 +249,7 @@ static tumble_verdict_t run_after_a_month(double moved_v)
 
 static void decide(tumble_command_t command)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(command));
+    ASSERT_STATUS(TUMBLE_OK, (command == TUMBLE_COMMAND_ACCEPT) ? accept_proposal() : tell(command));
     settle_memory();
 }
 

@@ -229,6 +229,7 @@ static void test_the_settings(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, sdo_write(0x2122, 4, (const uint8_t[]){0, 0}, 2));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2122, 4, (const uint8_t[]){7, 0}, 2));
     TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2122, 5, 20));
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_byte(0x2122, 6, 2));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_byte(0x2123, 2, 4));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_f32(0x2123, 1, 0.5F));

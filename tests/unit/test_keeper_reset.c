@@ -113,6 +113,7 @@ static void test_a_reset_brings_back_what_fits_the_run(void)
 static void test_no_start_before_what_was_saved_is_in_force(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 34));
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     reset_application();
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, bench.navcomp.procedure_config.samples);
@@ -132,6 +133,7 @@ static void test_no_start_before_what_was_saved_is_in_force(void)
 static void test_no_start_while_a_busy_memory_is_waited_for(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 34));
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     memory.busy_every = 1;
     keeper_power_cycle();
@@ -162,6 +164,7 @@ static void test_a_start_while_it_is_being_saved(void)
 {
     uint8_t request[8] = {0x23, 0x10, 0x10, 1};
     tumble_put_u32(&request[4], SAVE);
+    unlock();
     const tumble_can_frame_t frame = fake_frame(0x601, 8, request);
     fake_port_give(&bench.fake, &frame);
     bench_event(&bench);

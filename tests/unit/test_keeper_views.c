@@ -10,6 +10,7 @@ void tearDown(void) {}
 
 static void change_parameters(void)
 {
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 34));
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 2, 86400));
     TEST_ASSERT_EQUAL_HEX32(0, write_f32(0x2125, 12, 0.25F));
@@ -37,6 +38,7 @@ static void test_parameters_outlast_power_when_they_are_saved(void)
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2170, 1, 4));
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2170, 2, 4));
     TEST_ASSERT_EQUAL_UINT32(49, read_number(0x2170, 3, 4));
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
     TEST_ASSERT_TRUE(are_changed()); /* until the reset */
     keeper_power_cycle();
@@ -53,6 +55,7 @@ static void test_a_reset_of_the_node_is_as_good_as_power_off(void)
     fake_port_give(&bench.fake, &reset);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_TRUE(are_changed());
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
     fake_port_give(&bench.fake, &reset);
     bench_pass(&bench, 1.0);
@@ -62,6 +65,7 @@ static void test_a_reset_of_the_node_is_as_good_as_power_off(void)
 static void test_saving_is_refused_with_the_right_code(void)
 {
     static const uint32_t wrong[] = {0, 0x73617665U /* "evas" */, LOAD, SAVE + 1U, 0xFFFFFFFFU};
+    unlock();
     for (size_t i = 0; i < (sizeof wrong / sizeof wrong[0]); i++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_STORE, write_and_wait(0x1010, wrong[i]));
     }
@@ -82,6 +86,7 @@ static void test_a_smaller_memory_has_no_room_for_parameters(void)
     bench_power_on(&bench);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x1010, 1, 4));
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_STORE, write_and_wait(0x1010, 1));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, write_and_wait(0x1011, LOAD));
@@ -215,6 +220,8 @@ static void test_the_calibration_counter_is_broadcast(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_get_u32(last));
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), tumble_get_u16(&last[4]));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, last[6]);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(TUMBLE_COMMAND_ACCEPT));
+    TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2002, 4, read_number(0x2102, 14, 4)));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ACCEPT));
     TEST_ASSERT_TRUE(listen_for_pdo(0.4, last) >= 1U); /* not by the event timer alone */
     TEST_ASSERT_EQUAL_UINT32(2, tumble_get_u32(last));

@@ -73,7 +73,9 @@ static void test_a_failed_run_and_a_drive_that_is_there_keep_it(void)
     TEST_ASSERT_EQUAL_HEX8(0x80, answer[0]);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, tumble_get_u32(&answer[4]));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ABORT));
-    assert_held(); /* the table can be turned between runs, too */
+    assert_held(); /* the table can be turned between runs, too; */
+    unlock();
+    assert_held(); /* at no level may that be taken away */
 }
 
 static void test_without_a_drive_it_is_free(void)
@@ -82,6 +84,7 @@ static void test_without_a_drive_it_is_free(void)
     bench_power_on(&bench);
     bench.fake.to_firmware.count = 0; /* its boot-up message */
     bench_pass(&bench, 1.0);
+    unlock();
     for (size_t i = 0; i < sizeof held / sizeof held[0]; i++) {
         TEST_ASSERT_NOT_EQUAL_MESSAGE(TUMBLE_ABORT_DEVICE_STATE, write_object(&held[i]), "still held");
     }

@@ -186,6 +186,7 @@ static void test_the_configuration_can_be_written_between_runs(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 3, bytes, 2));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 4, (const uint8_t[]){5}, 1));
     tumble_put_f64(bytes, 1e-3);
+    unlock();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 5, bytes, 8));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, sdo_write(0x2050, 2, (const uint8_t[]){3}, 1));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));

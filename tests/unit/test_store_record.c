@@ -41,6 +41,7 @@ static void test_what_is_written_is_read(void)
     TEST_ASSERT_EQUAL_UINT32(79, read.from_crc);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_COMMITTED, read.origin);
     TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(bytes), tumble_layout_get_u32(&bytes[316]));
+    TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(bytes), read.record_crc);
 }
 
 static void test_what_is_unknown_is_zero(void)
@@ -132,7 +133,7 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
         uint16_t flags;
         tumble_status_t status;
     } wrong[] = {
-        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},  {12, 6, 0x3F, TUMBLE_E_ARGUMENT},  {14, 0x40, 0x3F, TUMBLE_E_ARGUMENT},
+        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},  {12, 6, 0x3F, TUMBLE_E_ARGUMENT},  {14, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
         {15, 0x80, 0x3F, TUMBLE_E_ARGUMENT}, {39, 'x', 0x3F, TUMBLE_E_ARGUMENT}, {294, 1, 0x3F, TUMBLE_E_FRAME},
         {295, 1, 0x3F, TUMBLE_E_FRAME},    {48, 1, 0x3E, TUMBLE_E_FRAME},     {56, 1, 0x3D, TUMBLE_E_FRAME},
         {255, 1, 0x3B, TUMBLE_E_FRAME},    {279, 1, 0x37, TUMBLE_E_FRAME},    {287, 1, 0x2F, TUMBLE_E_FRAME},

@@ -7,7 +7,7 @@ import re
 from dataclasses import replace
 
 from model import MAX_CONSUMERS, Entry, Node, Object, Pdo, slug
-from standard import MAX_MAPPED
+from standard import MAX_MAPPED, PDO_INVALID
 
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."
 HOMES = {"variable": "VARIABLES", "other": "OTHER", "computed": "COMPUTED", "communication": "COMMUNICATION"}
@@ -20,11 +20,14 @@ def parts(node: Node) -> list[Node]:
     mine = [item for item in node.objects if not item.further]
     if not node.extension:
         return [node]
-    count = sum(1 for item in mine if item.index & 0xFE00 == 0x1800)
-    first = replace(node, objects=mine, transmit=node.transmit[:count], extension={})
-    settings = node.settings | node.extension | {"saves": [item for item in node.objects if item.saved]}
+    unused = Pdo(PDO_INVALID, 255, 0, 0, [])
+    first = replace(node, objects=mine, transmit=[unused if pdo.further else pdo for pdo in node.transmit], extension={})
+    places = [number for number, pdo in enumerate(node.transmit) if pdo.further]
+    settings = node.settings | node.extension | {"saves": [item for item in node.objects if item.saved],
+                                                 "first_transmit": places[0] if places else 0}
     further = [item for item in node.objects if item.further]
-    return [first, replace(node, objects=further, receive=[], transmit=node.transmit[count:], settings=settings)]
+    behind = node.transmit[places[0]:places[-1] + 1] if places else []
+    return [first, replace(node, objects=further, receive=[], transmit=behind, settings=settings)]
 
 
 def macro(name: str) -> str:
@@ -137,7 +140,9 @@ def header(node: Node) -> str:
     pdos = [f"extern const tumble_node_defaults_t {prefix}_defaults;"]
     if node.extension:
         size = f"{prefix.upper()}_TRANSMIT"
-        pdos = ["", f"#define {size} {len(node.transmit)}U", "/* Transmit PDOs, behind those of the node's defaults. */",
+        pdos = ["", f"#define {size} {len(node.transmit)}U",
+                f"#define {prefix.upper()}_FIRST_TRANSMIT {node.settings['first_transmit']}U",
+                "/* Transmit PDOs, from that number (0 is 1800h) on. */",
                 f"extern const tumble_pdo_setup_t {prefix}_transmit[{size}];"]
     lines += ["", f"extern const tumble_object_table_t {prefix}_table;", *pdos, "", "#endif"]
     return "\n".join(lines) + "\n"
@@ -303,7 +308,8 @@ def continues(item: Object, last: Entry, entry: Entry) -> bool:
 
 def shape(entry: Entry) -> tuple:
     """What the entries of one row have in common."""
-    return entry.type, entry.access, entry.home, entry.size, entry.map, entry.low, entry.high, entry.struct
+    return (entry.type, entry.access, entry.home, entry.size, entry.map, entry.low, entry.high, entry.struct,
+            entry.level)
 
 
 def alike_objects(objects: list[Object]) -> list[list[Object]]:
@@ -367,6 +373,7 @@ def access(entry: Entry) -> str:
     bits = {"ro": ["READ"], "const": ["READ"], "rw": ["READ", "WRITE"], "wo": ["WRITE"]}[entry.access]
     bits = bits + {None: [], "receive": ["MAP_RECEIVE"], "transmit": ["MAP_TRANSMIT"],
                    "both": ["MAP_RECEIVE", "MAP_TRANSMIT"]}[entry.map]
+    bits = bits + {None: [], "service": ["SERVICE"]}[entry.level]
     return " | ".join(f"TUMBLE_ACCESS_{bit}" for bit in bits)
 
 

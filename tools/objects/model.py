@@ -14,7 +14,7 @@ from rules import (
     ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
     PDO_BYTES, PDO_KEYS, SHARED_KEYS, check, check_entry, check_keys, check_names, text_size,
 )
-from standard import MAX_MAPPED, dummy_objects, pdo_objects
+from standard import MAX_MAPPED, PDO_INVALID, dummy_objects, pdo_objects
 
 try:
     import tomllib
@@ -44,6 +44,7 @@ class Entry:
     struct: str | None = None
     member: str | None = None
     apart: bool = False  # does not follow the entry before it in the struct
+    level: str | None = None  # at which it can be written from outside; none: at any
 
     @property
     def key(self) -> int:
@@ -86,6 +87,7 @@ class Pdo:
     inhibit_100us: int
     event_ms: int
     map: list[Entry]
+    further: bool = False  # of the node's extension; without that it is not in use
 
 
 @dataclass
@@ -186,18 +188,35 @@ class NodeReader:
     def read(self) -> Node:
         pdos = self.document.get("transmit_pdo", [])
         receive = [self.read_pdo(table, "receive_pdo") for table in self.document.get("receive_pdo", [])]
-        transmit = [self.read_pdo(table, "transmit_pdo") for table in pdos + self.further.get("transmit_pdo", [])]
-        tables = self.common["object"] + self.document.get("object", [])
+        own = [self.read_pdo(table, "transmit_pdo") for table in pdos]
+        transmit = self.with_further_pdos(own)
+        tables = self.common_objects() + self.document.get("object", [])
         tables += dummy_objects() if self.settings.get("dummies") else []
-        first, behind = (pdo_objects(transmit, 0x1800, True)[part] for part in
-                         (slice(2 * len(pdos)), slice(2 * len(pdos), None)))  # two objects each
-        tables += pdo_objects(receive, 0x1400, False) + first
+        tables += pdo_objects(receive, 0x1400, False) + pdo_objects(transmit, 0x1800, True)
         objects = [self.read_object(table) for table in expanded(tables)]
         self.file = self.further.get("extension", {}).get("table", self.file)
-        for table in expanded(self.further.get("object", [])) + behind:
+        for table in expanded(self.further.get("object", [])):
             objects.append(self.read_object(table))
             objects[-1].further = True
         return self.join(objects, receive, transmit)
+
+    def common_objects(self) -> list[dict]:
+        """Some nodes let them be written at service level only."""
+        tables = self.common["object"]
+        kept = set(self.settings.get("service", []))
+        check(kept <= {table.get("index") for table in tables}, f"{self.path.name}: [node]", "service names no common object")
+        return [table | {"level": "service"} if table["index"] in kept else table for table in tables]
+
+    def with_further_pdos(self, own: list[dict]) -> list[dict]:
+        """The extension's in the places that the node keeps free for them."""
+        transmit = list(own)
+        for table in self.further.get("transmit_pdo", []):
+            where = f"{self.further['extension']['table']}: [[transmit_pdo]]"
+            number = self.read_pdo(table, "transmit_pdo").get("number", 0) - 1
+            check(0 <= number < len(own) and own[number]["cob_id"] & PDO_INVALID != 0, where,
+                  "its number is not that of a PDO that the node leaves unused")
+            transmit[number] = table | {"further": True}
+        return transmit
 
     def join(self, objects: list[Object], receive: list[dict], transmit: list[dict]) -> Node:
         """Check what only all objects together can tell, and resolve the PDOs."""
@@ -245,6 +264,7 @@ class NodeReader:
         count = {"name": "Highest subindex supported", "type": "u8", "home": "value", "value": numbers[-1]}
         if "count_access" in table:
             count |= {"name": "Number of entries", "home": "communication", "access": table["count_access"], "value": 0}
+            count |= {key: table[key] for key in ("level",) if key in table}
         entries = [self.read_entry(count, item, 0)]
         for number, sub in zip(numbers, subs):
             own = {key: value for key, value in sub.items() if key != "sub"}
@@ -274,6 +294,8 @@ class NodeReader:
         if entry.home == "variable":
             entry.struct = f"{self.settings['prefix']}_objects_t"
             entry.member = slug(item.name if item.is_var else f"{item.name} {entry.name}")
+        if entry.access not in ("rw", "wo"):
+            entry.level = None  # given for its object: there is nothing to be written here
         if item.kind != "var" and subindex == 0:
             entry.struct = entry.member = None
         check_entry(entry, where)
@@ -310,7 +332,7 @@ class NodeReader:
             for slot, entry in enumerate(mapped):
                 by_key[mapping + number << 8 | slot + 1].value = entry.map_value
             pdos.append(Pdo(table["cob_id"], table["type"], table.get("inhibit_100us", 0), table.get("event_ms", 0),
-                            mapped))
+                            mapped, table.get("further", False)))
         return pdos
 
 

@@ -16,7 +16,8 @@ What each node's object dictionary holds, as its SDO server answers and its EDS 
 SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats. Numbers are decimal unless they end in
 `h` or begin with `0x`. A value in the column "power-on" is there after a reset; limits are inclusive and a write beyond
 them is refused. Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped
-into a receive or transmit PDO.
+into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level is
+open (2006h, [service-level.md](service-level.md)).
 
 Objects of every node:
 """
@@ -33,7 +34,7 @@ def node_part(node: Node) -> list[str]:
     eds = node.settings["eds"].removeprefix("docs/")
     lines = [f"## Node {node.id}: {node.settings['name']}", "", f"{node.settings['about']} [EDS]({eds}).", ""]
     for name, pdos in (("Receive", node.receive), ("Transmit", node.transmit)):
-        lines += [pdo_line(name, number + 1, pdo, node.id) for number, pdo in enumerate(pdos)]
+        lines += [pdo_line(name, number + 1, pdo, node) for number, pdo in enumerate(pdos)]
     lines += object_table([item for item in node.objects if not item.further])
     if node.extension:
         lines += [f"### Further objects of node {node.id}", "", f"{node.extension['only']}. In the same EDS file."]
@@ -47,31 +48,34 @@ def node_part(node: Node) -> list[str]:
 
 def object_table(objects: list[Object]) -> list[str]:
     """The objects, and what those of them that are not every node's mean."""
-    lines = ["", "| object | name | type | access | power-on | limits | unit |", "|---|---|---|---|---|---|---|"]
+    lines = ["", "| object | name | type | access | level | power-on | limits | unit |",
+             "|---|---|---|---|---|---|---|---|"]
     for item in objects:
         lines += rows(item)
     return [*lines, "", *notes(item for item in objects if not item.common)]
 
 
-def pdo_line(name: str, number: int, pdo: Pdo, node: int) -> str:
+def pdo_line(name: str, number: int, pdo: Pdo, node: Node) -> str:
     if pdo.cob_id & PDO_INVALID:
         return f"- {name} PDO {number}: not in use at power-on."
-    cob_id = pdo.cob_id | (node if pdo.cob_id & 0x7F == 0 else 0)
+    cob_id = pdo.cob_id | (node.id if pdo.cob_id & 0x7F == 0 else 0)
     mapped = ", ".join(f"{entry.name} ({entry.where})" for entry in pdo.map)
     inhibit = f", at most every {pdo.inhibit_100us / 10:g} ms" if pdo.inhibit_100us else ""
     event = f", at least every {pdo.event_ms} ms" if pdo.event_ms else ""
-    return f"- {name} PDO {number}: identifier `0x{cob_id:03X}`{inhibit}{event}; {mapped}."
+    only = f" {node.extension['only']}: elsewhere not in use at power-on." if pdo.further else ""
+    only = only.replace(" (0602 0000h elsewhere)", "")
+    return f"- {name} PDO {number}: identifier `0x{cob_id:03X}`{inhibit}{event}; {mapped}.{only}"
 
 
 def rows(item: Object) -> list[str]:
     lines = []
     if not item.is_var:
-        lines.append(f"| {item.index:04X}h | **{cell(item.name)}** | {item.kind} | | | | |")
+        lines.append(f"| {item.index:04X}h | **{cell(item.name)}** | {item.kind} | | | | | |")
     for entry in item.entries:
         place = f"{item.index:04X}h" if item.is_var else f":{entry.subindex}"
         lines.append(
             f"| {place} | {cell(entry.name)} | {entry.type.name}{length(entry)} | {access(entry)} "
-            f"| {cell(value(entry))} | {limits(entry)} | {cell(entry.unit)} |"
+            f"| {entry.level or ''} | {cell(value(entry))} | {limits(entry)} | {cell(entry.unit)} |"
         )
     return lines
 

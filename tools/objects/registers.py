@@ -9,6 +9,7 @@ from pathlib import Path
 from model import Entry, Node, Object, check, read_toml, slug
 
 LAST = 0xFFFF
+SERVICE_KEY = 0x2006_01
 COLUMNS = 120
 VALIDITY_BITS = 16
 MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
@@ -87,6 +88,11 @@ class Map:
         return sorted(mine, key=lambda one: (max(one.group, KEPT), not one.is_key, one.entry.key, one.at))
 
     @property
+    def service_key(self) -> Setting:
+        """What opens the service level."""
+        return next(one for one in self.settings if one.entry.key == SERVICE_KEY)
+
+    @property
     def keys(self) -> list[Entry]:
         """In the order in which they are read."""
         return list({one.entry.key: one.entry for one in self.values if one.is_key}.values())
@@ -117,6 +123,7 @@ def read(path: Path, node: Node) -> Map:
                [entry for item in mapped for entry in marks(item)], max(r.end for r in [*own, *counters]),
                settings(mapped, numbers, node.path.name), 1 + max([KEPT, *numbers.values()]))
     check(min(register.at for register in groups) >= made.gateway, where, "an object lies among the gateway's own")
+    check(any(one.entry.key == SERVICE_KEY for one in made.settings), where, "no setting opens the service level")
     return made
 
 
@@ -219,13 +226,14 @@ def in_order(registers: list[Register]) -> list[Register]:
 
 def command_objects(items: list[Object], node: Node) -> list[Object]:
     """In the order of their numbers; each has its argument at subindex 1 and its command at subindex 2, as u8, and may
-    have an angle at subindex 3, as f64."""
+    have an angle at subindex 3, as f64, and the name of a proposal at subindex 4, as u32."""
     found = sorted((item for item in items if "command" in item.modbus), key=lambda item: item.modbus["command"])
     where = f"{node.path.name}: command objects"
     check([item.modbus["command"] for item in found] == list(range(len(found))), where, "are not numbered from 0 on")
     for item in found:
         types = [entry.type.key for entry in item.entries[1:]]
-        check(types in (["u8", "u8"], ["u8", "u8", "f64"]), where, f"{item.index:04X}h is not u8, u8 and maybe f64")
+        check(types in (["u8", "u8"], ["u8", "u8", "f64"], ["u8", "u8", "f64", "u32"]), where,
+              f"{item.index:04X}h is not u8, u8, and maybe f64 and u32")
     check(found != [], where, "there is none")
     return found
 
@@ -279,6 +287,9 @@ def header(registers: Map) -> str:
         f"#define GATEWAY_GROUPS {registers.groups}U",
         f"#define GATEWAY_TARGETS {len(registers.settings)}U",
         f"#define GATEWAY_COMMAND_OBJECTS {len(registers.commands)}U",
+        "",
+        "/* The setting that opens the service level. */",
+        f"#define GATEWAY_SERVICE_KEY {registers.service_key.number}U",
         "",
         "#endif",
     ]
@@ -341,7 +352,8 @@ def source(registers: Map) -> str:
         "};",
         "",
         "const gateway_target_t gateway_targets[GATEWAY_TARGETS] = {",
-        *(f"    {{{one.number}U, {object_cells(one.entry)}, {one.group}U}}," for one in registers.settings),
+        *(f"    {{{one.number}U, {object_cells(one.entry)}, {one.group}U, {str(one.entry.level == 'service').lower()}}},"
+          for one in registers.settings),
         "};",
         "",
         "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",

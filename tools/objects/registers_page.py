@@ -32,7 +32,8 @@ SETTINGS = """\
 Settings: staged by their number in register {setting}, with their value, an f64, in {value}, and written by Execute.
 The value must be one that the object's type can hold: an integer without a fraction within the type's range, or a
 finite number, for an f32 rounded to it. What else is allowed says the object ([canopen.md](canopen.md)); the node
-refuses what is not.
+refuses what is not. A setting of level `service` is sent only for the session that has opened the service level: the one
+that wrote the key, setting {key}, last ([service-level.md](service-level.md)).
 """
 
 
@@ -49,8 +50,8 @@ def page(registers: Map) -> str:
     lines += ["", "Command objects:", "", "| number | object | name |", "|---|---|---|"]
     lines += [f"| {number} | {item.index:04X}h | {item.name} |" for number, item in enumerate(registers.commands)]
     places = {one.name: one.place for one in registers.holding}
-    lines += ["", SETTINGS.format(setting=places["Setting"], value=places["Value"])]
-    lines += ["| number | name | type | unit | object |", "|---|---|---|---|---|"]
+    lines += ["", SETTINGS.format(setting=places["Setting"], value=places["Value"], key=registers.service_key.number)]
+    lines += ["| number | name | type | unit | object | level |", "|---|---|---|---|---|---|"]
     lines += [setting_row(setting) for setting in registers.settings]
     lines += ["", f"A snapshot is published only if these were the same before and after it was read: "
               f"{listed(registers.marks)}. The same holds of what selects values that it reads anew: "
@@ -68,7 +69,8 @@ def listed(entries: list[Entry]) -> str:
 
 def setting_row(setting: Setting) -> str:
     entry = setting.entry
-    return f"| {setting.number} | {cell(setting.name)} | {entry.type.key} | {cell(entry.unit)} | {entry.where} |"
+    return (f"| {setting.number} | {cell(setting.name)} | {entry.type.key} | {cell(entry.unit)} | {entry.where} "
+            f"| {entry.level or ''} |")
 
 
 def own_table(registers: list[Register]) -> list[str]:

@@ -17,19 +17,20 @@ PDO_BYTES = 8
 HOMES = ("value", "variable", "other", "computed", "communication")
 ACCESSES = ("ro", "rw", "wo", "const")
 MAPS = (None, "receive", "transmit", "both")
+LEVELS = (None, "service")
 KINDS = ("var", "array", "record")
 
 # Keys of [[object]] that its subs inherit, and those that only one of the two may have.
-SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct"}
+SHARED_KEYS = {"type", "access", "home", "map", "unit", "low", "high", "struct", "level"}
 OBJECT_KEYS = {"index", "name", "kind", "about", "subs", "count_access", "values", "runs", "modbus", "like", "saved"}
-OPTIONAL_ENTRY_KEYS = ("map", "low", "high", "unit", "about", "struct", "member", "apart")
+OPTIONAL_ENTRY_KEYS = ("map", "low", "high", "unit", "about", "struct", "member", "apart", "level")
 ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size", "apart"}
 NODE_KEYS = {
     "name", "id", "prefix", "header", "source", "include", "includes", "eds", "about", "device_name",
     "hardware_version", "device_type", "vendor", "product", "revision", "serial", "heartbeat_ms",
-    "consumers", "on_error", "dummies",
+    "consumers", "on_error", "dummies", "service",
 }
-OPTIONAL_NODE_KEYS = {"includes", "dummies"}
+OPTIONAL_NODE_KEYS = {"includes", "dummies", "service"}
 EXTENSION_KEYS = {"prefix", "header", "source", "include", "includes", "title", "only"}
 # What is not text.
 NUMBER = (int, float)
@@ -39,9 +40,9 @@ KEY_TYPES = {
     "device_type": int, "vendor": int, "product": int, "revision": int, "serial": int, "heartbeat_ms": int,
     "consumers": list, "on_error": int, "dummies": bool, "cob_id": int, "inhibit_100us": int, "event_ms": int,
     "map": (str, list), "type": (str, int), "runs": bool, "apart": bool, "modbus": dict,
-    "like": int, "extension": dict,
+    "like": int, "extension": dict, "number": int, "service": list,
 }
-PDO_KEYS = {"cob_id", "type", "inhibit_100us", "event_ms", "map"}
+PDO_KEYS = {"cob_id", "type", "inhibit_100us", "event_ms", "map", "level", "number"}
 
 
 def check(good: bool, where: str, what: str) -> None:
@@ -85,6 +86,9 @@ def check_entry(entry: Entry, where: str) -> None:
     writable = entry.access in ("rw", "wo")
     check(entry.map not in ("receive", "both") or writable, where, "mapped to receive, not writable")
     check(entry.map not in ("transmit", "both") or entry.access != "wo", where, "mapped to transmit, not readable")
+    check(entry.level in LEVELS, where, "level is not service")
+    check(not entry.level or writable, where, "has a level, and cannot be written")
+    check(not entry.level or entry.map not in ("receive", "both"), where, "has a level that a receive PDO would not ask for")
     check_range(entry, where)
 
 

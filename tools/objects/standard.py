@@ -32,12 +32,13 @@ def pdo_objects(pdos: list[dict], base: int, transmit: bool) -> list[dict]:
                 {"sub": 5, "name": "Event timer", "type": "u16", "value": pdo.get("event_ms", 0), "unit": "ms"},
             ]
         word = "Transmit" if transmit else "Receive"
+        level = {"level": pdo["level"]} if "level" in pdo else {}
         tables.append({"index": base + number, "name": f"{word} PDO {number + 1} parameter", "kind": "record",
-                       "home": "communication", "access": "rw", "subs": communication})
+                       "home": "communication", "access": "rw", "subs": communication} | level)
         slots = [{"name": f"Mapped object {slot + 1}", "value": 0} for slot in range(MAX_MAPPED)]
         tables.append({"index": base + 0x200 + number, "name": f"{word} PDO {number + 1} mapping", "kind": "record",
                        "home": "communication", "access": "rw", "type": "u32", "count_access": "rw",
-                       "subs": slots})
+                       "subs": slots} | level)
     return tables
 
 

@@ -14,7 +14,8 @@ ENTRY_BYTES = 128
 CELL_BYTES = 64
 
 ORIGINS = {1: "factory", 2: "committed", 3: "accepted", 4: "rolled back", 5: "held"}
-HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED = (1 << bit for bit in range(6))
+HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED, OTHER_RULES = (
+    1 << bit for bit in range(7))
 
 _SET_HEAD = struct.pack("<4sHH", b"TSET", 1, SET_BYTES)
 _SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2x5I")
@@ -53,6 +54,7 @@ class CoefficientSet:
     restores: int
     from_crc: int
     resumed: bool
+    other_rules: bool = False  # judged, committed or accepted under rules other than the board's
 
 
 @dataclass
@@ -94,6 +96,7 @@ def encode_set(s: CoefficientSet) -> bytes:
     known = ((HAS_TEMPERATURE, s.temperature_c), (HAS_GRAVITY, s.gravity_m_s2), (HAS_UNCERTAINTY, s.u_k),
              (HAS_CHECK, s.check), (HAS_CLOSURE, s.closure_v))
     flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
+    flags |= OTHER_RULES if s.other_rules else 0
     serial = s.serial.encode()
     if len(serial) > 24 or b"\0" in serial:
         raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
@@ -111,7 +114,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
     _check_seal(bytes_)
     _, sequence, origin, estimator, flags, serial, date, temperature, gravity, *rest = _SET.unpack(bytes_[:-4])
     doubles, (samples, fit, check, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
-    if origin not in ORIGINS or flags >> 6 or not all(map(math.isfinite, [temperature, gravity, *doubles])):
+    if origin not in ORIGINS or flags >> 7 or not all(map(math.isfinite, [temperature, gravity, *doubles])):
         raise NotARecord("a field is out of its range")
     known = lambda bit, value: value if flags & bit else None  # noqa: E731
     return CoefficientSet(
@@ -119,7 +122,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         known(HAS_TEMPERATURE, temperature), known(HAS_GRAVITY, gravity), doubles[:9], doubles[9:12],
         known(HAS_UNCERTAINTY, doubles[12:21]), known(HAS_UNCERTAINTY, doubles[21:24]), known(HAS_CHECK, doubles[24:27]),
         known(HAS_CLOSURE, doubles[27]), samples, fit, check, schedule, stand, reasons, restores, from_crc,
-        bool(flags & RESUMED))
+        bool(flags & RESUMED), bool(flags & OTHER_RULES))
 
 
 def mark_of(record: bytes) -> bytes:

@@ -1,0 +1,40 @@
+/* service.h - the service level (2006h) and the run number (2007h) of a navigation computer.
+ *
+ * What protects the table or the coefficients can be written from outside at service level only: objects that are
+ * TUMBLE_ACCESS_SERVICE, which the SDO server looks at. The level is opened by a published key and ends by itself, so that
+ * nobody changes such a thing by mistake and no script leaves it open; against an attacker it is nothing (docs/security.md).
+ * What the board's own program writes needs no level.
+ *
+ * Not re-entrant; called from where navcomp's functions are called.
+ */
+#ifndef TUMBLE_NAVCOMP_SERVICE_H
+#define TUMBLE_NAVCOMP_SERVICE_H
+
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct tumble_navcomp;
+
+#define TUMBLE_SERVICE_KEY 0x76726573U /* "serv" */
+#define TUMBLE_SERVICE_S 60U           /* how long one key opens it */
+#define TUMBLE_SERVICE_PDO 4U          /* 1804h: sent when the level or the run number changes */
+
+/* 2006h:1. The key opens the level or prolongs it, 0 ends it. Returns TUMBLE_OK; _ARGUMENT (another number: nothing
+ * changes); _STATE (the key, while a run is on). */
+tumble_status_t tumble_service_unlock(struct tumble_navcomp *navcomp, uint32_t key);
+
+bool tumble_service_is_open(const struct tumble_navcomp *navcomp);
+uint16_t tumble_service_left_s(const struct tumble_navcomp *navcomp); /* rounded up; 0: it is not open */
+
+/* How many runs have begun since power-on; stops at UINT32_MAX. */
+uint32_t tumble_service_runs(const struct tumble_navcomp *navcomp);
+
+/* For navcomp and its keeper. A run has begun: out of IDLE, DONE or ABORT. */
+void tumble_service_run_began(struct tumble_navcomp *navcomp);
+
+/* At the beginning of a step: end the level when its time is over. True: it did. */
+bool tumble_service_watch(struct tumble_navcomp *navcomp);
+
+#endif
