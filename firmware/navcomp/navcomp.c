@@ -156,8 +156,19 @@ static void show_state(tumble_navcomp_t *navcomp)
     }
 }
 
+/* An NMT reset zeroes the counters of the procedure, this one goes on. */
+static void count_runs(tumble_navcomp_t *navcomp)
+{
+    const bool on = tumble_run_is_on(navcomp);
+    if (on && !navcomp->run_was_on) {
+        tumble_count(&navcomp->run_number);
+    }
+    navcomp->run_was_on = on;
+}
+
 static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
+    count_runs(navcomp);
     if (tumble_has_drive(navcomp)) {
         tumble_drive402_step(&navcomp->axis.drive, now_us);
     } else {

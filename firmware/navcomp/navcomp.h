@@ -80,8 +80,10 @@ typedef struct tumble_navcomp {
     uint8_t restart;         /* an NMT reset came: what of */
     bool woken;              /* this step has more to do than to take samples */
     bool more;               /* the next one has something to do at once */
+    bool run_was_on;         /* at the last look */
     const tumble_navcomp_config_t *config;
     uint32_t shown;          /* what the state PDO told last */
+    uint32_t run_number;     /* runs begun since power-on, those gone on with after DONE or a loss of power among them */
     uint64_t stepped_us;     /* clock of the last step */
     uint64_t due_us;         /* of the next one if no frame comes */
     uint64_t block_start_us; /* not before: the next NMT start for the block */
