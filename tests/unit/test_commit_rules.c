@@ -342,7 +342,7 @@ static void test_numbers_names_and_sentences(void)
     TEST_ASSERT_EQUAL_INT(0, TUMBLE_OBJECTION_GRAVITY_CHECK);
     TEST_ASSERT_EQUAL_INT(4, TUMBLE_OBJECTION_CHANGE);
     TEST_ASSERT_EQUAL_INT(8, TUMBLE_OBJECTION_REPLAYED);
-    TEST_ASSERT_EQUAL_INT(11, TUMBLE_OBJECTION_COUNT);
+    TEST_ASSERT_EQUAL_INT((int)TUMBLE_OBJECTION_DOES_NOT_FIT + 1, TUMBLE_OBJECTION_COUNT);
     for (int i = 0; i < TUMBLE_OBJECTION_COUNT; i++) {
         const char *const name = tumble_objection_name((tumble_objection_t)i);
         const char *const sentence = tumble_objection_sentence((tumble_objection_t)i);

@@ -20,7 +20,7 @@ static void test_a_good_result_becomes_the_active_set(void)
     tumble_result_t result;
     tumble_uncertainty_t u;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, &u));
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, TUMBLE_ALL_COEFFICIENTS, &u));
     TEST_ASSERT_EQUAL_MEMORY(result.coefficients, &set.coefficients, sizeof set.coefficients);
     TEST_ASSERT_EQUAL_MEMORY(&u, &set.uncertainty, sizeof u);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_HAS_TEMPERATURE | TUMBLE_SET_HAS_GRAVITY | TUMBLE_SET_HAS_UNCERTAINTY |
@@ -175,6 +175,24 @@ static void test_nor_is_a_proposal(void)
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 }
 
+/* The proposal is in no history: it is recognised by looking at it, whatever else the store holds. */
+static void test_nor_is_a_proposal_beside_a_set_before(void)
+{
+    (void)run_and_judge();
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    (void)set_of(TUMBLE_SET_PREVIOUS);
+    drift(2e-3);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    const tumble_set_t held = set_of(TUMBLE_SET_PROPOSAL);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
+                            state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->held);
+    const tumble_set_t still = set_of(TUMBLE_SET_PROPOSAL);
+    TEST_ASSERT_EQUAL_MEMORY(&held, &still, sizeof held);
+}
+
 static void test_the_first_set_waits_unless_the_settings_say_otherwise(void)
 {
     settings.limits.flags = TUMBLE_COMMIT_BY_ITSELF;
@@ -218,7 +236,8 @@ static void test_a_position_repeated_makes_a_new_result(void)
     TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
 }
 
-/* DONE and a START by SDO in one and the same step: the result is taken before the new run drops it. */
+/* DONE and a START by SDO in one and the same step: the result is looked at for some steps more, and needs its means. So
+ * the new run has to wait. */
 static void test_a_result_overtaken_by_a_start_is_not_lost(void)
 {
     const tumble_can_frame_t heartbeat = {.id = 0x702, .length = 1, .data = {TUMBLE_NMT_OPERATIONAL}};
@@ -234,8 +253,13 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     }
     fake_port_give(&bench.fake, &start);
     bench_event(&bench);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_PREFLIGHT, run_state());
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, run_state());
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->refused);
+    ASSERT_STATUS(TUMBLE_E_STATE, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 3));
+    ASSERT_STATUS(TUMBLE_E_STATE, bench_command(&bench, TUMBLE_COMMAND_REPEAT_MOUNTING, 1));
+    TEST_ASSERT_EQUAL_UINT32(3, tumble_keeper_counters(&keeper)->refused);
     settle_memory();
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->judged);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
@@ -367,6 +391,7 @@ int main(void)
     RUN_TEST(test_the_same_result_is_not_stored_twice);
     RUN_TEST(test_nor_is_one_of_the_history);
     RUN_TEST(test_nor_is_a_proposal);
+    RUN_TEST(test_nor_is_a_proposal_beside_a_set_before);
     RUN_TEST(test_the_first_set_waits_unless_the_settings_say_otherwise);
     RUN_TEST(test_without_a_declared_stand_nothing_is_committed);
     RUN_TEST(test_another_block_is_held);
