@@ -175,24 +175,6 @@ static void test_nor_is_a_proposal(void)
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 }
 
-/* The proposal is in no history: it is recognised by looking at it, whatever else the store holds. */
-static void test_nor_is_a_proposal_beside_a_set_before(void)
-{
-    (void)run_and_judge();
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    (void)set_of(TUMBLE_SET_PREVIOUS);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
-    const tumble_set_t held = set_of(TUMBLE_SET_PROPOSAL);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
-                            state_of_keeper().objections);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->held);
-    const tumble_set_t still = set_of(TUMBLE_SET_PROPOSAL);
-    TEST_ASSERT_EQUAL_MEMORY(&held, &still, sizeof held);
-}
-
 static void test_the_first_set_waits_unless_the_settings_say_otherwise(void)
 {
     settings.limits.flags = TUMBLE_COMMIT_BY_ITSELF;
@@ -391,7 +373,6 @@ int main(void)
     RUN_TEST(test_the_same_result_is_not_stored_twice);
     RUN_TEST(test_nor_is_one_of_the_history);
     RUN_TEST(test_nor_is_a_proposal);
-    RUN_TEST(test_nor_is_a_proposal_beside_a_set_before);
     RUN_TEST(test_the_first_set_waits_unless_the_settings_say_otherwise);
     RUN_TEST(test_without_a_declared_stand_nothing_is_committed);
     RUN_TEST(test_another_block_is_held);
