@@ -53,6 +53,17 @@ static double scatter_of_open(const tumble_averaging_t *averaging, int channel)
     return (variance > 0.0) ? tumble_sqrt(variance) : 0.0;
 }
 
+/* A position with fewer samples than the gate counts cannot show a run that long. There a channel is stuck that never
+ * changed. */
+static bool never_changed(const tumble_average_t *average, const tumble_averaging_config_t *config)
+{
+    bool changed = true;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        changed = changed && tumble_is_positive((double)average->scatter_counts[i]);
+    }
+    return !changed && (average->samples >= 2U) && (average->samples < config->stuck_run);
+}
+
 static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tumble_averaging_config_t *config)
 {
     const tumble_open_position_t *open = &averaging->open;
@@ -69,7 +80,7 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
     if (average->samples < config->min_samples) {
         return TUMBLE_E_TOO_FEW;
     }
-    if ((open->faults & FAULT_STUCK) != 0U) {
+    if (((open->faults & FAULT_STUCK) != 0U) || never_changed(average, config)) {
         return TUMBLE_E_STUCK;
     }
     const double still_counts = (double)config->stillness_ratio * (double)config->noise_counts;

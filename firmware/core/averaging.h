@@ -28,7 +28,8 @@ typedef struct {
     int32_t saturation_counts; /* at or beyond +- this a sample is refused; 1 to INT32_MAX */
     uint32_t min_samples;      /* of a finished position; 1 to TUMBLE_MAX_SAMPLES */
     uint16_t max_lost;         /* samples that may be missing from a position */
-    uint16_t stuck_run;        /* equal values in a row that call a channel stuck; at least 2, or 0: gate off */
+    uint16_t stuck_run;        /* equal values in a row that call a channel stuck, or all values of a position with fewer
+                                * samples (but more than one); at least 2, or 0: gate off */
     float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
     float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
 } tumble_averaging_config_t;
@@ -95,7 +96,7 @@ tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tum
 
 /* Put back a position that `finish` had accepted, as it was kept elsewhere meanwhile; an open one is abandoned and left
  * empty. It must pass the gates that can still be judged: TUMBLE_OK, _ARGUMENT (null, index, a sum that so many samples
- * below saturation cannot have, more than TUMBLE_MAX_SAMPLES, a scatter that is none), _TOO_FEW, _NOT_STILL. On any
+ * below saturation cannot have, more than TUMBLE_MAX_SAMPLES, a scatter that is none), _TOO_FEW, _STUCK, _NOT_STILL. On any
  * refusal the position is left empty. */
 tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                          uint8_t index, const tumble_average_t *average);

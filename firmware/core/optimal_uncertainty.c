@@ -9,13 +9,18 @@ tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judg
                                            tumble_uncertainty_t *uncertainty)
 {
     const tumble_optimal_source_t *from = source;
-    const tumble_gain_record_t *record;
+    const tumble_gain_record_t *record = NULL;
     if ((from == NULL) || (run == NULL) || (run->coefficients == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    const tumble_status_t status = tumble_gain_record_open(from->record, from->record_bytes, run->schedule, &record);
-    if (status != TUMBLE_OK) {
-        return status;
+    if ((run->only == 0U) || ((run->only & 1U) != 0U)) {
+        const tumble_status_t status =
+            tumble_gain_record_open(from->record, from->record_bytes, run->schedule, &record);
+        if (status != TUMBLE_OK) {
+            return status;
+        }
+    } else {
+        record = from->record;
     }
     tumble_coefficients_t made_for = {0};
     for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {

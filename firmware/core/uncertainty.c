@@ -208,10 +208,25 @@ static double uncertainty_of(const gains_t *gains)
     return combined(run, &response);
 }
 
-/* One unknown of each channel. Infinities and NaN add up in `check`. */
+static bool is_wanted(const gains_t *gains)
+{
+    const int coefficient = (gains->unknown == BIAS) ? ((TUMBLE_CHANNELS * TUMBLE_CHANNELS) + gains->channel)
+                                                     : ((TUMBLE_CHANNELS * gains->channel) + gains->unknown);
+    return (gains->run->only == 0U) || (((gains->run->only >> coefficient) & 1U) != 0U);
+}
+
+/* One unknown of each channel; the column of N^-1 is the same for all three. Infinities and NaN add up in `check`. */
 static void judge_unknown(gains_t *gains, tumble_uncertainty_t *uncertainty, double *check)
 {
+    bool solved = (gains->kind != LEAST_SQUARES);
     for (gains->channel = X; gains->channel <= Z; gains->channel++) {
+        if (!is_wanted(gains)) {
+            continue;
+        }
+        if (!solved) {
+            solve_column(gains);
+            solved = true;
+        }
         const double u = uncertainty_of(gains);
         *((gains->unknown == BIAS) ? &uncertainty->u0_v[gains->channel]
                                    : &uncertainty->k_v_per_g[gains->channel][gains->unknown]) = u;
@@ -219,14 +234,11 @@ static void judge_unknown(gains_t *gains, tumble_uncertainty_t *uncertainty, dou
     }
 }
 
-/* All twelve, one after the other. */
+/* All that are wanted, one after the other. */
 static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
 {
     double check = 0.0;
     for (gains->unknown = X; gains->unknown <= BIAS; gains->unknown++) {
-        if (gains->kind == LEAST_SQUARES) {
-            solve_column(gains);
-        }
         judge_unknown(gains, uncertainty, &check);
     }
     if (!tumble_is_finite(check)) {

@@ -40,6 +40,8 @@ typedef struct {
     const tumble_coefficients_t *coefficients; /* the estimate; only its K matters */
     const bool *measured;                      /* one flag per position; null: all are measured */
     const uint32_t *samples;                   /* in the mean of each position, at least 1; null: the stand's */
+    uint16_t only; /* bits of the coefficients (0 to 11: K row by row, then U0) to be judged now, so that all twelve can
+                    * be judged in small steps; the others stay as they are. 0: all */
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */

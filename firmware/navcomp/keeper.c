@@ -79,80 +79,6 @@ static void end_job(tumble_keeper_t *keeper)
     }
 }
 
-/* What the active set is. */
-
-static void note_active(tumble_keeper_t *keeper, const tumble_set_t *set)
-{
-    const bool known = (set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U;
-    const double half_c = 2.0 * set->temperature_c;
-    keeper->has_active_half_c = known && (half_c >= (double)INT8_MIN) && (half_c <= (double)INT8_MAX);
-    keeper->active_half_c = (int16_t)(keeper->has_active_half_c ? half_c : 0.0);
-    keeper->active_utc_s = set->date_utc_s;
-}
-
-/* The entry was refused: look again what is missing. */
-static void try_history_again(tumble_keeper_t *keeper)
-{
-    keeper->stale = keeper->stale || (keeper->history_tries != 0U);
-}
-
-/* A commit whose entry in the history a loss of power or the memory prevented is caught up on here. */
-static void write_history(tumble_keeper_t *keeper, const tumble_set_t *set)
-{
-    tumble_history_entry_t entry;
-    if (set->sequence <= tumble_history_sequence(&keeper->history)) {
-        return;
-    }
-    tumble_status_t status = tumble_history_from_set(set, &entry);
-    if (status == TUMBLE_OK) {
-        const bool other_block = (set->reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK)) != 0U;
-        entry.flags |= other_block ? TUMBLE_HISTORY_OTHER_BLOCK : 0U;
-        keeper->history_tries = (uint8_t)(keeper->history_tries - ((keeper->history_tries != 0U) ? 1U : 0U));
-        status = tumble_history_append(&keeper->history, &entry);
-    }
-    if (status != TUMBLE_OK) {
-        tumble_keeper_fail(keeper, status);
-    }
-    if (status == TUMBLE_E_NV) {
-        try_history_again(keeper);
-    }
-}
-
-static void note_change(tumble_keeper_t *keeper)
-{
-    const uint32_t sequence = tumble_store_sequence(&keeper->store);
-    if (keeper->sequence != sequence) {
-        keeper->sequence = sequence;
-        keeper->active_us = keeper->now_us;
-        keeper->shown = UINT32_MAX;
-    }
-}
-
-static void refresh(tumble_keeper_t *keeper)
-{
-    tumble_set_t active;
-    const tumble_status_t status = tumble_store_read(&keeper->store, TUMBLE_SET_ACTIVE, &active);
-    if (status == TUMBLE_E_PORT_BUSY) {
-        return;
-    }
-    tumble_store_number_above(&keeper->store, tumble_history_sequence(&keeper->history));
-    keeper->stale = false;
-    keeper->has_active = (status == TUMBLE_OK);
-    keeper->off_temperature = 0;
-    note_change(keeper);
-    if (keeper->has_active) {
-        note_active(keeper, &active);
-        write_history(keeper, &active);
-    } else {
-        keeper->has_active_half_c = false;
-        keeper->active_utc_s = 0;
-        if (status != TUMBLE_E_STATE) {
-            tumble_keeper_fail(keeper, status);
-        }
-    }
-    tumble_keeper_count_resumable(keeper);
-}
-
 /* Commands about sets wait until the memory is free. */
 static void begin_command(tumble_keeper_t *keeper)
 {
@@ -179,7 +105,7 @@ static void step_memory(tumble_keeper_t *keeper)
     } else if (tumble_history_busy(&keeper->history)) {
         status = tumble_history_step(&keeper->history);
         if (status == TUMBLE_E_NV) {
-            try_history_again(keeper);
+            tumble_keeper_try_history_again(keeper);
         }
     } else if (tumble_checkpoint_busy(&keeper->checkpoint)) {
         status = tumble_keeper_step_checkpoint(keeper);
@@ -198,11 +124,13 @@ static void work(tumble_keeper_t *keeper)
     if (tumble_keeper_is_busy(keeper)) {
         step_memory(keeper);
     } else if (keeper->stale) {
-        refresh(keeper);
+        tumble_keeper_refresh(keeper);
     } else if (keeper->task == (uint8_t)TASK_RESTORE) {
         tumble_keeper_restore(keeper);
     } else if (keeper->task != (uint8_t)TASK_NONE) {
         tumble_keeper_judge(keeper);
+    } else if ((keeper->wants & WANT_RECORD_DECAY) != 0U) {
+        tumble_keeper_record_decay(keeper);
     } else if ((keeper->wants & WANT_COMMANDS) != 0U) {
         begin_command(keeper);
     } else {
@@ -231,6 +159,7 @@ static void step(void *context, uint64_t now_us)
     if (!tumble_keeper_has_work(keeper)) {
         tumble_keeper_start_if_due(keeper);
     }
+    tumble_keeper_tell_decay(keeper);
     show(keeper);
     keeper->due_us = tumble_keeper_has_work(keeper) ? (now_us + RETRY_US) : UINT64_MAX;
 }
@@ -311,9 +240,14 @@ static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, u
 static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t argument)
 {
     tumble_keeper_t *keeper = context;
-    if ((wanted == TUMBLE_COMMAND_START) && tumble_parameters_reading(&keeper->parameters)) {
+    tumble_keeper_watch(keeper); /* what ended before must be seen before anything begins anew */
+    const bool begins = (wanted == TUMBLE_COMMAND_START) || (wanted == TUMBLE_COMMAND_REPEAT_POSITION) ||
+                        (wanted == TUMBLE_COMMAND_REPEAT_MOUNTING);
+    /* A run that began now would go by the board's values, or take the means away from the judge. */
+    if (((wanted == TUMBLE_COMMAND_START) && tumble_parameters_reading(&keeper->parameters)) ||
+        (begins && tumble_keeper_is_assessing(keeper))) {
         tumble_count(&keeper->counters.refused);
-        return TUMBLE_E_STATE; /* it would go by the board's values */
+        return TUMBLE_E_STATE;
     }
     if (is_inhibitable(wanted)) {
         if (tumble_keeper_is_inhibited(keeper)) {
@@ -322,7 +256,6 @@ static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t a
         }
         keeper->was_inhibited = false; /* whatever the last step saw: the next one is to see when it begins again */
     }
-    tumble_keeper_watch(keeper); /* what ended before must be seen before anything begins anew */
     const tumble_status_t status = obey(keeper, wanted, argument);
     tumble_keeper_watch(keeper);
     if ((wanted == TUMBLE_COMMAND_HOME_AXIS) || (wanted == TUMBLE_COMMAND_TURN_AXIS)) {
@@ -357,6 +290,10 @@ static void reset(void *context)
     tumble_keeper_t *keeper = context;
     keeper->settings = *keeper->config->settings;
     keeper->rules = tumble_keeper_rules_of_board(keeper);
+    if (tumble_keeper_is_assessing(keeper)) {
+        keeper->verdict = TUMBLE_VERDICT_NONE; /* the means are gone; the checkpoint has them */
+        keeper->task = TASK_NONE;
+    }
     keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
     (void)tumble_at_rest_begin(&keeper->at_rest, 0);
     keeper->stale = true; /* a run that is kept may fit again what the node goes by */
@@ -382,7 +319,7 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
         step_memory(keeper);
     }
     if ((status == TUMBLE_OK) && !tumble_keeper_is_busy(keeper)) {
-        refresh(keeper);
+        tumble_keeper_refresh(keeper);
     }
     keeper->active_us = keeper->now_us;
     keeper->stale = keeper->stale || tumble_keeper_is_busy(keeper);

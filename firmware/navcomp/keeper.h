@@ -18,6 +18,7 @@
 #ifndef TUMBLE_NAVCOMP_KEEPER_H
 #define TUMBLE_NAVCOMP_KEEPER_H
 
+#include "core/misfit.h"
 #include "navcomp/at_rest.h"
 #include "navcomp/keeping.h"
 #include "navcomp/navcomp.h"
@@ -65,8 +66,9 @@ typedef struct {
     void *context; /* handed to it */
 
     /* tumble_navcomp_uncertainty where the stand is declared; null: no set has uncertainties, and so none is committed
-     * by itself. */
-    tumble_status_t (*uncertainty)(const tumble_navcomp_t *navcomp, tumble_uncertainty_t *uncertainty);
+     * by itself. Called once for each coefficient of a result, one a step. */
+    tumble_status_t (*uncertainty)(const tumble_navcomp_t *navcomp, uint16_t coefficients,
+                                   tumble_uncertainty_t *uncertainty);
 
     /* tumble_stand_view and its memory (navcomp/stand_view.h); null: the dictionary tells nothing of the stand. */
     const struct tumble_stand_view *(*stand_view)(const tumble_navcomp_t *navcomp,
@@ -74,11 +76,20 @@ typedef struct {
     struct tumble_stand_memory *stand_memory;
 } tumble_keeper_config_t;
 
+/* A clock that is set back by less than this makes no run due. */
+#define TUMBLE_KEEPER_CLOCK_SLACK_S 3600U
+
+/* The emergency message (1003h) while TUMBLE_DUE_DECAYED is set. The first four of its own bytes: the counter as it is
+ * now, little endian. "No error" follows when the next set becomes active. */
+#define TUMBLE_KEEPER_EMCY_DECAYED 0xFF20U
+
 /* Why a run is due: bits. */
 enum {
     TUMBLE_DUE_TIME = 1,        /* the interval is over */
     TUMBLE_DUE_TEMPERATURE = 2, /* the block is warmer or colder than it was when calibrated */
-    TUMBLE_DUE_NO_SET = 4       /* there is no active set */
+    TUMBLE_DUE_NO_SET = 4,      /* there is no active set */
+    TUMBLE_DUE_DATE = 8,        /* the active set is dated more than TUMBLE_KEEPER_CLOCK_SLACK_S after the present */
+    TUMBLE_DUE_DECAYED = 16     /* the active set has decayed in the memory, and the one before it counts */
 };
 
 /* What became of the last result, or of the last command about sets. The numbers travel over CAN and Modbus. */
@@ -123,7 +134,8 @@ typedef struct {
     tumble_checkpoint_t checkpoint;
     tumble_parameters_t parameters;
     tumble_keeper_counters_t counters;
-    tumble_set_t set;         /* the result, until it is stored */
+    tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
+    tumble_misfit_work_t misfit; /* of the result: does it fit the declared stand? */
     tumble_at_rest_t at_rest; /* 2152h */
     uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
     uint64_t lost;            /* of `saved`: those that the memory would not take */
@@ -168,9 +180,11 @@ typedef struct {
     bool has_utc;
     bool has_active;
     bool has_active_half_c;
+    bool decayed;             /* the history knows of a later set than the store */
+    bool decay_told;          /* by an emergency message that is not cleared yet */
 } tumble_keeper_t;
 
-static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2560U : 2816U), "the keeper must stay small");
+static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2816U : 3072U), "the keeper must stay small");
 
 /* What tumble_navcomp_config_t.keeping points to; `keeper` is a tumble_keeper_t. Its init returns TUMBLE_OK; _ARGUMENT (no
  * configuration, a serial number or settings out of range, no memory behind the port); _NV (regions.h). It reads the
@@ -182,14 +196,16 @@ static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2560U : 2816U
  * and in IDLE TUMBLE_COMMAND_RESUME: go on with the run that lost power (there must be one, and block, stand,
  * schedule, configuration and active set be those that it was begun with); it begins within some steps. While inhibited
  * everything that begins or goes on with a run, or turns the table, is refused, and so is TUMBLE_COMMAND_START until what
- * was saved (1010h) is in force after power-on or an NMT reset. Refusals: TUMBLE_E_STATE. */
+ * was saved (1010h) is in force after power-on or an NMT reset. For some 100 ms after DONE the result is looked at: until
+ * then START, REPEAT_POSITION and REPEAT_MOUNTING are refused. Refusals: TUMBLE_E_STATE. */
 extern const tumble_keeping_t tumble_keeper_calls;
 
 /* A set by value, as tumble_store_read. */
 tumble_status_t tumble_keeper_set(tumble_keeper_t *keeper, tumble_which_set_t which, tumble_set_t *set);
 
 /* The calibration counter: grows with every change of the active set, and by nothing else, unless that decays: then it
- * is the one of the set before, and what comes next gets one that none had. 0: the factory set, or none.
+ * is the one of the set before, and what comes next gets one that none had; TUMBLE_DUE_DECAYED and
+ * TUMBLE_KEEPER_EMCY_DECAYED tell of it. 0: the factory set, or none.
  * The keeper triggers transmit PDO TUMBLE_KEEPER_PDO when it, the verdict or what is due changes. */
 uint32_t tumble_keeper_counter(const tumble_keeper_t *keeper);
 #define TUMBLE_KEEPER_PDO 3U

@@ -18,6 +18,12 @@ uint64_t tumble_keeper_age_s(const tumble_keeper_t *keeper)
     return (keeper->now_us - keeper->active_us) / TUMBLE_US_PER_S;
 }
 
+bool tumble_keeper_is_ahead(const tumble_keeper_t *keeper, uint64_t date_utc_s, uint64_t slack_s)
+{
+    const uint64_t utc_s = tumble_keeper_utc_s(keeper);
+    return (utc_s != 0U) && (date_utc_s > (utc_s + slack_s));
+}
+
 uint8_t tumble_keeper_due(const tumble_keeper_t *keeper)
 {
     const tumble_keeper_settings_t *settings = &keeper->settings;
@@ -32,6 +38,10 @@ uint8_t tumble_keeper_due(const tumble_keeper_t *keeper)
     if ((settings->temperature_half_c != 0U) && (keeper->off_temperature >= settings->temperature_samples)) {
         due |= TUMBLE_DUE_TEMPERATURE;
     }
+    due |= (keeper->has_active && tumble_keeper_is_ahead(keeper, keeper->active_utc_s, TUMBLE_KEEPER_CLOCK_SLACK_S))
+               ? (unsigned)TUMBLE_DUE_DATE
+               : 0U;
+    due |= keeper->decayed ? (unsigned)TUMBLE_DUE_DECAYED : 0U;
     return (uint8_t)due;
 }
 

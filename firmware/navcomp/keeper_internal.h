@@ -1,6 +1,7 @@
 /* keeper_internal.h - what the files of the keeper share (private to it).
  *
  *     keeper.c             init, the step: what is done when the memory is free, commands
+ *     keeper_active.c      what the active set is, and what is told when it decays
  *     keeper_judge.c       from a result to a verdict
  *     keeper_rules.c       are the rules the board's?
  *     keeper_checkpoint.c  the run under way, and its checkpoint
@@ -18,6 +19,8 @@
 /* tumble_keeper_t.task */
 enum {
     TASK_NONE = 0,
+    TASK_UNCERTAINTY,     /* of the result; `at`: coefficient */
+    TASK_FIT,             /* does the run fit the declared stand? */
     TASK_COMPARE_SETS,    /* is the result one of the sets that the store holds? `at`: which */
     TASK_COMPARE_HISTORY, /* or of those it held? `at`: age */
     TASK_DECIDE,
@@ -50,7 +53,8 @@ enum {
     WANT_COMMANDS = WANT_ACCEPT | WANT_DISCARD | WANT_ROLLBACK,
     WANT_BEGIN = 8, /* a new checkpoint */
     WANT_CLEAR = 16, /* none */
-    WANT_APPEND = 32 /* there is a mean that is not in it */
+    WANT_APPEND = 32, /* there is a mean that is not in it */
+    WANT_RECORD_DECAY = 64 /* in the history */
 };
 
 /* Characters of the block's serial number, counted up to one more than it may have. */
@@ -69,9 +73,21 @@ bool tumble_keeper_is_busy(const tumble_keeper_t *keeper);                /* sto
 bool tumble_keeper_has_work(const tumble_keeper_t *keeper);               /* or there is something for them to do */
 void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status);
 
+/* keeper_active.c */
+void tumble_keeper_refresh(tumble_keeper_t *keeper);           /* read the active set; look whether one has decayed */
+void tumble_keeper_try_history_again(tumble_keeper_t *keeper); /* its entry was refused */
+void tumble_keeper_tell_decay(tumble_keeper_t *keeper);        /* by an emergency message */
+void tumble_keeper_record_decay(tumble_keeper_t *keeper);      /* in the history: at most two reads, one job */
+
 /* keeper_judge.c */
 void tumble_keeper_take_result(tumble_keeper_t *keeper);
-void tumble_keeper_judge(tumble_keeper_t *keeper); /* go on with it: one call of the memory */
+void tumble_keeper_judge(tumble_keeper_t *keeper); /* go on with it: one call of the memory, or a part of a computation */
+
+/* Is a result being looked at whose means must stay as they are? Some 100 ms after DONE. */
+static inline bool tumble_keeper_is_assessing(const tumble_keeper_t *keeper)
+{
+    return (keeper->task == (uint8_t)TASK_UNCERTAINTY) || (keeper->task == (uint8_t)TASK_FIT);
+}
 
 /* keeper_rules.c */
 uint32_t tumble_keeper_rules(const tumble_keeper_t *keeper);          /* fingerprint of those in force */
@@ -99,6 +115,7 @@ void tumble_keeper_restore(tumble_keeper_t *keeper); /* go on with it: one call 
 /* keeper_due.c */
 uint64_t tumble_keeper_utc_s(const tumble_keeper_t *keeper);
 uint64_t tumble_keeper_age_s(const tumble_keeper_t *keeper);
+bool tumble_keeper_is_ahead(const tumble_keeper_t *keeper, uint64_t date_utc_s, uint64_t slack_s); /* of the present */
 uint8_t tumble_keeper_due(const tumble_keeper_t *keeper);
 bool tumble_keeper_is_inhibited(const tumble_keeper_t *keeper);
 void tumble_keeper_obey_inhibit(tumble_keeper_t *keeper);

@@ -3,10 +3,17 @@
 #include "navcomp/navcomp_internal.h"
 
 #include "core/arith.h"
+#include "navcomp/uncertainty.h"
 
 #include <string.h>
 
 #define HALF_DEGREES 2.0
+
+static void begin_task(tumble_keeper_t *keeper, unsigned task)
+{
+    keeper->task = (uint8_t)task;
+    keeper->at = 0;
+}
 
 /* The set of a result. */
 
@@ -80,10 +87,6 @@ void tumble_keeper_take_result(tumble_keeper_t *keeper)
         .coefficients = *result.coefficients,
         .samples = count_samples(keeper),
     };
-    if ((keeper->config->uncertainty != NULL) &&
-        (keeper->config->uncertainty(keeper->navcomp, &set->uncertainty) == TUMBLE_OK)) {
-        set->flags |= TUMBLE_SET_HAS_UNCERTAINTY;
-    }
     add_circumstances(keeper, set);
     add_check(keeper, result.check, set);
     add_closure(keeper, set);
@@ -92,8 +95,45 @@ void tumble_keeper_take_result(tumble_keeper_t *keeper)
     keeper->verdict = TUMBLE_VERDICT_WORKING;
     keeper->repeated = false;
     keeper->looked_again = false;
-    keeper->task = TASK_COMPARE_SETS;
-    keeper->at = 0;
+    tumble_misfit_begin(&keeper->misfit);
+    begin_task(keeper, (keeper->config->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
+}
+
+/* What it is worth, by the declared stand. Both questions take a processor without floating point hardware a million
+ * instructions and more: so a part a step. */
+
+/* One coefficient. Without all twelve there are none. */
+static void judge_uncertainty(tumble_keeper_t *keeper)
+{
+    tumble_set_t *set = &keeper->set;
+    const tumble_navcomp_t *navcomp = keeper->navcomp;
+    const bool same = (set->estimator == (uint8_t)navcomp->procedure_config.estimate); /* as when the run ended */
+    if (!same || (keeper->config->uncertainty(navcomp, (uint16_t)(UINT32_C(1) << keeper->at), &set->uncertainty) != TUMBLE_OK)) {
+        set->uncertainty = (tumble_uncertainty_t){.u0_v = {0.0}};
+        begin_task(keeper, TASK_COMPARE_SETS);
+        return;
+    }
+    keeper->at++;
+    if (keeper->at == (uint8_t)TUMBLE_COEFFICIENTS) {
+        set->flags |= TUMBLE_SET_HAS_UNCERTAINTY;
+        begin_task(keeper, (navcomp->config->declared != NULL) ? TASK_FIT : TASK_COMPARE_SETS);
+    }
+}
+
+/* One position. */
+static void judge_fit(tumble_keeper_t *keeper)
+{
+    const tumble_navcomp_t *navcomp = keeper->navcomp;
+    const tumble_misfit_run_t run = {
+        .schedule = navcomp->procedure_config.schedule,
+        .averaging = tumble_procedure_averages(&navcomp->procedure),
+        .coefficients = &keeper->set.coefficients,
+        .stand = navcomp->config->declared->stand,
+        .v_per_count = navcomp->procedure_config.v_per_count,
+    };
+    if (!tumble_misfit_step(&keeper->misfit, &run)) {
+        begin_task(keeper, TASK_COMPARE_SETS);
+    }
 }
 
 /* Has the store held it before? Noise makes no two runs alike to the last bit: one that is was not measured, it was
@@ -123,8 +163,7 @@ static void compare_with_sets(tumble_keeper_t *keeper)
     }
     keeper->at++;
     if (keeper->at > (uint8_t)TUMBLE_SET_PREVIOUS) {
-        keeper->task = TASK_COMPARE_HISTORY;
-        keeper->at = 0;
+        begin_task(keeper, TASK_COMPARE_HISTORY);
     }
 }
 
@@ -166,11 +205,23 @@ static void begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t stat
 {
     if ((status == TUMBLE_E_NV) && tumble_store_busy(&keeper->store) && !keeper->looked_again) {
         keeper->looked_again = true;
-        keeper->task = TASK_COMPARE_SETS;
-        keeper->at = 0;
+        begin_task(keeper, TASK_COMPARE_SETS);
         return;
     }
     tumble_keeper_begin_job(keeper, job, status);
+}
+
+/* An active set that is dated after the present says nothing of what is older: a clock that was ahead once would else hold
+ * every set for years. It counts as one without a date; TUMBLE_DUE_DATE tells of it. */
+static uint16_t object(const tumble_keeper_t *keeper, tumble_set_t *active)
+{
+    if ((active != NULL) && tumble_keeper_is_ahead(keeper, active->date_utc_s, 0)) {
+        active->date_utc_s = 0;
+    }
+    const unsigned misfit = keeper->misfit.misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
+    const unsigned rules = (unsigned)keeper->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    return (uint16_t)(misfit | rules |
+                      tumble_commit_objections(&keeper->set, active, &keeper->settings.limits, keeper->repeated));
 }
 
 static void decide(tumble_keeper_t *keeper)
@@ -187,9 +238,7 @@ static void decide(tumble_keeper_t *keeper)
         return;
     }
     note_rules(keeper);
-    keeper->objections = tumble_commit_objections(&keeper->set, (status == TUMBLE_OK) ? &active : NULL,
-                                                  &keeper->settings.limits, keeper->repeated);
-    keeper->objections |= (uint16_t)keeper->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    keeper->objections = object(keeper, (status == TUMBLE_OK) ? &active : NULL);
     keeper->set.reasons = keeper->objections;
     if (keeper->repeated) {
         keeper->verdict = TUMBLE_VERDICT_REPEATED;
@@ -204,7 +253,11 @@ static void decide(tumble_keeper_t *keeper)
 
 void tumble_keeper_judge(tumble_keeper_t *keeper)
 {
-    if (keeper->task == (uint8_t)TASK_COMPARE_SETS) {
+    if (keeper->task == (uint8_t)TASK_UNCERTAINTY) {
+        judge_uncertainty(keeper);
+    } else if (keeper->task == (uint8_t)TASK_FIT) {
+        judge_fit(keeper);
+    } else if (keeper->task == (uint8_t)TASK_COMPARE_SETS) {
         compare_with_sets(keeper);
     } else if (keeper->task == (uint8_t)TASK_COMPARE_HISTORY) {
         compare_with_history(keeper);

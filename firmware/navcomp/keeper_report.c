@@ -134,6 +134,9 @@ tumble_history_t *tumble_keeper_history(tumble_keeper_t *keeper)
  * given up for it. Neither tells of a drift. */
 static bool is_of_the_trend(const tumble_history_entry_t *entry, uint8_t *given_up)
 {
+    if (entry->origin == (uint8_t)TUMBLE_ORIGIN_DECAYED) {
+        return false; /* an event, no set */
+    }
     const bool was_given_up = (*given_up != 0U);
     const bool copy = (entry->origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
     *given_up = (uint8_t)(*given_up + (copy ? 1U : 0U) - (was_given_up ? 1U : 0U));

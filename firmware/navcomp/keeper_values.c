@@ -86,17 +86,20 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
     return is_known(&set, entry->offset) ? member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
-/* The result at hand. */
+/* The result at hand. Its uncertainties were computed once, when the run ended. */
 
 static tumble_abort_t read_uncertainty(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                        uint8_t *size)
 {
-    tumble_uncertainty_t uncertainty;
-    if ((keeper->config->uncertainty == NULL) ||
-        (keeper->config->uncertainty(keeper->navcomp, &uncertainty) != TUMBLE_OK)) {
+    tumble_result_t result;
+    if (tumble_navcomp_result(keeper->navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    return member(&uncertainty, entry, bytes, size);
+    if (keeper->run_was_on || (keeper->task == (uint8_t)TASK_UNCERTAINTY)) {
+        return TUMBLE_ABORT_DEVICE_STATE;
+    }
+    return ((keeper->set.flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? member(&keeper->set.uncertainty, entry, bytes, size)
+                                                                     : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,

@@ -84,7 +84,7 @@ typedef struct tumble_navcomp {
     bool more;               /* the next one has something to do at once */
     const tumble_navcomp_config_t *config;
     uint32_t shown;          /* what the state PDO told last */
-    uint32_t runs;           /* begun since power-on: 2007h */
+    uint32_t run_number;     /* 2007h: runs begun since power-on; an NMT reset leaves it */
     uint64_t service_until_us; /* the service level ends there; 0: it is not open */
     uint64_t stepped_us;     /* clock of the last step */
     uint64_t due_us;         /* of the next one if no frame comes */

@@ -21,7 +21,7 @@ uint16_t tumble_service_left_s(const tumble_navcomp_t *navcomp)
 
 uint32_t tumble_service_runs(const tumble_navcomp_t *navcomp)
 {
-    return navcomp->runs;
+    return navcomp->run_number;
 }
 
 static void show(tumble_navcomp_t *navcomp)
@@ -68,7 +68,7 @@ tumble_status_t tumble_service_unlock(tumble_navcomp_t *navcomp, uint32_t key)
 void tumble_service_run_began(tumble_navcomp_t *navcomp)
 {
     close(navcomp);
-    tumble_count(&navcomp->runs);
+    tumble_count(&navcomp->run_number);
     show(navcomp);
 }
 

@@ -66,9 +66,10 @@ const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tu
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
         return NULL;
     }
-    if (memory->looked_at != at_hand) {
+    if ((memory->looked_at != at_hand) || (memory->run_number != navcomp->run_number)) {
         look(navcomp, memory, result.coefficients);
         memory->looked_at = at_hand;
+        memory->run_number = navcomp->run_number;
     }
     return &memory->view;
 }

@@ -28,7 +28,8 @@ typedef struct tumble_stand_memory {
     tumble_means_t means;
     tumble_random_errors_t errors;
     tumble_stand_view_t view;
-    uint32_t looked_at; /* the positions finished so far, and 1: of which result the view is */
+    uint32_t run_number; /* of which run the view is, */
+    uint32_t looked_at;  /* and of which of its results: positions finished so far, and 1. An NMT reset zeroes them */
 } tumble_stand_memory_t;
 
 /* Of the result at hand; the errors of set angles as declared (navcomp->config->declared), or as the run itself shows

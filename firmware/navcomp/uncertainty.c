@@ -27,10 +27,12 @@ static tumble_status_t judge(const tumble_procedure_config_t *config, const tumb
     return status;
 }
 
-tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, tumble_uncertainty_t *uncertainty)
+tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
+                                           tumble_uncertainty_t *uncertainty)
 {
     tumble_result_t result;
-    if ((navcomp == NULL) || (uncertainty == NULL) || (navcomp->config->declared == NULL)) {
+    const uint16_t only = (uint16_t)(coefficients & TUMBLE_ALL_COEFFICIENTS);
+    if ((navcomp == NULL) || (uncertainty == NULL) || (only == 0U) || (navcomp->config->declared == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
@@ -46,6 +48,7 @@ tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, tumb
     const tumble_judged_run_t run = {.schedule = config->schedule,
                                      .stand = declared->stand,
                                      .coefficients = result.coefficients,
-                                     .samples = samples};
+                                     .samples = samples,
+                                     .only = only};
     return judge(config, declared, &run, uncertainty);
 }

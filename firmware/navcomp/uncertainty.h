@@ -1,7 +1,7 @@
 /* uncertainty.h - the standard uncertainties that the navigation computer itself states of its result.
  *
- * Computed when asked for, from what the board declares of its stand; nothing is kept, and a board that never asks does
- * not link it. Not served over CAN.
+ * Computed when asked for, from what the board declares of its stand; nothing is kept here, and a board that never asks
+ * does not link it. The keeper asks once a result, coefficient by coefficient, and serves what it was told (2023h, 2024h).
  */
 #ifndef TUMBLE_NAVCOMP_UNCERTAINTY_H
 #define TUMBLE_NAVCOMP_UNCERTAINTY_H
@@ -18,12 +18,16 @@ typedef struct tumble_declared {
                                 tumble_uncertainty_t *uncertainty);
 } tumble_declared_t;
 
-/* Of the result at hand, for the estimator that is configured: before another one is written for the next run. On a
- * Cortex-M4 without floating point hardware it takes 0.7 million instructions (`refined`) to 1.2 million
- * (`least_squares`) for 18 positions: no business of a control loop. `uncertainty` is written on TUMBLE_OK, and set to
- * zero on _NOT_FINITE.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; a number out of range), or as the
+#define TUMBLE_ALL_COEFFICIENTS 0x0FFFU
+
+/* Of the result at hand, for the estimator that is configured: before another one is written for the next run.
+ * `coefficients`: bits of those to be judged by this call (0 to 11: K row by row, then U0); the others are left as they
+ * are. All of them take a Cortex-M4 without floating point hardware 0.7 million instructions (`refined`) to 1.2 million
+ * (`least_squares`) for 18 positions: a control loop takes one a step, coefficient 0 first, which alone has a gain record
+ * checked. `uncertainty` is written on TUMBLE_OK, and all of it set to zero on _NOT_FINITE.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; no coefficient; a number out of range), or as the
  * function of core/uncertainty.h or core/optimal_uncertainty.h. */
-tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, tumble_uncertainty_t *uncertainty);
+tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
+                                           tumble_uncertainty_t *uncertainty);
 
 #endif

@@ -15,6 +15,9 @@
 #define FIRST_LIMIT_G 0.7
 #define CHANGE_LIMIT_G 0.35
 
+#define LIKELIEST_VALUE 0.3989422804014327 /* 1 / sqrt(2 pi): of a normal distribution, per standard deviation */
+#define EQUAL_BY_CHANCE 1e-5
+
 /* The configuration: which signs a number may have, and where it stands. */
 
 enum { NEGATIVE = 1, ZERO = 2, POSITIVE = 4, ANY = NEGATIVE | ZERO | POSITIVE };
@@ -61,13 +64,38 @@ static bool times_are_valid(const tumble_procedure_config_t *config)
            (config->sample_timeout_ms > 0U) && (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS);
 }
 
+/* So many equal samples that noise makes them by chance in one of 100,000 at most. With noise of s counts no
+ * value is likelier than 1 / (s sqrt(2 pi)), so n equal samples have the probability 0.399^(n-1) / s^(n-1) at most. Noise
+ * that is not declared, or under a count, counts as one. */
+static uint32_t samples_that_tell(const tumble_averaging_config_t *averaging)
+{
+    const double beyond_one = (double)averaging->noise_counts - 1.0;
+    const double noise_counts = 1.0 + ((beyond_one > 0.0) ? beyond_one : 0.0);
+    double chance = 1.0;
+    uint32_t samples = 1;
+    while (chance > EQUAL_BY_CHANCE) {
+        chance *= LIKELIEST_VALUE / noise_counts;
+        samples++;
+    }
+    return samples;
+}
+
+/* Do the positions have samples enough to show that a channel is stuck, if that is asked? */
+static bool stuck_shows(const tumble_procedure_config_t *config)
+{
+    const tumble_averaging_config_t *averaging = config->averaging;
+    const uint32_t least = (config->error_budget_v > 0.0) ? averaging->min_samples : config->samples;
+    return (least >= averaging->stuck_run) || (least >= samples_that_tell(averaging));
+}
+
 static bool is_valid(const tumble_procedure_config_t *config)
 {
     return (config->schedule != NULL) && (config->averaging != NULL) &&
            ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_OPTIMAL) &&
            ((config->estimate != TUMBLE_ESTIMATE_OPTIMAL) || (config->weighted != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
-           (config->warm_up_band_half_c >= 0) && numbers_are_valid(config) && times_are_valid(config);
+           (config->warm_up_band_half_c >= 0) && numbers_are_valid(config) && times_are_valid(config) &&
+           stuck_shows(config);
 }
 
 static tumble_status_t examine_schedule(const tumble_procedure_config_t *config, tumble_refusal_t *refusal)

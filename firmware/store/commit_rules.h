@@ -13,6 +13,8 @@
  * with months the time between the dates of the two sets, at least 1 (and 1 where a date is unknown) and at most
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
  * the active set that is unknown counts as 0: what is not known excuses no change.
+ *
+ * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (core/misfit.h).
  */
 #ifndef TUMBLE_STORE_COMMIT_RULES_H
 #define TUMBLE_STORE_COMMIT_RULES_H
@@ -40,7 +42,8 @@
     X(TUMBLE_OBJECTION_REPLAYED, "the same coefficients, to the last bit, were found before: the run is not new")      \
     X(TUMBLE_OBJECTION_LIMITS, "a limit of these rules is out of its range")                                           \
     X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")                                          \
-    X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")
+    X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
+    X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")
 
 /* The bit numbers. */
 typedef enum {

@@ -23,7 +23,8 @@ enum {
     TUMBLE_ORIGIN_COMMITTED = 2,  /* by the rules, without an operator */
     TUMBLE_ORIGIN_ACCEPTED = 3,   /* a proposal that an operator accepted */
     TUMBLE_ORIGIN_ROLLED_BACK = 4, /* an earlier set that an operator brought back */
-    TUMBLE_ORIGIN_HELD = 5        /* a proposal */
+    TUMBLE_ORIGIN_HELD = 5,       /* a proposal */
+    TUMBLE_ORIGIN_DECAYED = 6     /* in the history alone, no set has it: the active set was found to have decayed */
 };
 
 /* What is known of a set (bits of `flags`). */

@@ -81,7 +81,7 @@ static void put_check(const bench_world_t *world, const tumble_gravity_check_t *
 static void put_uncertainties(const bench_world_t *world, bench_json_t *json)
 {
     tumble_uncertainty_t u;
-    if (tumble_navcomp_uncertainty(&world->navcomp, &u) != TUMBLE_OK) {
+    if (tumble_navcomp_uncertainty(&world->navcomp, TUMBLE_ALL_COEFFICIENTS, &u) != TUMBLE_OK) {
         bench_json_null(json, "u_K");
         bench_json_null(json, "u_U0");
         return;

@@ -168,7 +168,29 @@ static void test_only_samples_in_a_row_make_a_run(void)
     begin(1);
     add_good(1, 9, 5);
     add_good(1, 10, 6);
+    add_good(2, 10, 7);
     ASSERT_STATUS(TUMBLE_OK, finish());
+}
+
+/* With fewer samples than the gate counts no run is long enough: there all of them must not be equal. */
+static void test_a_position_too_short_for_the_gate_shows_a_stuck_channel_too(void)
+{
+    config.stuck_run = 20;
+    for (int channel = 0; channel < TUMBLE_CHANNELS; channel++) {
+        for (int samples = 2; samples < 20; samples++) {
+            for (int alive = 0; alive < 2; alive++) { /* the last sample differs */
+                begin(0);
+                for (int32_t k = 0; k < samples; k++) {
+                    int32_t counts[3] = {k, -k, 2 * k};
+                    counts[channel] = ((alive != 0) && (k == (samples - 1))) ? -76 : -77;
+                    add_good(counts[0], counts[1], counts[2]);
+                }
+                ASSERT_STATUS((alive != 0) ? TUMBLE_OK : TUMBLE_E_STUCK, finish());
+            }
+        }
+    }
+    config.stuck_run = 0;
+    ASSERT_STATUS(TUMBLE_OK, finish_after_run(1, 0, 1));
 }
 
 static void test_the_longest_run_is_counted_to_its_end(void)
@@ -259,6 +281,7 @@ int main(void)
     RUN_TEST(test_too_few_samples);
     RUN_TEST(test_a_channel_that_repeats_a_value_too_often_is_stuck);
     RUN_TEST(test_only_samples_in_a_row_make_a_run);
+    RUN_TEST(test_a_position_too_short_for_the_gate_shows_a_stuck_channel_too);
     RUN_TEST(test_the_longest_run_is_counted_to_its_end);
     RUN_TEST(test_scatter_beyond_the_declared_noise_is_motion);
     RUN_TEST(test_a_single_sample_is_still);

@@ -294,6 +294,48 @@ static void test_an_exchange_of_the_block_is_no_drift(void)
     }
 }
 
+/* A clock that was fifty years ahead: the set that it dated is told, a run is due, and no set after it is held for it. */
+static void test_an_active_set_dated_after_the_present_holds_nothing(void)
+{
+    const uint64_t ahead_s = 50U * 31557600U;
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + ahead_s));
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX8(0, due());
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_HEX8(0, due());
+    TEST_ASSERT_UINT64_WITHIN(1000, UTC_S, set_of(TUMBLE_SET_ACTIVE).date_utc_s);
+}
+
+/* Drift as where no date is known: that of a month. */
+static void test_nor_does_it_excuse_a_change(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + (30U * (uint64_t)TUMBLE_MONTH_S)));
+    (void)run_and_judge();
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
+    drift(2e-3);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
+}
+
+static void test_a_clock_that_is_corrected_a_little_makes_no_run_due(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
+    (void)run_and_judge();
+    const uint64_t date_s = set_of(TUMBLE_SET_ACTIVE).date_utc_s;
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_KEEPER_CLOCK_SLACK_S));
+    TEST_ASSERT_EQUAL_HEX8(0, due());
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_KEEPER_CLOCK_SLACK_S - 10U));
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
+    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 0));
+    TEST_ASSERT_EQUAL_HEX8(0, due());
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -308,5 +350,8 @@ int main(void)
     RUN_TEST(test_the_trend_of_a_drifting_bias);
     RUN_TEST(test_what_was_given_up_is_no_drift);
     RUN_TEST(test_an_exchange_of_the_block_is_no_drift);
+    RUN_TEST(test_an_active_set_dated_after_the_present_holds_nothing);
+    RUN_TEST(test_nor_does_it_excuse_a_change);
+    RUN_TEST(test_a_clock_that_is_corrected_a_little_makes_no_run_due);
     return UNITY_END();
 }

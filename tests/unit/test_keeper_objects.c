@@ -156,7 +156,7 @@ static void test_uncertainties_of_the_result(void)
     tumble_uncertainty_t u;
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2023, 1));
     (void)run_and_judge();
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, &u));
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, TUMBLE_ALL_COEFFICIENTS, &u));
     for (int c = 0; c < 9; c++) {
         TEST_ASSERT_TRUE(u.k_v_per_g[c / 3][c % 3] == read_f64(0x2023, (uint8_t)(c + 1)));
     }

@@ -3,6 +3,7 @@
 #include "keeper_sdo.h"
 
 #define OTHER_RULES TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES)
+#define DOES_NOT_FIT TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT)
 
 void setUp(void)
 {
@@ -87,11 +88,11 @@ static void test_a_disturbed_run_under_voided_rules_is_held(void)
     TEST_ASSERT_EQUAL_HEX16(0, good.flags & TUMBLE_SET_OTHER_RULES);
     void_the_rules();
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, disturbed_run(4, 0.3));
-    TEST_ASSERT_EQUAL_HEX16(OTHER_RULES, state_of_keeper().objections); /* and no other rule has seen it */
+    TEST_ASSERT_EQUAL_HEX16(OTHER_RULES | DOES_NOT_FIT, state_of_keeper().objections); /* no limit has seen it */
     const tumble_set_t still = set_of(TUMBLE_SET_ACTIVE);
     const tumble_set_t proposal = set_of(TUMBLE_SET_PROPOSAL);
     TEST_ASSERT_EQUAL_MEMORY(&good, &still, sizeof good);
-    TEST_ASSERT_EQUAL_HEX32(OTHER_RULES, proposal.reasons);
+    TEST_ASSERT_EQUAL_HEX32(OTHER_RULES | DOES_NOT_FIT, proposal.reasons);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_OTHER_RULES, proposal.flags & TUMBLE_SET_OTHER_RULES);
     TEST_ASSERT_TRUE(largest_change(&proposal.coefficients, &good.coefficients) > 1e-2);
     /* By the rules of the board the same run does not pass. */

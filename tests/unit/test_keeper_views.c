@@ -178,6 +178,24 @@ static void test_the_stand_as_it_is_seen(void)
     TEST_ASSERT_NOT_EQUAL(looked_at, stand_memory.looked_at);
 }
 
+/* An NMT reset zeroes the procedure's counters, and the run after it has as many positions as the one before. */
+static void test_the_stand_of_a_run_after_a_reset(void)
+{
+    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
+    (void)run_and_judge();
+    const uint32_t number = bench.navcomp.run_number;
+    TEST_ASSERT_EQUAL_UINT32(1, number);
+    (void)read_f64(0x2140, 1);
+    stand_memory.view.number[0] = 123.0;
+    fake_port_give(&bench.fake, &reset);
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));
+    drift(1e-5);
+    (void)run_and_judge();
+    TEST_ASSERT_EQUAL_UINT32(2, bench.navcomp.run_number);
+    TEST_ASSERT_TRUE(read_f64(0x2140, 1) != 123.0);
+}
+
 static void test_a_board_that_does_not_look_at_the_stand(void)
 {
     keeper_config.stand_view = NULL;
@@ -252,6 +270,7 @@ int main(void)
     RUN_TEST(test_the_positions_and_their_means);
     RUN_TEST(test_history_and_trend);
     RUN_TEST(test_the_stand_as_it_is_seen);
+    RUN_TEST(test_the_stand_of_a_run_after_a_reset);
     RUN_TEST(test_a_board_that_does_not_look_at_the_stand);
     RUN_TEST(test_the_calibration_counter_is_broadcast);
     RUN_TEST(test_without_a_keeper_there_are_none_of_these_objects);

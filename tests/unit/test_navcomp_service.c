@@ -173,7 +173,7 @@ static void test_a_reset_ends_it(void)
 /* Told at once, and by the PDO's timer every second. */
 static void test_its_changes_are_told(void)
 {
-    static const uint8_t opened[8] = {0x10, 0xFF, 0x81, 1, 0, 0, 0, 0};
+    static const uint8_t opened[8] = {0x30, 0xFF, 0x81, 1, 0, 0, 0, 0};
     static const uint8_t ended[8] = {0};
     const tumble_can_frame_t key = fake_frame(0x601, 8, (const uint8_t[8]){0x23, 6, 0x20, 1, 's', 'e', 'r', 'v'});
     listen(5.0);

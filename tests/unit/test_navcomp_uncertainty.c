@@ -38,10 +38,10 @@ static void test_they_are_those_of_the_estimator_in_use(void)
         for (size_t p = 0; p < 18U; p++) {
             samples[p] = averages->averages[p].samples;
         }
-        const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &coefficients, NULL, samples};
+        const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &coefficients, NULL, samples, 0};
         tumble_uncertainty_t expected;
         ASSERT_STATUS(TUMBLE_OK, judges[c](&run, &expected, NULL));
-        ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, &stated));
+        ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
         TEST_ASSERT_EQUAL_MEMORY(&expected, &stated, sizeof stated);
     }
 }
@@ -50,17 +50,17 @@ static void test_without_a_result_or_a_stand_nothing_is_stated(void)
 {
     static tumble_navcomp_t fresh;
     run_lines("", 1, NULL);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(NULL, &stated));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(NULL, TUMBLE_ALL_COEFFICIENTS, &stated));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, NULL));
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&fresh, &world.navcomp_config));
-    ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_uncertainty(&fresh, &stated));
+    ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_uncertainty(&fresh, TUMBLE_ALL_COEFFICIENTS, &stated));
     const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL};
     world.navcomp_config.declared = &bare;
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, &stated));
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
     world.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_OPTIMAL; /* which this board does not hold */
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, &stated));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
     world.navcomp_config.declared = NULL;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, &stated));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
 }
 
 static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
@@ -81,7 +81,7 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     tumble_optimal_t work;
     tumble_optimal_source_t source = {record.bytes, record.size, &work};
     const tumble_gain_table_t table = {tumble_gain_record_gains(open_gains(&record, &tumble_schedule_paper)), 18};
-    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL};
+    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0};
     tumble_uncertainty_t expected;
     ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_gains(&table, &run, &expected));
     run.coefficients = &another;

@@ -167,6 +167,39 @@ static void expect_refused(tumble_reason_t reason, tumble_status_t status, int l
         expect_refused(TUMBLE_REASON_CONFIGURATION, TUMBLE_E_ARGUMENT, __LINE__);                                      \
     } while (0)
 
+/* With the stuck gate on a position must be able to show a stuck channel: by a run that long, or by so many equal samples that
+ * noise does not make them. */
+static void test_samples_too_few_for_the_stuck_gate(void)
+{
+    static const struct {
+        float noise_counts;
+        uint32_t enough;
+    } cases[] = {{251.0F, 3}, {100.0F, 4}, {10.0F, 5}, {3.0F, 7}, {1.0F, 14}, {0.1F, 14}, {0.0F, 14}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        tumble_reason_t reason;
+        bench.averaging.noise_counts = cases[i].noise_counts;
+        bench.averaging.min_samples = 1;
+        for (uint32_t samples = 1; samples <= 20U; samples++) {
+            bench.config.samples = samples;
+            bench.averaging.stuck_run = 20;
+            const tumble_status_t expected = (samples < cases[i].enough) ? TUMBLE_E_ARGUMENT : TUMBLE_OK;
+            ASSERT_STATUS(expected, tumble_procedure_validate(&bench.config, &reason));
+            TEST_ASSERT_EQUAL((expected == TUMBLE_OK) ? TUMBLE_REASON_NONE : TUMBLE_REASON_CONFIGURATION, reason);
+            bench.averaging.stuck_run = (uint16_t)((samples < 2U) ? 2U : samples);
+            ASSERT_STATUS((samples < 2U) ? TUMBLE_E_ARGUMENT : TUMBLE_OK,
+                          tumble_procedure_validate(&bench.config, &reason));
+            bench.averaging.stuck_run = 0; /* the gate is off */
+            ASSERT_STATUS(TUMBLE_OK, tumble_procedure_validate(&bench.config, &reason));
+        }
+        bench.averaging.stuck_run = 20; /* a position may end with the fewest */
+        bench.config.error_budget_v = 1e-3;
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_procedure_validate(&bench.config, &reason));
+        bench.averaging.min_samples = cases[i].enough;
+        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_validate(&bench.config, &reason));
+        bench_init(&bench);
+    }
+}
+
 static void test_configurations_out_of_range(void)
 {
     const double nan = (double)NAN;
@@ -255,6 +288,7 @@ int main(void)
     RUN_TEST(test_always_from_below_and_never_beyond);
     RUN_TEST(test_the_scheduled_turn_is_kept_when_allowed);
     RUN_TEST(test_the_side_is_judged_by_the_actual_angle);
+    RUN_TEST(test_samples_too_few_for_the_stuck_gate);
     RUN_TEST(test_configurations_out_of_range);
     RUN_TEST(test_configurations_at_the_end_of_their_range);
     RUN_TEST(test_cables_that_are_just_too_short);

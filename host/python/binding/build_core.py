@@ -214,6 +214,7 @@ typedef struct {
     const tumble_coefficients_t *coefficients;
     const bool *measured;
     const uint32_t *samples;
+    uint16_t only;
 } tumble_judged_run_t;
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 

@@ -1,0 +1,243 @@
+#include "core/misfit.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+
+#define BASIS 3                 /* 1, sin phi, cos phi */
+#define RANK 1e-9               /* a pivot this small a part of its diagonal element is rounding: too few attitudes */
+#define SMALLEST_NOISE 1e-7     /* of a mean, relative to the largest element of K, so that all have weights */
+#define HALF_STEP 0.5           /* less noise than that, in counts: samples round alike */
+
+/* A position as the fit sees it. */
+typedef struct {
+    double basis[BASIS];
+    double residual_v[TUMBLE_CHANNELS];
+    double by_angle_v[TUMBLE_CHANNELS]; /* per rad of the set angle; 0 for a channel that is left out */
+    double variance_v2;
+} place_t;
+
+double tumble_misfit_limit(int freedom)
+{
+    const double part = 2.0 / (9.0 * (double)freedom);
+    const double root = 1.0 - part + (TUMBLE_MISFIT_SIGMAS * tumble_sqrt(part));
+    return (double)freedom * root * root * root;
+}
+
+static void begin_test(tumble_misfit_work_t *work)
+{
+    for (size_t i = 0; i < (sizeof work->triangle / sizeof work->triangle[0]); i++) {
+        work->triangle[i] = 0.0;
+    }
+    for (int i = 0; i < TUMBLE_MISFIT_UNKNOWNS; i++) {
+        work->right[i] = 0.0;
+    }
+    work->square = 0.0;
+    work->counted = 0;
+    work->position = 0;
+}
+
+void tumble_misfit_begin(tumble_misfit_work_t *work)
+{
+    work->mounting = 0;
+    work->test = 0;
+    work->misfit = false;
+    begin_test(work);
+}
+
+static bool is_in(const tumble_misfit_work_t *work, int channel)
+{
+    return channel != ((int)work->test - 1);
+}
+
+static double square_of(double x)
+{
+    return x * x;
+}
+
+static double largest_k(const tumble_coefficients_t *coefficients)
+{
+    double largest = 0.0;
+    for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {
+        const double size = tumble_abs(coefficients->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]);
+        largest = (size > largest) ? size : largest;
+    }
+    return largest;
+}
+
+/* Noise of a mean, the rounding of the converter in it. What an angle's error does in second order is added: it is no part
+ * of `by_angle_v`, and no noise either, but on a coarse stand it exceeds the noise. */
+static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
+{
+    const double step_v = tumble_abs(run->v_per_count);
+    const double noise_v = run->stand->noise_v;
+    const double rounding_v2 = square_of(step_v) / 12.0;
+    const double n = (double)samples;
+    const double scale_v = largest_k(run->coefficients);
+    double variance = (noise_v < (HALF_STEP * step_v)) ? ((square_of(noise_v) / n) + rounding_v2)
+                                                       : ((square_of(noise_v) + rounding_v2) / n);
+    const double least = square_of(run->stand->least_noise_v);
+    const double smallest = square_of(SMALLEST_NOISE * scale_v);
+    variance = (variance > least) ? variance : least;
+    variance = (variance > smallest) ? variance : smallest;
+    return variance + square_of(square_of(run->stand->angle_rad) * scale_v);
+}
+
+/* K times a specific force given along h and v of the table. */
+static void respond(const tumble_misfit_run_t *run, const tumble_mounting_t *mounting, double h, double v, int channel,
+                    double *answer_v)
+{
+    const double *k = run->coefficients->k_v_per_g[channel];
+    *answer_v = 0.0;
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        *answer_v += k[j] * ((mounting->matrix[j][0] * h) + (mounting->matrix[j][2] * v));
+    }
+}
+
+static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, place_t *place)
+{
+    const tumble_mounting_t *mounting = &run->schedule->mountings[work->mounting];
+    const tumble_angle_t *angle = &run->schedule->positions[p].angle;
+    const double level = mounting->tilt.cosine;
+    double mean_counts[TUMBLE_CHANNELS] = {0.0, 0.0, 0.0};
+    (void)tumble_averaging_mean(run->averaging, p, mean_counts, NULL);
+    place->basis[0] = 1.0;
+    place->basis[1] = angle->sine;
+    place->basis[2] = angle->cosine;
+    place->variance_v2 = variance_of(run, run->averaging->averages[p].samples);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        double model_v;
+        respond(run, mounting, level * angle->sine, level * angle->cosine, i, &model_v);
+        place->residual_v[i] = (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - model_v;
+        respond(run, mounting, level * angle->cosine, -(level * angle->sine), i, &place->by_angle_v[i]);
+        place->by_angle_v[i] = is_in(work, i) ? place->by_angle_v[i] : 0.0;
+    }
+}
+
+/* V^-1 = (I - kappa d d^T) / v, by Sherman and Morrison. */
+static double weight(const place_t *place, double kappa, int i, int j)
+{
+    const double own = (i == j) ? 1.0 : 0.0;
+    return (own - (kappa * place->by_angle_v[i] * place->by_angle_v[j])) / place->variance_v2;
+}
+
+/* Add the rows that channel `i` has in the normal equations. */
+static void add_channel(tumble_misfit_work_t *work, const place_t *place, double kappa, int i)
+{
+    double weighted = 0.0; /* (V^-1 r)_i */
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        if (!is_in(work, j)) {
+            continue;
+        }
+        const double w = weight(place, kappa, i, j);
+        weighted += w * place->residual_v[j];
+        for (int k = 0; (j <= i) && (k < BASIS); k++) {
+            const int row = (BASIS * i) + k;
+            double *to = &work->triangle[((row * (row + 1)) / 2) + (BASIS * j)];
+            const int columns = (j == i) ? (k + 1) : BASIS;
+            for (int l = 0; l < columns; l++) {
+                to[l] += w * place->basis[k] * place->basis[l];
+            }
+        }
+    }
+    for (int k = 0; k < BASIS; k++) {
+        work->right[(BASIS * i) + k] += weighted * place->basis[k];
+    }
+    work->square += weighted * place->residual_v[i];
+    work->counted++;
+}
+
+static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p)
+{
+    place_t place;
+    look_at(work, run, p, &place);
+    const double angle_square = square_of(run->stand->angle_rad);
+    double length_square = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        length_square += square_of(place.by_angle_v[i]);
+    }
+    const double kappa = angle_square / (place.variance_v2 + (angle_square * length_square));
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        if (is_in(work, i)) {
+            add_channel(work, &place, kappa, i);
+        }
+    }
+}
+
+/* Cholesky, row by row, with the right side carried along: what the fit explains leaves the sum of squares. An unknown that
+ * the positions do not determine is left out. Returns how many are determined. */
+static int solve(tumble_misfit_work_t *work)
+{
+    int rank = 0;
+    for (int row = 0; row < TUMBLE_MISFIT_UNKNOWNS; row++) {
+        double *r = &work->triangle[(row * (row + 1)) / 2];
+        const double diagonal = r[row];
+        for (int column = 0; column <= row; column++) {
+            const double *c = &work->triangle[(column * (column + 1)) / 2];
+            double sum = r[column];
+            for (int k = 0; k < column; k++) {
+                sum -= r[k] * c[k];
+            }
+            if (column < row) {
+                r[column] = (c[column] > 0.0) ? (sum / c[column]) : 0.0;
+            } else {
+                r[row] = (sum > (RANK * diagonal)) ? tumble_sqrt(sum) : 0.0;
+            }
+        }
+        double right = work->right[row];
+        for (int k = 0; k < row; k++) {
+            right -= r[k] * work->right[k];
+        }
+        work->right[row] = (r[row] > 0.0) ? (right / r[row]) : 0.0;
+        work->square -= square_of(work->right[row]);
+        rank += (r[row] > 0.0) ? 1 : 0;
+    }
+    return rank;
+}
+
+/* A sum that is no number does not fit either. */
+static bool is_large(double chi_squared, int freedom)
+{
+    return (freedom > 0) && !(chi_squared <= tumble_misfit_limit(freedom));
+}
+
+/* False: that was the last test. */
+static bool end_test(tumble_misfit_work_t *work, const tumble_misfit_run_t *run)
+{
+    const int freedom = (int)work->counted - solve(work);
+    if (work->test == 0U) {
+        work->all_square = work->square;
+        work->all_freedom = (uint8_t)freedom;
+        work->misfit = work->misfit || is_large(work->square, freedom);
+    } else {
+        work->misfit =
+            work->misfit || is_large(work->all_square - work->square, (int)work->all_freedom - freedom);
+    }
+    work->test++;
+    if (work->test == (uint8_t)TUMBLE_MISFIT_TESTS) {
+        work->test = 0;
+        work->mounting++;
+    }
+    begin_test(work);
+    return work->mounting < run->schedule->mounting_count;
+}
+
+static bool belongs(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p)
+{
+    const uint8_t mounting = run->schedule->positions[p].mounting;
+    return (mounting == run->schedule->mountings[work->mounting].number) &&
+           (run->averaging->averages[p].samples != 0U);
+}
+
+bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run)
+{
+    while ((work->position < run->schedule->position_count) && !belongs(work, run, work->position)) {
+        work->position++;
+    }
+    if (work->position == run->schedule->position_count) {
+        return end_test(work, run);
+    }
+    add_position(work, run, work->position);
+    work->position++;
+    return true;
+}
