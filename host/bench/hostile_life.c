@@ -302,12 +302,11 @@ static void act(bench_life_t *life)
     }
 }
 
-/* Faults that have come to pass, for what they excuse. */
+/* Faults that have come to pass, for what they excuse, as long as they are in force. */
 static void note_faults(bench_life_t *life)
 {
     for (uint32_t i = 0; i < life->plan->config.scenario.fault_count; i++) {
-        if (life->world.script.states[i].times > 0U && (life->faults_noted >> i & 1U) == 0U) {
-            life->faults_noted |= 1U << i;
+        if (life->world.script.states[i].in_force) {
             bench_life_excuse_fault(life, &life->plan->config.scenario.faults[i]);
         }
     }
@@ -325,8 +324,8 @@ static bool advance(bench_life_t *life)
     if (mine_us <= worlds_us) {
         bench_world_pass(world, mine_us);
         act(life);
-    } else {
-        (void)bench_world_advance(world);
+    } else if (!bench_world_advance(world)) {
+        return false;
     }
     if (life->waiting_for_writing > 0U && life->nv.size != 0U) {
         look_at_waiting(life);

@@ -45,7 +45,6 @@ typedef struct bench_life {
     uint64_t due_us[BENCH_PLAN_EVENTS]; /* SIM_NEVER: over, or waits for its state */
     bool waits[BENCH_PLAN_EVENTS];
     bool waited[BENCH_PLAN_EVENTS];
-    uint32_t faults_noted; /* bit per fault of the scenario */
     uint64_t next_us; /* the earliest of them */
     uint32_t waiting_for_writing;
     bench_follower_t queue[BENCH_LIFE_QUEUE];
@@ -69,7 +68,7 @@ void bench_life_run(bench_life_t *life, bench_plan_t *plan);
 /* Carry out an event (hostile_act.c). */
 void bench_life_act(bench_life_t *life, const bench_event_t *event);
 
-/* A fault has come to pass: note what it excuses. */
+/* A fault is in force: note what it excuses. */
 void bench_life_excuse_fault(bench_life_t *life, const sim_fault_t *fault);
 
 /* A frame of the stranger, now or later. */

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#define PEACE_US 1000000U /* it has stood for so long: it rests */
+
 void bench_watch_break(bench_life_t *life, bench_broken_t kind, double value, uint32_t what)
 {
     if (life->watch.violation.kind == BENCH_HOLDS) {
@@ -14,8 +16,7 @@ void bench_watch_init(bench_life_t *life)
 {
     life->watch = (bench_watch_t){.rest_us = SIM_NEVER,
                                   .peace = true,
-                                  .foreign_us = SIM_NEVER,
-                                  .beyond_us = SIM_NEVER,
+                                  .still_us = SIM_NEVER,
                                   .told_by_us = SIM_NEVER,
                                   .state = TUMBLE_STATE_IDLE};
 }
@@ -23,6 +24,9 @@ void bench_watch_init(bench_life_t *life)
 void bench_watch_excuse(bench_life_t *life, bench_excuse_t excuse)
 {
     life->watch.excuses |= 1U << excuse;
+    if (excuse == BENCH_EXCUSE_COMMANDED) {
+        life->watch.commanded_us = life->world.clock.now_us;
+    }
 }
 
 bool bench_watch_has_excuse(const bench_life_t *life, bench_excuse_t excuse)
@@ -34,7 +38,6 @@ void bench_watch_commanded(bench_life_t *life)
 {
     life->watch.rest_us = SIM_NEVER;
     life->watch.peace = false;
-    life->watch.foreign_us = SIM_NEVER;
 }
 
 void bench_watch_ended(bench_life_t *life)
@@ -71,42 +74,54 @@ static double braking_deg(const sim_drive_config_t *drive)
     return drive->speed_deg_s * drive->speed_deg_s / (2.0 * drive->acceleration_deg_s2);
 }
 
+/* A stranger has commanded the drive so lately that the computer need not have noticed. */
+static bool is_excused(const bench_life_t *life)
+{
+    const bench_watch_t *const watch = &life->watch;
+    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) &&
+           life->world.clock.now_us < watch->commanded_us + BENCH_REST_US;
+}
+
+static bench_broken_t blamed(const bench_life_t *life, bench_broken_t otherwise)
+{
+    return bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED) ? BENCH_BROKEN_FOREIGN : otherwise;
+}
+
+/* A table that stands for a moment, say between the search for the mark and the way back to it, does not rest. */
+static void look_for_peace(bench_watch_t *watch, uint64_t now_us, bool moves)
+{
+    watch->still_us = moves ? SIM_NEVER : (watch->still_us == SIM_NEVER) ? now_us : watch->still_us;
+    if (watch->rest_us != SIM_NEVER && !moves && now_us - watch->still_us >= PEACE_US) {
+        watch->rest_us = SIM_NEVER;
+        watch->peace = true;
+    }
+}
+
 static void look_at_rest(bench_life_t *life, bool moves, double deg)
 {
     bench_watch_t *const watch = &life->watch;
     const uint64_t now_us = life->world.clock.now_us;
-    if (watch->rest_us != SIM_NEVER && !moves) {
-        watch->rest_us = SIM_NEVER;
-        watch->peace = true;
-    } else if (watch->rest_us != SIM_NEVER && now_us >= watch->rest_us) {
-        bench_watch_break(life, BENCH_BROKEN_REST, deg, (uint32_t)watch->state);
-    } else if (!watch->peace || !moves) {
-        watch->foreign_us = SIM_NEVER;
-    } else if (!bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED)) {
-        bench_watch_break(life, BENCH_BROKEN_STAYS, deg, (uint32_t)watch->state);
-    } else if (watch->foreign_us == SIM_NEVER) {
-        watch->foreign_us = now_us;
-    } else if (now_us - watch->foreign_us >= BENCH_REST_US) {
-        bench_watch_break(life, BENCH_BROKEN_FOREIGN, deg, (uint32_t)watch->state);
+    look_for_peace(watch, now_us, moves);
+    if (!moves || is_excused(life)) {
+        return;
+    }
+    if (watch->rest_us != SIM_NEVER && now_us >= watch->rest_us) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_REST), deg, (uint32_t)watch->state);
+    } else if (watch->peace) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_STAYS), deg, (uint32_t)watch->state);
     }
 }
 
+/* On the way back it may be beyond: after a stranger has taken it there. */
 static void look_at_cable(bench_life_t *life, bool moves, double deg)
 {
-    bench_watch_t *const watch = &life->watch;
     const bench_config_t *const config = &life->plan->config;
     const double tolerance_deg = BENCH_CABLE_TOLERANCE_DEG + braking_deg(&config->scenario.drive);
-    const bool within = deg >= config->procedure.cable_min_deg - tolerance_deg &&
-                        deg <= config->procedure.cable_max_deg + tolerance_deg;
-    const uint64_t now_us = life->world.clock.now_us;
-    if (within || !moves) {
-        watch->beyond_us = SIM_NEVER;
-    } else if (!bench_watch_has_excuse(life, BENCH_EXCUSE_COMMANDED)) {
-        bench_watch_break(life, BENCH_BROKEN_CABLE, deg, (uint32_t)watch->state);
-    } else if (watch->beyond_us == SIM_NEVER) {
-        watch->beyond_us = now_us;
-    } else if (now_us - watch->beyond_us >= BENCH_REST_US) {
-        bench_watch_break(life, BENCH_BROKEN_FOREIGN, deg, (uint32_t)watch->state);
+    const double last_deg = life->watch.last_deg;
+    const bool below = deg < config->procedure.cable_min_deg - tolerance_deg && deg < last_deg;
+    const bool above = deg > config->procedure.cable_max_deg + tolerance_deg && deg > last_deg;
+    if (moves && (below || above) && !is_excused(life)) {
+        bench_watch_break(life, blamed(life, BENCH_BROKEN_CABLE), deg, (uint32_t)life->watch.state);
     }
 }
 
@@ -152,6 +167,7 @@ static void look_at_table(bench_life_t *life)
     if (world->drive.homing == SIM_HOMING_ATTAINED && world->drive.powered) {
         look_at_cable(life, moves, deg);
     }
+    life->watch.last_deg = deg;
 }
 
 void bench_watch_look(bench_life_t *life)

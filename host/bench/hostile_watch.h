@@ -2,14 +2,14 @@
  *
  *   rest     6 s after a run has ended (DONE, FAULT, ABORT, or IDLE by an NMT reset), after ABORT was taken (also where it
  *            is refused: it stops the table all the same), and after the computer has lost its power, the table is at rest
- *   stays    and it does not move again before a command that may move it
+ *   stays    and, once it has stood for 1 s, it does not move again before a command that may move it
  *   cable    while the drive is homed, the table does not go beyond the cable's limits, but for a tolerance of 5 degrees
  *            and the way in which it can brake
  *   homing   from the start of a homing it does not go farther than the cable's span and a turn, 790 degrees, but for the
  *            way of 6 s, the time in which a stop must have come about, and the way to brake
- *   foreign  where a stranger commands the drive itself (BENCH_EXCUSE_COMMANDED), which the computer cannot prevent, `stays`
- *            and `cable` give it 6 s: no longer than that does the table move at a stranger's command while nothing is
- *            on, or farther and farther beyond the cable
+ *   foreign  where a stranger commands the drive itself (excuse `commanded`), which the computer cannot prevent, `rest`,
+ *            `stays` and `cable` do not count for 6 s from his last command: by then the computer has noticed and stopped
+ *            it. What is broken after that, in such a life, is called foreign
  *   reason   FAULT and ABORT have a reason
  *   finite   no readable object holds a NaN or an infinity
  *   truth    a set that became active by itself has every coefficient within 6 of its stated standard uncertainties of
@@ -97,8 +97,9 @@ typedef struct {
     uint32_t excuses; /* bit per bench_excuse_t */
     uint64_t rest_us; /* the table must rest by then; SIM_NEVER: no end is pending */
     bool peace;       /* it rests, and nobody has commanded anything */
-    uint64_t foreign_us; /* since when it moves by a stranger's command; SIM_NEVER: it does not */
-    uint64_t beyond_us;  /* since when it is beyond the cable at a stranger's command; SIM_NEVER */
+    uint64_t still_us;     /* since when it stands; SIM_NEVER: it moves */
+    uint64_t commanded_us; /* when a stranger commanded the drive last */
+    double last_deg;
     sim_homing_t homing; /* as last seen */
     bool searches;       /* from the start of a homing until the table rests */
     double from_deg;     /* where that began */
