@@ -13,9 +13,9 @@ bool arguments_refuse(const char *option, const char *what)
 }
 
 bool arguments_options(int count, char *arguments[], const struct option known[], bench_take_t take, void *options,
-                       bool *help)
+                       bench_asks_t *asks)
 {
-    return bench_read_options(program_invocation_short_name, count, arguments, known, take, options, help);
+    return bench_read_options(program_invocation_short_name, count, arguments, known, take, options, asks);
 }
 
 bool arguments_whole(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *value)

@@ -9,7 +9,7 @@
 
 /* bench_read_options by the name that the program was called by. */
 bool arguments_options(int count, char *arguments[], const struct option known[], bench_take_t take, void *options,
-                       bool *help);
+                       bench_asks_t *asks);
 
 /* A whole number from `low` to `high`, in decimal digits. */
 bool arguments_whole(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *value);

@@ -66,6 +66,21 @@ static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
     return a->state != b->state || a->index != b->index || a->attempt != b->attempt || a->reason != b->reason;
 }
 
+/* Served, nobody may be there: what stopped the run goes to the journal, and outlives the ABORT that ends it. */
+static void note_fault(node_t *node, const tumble_progress_t *now)
+{
+    if (now->state == TUMBLE_STATE_FAULT) {
+        node->fault = *now;
+    } else if (is_of_a_run(now->state) || now->state == TUMBLE_STATE_DONE) {
+        node->fault.reason = TUMBLE_REASON_NONE;
+    }
+    if (now->state == TUMBLE_STATE_FAULT && !node->options->start && node->options->progress_fd != STDERR_FILENO) {
+        (void)fprintf(stderr, "tumble-node: fault at position %u.%u (%s in %s): %s; waits for RESUME or ABORT\n",
+                      now->mounting, now->position, tumble_reason_name(now->reason), tumble_state_name(now->failed_in),
+                      tumble_reason_sentence(now->reason));
+    }
+}
+
 static void note_state(node_t *node)
 {
     bench_world_t *const world = &node->world;
@@ -75,6 +90,7 @@ static void note_state(node_t *node)
     if (!has_moved_on(now, &before)) {
         return;
     }
+    note_fault(node, now);
     node->faulted_us = (now->state == TUMBLE_STATE_FAULT) ? world->clock.now_us : SIM_NEVER;
     if (is_of_a_run(now->state)) {
         node->reported = false;

@@ -12,9 +12,8 @@ int main(int count, char *arguments[])
     if (!node_options_read(&options, count, arguments)) {
         return BENCH_EXIT_USAGE;
     }
-    if (options.help) {
-        (void)fputs(node_options_help, stdout);
-        return BENCH_EXIT_PASS;
+    if (options.asks != BENCH_ASKS_WORK) {
+        return bench_tell("tumble-node", options.asks, node_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
     if (!bench_config_prepare(&config, options.scenario, options.gains, "tumble-node")) {
         return BENCH_EXIT_USAGE;

@@ -50,6 +50,7 @@ const char node_options_help[] =
     "  --progress-fd N  the same on an open file descriptor\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 passed, or told to end between two calibrations; 1 the gravity\n"
@@ -68,6 +69,7 @@ static const struct option OPTIONS[] = {
     {"progress-fd", required_argument, NULL, PROGRESS_FD},
     {"with-parent", no_argument, NULL, WITH_PARENT},
     {"help", no_argument, NULL, BENCH_HELP},
+    {"version", no_argument, NULL, BENCH_VERSION},
     {0},
 };
 
@@ -112,10 +114,10 @@ static bool take(void *to, int option)
 bool node_options_read(node_options_t *options, int count, char *arguments[])
 {
     *options = (node_options_t){.progress_fd = -1};
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
         return false;
     }
-    if (options->help) {
+    if (options->asks != BENCH_ASKS_WORK) {
         return true;
     }
     if (!options->start && (options->out != NULL || options->patience_s > 0.0)) {

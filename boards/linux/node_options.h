@@ -2,6 +2,8 @@
 #ifndef TUMBLE_LINUX_NODE_OPTIONS_H
 #define TUMBLE_LINUX_NODE_OPTIONS_H
 
+#include "bench/wrong_option.h"
+
 #include <stdbool.h>
 
 typedef struct {
@@ -13,7 +15,7 @@ typedef struct {
     int progress_fd;      /* -1: none */
     double patience_s;    /* after a fault, for a command to go on */
     bool start;
-    bool help;
+    bench_asks_t asks;
 } node_options_t;
 
 extern const char node_options_help[];

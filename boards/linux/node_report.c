@@ -19,6 +19,22 @@ static void put_interface(const node_t *node, bench_json_t *json)
     bench_json_whole(json, "latest_step_us", node->latest_us);
 }
 
+static void put_cause(const node_t *node, bench_json_t *json)
+{
+    const tumble_progress_t *const fault = &node->fault;
+    if (fault->reason == TUMBLE_REASON_NONE) {
+        bench_json_null(json, "cause");
+        return;
+    }
+    bench_json_open(json, "cause", '{');
+    bench_json_text(json, "failed_in", tumble_state_name(fault->failed_in));
+    bench_json_text(json, "reason", tumble_reason_name(fault->reason));
+    bench_json_whole(json, "reason_number", (uint64_t)fault->reason);
+    bench_json_text(json, "reason_sentence", tumble_reason_sentence(fault->reason));
+    bench_json_whole(json, "drive_code", fault->drive_code);
+    bench_json_close(json, '}');
+}
+
 void node_report(const node_t *node, FILE *out)
 {
     bench_json_t json = {.out = out};
@@ -26,6 +42,7 @@ void node_report(const node_t *node, FILE *out)
     bench_json_text(&json, "schema", "tumble.node/1");
     bench_json_text(&json, "interface", node->port.can.name);
     bench_report_firmware(&node->world, &json);
+    put_cause(node, &json);
     bench_json_open(&json, "counters", '{');
     bench_report_firmware_counters(&node->world, &json);
     put_interface(node, &json);

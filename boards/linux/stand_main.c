@@ -29,9 +29,8 @@ int main(int count, char *arguments[])
     if (!stand_options_read(&options, count, arguments)) {
         return BENCH_EXIT_USAGE;
     }
-    if (options.help) {
-        (void)fputs(stand_options_help, stdout);
-        return BENCH_EXIT_PASS;
+    if (options.asks != BENCH_ASKS_WORK) {
+        return bench_tell("tumble-stand", options.asks, stand_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
     if (!bench_config_prepare_stand(&config, options.scenario, "tumble-stand") || !adapt(&config)) {
         return BENCH_EXIT_USAGE;

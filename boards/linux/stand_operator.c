@@ -74,14 +74,18 @@ static bench_question_t question_of(const stand_operator_t *operator, const benc
 }
 
 /* How long he takes; below 0: he does nothing by himself. */
-static double time_for(const bench_world_t *world, const bench_question_t *question)
+static double time_for(const stand_operator_t *operator, const bench_world_t *world,
+                       const bench_question_t *question)
 {
     const sim_operator_config_t *const config = &world->config->scenario.person;
-    if (question->kind == BENCH_QUESTION_MOUNTING) {
-        return config->mount_s;
-    }
     const bool mends = question->kind == BENCH_QUESTION_FAULT && world->person.mended < config->mends;
-    return mends ? config->mend_s : -1.0;
+    if (question->kind != BENCH_QUESTION_MOUNTING && !mends) {
+        return -1.0;
+    }
+    if (operator->kind == STAND_OPERATOR_HANDS) {
+        return 0.0; /* whoever tells node 1 that it is done cannot see whether it is */
+    }
+    return mends ? config->mend_s : config->mount_s;
 }
 
 static void drop_command(stand_operator_t *operator)
@@ -122,7 +126,7 @@ static void look(stand_operator_t *operator, bench_world_t *world)
         ask_person(operator, world);
         return;
     }
-    const double time_s = time_for(world, &question);
+    const double time_s = time_for(operator, world, &question);
     operator->act_us = (time_s < 0.0) ? SIM_NEVER : world->clock.now_us + (uint64_t)(time_s * 1e6);
     drop_command(operator);
 }
@@ -213,12 +217,16 @@ static void act(stand_operator_t *operator, bench_world_t *world)
         world->person.mended++;
         bench_fault_script_mend(world);
     }
-    if (question->kind == BENCH_QUESTION_MOUNTING || is_of_the_mounting(question->reason)) {
+    const bool mounts = question->kind == BENCH_QUESTION_MOUNTING || is_of_the_mounting(question->reason);
+    if (mounts) {
         mount(world, question->mounting);
-        give(operator, world, TUMBLE_COMMAND_CONFIRM_MOUNTING, question->mounting);
-    } else {
-        give(operator, world, TUMBLE_COMMAND_RESUME, 0);
     }
+    if (operator->kind == STAND_OPERATOR_HANDS) {
+        operator->act_us = SIM_NEVER;
+        return;
+    }
+    give(operator, world, mounts ? TUMBLE_COMMAND_CONFIRM_MOUNTING : TUMBLE_COMMAND_RESUME,
+         mounts ? question->mounting : 0U);
 }
 
 bool stand_operator_answer(stand_operator_t *operator, bench_world_t *world, const char *line)

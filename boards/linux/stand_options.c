@@ -25,9 +25,11 @@ const char stand_options_help[] =
     "                   a mounting; start: gives the command to start as well,\n"
     "                   once; ask: does what standard input says, a line for each:\n"
     "                   done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
-    "                   default: mount\n"
+    "                   hands: mounts and mends at once and tells node 1 nothing:\n"
+    "                   a script or PLC does; default: mount\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
@@ -40,19 +42,20 @@ static const struct option OPTIONS[] = {
     {"operator", required_argument, NULL, OPERATOR},
     {"with-parent", no_argument, NULL, WITH_PARENT},
     {"help", no_argument, NULL, BENCH_HELP},
+    {"version", no_argument, NULL, BENCH_VERSION},
     {0},
 };
 
 static bool take_operator(stand_options_t *options, const char *what)
 {
-    static const char *const KINDS[] = {"none", "mount", "start", "ask"}; /* as stand_operator_kind_t */
+    static const char *const KINDS[] = {"none", "mount", "start", "ask", "hands"}; /* as stand_operator_kind_t */
     for (unsigned kind = 0; kind < sizeof KINDS / sizeof KINDS[0]; kind++) {
         if (strcmp(what, KINDS[kind]) == 0) {
             options->operator = (stand_operator_kind_t)kind;
             return true;
         }
     }
-    return arguments_refuse("--operator", "must be none, mount, start or ask");
+    return arguments_refuse("--operator", "must be none, mount, start, ask or hands");
 }
 
 static bool take(void *to, int option)
@@ -73,9 +76,9 @@ static bool take(void *to, int option)
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
     *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
         return false;
     }
-    return options->help ||
+    return options->asks != BENCH_ASKS_WORK ||
            arguments_operands(count - optind, arguments + optind, &options->interface, &options->scenario);
 }

@@ -4,6 +4,8 @@
 
 #include "stand_operator.h"
 
+#include "bench/wrong_option.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -12,7 +14,7 @@ typedef struct {
     const char *scenario; /* file, "-" for standard input, null for the defaults */
     uint64_t seed;
     stand_operator_kind_t operator;
-    bool help;
+    bench_asks_t asks;
 } stand_options_t;
 
 extern const char stand_options_help[];

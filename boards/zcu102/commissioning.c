@@ -193,6 +193,15 @@ static void walk_drive(walk_t *walk, tumble_drive_profile_t *drive)
     walk_u16(walk, &drive->heartbeat_timeout_ms);
 }
 
+/* What came later stands at the end: a record that was made before ends here, and reads as zeros. */
+static void walk_limits(walk_t *walk, tumble_drive_profile_t *drive)
+{
+    uint8_t limited = drive->software_limits ? 1U : 0U;
+    walk_f64(walk, &drive->homing_travel_deg);
+    walk_u8(walk, &limited);
+    drive->software_limits = (limited != 0U);
+}
+
 static void walk_all(walk_t *walk, zcu102_commissioned_t *all)
 {
     walk_u32(walk, &all->block_period_us);
@@ -203,6 +212,7 @@ static void walk_all(walk_t *walk, zcu102_commissioned_t *all)
     walk_drive(walk, &all->drive);
     walk_lists(walk, all);
     walk_schedule(walk, all);
+    walk_limits(walk, &all->drive);
 }
 
 static void point_within(zcu102_commissioned_t *all)

@@ -267,6 +267,13 @@ void tumble_nmt_set_producer(tumble_nmt_t *nmt, uint16_t producer_ms, uint64_t n
     nmt->heartbeat_us = (producer_ms == 0U) ? TUMBLE_NEVER : (now_us + ((uint64_t)producer_ms * US_PER_MS));
 }
 
+void tumble_nmt_withhold(tumble_nmt_t *nmt, uint64_t until_us)
+{
+    if (nmt->heartbeat_us < until_us) {
+        nmt->heartbeat_us = until_us;
+    }
+}
+
 uint64_t tumble_nmt_next_us(const tumble_nmt_t *nmt)
 {
     uint64_t next_us = nmt->heartbeat_us;

@@ -47,9 +47,9 @@ typedef struct {
 
 void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node);
 
-/* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h, the
- * first two PDOs of each direction (1400h, 1600h, 1800h, 1A00h and those after them) and objects of TUMBLE_HOME_OTHER
- * can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. */
+/* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h,
+ * 1017h, 1029h, the first two PDOs of each direction (1400h, 1600h, 1800h, 1A00h and those after them) and objects of
+ * TUMBLE_HOME_OTHER can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. */
 void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                                const tumble_can_frame_t *frame, uint64_t now_us);
 

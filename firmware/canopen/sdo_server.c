@@ -5,6 +5,8 @@
 #include <string.h>
 
 #define CONSUMER_TIME 0x1016U
+#define PRODUCER_TIME 0x1017U
+#define ERROR_BEHAVIOUR 0x1029U
 #define RECEIVE_PDO 0x1400U
 #define TRANSMIT_PDO 0x1800U
 #define HELD_PDOS 0xFDFEU /* their first two and the mappings of these, 1600h and 1A00h */
@@ -111,13 +113,13 @@ static void send_segment(tumble_sdo_server_t *server)
     }
 }
 
-/* What the axis hangs on: who is watched, the PDOs that the node's own parts have, and what these hold. */
+/* What the axis hangs on: who watches whom, the PDOs that the node's own parts have, and what these hold. */
 static bool is_held(const tumble_entry_t *entry)
 {
     const unsigned pdo = entry->index & HELD_PDOS;
 
-    return (entry->home == TUMBLE_HOME_OTHER) || (entry->index == CONSUMER_TIME) || (pdo == RECEIVE_PDO) ||
-           (pdo == TRANSMIT_PDO);
+    return (entry->home == TUMBLE_HOME_OTHER) || (entry->index == CONSUMER_TIME) || (entry->index == PRODUCER_TIME) ||
+           (entry->index == ERROR_BEHAVIOUR) || (pdo == RECEIVE_PDO) || (pdo == TRANSMIT_PDO);
 }
 
 static void write_value(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary, const uint8_t *bytes,

@@ -83,7 +83,7 @@ void tumble_keeper_start_if_due(tumble_keeper_t *keeper)
     }
     tumble_keeper_pause(keeper);
     tumble_count(&keeper->counters.self_started);
-    (void)tumble_procedure_start(&keeper->navcomp->procedure);
+    (void)tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_START, 0);
     tumble_keeper_watch(keeper);
 }
 

@@ -150,7 +150,7 @@ static void go_on(tumble_keeper_t *keeper)
 {
     keeper->task = TASK_NONE;
     const bool same = (keeper->fingerprint == tumble_keeper_fingerprint(keeper)) && !tumble_keeper_is_inhibited(keeper);
-    if (!same || (tumble_procedure_resume(&keeper->navcomp->procedure) != TUMBLE_OK)) {
+    if (!same || (tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_RESUME, 0) != TUMBLE_OK)) {
         (void)refuse(keeper);
         tumble_keeper_count_resumable(keeper); /* for what cannot be put back nothing waits */
         return;

@@ -8,6 +8,8 @@
 #define RETRY_US 1000U /* after the port had no room or was off the bus */
 #define MAX_NODE 127U
 #define STATE_PDO 2U /* the first two belong to the drive */
+#define WATCHES_DRIVE 1U /* subindices of 1016h */
+#define WATCHES_BLOCK 2U
 
 /* Getting ready. */
 
@@ -40,6 +42,19 @@ static bool is_usable(const tumble_navcomp_config_t *config)
            nodes_are_distinct(config) && (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
 }
 
+/* 1016h:1 and :2 as configured. */
+static uint32_t watched_drive(const tumble_navcomp_t *navcomp)
+{
+    const tumble_navcomp_config_t *config = navcomp->config;
+    return tumble_has_drive(navcomp) ? (((uint32_t)config->drive_node << 16) | config->heartbeat_timeout_ms) : 0U;
+}
+
+static uint32_t watched_block(const tumble_navcomp_t *navcomp)
+{
+    const tumble_navcomp_config_t *config = navcomp->config;
+    return tumble_has_block(navcomp) ? (((uint32_t)config->block_node << 16) | config->heartbeat_timeout_ms) : 0U;
+}
+
 /* What the configuration says instead of the dictionary's power-on values. A node that is watched twice for a moment
  * would be refused: so nobody first. */
 static void set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
@@ -50,12 +65,8 @@ static void set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
     for (uint8_t subindex = 1; subindex <= TUMBLE_MAX_CONSUMERS; subindex++) {
         (void)tumble_nmt_set_consumer(nmt, subindex, 0);
     }
-    if (tumble_has_drive(navcomp)) {
-        (void)tumble_nmt_set_consumer(nmt, 1, ((uint32_t)config->drive_node << 16) | config->heartbeat_timeout_ms);
-    }
-    if (tumble_has_block(navcomp)) {
-        (void)tumble_nmt_set_consumer(nmt, 2, ((uint32_t)config->block_node << 16) | config->heartbeat_timeout_ms);
-    }
+    (void)tumble_nmt_set_consumer(nmt, WATCHES_DRIVE, watched_drive(navcomp));
+    (void)tumble_nmt_set_consumer(nmt, WATCHES_BLOCK, watched_block(navcomp));
 }
 
 static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
@@ -63,9 +74,14 @@ static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
     const tumble_navcomp_config_t *config = navcomp->config;
     tumble_status_t status;
     if (tumble_has_drive(navcomp)) {
-        status = tumble_drive402_init(&navcomp->axis.drive, config->drive, &navcomp->node, &navcomp->mirror,
-                                      config->drive_node);
-        navcomp->stand = tumble_drive402_stand(&navcomp->axis.drive);
+        tumble_drive402_t *drive = &navcomp->axis.drive;
+        const tumble_stop_counters_t counted = drive->counters; /* they outlast an NMT reset */
+        status = tumble_drive402_init(drive, config->drive, &navcomp->node, &navcomp->mirror, config->drive_node);
+        drive->counters = counted;
+        if (status == TUMBLE_OK) {
+            tumble_drive402_bound(drive, config->procedure->cable_min_deg, config->procedure->cable_max_deg);
+        }
+        navcomp->stand = tumble_drive402_stand(drive);
     } else {
         status = config->by_hand->init(&navcomp->axis.person, config->person);
         navcomp->stand = config->by_hand->stand(&navcomp->axis.person);
@@ -130,14 +146,17 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
                                                                  : status;
 }
 
-/* After an NMT reset, which has ended the run: the axis is brought up again from the start. */
+/* After an NMT reset, which has ended the run: the axis is brought up again from the start. Why the run ended stays to
+ * be read. */
 static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
     const bool application = (navcomp->restart == RESTART_APPLICATION);
+    const bool aborted = (tumble_run_state(navcomp) == TUMBLE_STATE_ABORT);
     navcomp->restart = RESTART_NONE;
     (void)join_bus(navcomp, now_us); /* as it passed at power-on */
     if (application) {
         (void)init_procedure(navcomp);
+        navcomp->procedure.reason = aborted ? TUMBLE_REASON_COMMAND : TUMBLE_REASON_NONE;
         if (navcomp->config->keeping != NULL) {
             navcomp->config->keeping->reset(navcomp->config->keeper);
         }
@@ -145,6 +164,16 @@ static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 }
 
 /* The step. */
+
+/* Whoever is to stop the axis when something falls silent must hear and be heard. The process data need no look: while
+ * there is a drive they are held, and its bring-up sets them. */
+bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
+{
+    const tumble_nmt_t *nmt = &navcomp->node.nmt;
+    return (tumble_nmt_consumer(nmt, WATCHES_DRIVE) == watched_drive(navcomp)) &&
+           (tumble_nmt_consumer(nmt, WATCHES_BLOCK) == watched_block(navcomp)) &&
+           (nmt->producer_ms == navcomp->config->heartbeat_ms);
+}
 
 /* The state PDO goes when one of these has changed, and by its event timer. */
 static void show_state(tumble_navcomp_t *navcomp)
@@ -203,6 +232,12 @@ static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t
     return event != TUMBLE_BLOCK_OTHER;
 }
 
+/* There is an axis that must be stopped if need be. */
+static bool has_axis(const tumble_navcomp_t *navcomp)
+{
+    return tumble_has_drive(navcomp) && tumble_drive402_is_present(&navcomp->axis.drive);
+}
+
 /* Everything but samples is followed up at once, so that it does not matter how many frames wait when a step begins. */
 static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame, uint64_t now_us)
 {
@@ -210,10 +245,12 @@ static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *fram
         return;
     }
     navcomp->woken = true;
-    navcomp->node.server.held = tumble_run_is_on(navcomp);
+    navcomp->node.server.held = tumble_run_is_on(navcomp) || has_axis(navcomp);
     if (!tumble_node_receive(&navcomp->node, frame, now_us)) {
         tumble_count(&navcomp->events.frames_ignored);
-        return;
+        if (!tumble_notice_foreign(navcomp, frame->id)) {
+            return;
+        }
     }
     if (navcomp->restart != RESTART_NONE) {
         restart(navcomp, now_us);

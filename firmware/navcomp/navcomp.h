@@ -72,6 +72,7 @@ typedef struct {
     uint32_t boot_ups;          /* of drive and block */
     uint32_t starts;            /* NMT start commands given to them */
     uint32_t emergencies;       /* of drive and block, "no error" included */
+    uint32_t foreign;           /* frames that nobody but this node may send: set-points, its own heartbeat */
 } tumble_navcomp_events_t;
 
 /* The object. Its fields are private: read them through the functions below. */
@@ -137,6 +138,8 @@ typedef struct {
     tumble_stand_state_t stand;
     double angle_deg;          /* actual, as last reported */
     int8_t temperature_half_c; /* of the block's last sample */
+    uint8_t stand_fault;       /* tumble_stand_fault_t */
+    uint8_t limited;           /* 1: the drive itself keeps to the cable's limits (607Dh) */
 } tumble_navcomp_progress_t;
 
 void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress);
@@ -151,6 +154,7 @@ typedef struct {
     tumble_block_counters_t block;         /* samples ok, lost, repeated, reordered, corrupted */
     tumble_averaging_counters_t averaging; /* refused by the gates of an open position */
     tumble_procedure_counters_t procedure;
+    tumble_stop_counters_t stop;           /* zeros without a drive */
 } tumble_navcomp_counters_t;
 
 void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters);

@@ -80,6 +80,19 @@ static void reset(void *context, bool application)
     navcomp->restart = (uint8_t)(application ? RESTART_APPLICATION : RESTART_COMMUNICATION);
 }
 
+bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id)
+{
+    const bool ours = (id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node)) ||
+                      (tumble_has_drive(navcomp) && tumble_drive402_sends(&navcomp->axis.drive, id));
+    if (ours) {
+        tumble_count(&navcomp->events.foreign);
+    }
+    if (ours && tumble_has_drive(navcomp)) {
+        tumble_drive402_foreign(&navcomp->axis.drive, id);
+    }
+    return ours;
+}
+
 const tumble_node_events_t tumble_navcomp_node_events = {
     .state_changed = NULL,
     .reset = reset,

@@ -41,6 +41,13 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
 /* A command that no keeper deals with. Returns as tumble_navcomp_command. */
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
 
+/* Are 1016h and 1017h such that stand and block are watched, and hear us, as configured? */
+bool tumble_is_supervised(const tumble_navcomp_t *navcomp);
+
+/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the drive, and the
+ * heartbeat of its number); the drive has been told. */
+bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id);
+
 /* The block streams, or is none of our business. Tell the procedure. */
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp);
 

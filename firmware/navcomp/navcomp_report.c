@@ -28,7 +28,7 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     if (turn && !((angle_deg >= config->cable_min_deg) && (angle_deg <= config->cable_max_deg))) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (tumble_run_is_on(navcomp)) {
+    if (tumble_run_is_on(navcomp) || !tumble_is_supervised(navcomp)) {
         return TUMBLE_E_STATE;
     }
     const tumble_status_t status = turn ? stand->move(stand->self, angle_deg) : stand->home(stand->self);
@@ -39,6 +39,7 @@ tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t 
 {
     tumble_procedure_t *procedure = &navcomp->procedure;
     tumble_status_t status = TUMBLE_E_ARGUMENT;
+    tumble_procedure_set_supervised(procedure, tumble_is_supervised(navcomp)); /* held from here on */
     switch (command) {
     case TUMBLE_COMMAND_NONE:
         status = TUMBLE_OK;
@@ -128,6 +129,8 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     progress->stand = navcomp->stand.state(navcomp->stand.self);
     progress->angle_deg = navcomp->stand.angle_deg(navcomp->stand.self);
     progress->temperature_half_c = navcomp->temperature_half_c;
+    progress->stand_fault = (uint8_t)navcomp->stand.fault(navcomp->stand.self);
+    progress->limited = (tumble_has_drive(navcomp) && tumble_drive402_is_limited(&navcomp->axis.drive)) ? 1U : 0U;
 }
 
 tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_result_t *result)
@@ -142,6 +145,7 @@ void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_cou
     counters->block = navcomp->block.counters;
     counters->averaging = tumble_procedure_averages(&navcomp->procedure)->counters;
     counters->procedure = *tumble_procedure_counters(&navcomp->procedure);
+    counters->stop = tumble_has_drive(navcomp) ? navcomp->axis.drive.counters : (tumble_stop_counters_t){0};
 }
 
 tumble_drive_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp)

@@ -23,7 +23,7 @@ typedef struct {
 static const constants_t constants = {
     .value_1008_0 = "Tumble navigation computer",
     .value_1009_0 = "any board",
-    .value_100a_0 = "0.1.0",
+    .value_100a_0 = "0.2.0",
     .value_1018_2 = 1413611521,
     .value_1018_3 = 65536,
 };
@@ -49,6 +49,8 @@ TUMBLE_HAS_SIZE("2003h:9", tumble_navcomp_progress_t, run.target_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:10", tumble_navcomp_progress_t, angle_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:11", tumble_navcomp_progress_t, temperature_half_c, 1U);
 TUMBLE_HAS_SIZE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
+TUMBLE_HAS_SIZE("2004h:4", tumble_navcomp_progress_t, stand_fault, 1U);
+TUMBLE_HAS_SIZE("2004h:5", tumble_navcomp_progress_t, limited, 1U);
 TUMBLE_IS_ARRAY("2010h:1", tumble_navcomp_progress_t, mean_v, mean_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2011h:1", tumble_navcomp_progress_t, standard_error_v, standard_error_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2020h:1", tumble_coefficients_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
@@ -72,6 +74,7 @@ TUMBLE_FOLLOWS("2031h:5", tumble_navcomp_counters_t, events.commands_refused, ev
 TUMBLE_FOLLOWS("2031h:6", tumble_navcomp_counters_t, events.heartbeats_lost, events.boot_ups, 4U);
 TUMBLE_FOLLOWS("2031h:7", tumble_navcomp_counters_t, events.boot_ups, events.starts, 4U);
 TUMBLE_FOLLOWS("2031h:8", tumble_navcomp_counters_t, events.starts, events.emergencies, 4U);
+TUMBLE_FOLLOWS("2031h:9", tumble_navcomp_counters_t, events.emergencies, events.foreign, 4U);
 TUMBLE_HAS_SIZE("2032h:1", tumble_navcomp_counters_t, block.samples, 4U);
 TUMBLE_FOLLOWS("2032h:2", tumble_navcomp_counters_t, block.samples, block.lost, 4U);
 TUMBLE_FOLLOWS("2032h:3", tumble_navcomp_counters_t, block.lost, block.repeated, 4U);
@@ -99,6 +102,12 @@ TUMBLE_FOLLOWS("2034h:11", tumble_navcomp_counters_t, procedure.unwinds, procedu
 TUMBLE_FOLLOWS("2034h:12", tumble_navcomp_counters_t, procedure.homings, procedure.faults, 4U);
 TUMBLE_FOLLOWS("2034h:13", tumble_navcomp_counters_t, procedure.faults, procedure.resumes, 4U);
 TUMBLE_FOLLOWS("2034h:14", tumble_navcomp_counters_t, procedure.resumes, procedure.commands_refused, 4U);
+TUMBLE_HAS_SIZE("2035h:1", tumble_navcomp_counters_t, stop.rungs[0], 4U);
+TUMBLE_FOLLOWS("2035h:2", tumble_navcomp_counters_t, stop.rungs[0], stop.rungs[1], 4U);
+TUMBLE_FOLLOWS("2035h:3", tumble_navcomp_counters_t, stop.rungs[1], stop.rungs[2], 4U);
+TUMBLE_FOLLOWS("2035h:4", tumble_navcomp_counters_t, stop.rungs[2], stop.rungs[3], 4U);
+TUMBLE_FOLLOWS("2035h:5", tumble_navcomp_counters_t, stop.rungs[3], stop.rungs[4], 4U);
+TUMBLE_FOLLOWS("2035h:6", tumble_navcomp_counters_t, stop.rungs[4], stop.implausible, 4U);
 TUMBLE_HAS_SIZE("2040h:1", tumble_drive_mirror_t, controlword, 2U);
 TUMBLE_HAS_SIZE("2040h:2", tumble_drive_mirror_t, target_position, 4U);
 TUMBLE_HAS_SIZE("2040h:3", tumble_drive_mirror_t, mode, 1U);
@@ -219,6 +228,10 @@ static const tumble_entry_t entries[] = {
     {0x2004U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
     {0x2004U, 3U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 2U, 0U, offsetof(tumble_navcomp_progress_t, run.drive_code), 0U, 0U},
+    {0x2004U, 4U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, stand_fault), 0U, 0U},
+    {0x2004U, 5U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, limited), 0U, 0U},
     /* Running mean */
     {0x2010U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 8U, 0U, offsetof(tumble_navcomp_progress_t, mean_v[0]), 2U, 0U},
@@ -245,7 +258,7 @@ static const tumble_entry_t entries[] = {
      TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, link.sent), 4U, 0U},
     /* Node counters */
     {0x2031U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, events.frames_ignored), 7U, 0U},
+     TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, events.frames_ignored), 8U, 0U},
     /* Block counters */
     {0x2032U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, block.samples), 7U, 0U},
@@ -255,6 +268,9 @@ static const tumble_entry_t entries[] = {
     /* Procedure counters */
     {0x2034U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, procedure.samples), 13U, 0U},
+    /* Stop counters */
+    {0x2035U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 4U, 0U, offsetof(tumble_navcomp_counters_t, stop.rungs[0]), 5U, 0U},
     /* Drive */
     {0x2040U, 1U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,
      TUMBLE_HOME_OTHER, 2U, 0U, offsetof(tumble_drive_mirror_t, controlword), 0U, 0U},

@@ -71,6 +71,7 @@ const tumble_drive_profile_t tumble_standard_drive = {
     .homing_acceleration_deg_s2 = 180.0,
     .homing_method = 34,
     .stop = TUMBLE_STOP_BY_QUICK_STOP,
+    .software_limits = true,
     .receive = RECEIVE,
     .transmit = TRANSMIT,
     .receive_count = 1,

@@ -193,6 +193,11 @@ void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up)
     procedure->bus_up = up;
 }
 
+void tumble_procedure_set_supervised(tumble_procedure_t *procedure, bool supervised)
+{
+    procedure->supervised = supervised;
+}
+
 /* Commands. */
 
 tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumble_procedure_config_t *config,
@@ -207,6 +212,7 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
     procedure->mounted = TUMBLE_NOT_MOUNTED;
     procedure->block_alive = true;
     procedure->bus_up = true;
+    procedure->supervised = true;
     return TUMBLE_OK;
 }
 

@@ -138,6 +138,8 @@ typedef struct {
     bool solved; /* there is a result */
     bool block_alive;
     bool bus_up;
+    bool supervised;
+    bool clearing; /* PREFLIGHT: the stand's fault is still to be cleared */
     uint16_t corrupted;  /* frames at this position */
     uint16_t warm_run;   /* samples within the band */
     uint16_t last_counter;
@@ -203,6 +205,9 @@ void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corr
  * The block may be silent while the operator handles it; a lost bus is a fault in every state of a run. */
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive);
 void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up);
+
+/* Are stand and block watched as configured? True until told otherwise; a run does not begin, nor go on, without. */
+void tumble_procedure_set_supervised(tumble_procedure_t *procedure, bool supervised);
 
 /* Commands. Each returns TUMBLE_OK, TUMBLE_E_STATE when the state does not allow it, or TUMBLE_E_ARGUMENT; refusals are
  * counted. Which state allows what stands in procedure_table.c. */

@@ -92,6 +92,7 @@ outcome_t tumble_propose_poll(tumble_procedure_t *procedure);
 outcome_t tumble_fault_enter(tumble_procedure_t *procedure);
 outcome_t tumble_fault_poll(tumble_procedure_t *procedure);
 outcome_t tumble_abort_enter(tumble_procedure_t *procedure);
+outcome_t tumble_abort_poll(tumble_procedure_t *procedure);
 
 /* tumble_procedure_validate, with what the estimator lacks. */
 tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_reason_t *reason,

@@ -17,7 +17,7 @@ tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
 
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
 {
-    static const uint8_t reasons[TUMBLE_STAND_FAULT_TIMEOUT + 1] = {
+    static const uint8_t reasons[] = {
         [TUMBLE_STAND_FAULT_NONE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_DRIVE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_STALL] = TUMBLE_REASON_STALL,
@@ -26,6 +26,9 @@ tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
         [TUMBLE_STAND_FAULT_PROTOCOL] = TUMBLE_REASON_STAND_PROTOCOL,
         [TUMBLE_STAND_FAULT_POWER] = TUMBLE_REASON_DRIVE_POWER,
         [TUMBLE_STAND_FAULT_TIMEOUT] = TUMBLE_REASON_TARGET_NOT_REACHED,
+        [TUMBLE_STAND_FAULT_STOP] = TUMBLE_REASON_STOP_NOT_CONFIRMED,
+        [TUMBLE_STAND_FAULT_POSITION] = TUMBLE_REASON_SLIP,
+        [TUMBLE_STAND_FAULT_FOREIGN] = TUMBLE_REASON_FOREIGN_COMMAND,
     };
     const unsigned fault = (unsigned)procedure->stand->fault(procedure->stand->self);
     return (fault < sizeof reasons) ? (tumble_reason_t)reasons[fault] : TUMBLE_REASON_DRIVE_FAULT;
@@ -70,10 +73,20 @@ outcome_t tumble_preflight_enter(tumble_procedure_t *procedure)
     if (procedure->status != TUMBLE_OK) {
         return tumble_fail(procedure, reason);
     }
-    if (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT) {
-        procedure->status = procedure->stand->clear_fault(procedure->stand->self);
+    if (!procedure->supervised) {
+        return tumble_fail(procedure, TUMBLE_REASON_SUPERVISION);
     }
+    procedure->clearing = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
     return OUTCOME_STAY;
+}
+
+/* A stand that is still enforcing a stop is asked again. What fails after the fault was cleared is not cleared unasked. */
+static void clear_fault(tumble_procedure_t *procedure)
+{
+    if (procedure->clearing) {
+        procedure->status = procedure->stand->clear_fault(procedure->stand->self);
+        procedure->clearing = (procedure->status != TUMBLE_OK);
+    }
 }
 
 static bool stand_is_at_rest(const tumble_procedure_t *procedure)
@@ -84,6 +97,7 @@ static bool stand_is_at_rest(const tumble_procedure_t *procedure)
 
 outcome_t tumble_preflight_poll(tumble_procedure_t *procedure)
 {
+    clear_fault(procedure);
     const bool ready = procedure->marked && procedure->block_alive && stand_is_at_rest(procedure);
     return ready ? OUTCOME_DONE : OUTCOME_STAY;
 }
@@ -320,5 +334,15 @@ outcome_t tumble_fault_poll(tumble_procedure_t *procedure)
 outcome_t tumble_abort_enter(tumble_procedure_t *procedure)
 {
     procedure->stand->stop(procedure->stand->self);
+    return OUTCOME_STAY;
+}
+
+/* A table that does not stop matters more than why it was told to. */
+outcome_t tumble_abort_poll(tumble_procedure_t *procedure)
+{
+    const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
+    if (stand_fault && (procedure->stand->fault(procedure->stand->self) == TUMBLE_STAND_FAULT_STOP)) {
+        procedure->reason = TUMBLE_REASON_STOP_NOT_CONFIRMED;
+    }
     return OUTCOME_STAY;
 }

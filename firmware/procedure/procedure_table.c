@@ -83,7 +83,7 @@ const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT] = {
         .commands = AT_REST | COMMAND_CONFIRM | COMMAND_RESUME,
     },
     [TUMBLE_STATE_ABORT] = {
-        .enter = tumble_abort_enter,
+        .enter = tumble_abort_enter, .poll = tumble_abort_poll,
         .commands = COMMAND_START,
     },
 };

@@ -5,6 +5,20 @@
 
 #define US_PER_MS 1000U
 #define MAX_NODE 127U
+#define TURN_DEG 360.0
+#define TIMED_MS 400U /* a longer timer is none: the axis would be out of sight between two reports */
+#define UNKNOWN_DEG_S 360.0 /* of a drive whose velocity is left as it is */
+#define REST_DEG 1.0        /* an axis at rest may stray so far: hands at the block, a brake that takes over */
+
+static bool reports_by_timer(const tumble_drive_profile_t *profile)
+{
+    bool timed = true;
+    for (uint8_t i = 0; i < profile->transmit_count; i++) {
+        const uint16_t event_ms = profile->transmit[i].setup.event_ms;
+        timed = timed && (event_ms != 0U) && (event_ms <= TIMED_MS);
+    }
+    return timed;
+}
 
 tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_drive_profile_t *profile,
                                      tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node)
@@ -19,6 +33,10 @@ tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_driv
         .mirror = mirror,
         .drive_node = drive_node,
         .wanted = (uint8_t)PHASE_IDLE,
+        .counts_per_s = tumble_drive_way(
+            profile, (profile->velocity_deg_s > 0.0) ? profile->velocity_deg_s : UNKNOWN_DEG_S), /* deg in a second */
+        .rest_counts = tumble_drive_way(profile, REST_DEG),
+        .timed = reports_by_timer(profile),
     };
     *mirror = (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP,
                                       .mode = TUMBLE_402_MODE_PROFILE_POSITION};
@@ -45,6 +63,7 @@ static void booted(tumble_drive402_t *drive)
     } else {
         /* clear_fault will configure it */
     }
+    tumble_drive_end_stop(drive); /* it let go of the axis when it lost its power */
 }
 
 static void lost(tumble_drive402_t *drive)
@@ -88,20 +107,6 @@ void tumble_drive402_emergency(tumble_drive402_t *drive, const tumble_emergency_
     }
 }
 
-static void take_position(tumble_drive402_t *drive)
-{
-    const int32_t raw = drive->mirror->actual_position;
-    const int64_t before = drive->actual_counts;
-    drive->actual_counts = drive->homed ? tumble_drive_unwrapped(drive->profile, raw, before) : raw;
-    if (drive->actual_counts != before) {
-        drive->still = 0;
-    } else if (drive->still < UINT8_MAX) {
-        drive->still++;
-    } else {
-        /* at rest for long */
-    }
-}
-
 void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number)
 {
     if (number >= drive->profile->transmit_count) {
@@ -109,7 +114,7 @@ void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number)
     }
     const tumble_drive_pdo_t *pdo = &drive->profile->transmit[number];
     if (tumble_drive_carries(pdo, TUMBLE_DRIVE_POSITION)) {
-        take_position(drive);
+        tumble_drive_take_position(drive);
     }
     tumble_drive_look(drive, tumble_drive_carries(pdo, TUMBLE_DRIVE_STATUS));
 }
@@ -146,15 +151,26 @@ void tumble_drive402_step(tumble_drive402_t *drive, uint64_t now_us)
     }
     if (now_us >= deadline_us(drive)) {
         end_late(drive);
+    } else if (now_us >= tumble_drive_blind_us(drive)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
+    } else {
+        /* in time */
     }
+    tumble_drive_climb(drive, now_us);
+}
+
+static uint64_t earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
 }
 
 uint64_t tumble_drive402_next_us(const tumble_drive402_t *drive)
 {
+    const uint64_t watch_us = earlier(tumble_drive_blind_us(drive), tumble_drive_next_rung_us(drive));
     const bool free_to_go = drive->blocked && tumble_drive_is_sent(drive);
     const bool by_sdo = (drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ);
     const bool answered = by_sdo && (tumble_sdo_client_result(&drive->node->client) != TUMBLE_E_SDO_BUSY);
-    return (drive->restart_timer || free_to_go || answered) ? 0U : deadline_us(drive);
+    return (drive->restart_timer || free_to_go || answered) ? 0U : earlier(deadline_us(drive), watch_us);
 }
 
 /* The stand. */
@@ -183,6 +199,8 @@ static tumble_stand_state_t state(void *self)
 static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
 {
     drive->wanted = (uint8_t)action;
+    drive->travel = 0;
+    drive->reported_us = drive->node->now_us;
     tumble_drive_go(drive, (drive->phase == (uint8_t)PHASE_IDLE) ? action : PHASE_POWER);
     return TUMBLE_OK;
 }
@@ -233,9 +251,11 @@ static void stop(void *self)
 static tumble_status_t clear_fault(void *self)
 {
     tumble_drive402_t *drive = self;
-    if (drive->phase != (uint8_t)PHASE_FAULT) {
+    if ((drive->phase != (uint8_t)PHASE_FAULT) || tumble_drive_is_stopping(drive)) {
         return TUMBLE_E_STAND_STATE;
     }
+    tumble_emcy_clear(&drive->node->emcy, TUMBLE_ERROR_PROFILE);
+    drive->rung = (uint8_t)TUMBLE_RUNG_NONE;
     drive->fault = (uint8_t)TUMBLE_STAND_FAULT_NONE;
     drive->code = 0;
     drive->refusal = (tumble_drive_refusal_t){0, 0, TUMBLE_ABORT_NONE};
@@ -286,6 +306,50 @@ tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive)
         .fault_code = fault_code,
         .angle_deg = angle,
     };
+}
+
+/* What protects the table. */
+
+void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_deg)
+{
+    const tumble_drive_profile_t *profile = drive->profile;
+    const bool turned = (profile->sign < 0);
+    int64_t low = 0;
+    int64_t high = 0;
+    drive->homing_counts = tumble_drive_way(
+        profile, (profile->homing_travel_deg > 0.0) ? profile->homing_travel_deg : ((max_deg - min_deg) + TURN_DEG));
+    if (profile->software_limits && (profile->wrap_counts == 0U) &&
+        tumble_drive_counts(profile, turned ? max_deg : min_deg, &low) &&
+        tumble_drive_counts(profile, turned ? min_deg : max_deg, &high)) {
+        drive->low_counts = (int32_t)low;
+        drive->high_counts = (int32_t)high;
+    }
+}
+
+bool tumble_drive402_is_limited(const tumble_drive402_t *drive)
+{
+    return drive->low_counts != drive->high_counts;
+}
+
+bool tumble_drive402_is_present(const tumble_drive402_t *drive)
+{
+    return drive->present || (drive->phase != (uint8_t)PHASE_ABSENT);
+}
+
+void tumble_drive402_foreign(tumble_drive402_t *drive, uint16_t id)
+{
+    if (drive->phase >= (uint8_t)PHASE_POWER) {
+        tumble_drive_lose_position(drive, TUMBLE_STAND_FAULT_FOREIGN, TUMBLE_EMCY_FOREIGN, id);
+    }
+}
+
+bool tumble_drive402_sends(const tumble_drive402_t *drive, uint16_t id)
+{
+    bool sends = false;
+    for (uint8_t i = 0; i < drive->profile->receive_count; i++) {
+        sends = sends || ((drive->profile->receive[i].setup.cob_id & TUMBLE_CAN_MAX_ID) == id);
+    }
+    return sends;
 }
 
 tumble_drive_refusal_t tumble_drive402_refusal(const tumble_drive402_t *drive)

@@ -18,6 +18,22 @@
  * Losing its heartbeat, its power or its configuration is a fault until clear_fault, which does it all again and resets
  * a fault of the drive's own. A drive that has booted, was switched off, or was seen in another NMT state than
  * Operational must be homed again.
+ *
+ * A stop is a state that is seen. Until the drive has reported the axis at rest it is told again, by harsher means from
+ * rung to rung; each raises TUMBLE_EMCY_STOP and is counted. The times run from the stop, or from the end of
+ * stop_timeout_ms where the drive has been seen to obey:
+ *
+ *     at once   process data     controlword, and again at every report that still shows Operation enabled
+ *     0.2 s     process data     again, unasked
+ *     0.4 s     SDO              6040h
+ *     1.0 s     NMT stop         of the drive: CiA 402 stops an axis that leaves Operational
+ *     1.5 s     silence          our own heartbeat is withheld, so that the drive's consumer (1016h) stops the axis
+ *     later     not confirmed    nothing is left to be tried: somebody must look at the table
+ *
+ * A position is believed when it can have been reached since the last one, at twice profile velocity (and a quarter of
+ * a second more, for reports that waited). One report that
+ * is not believed is dropped; a second in a row, or an axis that strays at rest, makes the position unknown: a fault,
+ * and the axis must be homed again.
  */
 #ifndef TUMBLE_STAND_DRIVE402_H
 #define TUMBLE_STAND_DRIVE402_H
@@ -31,6 +47,22 @@
 #include <stdint.h>
 
 #define TUMBLE_DRIVE402_PDOS 2U        /* most of each direction */
+
+/* Emergency messages that it raises on the node (bit PROFILE of the error register). */
+#define TUMBLE_EMCY_STOP 0xFF10U     /* info[0]: tumble_drive_rung_t */
+#define TUMBLE_EMCY_POSITION 0xFF11U /* the position is unknown now */
+#define TUMBLE_EMCY_FOREIGN 0xFF12U  /* info[0] and [1]: the identifier, low byte first */
+
+/* The rungs of a stop. The numbers travel over CAN: new ones go to the end. */
+typedef enum {
+    TUMBLE_RUNG_NONE = 0,    /* no stop is under way */
+    TUMBLE_RUNG_TOLD,        /* once */
+    TUMBLE_RUNG_AGAIN,
+    TUMBLE_RUNG_SDO,
+    TUMBLE_RUNG_NMT,
+    TUMBLE_RUNG_SILENCE,
+    TUMBLE_RUNG_UNCONFIRMED
+} tumble_drive_rung_t;
 #define TUMBLE_DRIVE402_MIRROR 0x2040U /* where the node's dictionary holds the drive's objects */
 
 /* One object to be written into the drive. */
@@ -71,6 +103,9 @@ typedef struct {
     double homing_acceleration_deg_s2;
     int8_t homing_method;
     uint8_t stop; /* tumble_drive_stop_t */
+    bool software_limits;     /* it has 607Dh and keeps to it: the cable's limits are written there and read back. Not
+                               * used where positions wrap */
+    double homing_travel_deg; /* the table may turn so far in one homing; 0: the cable's span and one turn */
 
     /* The bus. The drive's receive PDOs, one or two, must carry 6040h and 607Ah, and may carry 6060h; its transmit
      * PDOs, one or two, must carry 6041h and 6064h, and may carry what else they like (8, 16 or 32 bits each). Give
@@ -101,6 +136,12 @@ typedef struct {
     uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
 } tumble_drive_refusal_t;
 
+/* How far stops had to go, and what was not believed; monotonic, they stop at UINT32_MAX. */
+typedef struct {
+    uint32_t rungs[TUMBLE_RUNG_UNCONFIRMED - TUMBLE_RUNG_TOLD]; /* how often each was climbed to, from AGAIN on */
+    uint32_t implausible;                                       /* position reports that were not believed */
+} tumble_stop_counters_t;
+
 /* The object; its fields are private. */
 typedef struct {
     uint8_t drive_node;
@@ -118,15 +159,31 @@ typedef struct {
     bool homed;
     bool arrived;          /* at home or at the goal; */
     bool at_goal;          /* the latter, so that target reached must stay */
+    bool begun;            /* a stop: the drive has been seen to obey */
+    bool timed;            /* its reports come by a timer, too, also while nothing changes */
+    bool tracked;          /* actual_counts is what the next report is compared with */
+    bool settled;          /* at rest long enough for `strayed` to count */
+    uint8_t rung;          /* tumble_drive_rung_t: how far a stop has gone */
+    uint8_t doubtful;      /* reports in a row that were not believed */
     uint16_t code;         /* of the last emergency message */
     const tumble_drive_profile_t *profile;
     tumble_node_t *node;
     tumble_drive_mirror_t *mirror;
     uint64_t entered_us;
+    uint64_t told_us;      /* when the stop under way began */
+    uint64_t reported_us;  /* last position, or the begin of a motion if later */
     int64_t actual_counts; /* unwrapped */
     int64_t goal_counts;   /* of the move under way */
     int64_t set_counts;    /* of its present set-point; the goal but for long ways of a wrapping drive */
+    int32_t strayed;       /* counts since it settled */
+    uint32_t travel;        /* counts turned in this homing, back and forth added up */
+    uint32_t homing_counts; /* the most of that; 0: no bound */
+    uint32_t counts_per_s; /* at profile velocity */
+    uint32_t rest_counts;  /* an axis at rest may stray so far */
+    int32_t low_counts;    /* software limits; both 0: none */
+    int32_t high_counts;
     tumble_drive_refusal_t refusal;
+    tumble_stop_counters_t counters;
 } tumble_drive402_t;
 
 /* Is a profile usable on the bus of our node? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
@@ -137,6 +194,23 @@ tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, 
  * number, or a mapping that the node's dictionary cannot take). */
 tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_drive_profile_t *profile,
                                      tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node);
+
+/* Tell it the cable's limits, in degrees of the table, min < max: what homing may turn, and what is written to 607Dh,
+ * follow from them. After init, which knows none. */
+void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_deg);
+
+/* Have the cable's limits been written to the drive's own (607Dh), or will they be at its next bring-up? */
+bool tumble_drive402_is_limited(const tumble_drive402_t *drive);
+
+/* Is there a drive, so that what its stop depends on must stay as it is? */
+bool tumble_drive402_is_present(const tumble_drive402_t *drive);
+
+/* A frame of this identifier has come that nobody but our node may send. Once the drive is led, the axis is stopped, a
+ * fault, and its position is unknown. */
+void tumble_drive402_foreign(tumble_drive402_t *drive, uint16_t id);
+
+/* Do we command the drive with frames of this identifier? */
+bool tumble_drive402_sends(const tumble_drive402_t *drive, uint16_t id);
 
 /* What the node tells: call them from its events; heartbeat and emergency for this drive's node only, pdo_received for
  * every PDO of ours with its number. */

@@ -4,6 +4,8 @@
  *     drive402_phases.c   the table of phases: what each does, how long it may last, what it is for the stand
  *     drive402_start.c    what the phases do up to Operation enabled
  *     drive402_motion.c   what they do from there: homing, moving, stopping
+ *     drive402_stop.c     the ladder of a stop
+ *     drive402_position.c which position reports are believed, how far homing turns
  *     drive402_profile.c  the profile: is it usable, what to write into the drive, our own PDOs
  *     drive402_units.c    angles and counts
  */
@@ -68,12 +70,37 @@ void tumble_drive_control(tumble_drive402_t *drive, unsigned word);
 /* Is one of these bits set in the last statusword? */
 bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits);
 
+/* The ladder of a stop: begin to watch one (from the node's last time on); leave it; is it being climbed; when its next
+ * rung is due; climb. */
+void tumble_drive_watch_stop(tumble_drive402_t *drive);
+void tumble_drive_end_stop(tumble_drive402_t *drive);
+bool tumble_drive_is_stopping(const tumble_drive402_t *drive);
+uint64_t tumble_drive_next_rung_us(const tumble_drive402_t *drive);
+void tumble_drive_climb(tumble_drive402_t *drive, uint64_t now_us);
+
+/* Does the statusword that has just come, or a position that no longer changes, show the axis at rest after a stop?
+ * Notes whether the drive obeys. */
+bool tumble_drive_rests(tumble_drive402_t *drive);
+
+/* Has the same position been reported again and again? */
+bool tumble_drive_stands_still(const tumble_drive402_t *drive);
+
+/* A position has come: is it believed, and what follows from it. */
+void tumble_drive_take_position(tumble_drive402_t *drive);
+
+/* The position is unknown from now on; a drive that is led comes to FAULT with `fault`, an emergency message of `code`
+ * tells of it. */
+void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t fault, uint16_t code, uint16_t detail);
+
+/* When the axis, if it turns, has been unseen for too long. */
+uint64_t tumble_drive_blind_us(const tumble_drive402_t *drive);
+
 /* Write the mode by SDO, then read its display until it shows it; then go on. */
 void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_phase_t next);
 
 /* Start to read an object of the drive; and, true when nothing is under way any more (a transfer that went wrong is a
  * fault). */
-void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index);
+void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex);
 bool tumble_drive_is_answered(tumble_drive402_t *drive);
 
 /* Give up what is under way by SDO or NMT. */
@@ -115,6 +142,9 @@ bool tumble_drive_may_turn(const tumble_drive402_t *drive);
  * step. */
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write);
 
+/* 607Dh:1 or :2, as it is to be. */
+uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex);
+
 /* Is this object (as in a mapping) in this PDO? */
 bool tumble_drive_carries(const tumble_drive_pdo_t *pdo, uint32_t object);
 #define TUMBLE_DRIVE_STATUS TUMBLE_MAP(TUMBLE_402_STATUSWORD, 0, 16)
@@ -126,6 +156,9 @@ bool tumble_drive_map_own(const tumble_drive402_t *drive);
 /* Units. False: beyond what the drive can express. */
 bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts);
 double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts);
+
+/* A way in counts, whatever its direction, and at least one; limited to 32 bits. */
+uint32_t tumble_drive_way(const tumble_drive_profile_t *profile, double way_deg);
 
 /* A position as the drive writes it: itself, or within 0 to wrap_counts - 1. */
 int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts);

@@ -3,9 +3,6 @@
 /* Statuswords that are not believed when they show the end of homing right after its start. */
 #define STALE_STATUSWORDS 2U
 
-/* So many reports without a change are standstill: one or two may come at the same moment, for other reasons. */
-#define STILL_REPORTS 3U
-
 /* Homing. */
 
 void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh)
@@ -45,6 +42,7 @@ void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
     tumble_drive_look_mode(drive, TUMBLE_402_MODE_PROFILE_POSITION, PHASE_IDLE);
     if (drive->phase == (uint8_t)PHASE_IDLE) {
         drive->homed = true;
+        drive->tracked = false; /* a report from before the new zero may be the last one known */
         /* A drive that wraps and stands a count below zero is not a whole circle above it. */
         drive->actual_counts = tumble_drive_unwrapped(drive->profile, (int32_t)drive->actual_counts, 0);
         drive->arrived = true;
@@ -81,7 +79,7 @@ void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
         return;
     }
     if (drive->asked == ASKED_NOTHING) {
-        tumble_drive_ask(drive, TUMBLE_402_TARGET_POSITION);
+        tumble_drive_ask(drive, TUMBLE_402_TARGET_POSITION, 0);
         return;
     }
     drive->asked = ASKED_NOTHING;
@@ -160,28 +158,23 @@ void tumble_drive_enter_stopping(tumble_drive402_t *drive)
     tumble_drive_leave_sdo(drive);
     drive->arrived = false;
     drive->may_reset = false;
-    drive->still = 0;
+    tumble_drive_watch_stop(drive);
     tell_to_stop(drive);
 }
 
-/* At rest: the drive says so, or has let go of the axis, or the position has not changed over some reports. Until then
- * it is told again at every report: process data are not acknowledged. */
+/* Until the drive has begun to stop it is told again at every report: process data are not acknowledged. */
 void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh)
 {
     if (tumble_drive_is_blocked(drive) || !fresh) {
         return;
     }
-    const bool enabled = (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED);
-    const bool rests =
-        tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || (drive->still >= STILL_REPORTS);
+    const bool rests = tumble_drive_rests(drive);
     if (tumble_drive_is_faulty(drive)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_DRIVE);
-    } else if (enabled && !stops_by_halt(drive)) {
-        drive->still = 0; /* it has not begun */
-        tell_to_stop(drive);
-    } else if (rests || !tumble_drive_may_turn(drive)) {
+    } else if (rests) {
+        tumble_drive_end_stop(drive);
         tumble_drive_go(drive, PHASE_STOPPED);
-    } else if (enabled) {
+    } else if (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED) {
         tell_to_stop(drive);
     } else {
         /* it brakes */
@@ -198,7 +191,15 @@ void tumble_drive_enter_fault(tumble_drive402_t *drive)
 
 void tumble_drive_look_fault(tumble_drive402_t *drive, bool fresh)
 {
-    if (fresh && (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED)) {
+    if (!fresh) {
+        return;
+    }
+    const bool rests = tumble_drive_rests(drive);
+    if (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED) {
         tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
+    } else if (tumble_drive_is_stopping(drive) && rests) {
+        tumble_drive_end_stop(drive);
+    } else {
+        /* it brakes, or has come to rest */
     }
 }

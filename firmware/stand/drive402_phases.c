@@ -64,6 +64,7 @@ void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase)
     drive->phase = (uint8_t)phase;
     drive->restart_timer = true;
     drive->blocked = false;
+    drive->settled = false;
     if (tumble_drive_rows[phase].enter != NULL) {
         tumble_drive_rows[phase].enter(drive);
     }
@@ -73,6 +74,9 @@ void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault)
 {
     drive->fault = (uint8_t)fault;
     drive->homed = drive->homed && (fault != TUMBLE_STAND_FAULT_POWER);
+    if (drive->phase >= (uint8_t)PHASE_POWER) {
+        tumble_drive_watch_stop(drive); /* before that nothing has been set going */
+    }
     tumble_drive_go(drive, PHASE_FAULT);
 }
 
@@ -125,7 +129,7 @@ const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
     [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
     [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
     [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   true,  true},
-    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  FOR(stop),      OR(PROTOCOL), IS(MOVING),   false, false},
+    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  0,              0,            IS(MOVING),   false, false},
     [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  false, false},
     [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    false, false},
 };

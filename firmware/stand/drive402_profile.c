@@ -24,6 +24,7 @@ enum {
     VALUE_BYTE,
     VALUE_WORD,
     VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them */
+    VALUE_LIMIT,        /* of the position; both 0: not written */
     VALUE_VELOCITY,     /* quantities: 0 is not written */
     VALUE_ACCELERATION
 };
@@ -51,6 +52,8 @@ static const object_row_t object_rows[] = {
     {TUMBLE_402_HOMING_SPEED,            1, 4, VALUE_VELOCITY,     AT(homing_fast_deg_s)},
     {TUMBLE_402_HOMING_SPEED,            2, 4, VALUE_VELOCITY,     AT(homing_slow_deg_s)},
     {TUMBLE_402_HOMING_ACCELERATION,     0, 4, VALUE_ACCELERATION, AT(homing_acceleration_deg_s2)},
+    {TUMBLE_402_SOFTWARE_LIMIT,          1, 4, VALUE_LIMIT,        0},
+    {TUMBLE_402_SOFTWARE_LIMIT,          2, 4, VALUE_LIMIT,        0},
 };
 /* clang-format on */
 
@@ -70,6 +73,11 @@ static double units_of(const tumble_drive_profile_t *profile, const object_row_t
     return quantity * (is_velocity ? profile->velocity_units_per_deg_s : profile->acceleration_units_per_deg_s2);
 }
 
+uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex)
+{
+    return (uint32_t)((subindex == 1U) ? drive->low_counts : drive->high_counts);
+}
+
 static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row)
 {
     const unsigned char *at = (const unsigned char *)drive->profile + row->number;
@@ -82,6 +90,8 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
         return *at;
     case VALUE_WORD:
         return word;
+    case VALUE_LIMIT:
+        return tumble_drive_limit(drive, row->subindex);
     case VALUE_CONSUMER:
         return (word != 0U) ? (((uint32_t)drive->node->config->node << 16) | word) : 0U;
     default:
@@ -92,10 +102,11 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
 static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_drive_write_t *write)
 {
     const bool optional = is_quantity(row) || (row->kind == (uint8_t)VALUE_CONSUMER);
+    const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !tumble_drive402_is_limited(drive);
     write->index = row->index;
     write->subindex = row->subindex;
     write->value = value_of(drive, row);
-    write->size = (optional && (write->value == 0U)) ? 0U : row->size;
+    write->size = (unlimited || (optional && (write->value == 0U))) ? 0U : row->size;
 }
 
 /* One PDO, in the order of CiA 301: disable, no objects, the objects, their number, the rest, enable. */
@@ -224,8 +235,7 @@ static uint32_t own_object(uint32_t object)
     return TUMBLE_MAP((bits == 8U) ? TUMBLE_TYPE_UNSIGNED8 : longer, 0, bits);
 }
 
-static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direction, uint8_t number,
-                    const tumble_drive_pdo_t *pdo)
+static tumble_pdo_setup_t own_setup(const tumble_drive_pdo_t *pdo)
 {
     tumble_pdo_setup_t setup = pdo->setup;
     setup.cob_id &= TUMBLE_CAN_MAX_ID;
@@ -235,8 +245,21 @@ static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direc
     for (uint8_t i = 0; i < setup.count; i++) {
         setup.map[i] = own_object(setup.map[i]);
     }
-    return tumble_pdo_configure(&drive->node->pdos, &drive->node->dictionary, direction, number, &setup) ==
-           TUMBLE_ABORT_NONE;
+    return setup;
+}
+
+/* Those that are told to go keep that. */
+static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direction, uint8_t number,
+                    const tumble_drive_pdo_t *pdo)
+{
+    tumble_pdos_t *pdos = &drive->node->pdos;
+    const tumble_pdo_setup_t setup = own_setup(pdo);
+    const bool due = (direction == TUMBLE_PDO_TRANSMIT) && pdos->transmit[number].pdo.due;
+    const tumble_abort_t refusal = tumble_pdo_configure(pdos, &drive->node->dictionary, direction, number, &setup);
+    if (direction == TUMBLE_PDO_TRANSMIT) {
+        pdos->transmit[number].pdo.due = due;
+    }
+    return refusal == TUMBLE_ABORT_NONE;
 }
 
 bool tumble_drive_map_own(const tumble_drive402_t *drive)
@@ -271,7 +294,8 @@ static bool numbers_are_valid(const tumble_drive_profile_t *profile)
         (void)memcpy(&ms, (const unsigned char *)profile + times[i], sizeof ms);
         valid = valid && (ms > 0U);
     }
-    return valid && (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&
+    return valid && tumble_is_finite(profile->homing_travel_deg) && (profile->homing_travel_deg >= 0.0) &&
+           (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&
            (profile->wrap_counts <= (uint32_t)INT32_MAX) && (profile->stop <= (uint8_t)TUMBLE_STOP_BY_HALT);
 }
 

@@ -54,16 +54,42 @@ void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
     }
 }
 
+/* Outsiders may have changed our own process data while there was no drive. One that was taken out of operation by NMT
+ * has no SDO until it is put back. */
 void tumble_drive_enter_configure(tumble_drive402_t *drive)
 {
+    tumble_nmt_t *nmt = &drive->node->nmt;
     tumble_drive_leave_sdo(drive);
+    (void)tumble_drive_map_own(drive); /* as it passed at init */
+    if (tumble_nmt_state_of(nmt, drive->drive_node) == TUMBLE_NMT_STOPPED) {
+        (void)tumble_nmt_command(nmt, drive->drive_node, TUMBLE_NMT_ENTER_PRE_OPERATIONAL);
+    }
     drive->write = 0;
+}
+
+/* Is what has just been written to be read back? A drive may take a limit and not keep it. */
+static bool checks(tumble_drive402_t *drive)
+{
+    const tumble_sdo_client_t *client = &drive->node->client;
+    if (client->index != TUMBLE_402_SOFTWARE_LIMIT) {
+        return false;
+    }
+    if (drive->asked == ASKED_WRITE) {
+        tumble_drive_ask(drive, TUMBLE_402_SOFTWARE_LIMIT, client->subindex);
+        return true;
+    }
+    if (tumble_sdo_client_u32(client) == tumble_drive_limit(drive, client->subindex)) {
+        return false;
+    }
+    drive->refusal = (tumble_drive_refusal_t){client->index, client->subindex, (uint32_t)TUMBLE_ABORT_VALUE};
+    tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
+    return true;
 }
 
 void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
-    if (!tumble_drive_is_answered(drive)) {
+    if (!tumble_drive_is_answered(drive) || ((drive->asked != ASKED_NOTHING) && checks(drive))) {
         return;
     }
     if (drive->asked != ASKED_NOTHING) {
@@ -81,10 +107,10 @@ void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
     tumble_drive_go(drive, PHASE_START);
 }
 
-void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index)
+void tumble_drive_ask(tumble_drive402_t *drive, uint16_t index, uint8_t subindex)
 {
     drive->asked = ASKED_READ;
-    (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, index, 0);
+    (void)tumble_sdo_client_read(&drive->node->client, drive->drive_node, index, subindex);
 }
 
 /* Write the mode, then read its display until it shows it. */
@@ -104,7 +130,7 @@ void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_
         tumble_drive_go(drive, next);
         return;
     }
-    tumble_drive_ask(drive, TUMBLE_402_MODE_DISPLAY);
+    tumble_drive_ask(drive, TUMBLE_402_MODE_DISPLAY, 0);
 }
 
 /* START and POWER. */

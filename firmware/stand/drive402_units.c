@@ -20,6 +20,12 @@ bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg
     return true;
 }
 
+uint32_t tumble_drive_way(const tumble_drive_profile_t *profile, double way_deg)
+{
+    const double exact = (way_deg * profile->counts_per_revolution / TURN_DEG) + 1.0;
+    return (exact < (double)UINT32_MAX) ? (uint32_t)exact : UINT32_MAX;
+}
+
 double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts)
 {
     return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;

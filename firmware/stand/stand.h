@@ -32,7 +32,10 @@ typedef enum {
     TUMBLE_STAND_FAULT_HOMING,      /* homing failed */
     TUMBLE_STAND_FAULT_PROTOCOL,    /* refused or unanswered configuration, broken handshake */
     TUMBLE_STAND_FAULT_POWER,       /* the drive left Operation enabled by itself */
-    TUMBLE_STAND_FAULT_TIMEOUT      /* the angle was not reached, or not confirmed, in the stand's own time */
+    TUMBLE_STAND_FAULT_TIMEOUT,     /* the angle was not reached, or not confirmed, in the stand's own time */
+    TUMBLE_STAND_FAULT_STOP,        /* the axis was told to stop and was not seen to rest */
+    TUMBLE_STAND_FAULT_POSITION,    /* the position jumped, or changed at rest: it is unknown now */
+    TUMBLE_STAND_FAULT_FOREIGN      /* somebody else commands the axis, or has our node number */
 } tumble_stand_fault_t;
 
 typedef struct {
@@ -45,10 +48,12 @@ typedef struct {
      * position can express). */
     tumble_status_t (*move)(void *self, double angle_deg);
 
-    /* Stop the axis as fast as the drive allows, whatever the state. Never refused. */
+    /* Stop the axis as fast as the drive allows, whatever the state. Never refused. The stand goes on until the axis is
+     * seen at rest: STOPPED, or FAULT (with TUMBLE_STAND_FAULT_STOP when it had to take harsher means). */
     void (*stop)(void *self);
 
-    /* Begin to leave FAULT, towards READY or STOPPED. TUMBLE_OK or TUMBLE_E_STAND_STATE. */
+    /* Begin to leave FAULT, towards READY or STOPPED. TUMBLE_OK; TUMBLE_E_STAND_STATE: not in FAULT, or a stop is still
+     * being enforced, which takes seconds at most: ask again. */
     tumble_status_t (*clear_fault)(void *self);
 
     tumble_stand_state_t (*state)(void *self);

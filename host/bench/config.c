@@ -234,6 +234,7 @@ static void complete_profile(bench_config_t *config)
         lists->transmit[profile->transmit_count++] = tumble_standard_drive.transmit[0];
     }
     profile->stop = (uint8_t)config->stop;
+    profile->software_limits = profile->software_limits && drive->software_limits;
     profile->receive = lists->receive;
     profile->transmit = lists->transmit;
     profile->writes = lists->writes;

@@ -71,6 +71,7 @@ const bench_key_t bench_config_keys[] = {
     {"drive.power_on_deg", BENCH_DOUBLE, 1, DRIVE(power_on_deg), 0, 3600, "deg; wakes up within this of the home mark"},
     {"drive.reaction_us", BENCH_U32, 1, DRIVE(reaction_us), 0, 1e6, "us from a command to its statusword"},
     {"drive.report_us", BENCH_U32, 1, DRIVE(report_us), 100, 1e6, "us; its control cycle while it moves"},
+    {"drive.software_limits", BENCH_BOOL, 1, DRIVE(software_limits), 0, 0, "it has 607Dh and keeps to it"},
     {"drive.latches_stale_target", BENCH_BOOL, 1, DRIVE(latches_stale_target), 0, 0,
      "takes the target of the frame before"},
 
@@ -88,6 +89,10 @@ const bench_key_t bench_config_keys[] = {
      "deg/s2; 0: motion.acceleration_deg_s2"},
     {"profile.homing_fast_deg_s", BENCH_DOUBLE, 1, AT(profile.homing_fast_deg_s), 0, 1e4, "deg/s"},
     {"profile.homing_slow_deg_s", BENCH_DOUBLE, 1, AT(profile.homing_slow_deg_s), 0, 1e4, "deg/s"},
+    {"profile.homing_travel_deg", BENCH_DOUBLE, 1, AT(profile.homing_travel_deg), 0, 1e5,
+     "deg; the table may turn so far in homing; 0: the cable's span and one turn"},
+    {"profile.software_limits", BENCH_BOOL, 1, AT(profile.software_limits), 0, 0,
+     "write the cable's limits to 607Dh, if the drive has it"},
     {"profile.homing_method", BENCH_I8, 1, AT(profile.homing_method), -128, 127, "object 6098h"},
     {"profile.stop", BENCH_CHOICE, 1, AT(stop), 0, 0, "quick_stop|halt"},
     {"profile.heartbeat_ms", BENCH_U16, 1, AT(profile.heartbeat_ms), 1, 65535, "ms; of the drive"},

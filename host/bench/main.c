@@ -10,6 +10,7 @@
 #include "bench/options.h"
 #include "bench/report.h"
 #include "bench/session.h"
+#include "bench/wrong_option.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -71,9 +72,9 @@ int main(int count, char *arguments[])
     if (!bench_options_read(&options, count, arguments, wrong)) {
         return refuse(wrong);
     }
-    if (options.help) {
-        (void)fputs(bench_options_help, stdout);
-        return BENCH_EXIT_PASS;
+    if (options.help || options.version) {
+        const bench_asks_t asks = options.help ? BENCH_ASKS_HELP : BENCH_ASKS_VERSION;
+        return bench_tell("tumble-bench", asks, bench_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_USAGE;
     }
     if (options.keys) {
         bench_config_print_keys(stdout);

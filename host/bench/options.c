@@ -49,6 +49,7 @@ const char bench_options_help[] =
     "  -v               tell the events that are enough for a violation\n"
     "\n"
     "  --keys           print the keys of a scenario file\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that\n"
@@ -150,6 +151,7 @@ static bool read_flag(bench_options_t *options, const char *name)
         {"--interactive", offsetof(bench_options_t, interactive)},
         {"--keys", offsetof(bench_options_t, keys)},
         {"-v", offsetof(bench_options_t, verbose)},
+        {"--version", offsetof(bench_options_t, version)},
         {"--help", offsetof(bench_options_t, help)},
         {"-h", offsetof(bench_options_t, help)},
     };

@@ -24,6 +24,7 @@ typedef struct {
     bool interactive;
     bool verbose;
     bool keys;
+    bool version;
     bool help;
 } bench_options_t;
 

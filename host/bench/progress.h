@@ -1,10 +1,13 @@
 /* progress.h - a run as it goes, one JSON line per event, for whoever shows it to people.
  *
- * event "state": the procedure has moved on: virtual_s, state, mounting, position, index, count, finished, attempt,
- * reason event "average": a tenth more of a mean is there: as above, and samples, wanted, mean_v (3), standard_error_v
- * (3) event "question": a person is needed: kind "mounting" (with mounting), "angle" (with angle_deg) or "fault" (with
- * reason and its sentence); in the interactive mode time stands still until the answer is there event "refused": the
- * answer cannot be understood, or the firmware does not accept it: what event "end": end ("done", "fault", ...), exit
+ *     event "state": the procedure has moved on: virtual_s, state, mounting, position, index, count, finished, attempt,
+ *         reason
+ *     event "average": a tenth more of a mean is there: as above, and samples, wanted, mean_v (3),
+ *         standard_error_v (3)
+ *     event "question": a person is needed: kind "mounting" (with mounting), "angle" (with angle_deg) or "fault" (with
+ *         reason and its sentence); in the interactive mode time stands still until the answer is there
+ *     event "refused": the answer cannot be understood, or the firmware does not accept it: what
+ *     event "end": end ("done", "fault", ...), exit
  */
 #ifndef TUMBLE_BENCH_PROGRESS_H
 #define TUMBLE_BENCH_PROGRESS_H

@@ -1,15 +1,25 @@
 /* report.h - what a run has found, as JSON.
  *
  * The document, schema "tumble.bench/1":
- *     seed; end: "done" | "fault" | "interrupted" | "too long" | "left"; exit: the exit code that a program with this
- * run has; state, failed_in, reason, status: names of the firmware's lists; reason_number, reason_sentence; drive_code;
- *     drive_refusal {index, subindex, abort} or null
- *     estimator; K (3 x 3, V/g), U0 (3, V), verification {delta_g_g: list of {mounting, position, use, delta_g_g},
- *     max_abs_delta_g_g, max_abs_fit_g, max_abs_check_g, limit_g, pass}; closure_g: by mounting; all null without a
- * result means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished counters
- * {name: integer}: the firmware's, the bus's, the simulation's truth {K, U0, alpha1_rad, alpha2_rad, alpha3_rad (by
- * mounting), alpha4_rad (by position)} faults: list of {kind, times}: those of the scenario, and how often each has
- * come virtual_s; table {at_rest, lowest_deg, highest_deg}: how far the table has turned
+ *     seed: of the run
+ *     end: "done" | "fault" | "interrupted" | "too long" | "left"
+ *     exit: the exit code that a program with this run has
+ *     state, failed_in, reason, status: names of the firmware's lists
+ *     reason_number, reason_sentence: the reason once more
+ *     drive_code: the drive's own error code, or 0
+ *     drive_refusal: {index, subindex, abort} or null
+ *     estimator: "averaged" | "refined" | "least_squares" | "optimal"
+ *     K, U0: 3 x 3 in V/g, 3 in V; null without a result
+ *     u_K, u_U0: their standard uncertainties; null where none can be stated
+ *     verification: {delta_g_g: list of {mounting, position, use, delta_g_g}, max_abs_delta_g_g, max_abs_fit_g,
+ *         max_abs_check_g, limit_g, pass}; null without a result
+ *     closure_g: by mounting; null without a result
+ *     means: list of {mounting, position, samples, u_v (3), standard_error_v (3)} of the positions finished
+ *     counters: {name: integer}: the firmware's, the bus's, the simulation's
+ *     truth: {K, U0, alpha1_rad, alpha2_rad, alpha3_rad (by mounting), alpha4_rad (by position)}
+ *     faults: list of {kind, times}: those of the scenario, and how often each has come
+ *     virtual_s: when it ended
+ *     table: {at_rest, lowest_deg, highest_deg}: how far the table has turned
  */
 #ifndef TUMBLE_BENCH_REPORT_H
 #define TUMBLE_BENCH_REPORT_H

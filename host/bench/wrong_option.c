@@ -2,6 +2,8 @@
 
 #include "bench/wrong_option.h"
 
+#include "core/version.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -25,14 +27,14 @@ static void tell_what_is_wrong(const char *program, int answer, char *const argu
 }
 
 bool bench_read_options(const char *program, int count, char *arguments[], const struct option known[],
-                        bench_take_t take, void *options, bool *help)
+                        bench_take_t take, void *options, bench_asks_t *asks)
 {
     int option;
     opterr = 0;
-    *help = false;
+    *asks = BENCH_ASKS_WORK;
     while ((option = getopt_long(count, arguments, SHORT_OPTIONS, known, NULL)) != -1) {
-        if (option == BENCH_HELP) {
-            *help = true;
+        if (option == BENCH_HELP || option == BENCH_VERSION) {
+            *asks = (option == BENCH_HELP) ? BENCH_ASKS_HELP : BENCH_ASKS_VERSION;
         } else if (option == ':' || option == '?') {
             tell_what_is_wrong(program, option, arguments);
             return false;
@@ -41,4 +43,11 @@ bool bench_read_options(const char *program, int count, char *arguments[], const
         }
     }
     return true;
+}
+
+bool bench_tell(const char *program, bench_asks_t asks, const char *help)
+{
+    const bool written = (asks == BENCH_ASKS_HELP) ? fputs(help, stdout) >= 0
+                                                   : printf("%s %s\n", program, TUMBLE_VERSION) >= 0;
+    return fflush(stdout) == 0 && written;
 }

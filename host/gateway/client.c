@@ -8,9 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-void gateway_client_open(gateway_client_t *client, int fd, uint64_t now_us)
+void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us)
 {
     client->fd = fd;
+    client->address = *address;
     client->has_asked = false;
     client->has_ended = false;
     client->asked_us = now_us;

@@ -11,8 +11,14 @@
 #define GATEWAY_FIRST_US 10000000U
 #define GATEWAY_PART_US 5000000U
 
+/* Who somebody is: the IPv6 address, or the mapped one of IPv4. */
+typedef struct {
+    uint8_t bytes[16];
+} gateway_address_t;
+
 typedef struct {
     int fd; /* -1: this place is free */
+    gateway_address_t address;
     bool has_asked;
     bool has_ended; /* it sends no more; what it has asked is answered */
     uint64_t asked_us; /* when it came, or the last whole frame did */
@@ -24,7 +30,7 @@ typedef struct {
     gateway_session_t session;
 } gateway_client_t;
 
-void gateway_client_open(gateway_client_t *client, int fd, uint64_t now_us);
+void gateway_client_open(gateway_client_t *client, int fd, const gateway_address_t *address, uint64_t now_us);
 
 /* Take what has come, answer, send what goes. False: it is to be closed. */
 bool gateway_client_step(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies,

@@ -63,12 +63,27 @@ void gateway_listener_name(int listener, char *name, size_t size)
     (void)snprintf(name, size, (address.ss_family == AF_INET6) ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-int gateway_accept(int listener)
+static gateway_address_t address_of(const struct sockaddr_storage *from)
+{
+    gateway_address_t address = {.bytes = {[10] = 0xFF, [11] = 0xFF}};
+    if (from->ss_family == AF_INET6) {
+        memcpy(address.bytes, &((const struct sockaddr_in6 *)from)->sin6_addr, sizeof address.bytes);
+    } else {
+        memcpy(&address.bytes[12], &((const struct sockaddr_in *)from)->sin_addr, 4);
+    }
+    return address;
+}
+
+int gateway_accept(int listener, gateway_address_t *address, bool *is_short)
 {
     const int on = 1;
-    const int fd = accept4(listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    struct sockaddr_storage from;
+    socklen_t length = sizeof from;
+    const int fd = accept4(listener, (struct sockaddr *)&from, &length, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    *is_short = fd < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
     if (fd >= 0) {
         (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+        *address = address_of(&from);
     }
     return fd;
 }

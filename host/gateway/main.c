@@ -21,9 +21,9 @@ int main(int count, char *arguments[])
     if (!gateway_options_read(&options, count, arguments)) {
         return GATEWAY_EXIT_USAGE;
     }
-    if (options.help) {
-        return (fputs(gateway_options_help, stdout) >= 0 && fflush(stdout) == 0) ? GATEWAY_EXIT_TOLD
-                                                                                 : GATEWAY_EXIT_FAULT;
+    if (options.asks != BENCH_ASKS_WORK) {
+        return bench_tell("tumble-gateway", options.asks, gateway_options_help) ? GATEWAY_EXIT_TOLD
+                                                                                : GATEWAY_EXIT_FAULT;
     }
     const can_socket_status_t status = port_linux_open(&bus, &port, options.can);
     if (status != CAN_SOCKET_OK) {

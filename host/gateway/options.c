@@ -27,6 +27,7 @@ const char gateway_options_help[] =
     "  --allow-commands          a session may command the node once it is unlocked\n"
     "  --unlock S                it locks itself so long after its last write\n"
     "                            (default 60)\n"
+    "  --version                 print the version\n"
     "  -h, --help                print this\n"
     "\n"
     "Exit codes: 0 told to end; 2 bad usage, or no such interface; 3 it cannot\n"
@@ -44,6 +45,7 @@ static const struct option OPTIONS[] = {
     {"node", required_argument, NULL, NODE},     {"poll", required_argument, NULL, POLL},
     {"idle", required_argument, NULL, IDLE},     {"allow-commands", no_argument, NULL, ALLOW},
     {"unlock", required_argument, NULL, UNLOCK}, {"help", no_argument, NULL, BENCH_HELP},
+    {"version", no_argument, NULL, BENCH_VERSION},
     {0},
 };
 
@@ -149,10 +151,10 @@ bool gateway_options_read(gateway_options_t *options, int count, char *arguments
     *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
                                                 .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->help)) {
+    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
         return false;
     }
-    if (options->help) {
+    if (options->asks != BENCH_ASKS_WORK) {
         return true;
     }
     if (optind != count) {

@@ -2,6 +2,7 @@
 #ifndef TUMBLE_GATEWAY_OPTIONS_H
 #define TUMBLE_GATEWAY_OPTIONS_H
 
+#include "bench/wrong_option.h"
 #include "gateway.h"
 #include "serial.h"
 
@@ -18,7 +19,7 @@ typedef struct {
     char port[GATEWAY_PORT_BYTES];
     bool has_serial;
     gateway_serial_settings_t serial;
-    bool help;
+    bench_asks_t asks;
 } gateway_options_t;
 
 extern const char gateway_options_help[];

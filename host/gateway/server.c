@@ -5,6 +5,7 @@
 #include "client.h"
 #include "listener.h"
 #include "notify.h"
+#include "places.h"
 #include "signals.h"
 
 #include <errno.h>
@@ -19,6 +20,10 @@
 #define NAME_BYTES 192
 #define MAX_ACCEPTED 8 /* at one time */
 
+/* Clients that cannot be accepted leave the listener readable: it rests, or the loop would turn without end. */
+#define REST_US 500000U
+#define WELL_US 60000000U /* it is told again after such a time without */
+
 /* What is ready, as epoll's data; clients from CLIENTS on. */
 enum { SIGNALS = 0, LISTENER, BUS, SERIAL, CLIENTS };
 
@@ -29,6 +34,9 @@ typedef struct {
     int epoll;
     int signals;
     int listener; /* -1: none */
+    bool rests;   /* the listener is not watched until `rests_until_us`, or until a client has gone */
+    uint64_t rests_until_us;
+    uint64_t told_until_us; /* why it rests is known to whoever reads standard error */
     bool has_serial;
     bool has_ended;
     bool line_hung_up;
@@ -55,6 +63,7 @@ static void close_client(server_t *server, uint32_t place)
 {
     gateway_client_close(&server->clients[place], &server->gateway);
     server->gateway.clients--;
+    server->rests_until_us = 0;
 }
 
 static void step_client(server_t *server, uint32_t place)
@@ -74,28 +83,69 @@ static void step_client(server_t *server, uint32_t place)
     }
 }
 
-static void admit(server_t *server, int fd)
+/* When all places are taken, hear everybody first: a request or an end may have come that no event has told of yet. */
+static uint32_t make_place(server_t *server, const gateway_address_t *address)
 {
-    uint32_t place = 0;
-    while (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
-        place++;
+    for (uint32_t place = 0; server->gateway.clients == GATEWAY_MAX_CLIENTS && place < GATEWAY_MAX_CLIENTS; place++) {
+        step_client(server, place);
     }
+    const uint32_t place = gateway_place_for(server->clients, address, clock_us(server));
+    if (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
+        gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_DISPLACED);
+        close_client(server, place);
+    }
+    return place;
+}
+
+static void admit(server_t *server, int fd, const gateway_address_t *address)
+{
+    const uint32_t place = make_place(server, address);
     if (place == GATEWAY_MAX_CLIENTS || !watch(server, EPOLL_CTL_ADD, fd, CLIENTS + place, EPOLLIN)) {
         gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_REFUSED);
         (void)close(fd);
         return;
     }
     gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS);
-    gateway_client_open(&server->clients[place], fd, clock_us(server));
+    gateway_client_open(&server->clients[place], fd, address, clock_us(server));
     server->watched[place] = EPOLLIN;
     server->gateway.clients++;
+}
+
+static void watch_listener(server_t *server, bool rests)
+{
+    server->rests = rests;
+    (void)watch(server, EPOLL_CTL_MOD, server->listener, LISTENER, rests ? 0U : (uint32_t)EPOLLIN);
+}
+
+static void rest(server_t *server, const char *what)
+{
+    const uint64_t now_us = clock_us(server);
+    gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_PUT_OFF);
+    if (now_us >= server->told_until_us) {
+        (void)fprintf(stderr, "tumble-gateway: no connection can be accepted: %s; tried again until one can\n", what);
+    }
+    server->told_until_us = now_us + WELL_US;
+    server->rests_until_us = now_us + REST_US;
+    watch_listener(server, true);
 }
 
 static void admit_all(server_t *server)
 {
     int fd;
-    for (int i = 0; i < MAX_ACCEPTED && (fd = gateway_accept(server->listener)) >= 0; i++) {
-        admit(server, fd);
+    bool is_short = false;
+    gateway_address_t address;
+    for (int i = 0; i < MAX_ACCEPTED && (fd = gateway_accept(server->listener, &address, &is_short)) >= 0; i++) {
+        admit(server, fd, &address);
+    }
+    if (is_short) {
+        rest(server, strerror(errno));
+    }
+}
+
+static void end_rest(server_t *server)
+{
+    if (server->rests && clock_us(server) >= server->rests_until_us) {
+        watch_listener(server, false);
     }
 }
 
@@ -155,6 +205,7 @@ static uint64_t next_us(const server_t *server)
     uint64_t next = gateway_poller_next_us(&server->gateway.poller);
     const uint64_t line_us = server->has_serial ? gateway_serial_next_us(&server->serial) : TUMBLE_NEVER;
     next = (line_us < next) ? line_us : next;
+    next = (server->rests && server->rests_until_us < next) ? server->rests_until_us : next;
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
         if (server->clients[place].fd >= 0) {
             const uint64_t at = gateway_client_deadline_us(&server->clients[place], &server->gateway.settings);
@@ -179,6 +230,7 @@ static void serve(server_t *server)
         gateway_poller_step(&server->gateway.poller);
         step_serial(server);
         close_idle(server);
+        end_rest(server);
         const int count = epoll_wait(server->epoll, ready, MAX_READY, wait_ms(server));
         for (int i = 0; i < count; i++) {
             take(server, &ready[i]);

@@ -36,6 +36,7 @@ static const char HELP[] =
     "                   says of its stand and block\n"
     "  --gain-record F  the gains of procedure.estimator = optimal\n"
     "                   (inputs/gains.bin of a run folder)\n"
+    "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input, 3 the run does\n"
@@ -48,7 +49,7 @@ typedef struct {
     const char *recording;
     const char *commissioning;
     const char *gain_record;
-    bool help;
+    bench_asks_t asks;
 } options_t;
 
 typedef struct {
@@ -101,10 +102,11 @@ static bool read_options(options_t *options, int count, char *arguments[])
                                           {"commissioning", required_argument, NULL, COMMISSIONING},
                                           {"gain-record", required_argument, NULL, GAINS},
                                           {"help", no_argument, NULL, BENCH_HELP},
+                                          {"version", no_argument, NULL, BENCH_VERSION},
                                           {0}};
     *options = (options_t){0};
-    return bench_read_options("tumble-replay", count, arguments, KNOWN, take, options, &options->help) &&
-           (options->help || read_operands(options, count - optind, arguments + optind));
+    return bench_read_options("tumble-replay", count, arguments, KNOWN, take, options, &options->asks) &&
+           (options->asks != BENCH_ASKS_WORK || read_operands(options, count - optind, arguments + optind));
 }
 
 static bool read_log(bus_log_t *log, const char *path)
@@ -256,9 +258,8 @@ int main(int count, char *arguments[])
     if (!read_options(&options, count, arguments)) {
         return BENCH_EXIT_USAGE;
     }
-    if (options.help) {
-        (void)fputs(HELP, stdout);
-        return BENCH_EXIT_PASS;
+    if (options.asks != BENCH_ASKS_WORK) {
+        return bench_tell("tumble-replay", options.asks, HELP) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
     if (!bench_config_prepare(&config, options.scenario, options.gain_record, "tumble-replay")) {
         return BENCH_EXIT_USAGE;

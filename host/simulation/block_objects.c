@@ -22,7 +22,7 @@ typedef struct {
 static const constants_t constants = {
     .value_1008_0 = "Tumble accelerometer block",
     .value_1009_0 = "simulated",
-    .value_100a_0 = "0.1.0",
+    .value_100a_0 = "0.2.0",
     .value_1018_2 = 1413611523,
     .value_1018_3 = 65536,
 };

@@ -39,6 +39,9 @@ static tumble_abort_t check_write(void *context, const tumble_entry_t *entry, co
 {
     const sim_drive_t *const drive = context;
     (void)size;
+    if (entry->index == TUMBLE_402_SOFTWARE_LIMIT && !drive->config->software_limits) {
+        return TUMBLE_ABORT_NO_OBJECT;
+    }
     if (entry->index != TUMBLE_402_MODE) {
         return TUMBLE_ABORT_NONE;
     }
@@ -146,6 +149,7 @@ static void wake_up(sim_drive_t *drive)
     drive->acknowledged = false;
     drive->buffered = false;
     drive->halted = false;
+    drive->limited = false;
     drive->reached = true;
     drive->homing = SIM_HOMING_NONE;
     drive->zero_deg = here;

@@ -7,7 +7,8 @@
  *   - a change of mode is refused while Halt is set;
  *   - silence of the master (1016h), or leaving the NMT state Operational, stops the axis and is a fault;
  *   - when it is told to switch its voltage off while the axis moves, the axis coasts;
- *   - units, sign and counts per turn are its own; positions may wrap.
+ *   - units, sign and counts per turn are its own; positions may wrap;
+ *   - it keeps to software position limits (607Dh) once it is homed, if it has them.
  *
  * drive.c is the node, drive_power.c the states, drive_motion.c the two modes, drive_fault.c what can go wrong.
  * Object values live in drive_objects.h, which is generated from the same table as the EDS file.
@@ -63,6 +64,7 @@ typedef struct {
     bool acknowledged; /* bit 12: a set-point was taken, bit 4 has not fallen since, or the buffer is full */
     bool buffered;     /* one more set-point waits */
     bool halted;
+    bool limited;      /* the target was beyond the software limits (607Dh) and has been cut to them */
     bool reached;        /* the last target, to the end of the window time */
     double target_deg;   /* of the motion under way, in degrees of the table */
     int32_t next_target; /* of the buffered set-point */

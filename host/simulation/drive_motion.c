@@ -134,9 +134,22 @@ static void go_to_target(sim_drive_t *drive)
     set_out(drive, end_deg, &dynamics);
 }
 
+/* 607Dh: once it is homed, and where positions do not wrap. */
+static int32_t within_limits(const sim_drive_t *drive, int32_t target)
+{
+    const int32_t low = drive->objects.software_position_limit_min_position_limit;
+    const int32_t high = drive->objects.software_position_limit_max_position_limit;
+    if (drive->homing != SIM_HOMING_ATTAINED || drive->config->wrap_counts != 0U || low >= high) {
+        return target;
+    }
+    return (target < low) ? low : (target > high) ? high : target;
+}
+
 static void start_set_point(sim_drive_t *drive, int32_t target, bool relative)
 {
-    drive->last_target = relative ? (int32_t)((uint32_t)drive->last_target + (uint32_t)target) : target;
+    const int32_t wanted = relative ? (int32_t)((uint32_t)drive->last_target + (uint32_t)target) : target;
+    drive->last_target = within_limits(drive, wanted);
+    drive->limited = drive->last_target != wanted;
     drive->target_deg = target_degrees(drive, drive->last_target);
     if (!drive->halted) {
         go_to_target(drive);

@@ -38,7 +38,7 @@ static const constants_t constants = {
     .value_1000_0 = 131474,
     .value_1008_0 = "Tumble turntable drive",
     .value_1009_0 = "simulated",
-    .value_100a_0 = "0.1.0",
+    .value_100a_0 = "0.2.0",
     .value_1018_2 = 1413611522,
     .value_1018_3 = 65536,
 };
@@ -161,6 +161,11 @@ static const tumble_entry_t entries[] = {
     /* Home offset */
     {0x607CU, 0U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, home_offset), 0U, 0U},
+    /* Software position limit */
+    {0x607DU, 1U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+     TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_min_position_limit), 0U, 0U},
+    {0x607DU, 2U, TUMBLE_TYPE_INTEGER32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
+     TUMBLE_HOME_VARIABLES, 4U, 0U, offsetof(tumble_drive_objects_t, software_position_limit_max_position_limit), 0U, 0U},
     /* Profile velocity */
     {0x6081U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE,
      TUMBLE_HOME_VARIABLES, 4U, 4U, offsetof(tumble_drive_objects_t, profile_velocity), 0U, 0U},

@@ -28,6 +28,7 @@
 #define TUMBLE_DRIVE_INDEX_VELOCITY_ACTUAL_VALUE 0x606CU
 #define TUMBLE_DRIVE_INDEX_TARGET_POSITION 0x607AU
 #define TUMBLE_DRIVE_INDEX_HOME_OFFSET 0x607CU
+#define TUMBLE_DRIVE_INDEX_SOFTWARE_POSITION_LIMIT 0x607DU
 #define TUMBLE_DRIVE_INDEX_PROFILE_VELOCITY 0x6081U
 #define TUMBLE_DRIVE_INDEX_PROFILE_ACCELERATION 0x6083U
 #define TUMBLE_DRIVE_INDEX_PROFILE_DECELERATION 0x6084U
@@ -46,6 +47,8 @@ typedef struct {
     int32_t velocity_actual_value; /* 606Ch:0, counts/s */
     int32_t target_position; /* 607Ah:0, counts */
     int32_t home_offset; /* 607Ch:0, counts */
+    int32_t software_position_limit_min_position_limit; /* 607Dh:1, counts */
+    int32_t software_position_limit_max_position_limit; /* 607Dh:2, counts */
     uint32_t profile_velocity; /* 6081h:0, counts/s */
     uint32_t profile_acceleration; /* 6083h:0, counts/s^2 */
     uint32_t profile_deceleration; /* 6084h:0, counts/s^2 */

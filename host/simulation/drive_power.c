@@ -103,6 +103,7 @@ static uint16_t homing_status(const sim_drive_t *drive)
 uint16_t sim_drive_status(const sim_drive_t *drive)
 {
     uint16_t status = sim_power_status(drive->power) | TUMBLE_402_STATUS_REMOTE;
+    status |= drive->limited ? TUMBLE_402_STATUS_LIMIT_ACTIVE : 0U;
     if (drive->mode == TUMBLE_402_MODE_PROFILE_POSITION) {
         status |= profile_position_status(drive);
     } else if (drive->mode == TUMBLE_402_MODE_HOMING) {

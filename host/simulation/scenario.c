@@ -32,6 +32,7 @@ static void default_drive(sim_drive_config_t *drive)
         .power_on_deg = 30.0,
         .reaction_us = 1000,
         .report_us = 20000,
+        .software_limits = true,
         .latches_stale_target = true,
     };
 }

@@ -55,6 +55,7 @@ typedef struct {
     double power_on_deg;       /* it wakes up at most this far from the home mark, either way */
     uint32_t reaction_us;      /* from a command to the statusword that shows it */
     uint32_t report_us;        /* its control cycle while it moves */
+    bool software_limits;      /* it has 607Dh */
     bool latches_stale_target; /* at the rising edge of bit 4 it takes the target it had before that frame */
 } sim_drive_config_t;
 

@@ -107,9 +107,9 @@ class Gateway:
         if boot:
             self.tell("boot")
 
-    def connect(self):
-        """A raw client."""
-        return Raw(self.port)
+    def connect(self, source=None):
+        """A raw client, of that address if one is given."""
+        return Raw(self.port, source=source)
 
     def end(self, number=signal.SIGTERM):
         """(exit code, standard error) after a signal."""
@@ -130,8 +130,9 @@ class Gateway:
 class Raw:
     """A TCP client that sends whatever it is told to."""
 
-    def __init__(self, port, timeout=5.0):
-        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
+    def __init__(self, port, timeout=5.0, source=None):
+        own = (source, 0) if source else None
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout, source_address=own)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.transaction = 0
 

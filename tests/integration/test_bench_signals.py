@@ -206,3 +206,44 @@ def test_a_command_ends_by_its_signal_from_a_shell(tmp_path):
     script = f"{solve} & exec 3>run.csv; kill -TERM $!; exec 3>&-; wait $!"
     done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (143, "", "tumble: interrupted\n")
+
+
+@pytest.mark.parametrize("moment", ["exists", "mkdir", "rmtree"])
+@pytest.mark.parametrize("there", [True, False])
+def test_an_interrupt_leaves_the_stage_of_another_run_alone(moment, there, tmp_path):
+    """Whether it comes before the folder is made, while it is, or while it is removed. `there`: another run's is."""
+    program = f"""
+import os, shutil, signal
+from pathlib import Path
+from tumble import interruption
+from tumble.bench.folder import RunFolder
+from tumble.errors import BadInput
+interruption.watch()
+where = shutil if {moment!r} == "rmtree" else Path
+real = getattr(where, {moment!r})
+def interrupted(*arguments, **keys):
+    os.kill(os.getpid(), signal.SIGINT)
+    return real(*arguments, **keys)
+folder = RunFolder("runs/one", may_make_parent=True)
+setattr(where, {moment!r}, interrupted)
+try:
+    with folder:
+        print("made", flush=True)
+except KeyboardInterrupt:
+    print("interrupted")
+except BadInput as error:
+    print(error)
+"""
+    other = tmp_path / "runs/.one.part"
+    if there:
+        other.mkdir(parents=True)
+        (other / "run.csv").write_text("another's")
+    done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=20)
+    assert done.stderr == "" and done.returncode == 0
+    if there:
+        assert (other / "run.csv").read_text() == "another's"
+        refused = f"runs/one: {other} is there, of a run that goes on or was killed\n"
+        assert done.stdout == (refused if moment == "rmtree" else "interrupted\n")
+    else:
+        assert done.stdout == ("made\n" if moment == "rmtree" else "") + "interrupted\n"
+        assert os.listdir(tmp_path) == []

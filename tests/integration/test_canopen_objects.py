@@ -17,8 +17,9 @@ PRODUCTS = (
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
+    "firmware/core/version.h", "host/python/src/tumble/_version.py",
 )  # fmt: skip
-LISTS = ("firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/store/commit_rules.h")
+LISTS = ("VERSION", "firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/store/commit_rules.h")
 
 
 def generate(*arguments):

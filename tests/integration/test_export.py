@@ -64,7 +64,7 @@ def compiled(tmp_path, header):
     (tmp_path / "coefficients.h").write_text(header)
     (tmp_path / "main.c").write_text(PROGRAM)
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+    flags = ["-std=c11", "-trigraphs", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
     subprocess.run(["cc", *flags, "main.c", "-o", "main"], cwd=tmp_path, check=True, env=environment)
     subprocess.run(["cc", *flags, "-fsyntax-only", "coefficients.h"], cwd=tmp_path, check=True, env=environment)
     printed = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout
@@ -97,6 +97,28 @@ def test_c_header_says_where_it_comes_from(solved, tumble, tmp_path):
     for line in (" * Block: SN 7", " * Run file: paper_stand.csv", " * environment.temperature_c: 21.5"):
         assert line in done.stdout.splitlines()
     assert len(compiled(tmp_path, done.stdout)) == 25
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@pytest.mark.parametrize("end", ["??/", "???/", "?" * 8 + "/", "\\\\", "*??/", "/*"])
+def test_what_a_label_ends_with_leaves_its_line_alone(end, solved, tumble, tmp_path):
+    """A trigraph at the end of a line would join it with the next one, which a compiler says even of a comment."""
+    text = (EXAMPLES / "paper_stand.toml").read_text()
+    (tmp_path / "stand.toml").write_text(f'{text}[item]\nnote = "ends in {end}"\n', encoding="utf-8")
+    file, _ = solved("paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    header = tumble("export", file, "--format", "c").stdout
+    [line] = [line for line in header.splitlines() if "item.note: ends in " in line]
+    assert len(compiled(tmp_path, header)) == 25
+    assert "??" not in line
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_the_compiler_finds_a_trigraph(solved, tumble, tmp_path):
+    """The canary of the test above."""
+    file, _ = solved("paper_stand.csv")
+    header = tumble("export", file, "--format", "c").stdout.replace(" * Run file: paper_stand.csv", " * Run file: ??/")
+    with pytest.raises(subprocess.CalledProcessError):
+        compiled(tmp_path, header)
 
 
 def test_a_result_to_beware_of_is_exported_with_a_warning(solved, tumble):

@@ -24,6 +24,19 @@ def test_an_unfinished_request_is_not_waited_for_forever(abused):
     abused.abuse, abused.came_back = "a request begun and not ended", "closed after 5 s"
 
 
+@pytest.mark.parametrize("asked_before", [False, True])
+def test_bytes_that_trickle_in_do_not_prolong_a_request(start, asked_before):
+    """The 5 s are those since its first byte, however many come in between."""
+    client = start().connect()
+    assert not asked_before or client.ask(GOOD) == GOOD_ANSWER
+    began = time.monotonic()
+    for byte in frame(GOOD)[:-1]:
+        client.send(bytes((byte,)))
+        if client.receive(timeout=1.0) == b"":
+            break
+    assert 4.5 < time.monotonic() - began < 6.0
+
+
 def test_a_slow_writer(abused):
     client = abused.connect()
     for _ in range(3):
@@ -150,24 +163,25 @@ def test_fifty_connections(abused):
     assert counter(abused, "Clients") == 2
     wait_until(lambda: counter(abused, "Clients") == 2)
     for _ in abused.bystander.again():
-        before, refused = counter(abused, "Connections"), counter(abused, "Connections refused")
+        before = [counter(abused, f"Connections{what}") for what in ("", " refused", " displaced")]
         clients = [abused.connect() for _ in range(50)]
         answers = []
-        for client in clients:
+        for client in reversed(clients):
             try:
                 answers.append(client.ask(GOOD))
             except OSError:
                 answers.append(b"")
         assert answers == (MOST_CLIENTS - 1) * [GOOD_ANSWER] + (50 - MOST_CLIENTS + 1) * [b""]
-        first = clients[0]
-        assert first.number("Clients") == MOST_CLIENTS
-        assert first.number("Connections refused") - refused == 50 - MOST_CLIENTS + 1
-        assert first.number("Connections") - before >= MOST_CLIENTS - 1
+        last = clients[-1]
+        assert last.number("Clients") == MOST_CLIENTS
+        after = [last.number(f"Connections{what}") for what in ("", " refused", " displaced")]
+        assert [b - a for a, b in zip(before[1:], after[1:])] == [0, 50 - MOST_CLIENTS + 1]
+        assert after[0] - before[0] >= 50
         for client in clients:
             client.close()
         wait_until(lambda: counter(abused, "Clients") == 2)
     abused.abuse = "50 connections at a time"
-    abused.came_back = f"{MOST_CLIENTS} in all are served, the others closed at once"
+    abused.came_back = f"{MOST_CLIENTS} in all are served: the last to come, and who has asked"
 
 
 def test_connections_that_come_and_go(abused):

@@ -1,15 +1,30 @@
-"""The package's own statements agree with each other."""
+"""The package's own statements agree with each other; what is handed on has its licence and its version."""
 
+import email
+import hashlib
+import importlib.util
+import os
 import re
 import subprocess
 import sys
+import tarfile
+import zipfile
 
+import pytest
 from conftest import ROOT
 
 from tumble import __version__, core
+from tumble.bench import programs
 from tumble.commands.options import LINEAR_ESTIMATORS
+from tumble.errors import BenchFault
 
 PYTHON = ROOT / "host/python"
+LICENCES = ("LICENSE", "NOTICE")
+APACHE = "cfc7749b96f63bd31c3c42b5c471bf756814053e847c10f3eb003417bc523d30"  # SHA-256 of the text as published
+PROGRAMS = {
+    "tumble-node": "boards/linux", "tumble-stand": "boards/linux", "tumble-bench": "host/bench",
+    "tumble-replay": "host/replay", "tumble-gateway": "host/gateway",
+}  # fmt: skip
 
 
 def section(text, name):
@@ -77,3 +92,93 @@ def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stderr == "[]\n"
+
+
+def test_the_licence_is_the_published_text():
+    assert hashlib.sha256((ROOT / "LICENSE").read_bytes()).hexdigest() == APACHE
+    for name in LICENCES:  # copies: a package cannot name files outside its folder
+        assert (PYTHON / name).read_bytes() == (ROOT / name).read_bytes()
+
+
+def test_one_version(tumble):
+    """The file VERSION, and what CMake, C, the object dictionaries and Python make of it."""
+    version = (ROOT / "VERSION").read_text().strip()
+    assert __version__ == version and tumble("--version").stdout == f"tumble {version}\n"
+    assert f'#define TUMBLE_VERSION "{version}"' in (ROOT / "firmware/core/version.h").read_text()
+    for name in ("navcomp", "drive", "block"):
+        assert re.search(r"^ParameterName=Manufacturer software version\n(?:.*\n)*?DefaultValue=(.*)$",
+                         (ROOT / f"docs/eds/tumble_{name}.eds").read_text(), re.MULTILINE)[1] == version
+    for cache in ROOT.glob("build/host/CMakeCache.txt"):
+        assert f"CMAKE_PROJECT_VERSION:STATIC={version}\n" in cache.read_text()
+    assert f"\n## [{version}]" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"Version {version}" in (ROOT / "README.md").read_text()
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_every_program_says_its_version(name):
+    try:
+        path = programs.find(name, PROGRAMS[name])
+    except BenchFault:
+        pytest.skip(f"{name} is not built")
+    done = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{name} {__version__}\n", "")
+    with open("/dev/full", "w", encoding="ascii") as full:
+        assert subprocess.run([path, "--version"], stdout=full, timeout=20).returncode in (2, 3)
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory):
+    """Source package and wheel, built as by `pip wheel` and unpacked: {kind: folder}."""
+    if importlib.util.find_spec("scikit_build_core") is None:
+        pytest.skip("scikit-build-core is not installed")
+    folder = tmp_path_factory.mktemp("packages")
+    build = f"import scikit_build_core.build as b; b.build_sdist({str(folder)!r}); b.build_wheel({str(folder)!r})"
+    environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
+    done = subprocess.run([sys.executable, "-c", build], cwd=PYTHON, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with tarfile.open(next(folder.glob("*.tar.gz"))) as archive:
+        archive.extractall(folder / "sdist")
+    with zipfile.ZipFile(next(folder.glob("*.whl"))) as archive:
+        archive.extractall(folder / "wheel")
+    return {"sdist": folder / f"sdist/tumble-{__version__}", "wheel": folder / "wheel"}
+
+
+METADATA = {"sdist": ("PKG-INFO", "."), "wheel": (f"tumble-{__version__}.dist-info/METADATA", "licenses")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", METADATA)
+def test_every_package_has_licence_and_version(packages, kind):
+    file, licences = METADATA[kind]
+    path = packages[kind] / file
+    metadata = email.message_from_string(path.read_text(encoding="utf-8"))
+    assert (metadata["Version"], metadata["License-Expression"]) == (__version__, "Apache-2.0")
+    assert metadata.get_all("License-File") == list(LICENCES)
+    for name in LICENCES:
+        assert (path.parent / licences / name).read_bytes() == (ROOT / name).read_bytes()
+
+
+def has_libmodbus(binary):
+    """Does it link libmodbus, or hold it? Its functions' names and messages are in whatever does."""
+    return b"libmodbus" in binary or b"modbus_" in binary
+
+
+@pytest.mark.slow
+def test_no_wheel_has_libmodbus(packages):
+    """It is LGPL. The gateway, which links it, is in no wheel; the canary of the check is the gateway itself."""
+    files = [path for path in packages["wheel"].rglob("*") if path.is_file()]
+    binaries = [path for path in files if path.read_bytes().startswith(b"\x7fELF")]
+    assert sorted(path.name for path in binaries) == ["_tumble_core.abi3.so", "tumble-bench"]
+    assert not any(has_libmodbus(path.read_bytes()) for path in binaries)
+    assert not any("modbus" in path.name for path in files)
+
+
+def test_the_gateway_links_libmodbus_dynamically():
+    """Not its archive: whoever uses the gateway can exchange the library, as the LGPL wants."""
+    try:
+        path = programs.find("tumble-gateway", "host/gateway")
+    except BenchFault:
+        pytest.skip("tumble-gateway is not built")
+    done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
+    assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
+    assert has_libmodbus(open(path, "rb").read())

@@ -196,6 +196,23 @@ static void test_a_wrong_mounting_is_mounted_anew(void)
     TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
 }
 
+static void test_hands_mount_and_mend_at_once_and_say_nothing(void)
+{
+    start(STAND_OPERATOR_HANDS);
+    tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
+    run_s(0.002);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
+    run_s(5.0);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 10);
+    run_s(0.002);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
+    run_s(10.0);
+    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+}
+
 static void test_who_is_to_do_nothing_does_nothing(void)
 {
     start(STAND_OPERATOR_NONE);
@@ -301,6 +318,7 @@ int main(void)
     RUN_TEST(test_what_is_not_for_him_is_ignored);
     RUN_TEST(test_a_fault_is_mended_as_often_as_he_is_let);
     RUN_TEST(test_a_wrong_mounting_is_mounted_anew);
+    RUN_TEST(test_hands_mount_and_mend_at_once_and_say_nothing);
     RUN_TEST(test_who_is_to_do_nothing_does_nothing);
     RUN_TEST(test_a_person_is_waited_for_and_does_it);
     RUN_TEST(test_an_answer_that_is_there_before_its_question);

@@ -240,3 +240,38 @@ def test_a_wait_until_that_is_never_true_fails():
     """The tests' own patience."""
     with pytest.raises(AssertionError, match="not in time"):
         wait_until(lambda: False, timeout=0.1)
+
+
+@pytest.mark.parametrize("ended_by", ["signal", "command"])
+def test_a_served_node_tells_the_cause(turning, bus, ended_by):
+    """At the fault, on standard error; and in the document, though what ended the run was the abort."""
+    node, stand = turning(serve=True, fault="drive_fault at=1.3 phase=move duration=9 value=0x7500")
+    node.wait_for("FAULT")
+    if ended_by == "command":
+        sdo_command(bus, 2)
+        node.wait_for("ABORT")
+        node.signal()
+    else:
+        node.signal()
+    code, document = node.wait()
+    ends = {"command": (0, "COMMAND", "TUMBLE_STATE_ABORT"), "signal": (130, "DRIVE_FAULT", "TUMBLE_STATE_FAULT")}
+    assert (code, reason_of(document), document["state"]) == ends[ended_by]
+    assert document["cause"] == {
+        "failed_in": "TUMBLE_STATE_MOVE", "reason": "TUMBLE_REASON_DRIVE_FAULT", "reason_number": 7,
+        "reason_sentence": "the drive reported a fault", "drive_code": 0x7500}
+    told = [line for line in node.errors.splitlines() if ": fault " in line]
+    assert told == ["tumble-node: fault at position 1.3 (TUMBLE_REASON_DRIVE_FAULT in TUMBLE_STATE_MOVE): "
+                    "the drive reported a fault; waits for RESUME or ABORT"]
+    stand.end()
+
+
+def test_a_fault_that_was_mended_is_no_cause(turning, bus):
+    node, stand = turning(serve=True, fault="drive_fault at=1.3 phase=move duration=0.1 value=0x7500")
+    node.wait_for("FAULT")
+    time.sleep(0.3)
+    sdo_command(bus, 7)
+    node.wait_for("AVERAGE", 2)
+    node.signal()
+    code, document = node.wait()
+    assert (code, reason_of(document), document["cause"]) == (130, "COMMAND", None)
+    stand.end()

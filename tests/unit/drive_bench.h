@@ -161,9 +161,15 @@ static inline void start_move(const tumble_drive_profile_t *profile)
     TEST_ASSERT_TRUE(played.moving);
 }
 
+/* As soon as the axis has been seen at rest, or nothing is left to be tried. */
 static inline void clear_fault(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.clear_fault(bench.stand.self));
+    tumble_status_t status = bench.stand.clear_fault(bench.stand.self);
+    for (unsigned ms = 0; (status == TUMBLE_E_STAND_STATE) && (ms < 3000U); ms++) {
+        run_ms(1);
+        status = bench.stand.clear_fault(bench.stand.self);
+    }
+    ASSERT_STATUS(TUMBLE_OK, status);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
     TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
 }

@@ -52,6 +52,9 @@ typedef struct {
     int32_t actual;
     bool powered_up;  /* sends heartbeats, answers */
     bool operational;
+    bool stopped;     /* in the NMT state of that name */
+    int32_t limits[2]; /* 607Dh */
+    bool keeps_no_limits;       /* takes 607Dh and forgets it */
     bool moving;
     bool homing;
     unsigned homing_ms;
@@ -83,6 +86,12 @@ typedef struct {
     unsigned brakes_for_ms;     /* in quick stop active or under Halt */
     bool hides_standstill;      /* no bit 10 after a stop */
     bool ignores_stop;
+    bool ignores_nmt;           /* goes on when it is taken out of operation */
+    unsigned watches_ms;        /* stops when the master is silent for so long; 0: never */
+    unsigned heard_ms;          /* when it heard the master last */
+    unsigned silent_ms;         /* the longest that the master has been silent */
+    unsigned nmt_stops;         /* commands to it */
+    int32_t homing_turns;       /* counts per ms while it homes */
     int32_t home;               /* where homing ends */
     bool event_only;            /* transmit PDOs on change only */
 } played_drive_t;
@@ -189,6 +198,7 @@ static inline void played_home(void)
 {
     played_drive_t *d = &played;
     d->homing_ms++;
+    d->actual += d->homing_turns;
     if (d->homing_never_ends || (d->homing_ms < 30U)) {
         return;
     }

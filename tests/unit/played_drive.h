@@ -69,6 +69,8 @@ static inline void played_boot(void)
     played_drive_t *d = &played;
     d->powered_up = true;
     d->operational = false;
+    d->stopped = false;
+    d->heard_ms = clock_ms;
     d->state = IS_DISABLED;
     d->bits = 0;
     d->mode = 0;
@@ -123,6 +125,13 @@ static inline void played_write(const sdo_write_t *write)
         TEST_ASSERT_TRUE_MESSAGE(in_order, "PDO written in a wrong order");
     } else if (write->index == 0x1017U) {
         d->mute = d->mute && d->stays_mute;
+    } else if (write->index == 0x6040U) {
+        const uint16_t before = d->control;
+        d->control = (uint16_t)write->value;
+        played_power(before);
+        played_transmit();
+    } else if (write->index == 0x607DU) {
+        d->limits[write->subindex - 1U] = d->keeps_no_limits ? 0 : (int32_t)write->value;
     } else if (write->index == 0x6060U) {
         TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, write->subindex, "6060h has no subindices");
         TEST_ASSERT_FALSE_MESSAGE((d->control & 0x0100U) != 0U, "mode changed while Halt is set");
@@ -154,9 +163,9 @@ static inline void played_sdo(const tumble_can_frame_t *frame)
         played_send(0x580U + DRIVE_NODE, 8, answer);
         played_write(&write);
     } else {
-        TEST_ASSERT_EQUAL_UINT8_MESSAGE(0, r[3], "what is read has no subindices");
-        const uint32_t value = played_value((uint32_t)index << 16);
-        const unsigned size = (index == 0x607AU) ? 4U : 1U;
+        TEST_ASSERT_TRUE_MESSAGE((r[3] == 0U) || (index == 0x607DU), "what is read has no subindices");
+        const uint32_t value = (index == 0x607DU) ? (uint32_t)played.limits[r[3] - 1U] : played_value((uint32_t)index << 16);
+        const unsigned size = ((index == 0x607AU) || (index == 0x607DU)) ? 4U : 1U;
         answer[0] = (uint8_t)(0x43U | ((4U - size) << 2U));
         for (unsigned byte = 0; byte < size; byte++) {
             answer[4U + byte] = (uint8_t)(value >> (8U * byte));
@@ -213,21 +222,36 @@ static inline void played_control(const tumble_can_frame_t *frame, const played_
     played_transmit();
 }
 
+static inline uint8_t played_nmt_state(void)
+{
+    return played.operational ? 5U : (played.stopped ? 4U : 127U);
+}
+
 static inline void played_receive(const tumble_can_frame_t *frame)
 {
     played_drive_t *d = &played;
     if (!d->powered_up) {
         return;
     }
+    if (frame->id == (0x700U + MASTER_NODE)) {
+        d->heard_ms = clock_ms;
+    }
     if (frame->id == 0U) {
         if ((frame->data[1] == DRIVE_NODE) || (frame->data[1] == 0U)) {
             d->operational = (frame->data[0] == 1U);
+            d->stopped = (frame->data[0] == 2U);
             d->nmt_starts += d->operational ? 1U : 0U;
-            played_heartbeat(d->operational ? 5 : 127);
+            d->nmt_stops += d->stopped ? 1U : 0U;
+            if (!d->operational && !d->ignores_nmt) {
+                played_stop(IS_FAULT);
+            }
+            played_heartbeat(played_nmt_state());
             played_transmit();
         }
     } else if (frame->id == (0x600U + DRIVE_NODE)) {
-        played_sdo(frame);
+        if (!d->stopped) {
+            played_sdo(frame);
+        }
     } else {
         for (unsigned n = 0; n < 4U; n++) {
             if (d->operational && (d->receive[n].cob_id == frame->id)) {
@@ -244,7 +268,12 @@ static inline void played_tick(void)
         return;
     }
     if (!d->mute && ((clock_ms % 100U) == 0U)) {
-        played_heartbeat(d->operational ? 5 : 127);
+        played_heartbeat(played_nmt_state());
+    }
+    const unsigned silent_ms = clock_ms - d->heard_ms;
+    d->silent_ms = (silent_ms > d->silent_ms) ? silent_ms : d->silent_ms;
+    if ((d->watches_ms != 0U) && (silent_ms > d->watches_ms)) {
+        played_stop(IS_FAULT);
     }
     if (d->moving) {
         played_move();

@@ -79,10 +79,7 @@ static void stand_faulty(bench_t *b)
 }
 
 #define STAND_FAULT(name, fault, code)                                                                                 \
-    static void name(bench_t *b)                                                                                       \
-    {                                                                                                                  \
-        bench_break_stand(b, fault, code);                                                                             \
-    }
+    static void name(bench_t *b) { bench_break_stand(b, fault, code); }
 
 STAND_FAULT(heartbeat_of_stand, TUMBLE_STAND_FAULT_HEARTBEAT, 0)
 STAND_FAULT(drive_fault, TUMBLE_STAND_FAULT_DRIVE, 0x3210)
@@ -92,6 +89,9 @@ STAND_FAULT(stall, TUMBLE_STAND_FAULT_STALL, 0x8611)
 STAND_FAULT(homing_error, TUMBLE_STAND_FAULT_HOMING, 0)
 STAND_FAULT(protocol_error, TUMBLE_STAND_FAULT_PROTOCOL, 0)
 STAND_FAULT(stand_timeout, TUMBLE_STAND_FAULT_TIMEOUT, 0)
+STAND_FAULT(stop_not_seen, TUMBLE_STAND_FAULT_STOP, 0)
+STAND_FAULT(position_lost, TUMBLE_STAND_FAULT_POSITION, 0)
+STAND_FAULT(foreign_command, TUMBLE_STAND_FAULT_FOREIGN, 0)
 
 static void move_refused(bench_t *b)
 {
@@ -298,14 +298,17 @@ static void bus_down(bench_t *b)
     tumble_procedure_set_bus_up(&b->procedure, false);
 }
 
-#define BEFORE(reason, failed, act)                                                                                    \
-    {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, act, NULL, TUMBLE_STATE_IDLE, 0, false}
-#define LATE_BEFORE(reason, failed, act)                                                                               \
-    {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, act, NULL, TUMBLE_STATE_IDLE, 0, true}
-#define DURING(reason, failed, act, index, state)                                                                      \
-    {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, NULL, act, TUMBLE_STATE_##state, index, false}
-#define LATE_DURING(reason, failed, act, index, state)                                                                 \
-    {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, NULL, act, TUMBLE_STATE_##state, index, true}
+static void unsupervised(bench_t *b)
+{
+    tumble_procedure_set_supervised(&b->procedure, false);
+}
+
+#define CASE(reason, failed, before, during, index, state, late)                                                       \
+    {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, before, during, TUMBLE_STATE_##state, index, late}
+#define BEFORE(reason, failed, act) CASE(reason, failed, act, NULL, 0, IDLE, false)
+#define LATE_BEFORE(reason, failed, act) CASE(reason, failed, act, NULL, 0, IDLE, true)
+#define DURING(reason, failed, act, index, state) CASE(reason, failed, NULL, act, index, state, false)
+#define LATE_DURING(reason, failed, act, index, state) CASE(reason, failed, NULL, act, index, state, true)
 
 static const fault_case_t fault_cases[] = {
     BEFORE(SCHEDULE, PREFLIGHT, invalid_schedule),
@@ -349,10 +352,12 @@ static const fault_case_t fault_cases[] = {
     DURING(DRIVE_FAULT, MOVE, drive_fault, 11, MOVE),
     DURING(DRIVE_FAULT, MOVE, stand_fault_beyond_the_list, 11, MOVE),
     DURING(DRIVE_POWER, MOVE, power_lost, 2, MOVE),
+    DURING(STOP_NOT_CONFIRMED, MOVE, stop_not_seen, 2, MOVE),
+    DURING(SLIP, MOVE, position_lost, 2, MOVE),
+    DURING(FOREIGN_COMMAND, MOVE, foreign_command, 2, MOVE),
     DURING(STAND_HEARTBEAT, MOVE, heartbeat_of_stand, 2, MOVE),
     DURING(BLOCK_HEARTBEAT, MOVE, block_dead, 2, MOVE),
     DURING(BUS, MOVE, bus_down, 2, MOVE),
-
     DURING(SLIP, SETTLE, encoder_leaves, 3, SETTLE),
     LATE_DURING(TARGET_NOT_REACHED, SETTLE, never_content, 3, SETTLE),
     LATE_DURING(NO_SAMPLES, SETTLE, block_silent, 3, SETTLE),
@@ -360,7 +365,6 @@ static const fault_case_t fault_cases[] = {
     DURING(BLOCK_STATUS, SETTLE, too_hot, 3, SETTLE),
     DURING(SAMPLES_CORRUPTED, SETTLE, samples_corrupted_altogether, 3, SETTLE),
     DURING(STAND_HEARTBEAT, SETTLE, heartbeat_of_stand, 3, SETTLE),
-
     DURING(SLIP, AVERAGE, encoder_leaves, 3, AVERAGE),
     DURING(SLIP, AVERAGE, encoder_is_nonsense, 3, AVERAGE),
     DURING(SLIP, AVERAGE, block_slips, 1, MOVE),
@@ -382,7 +386,7 @@ static const fault_case_t fault_cases[] = {
     LATE_DURING(TARGET_NOT_REACHED, SETTLE, never_content, 3, AVERAGE),
     DURING(STAND_HEARTBEAT, AVERAGE, heartbeat_of_stand, 3, AVERAGE),
     DURING(BUS, AVERAGE, bus_down, 3, AVERAGE),
-
+    BEFORE(SUPERVISION, PREFLIGHT, unsupervised),
     BEFORE(WRONG_MOUNTING, AVERAGE, wrong_mounting),
     DURING(WRONG_MOUNTING, AVERAGE, stays_in_mounting_1, 8, AVERAGE),
     BEFORE(SWAPPED_CHANNELS, AVERAGE, swapped_xz),

@@ -253,8 +253,8 @@ static void test_next_deadline_is_never_forgotten(void)
     TEST_ASSERT_EQUAL_UINT64(0, tumble_drive402_next_us(&bench.drive)); /* its time must begin */
     run_ms(20);
     const uint64_t deadline_us = tumble_drive402_next_us(&bench.drive);
-    TEST_ASSERT_TRUE(deadline_us > port.now_us + 1900000U);
-    TEST_ASSERT_TRUE(deadline_us <= port.now_us + 2000000U);
+    TEST_ASSERT_TRUE(deadline_us > port.now_us + 900000U); /* the axis would be unseen for too long */
+    TEST_ASSERT_TRUE(deadline_us <= port.now_us + 1200000U);
 }
 
 /* Told only when it is due or a frame comes, it goes as far as when it is told all the time. */

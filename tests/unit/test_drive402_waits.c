@@ -200,15 +200,6 @@ static void test_a_mode_that_does_not_change(void)
     TEST_ASSERT_FALSE(played.homing);
 }
 
-static void test_a_stop_that_is_ignored(void)
-{
-    start_move(&common);
-    played.ignores_stop = true;
-    played.never_reaches = true;
-    bench.stand.stop(bench.stand.self);
-    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 390, 420);
-}
-
 /* Whatever comes from the bus, no wait is without an end: where it waits by itself, it says until when. */
 static void test_nonsense_from_the_bus(void)
 {
@@ -310,7 +301,6 @@ int main(void)
     RUN_TEST(test_target_reached_somewhere_else);
     RUN_TEST(test_homing_that_never_ends);
     RUN_TEST(test_a_mode_that_does_not_change);
-    RUN_TEST(test_a_stop_that_is_ignored);
     RUN_TEST(test_nonsense_from_the_bus);
     RUN_TEST(test_a_target_that_gets_lost_is_sent_again);
     RUN_TEST(test_targets_that_all_get_lost_are_a_broken_handshake);

@@ -1,4 +1,4 @@
-/* What outsiders cannot change by SDO while a run is on: what the axis and its watching hang on. */
+/* What outsiders cannot change by SDO while a run is on, or a drive is there: what the axis and its watching hang on. */
 #include "navcomp_sdo.h"
 
 void setUp(void)
@@ -19,7 +19,8 @@ typedef struct {
 } object_write_t;
 
 static const object_write_t held[] = {
-    {0x1016, 1, 4, 0},          {0x1016, 2, 4, 0},          {0x1400, 1, 4, 0x80000182}, {0x1401, 1, 4, 0x80000000},
+    {0x1016, 1, 4, 0},          {0x1016, 2, 4, 0},          {0x1017, 0, 2, 0},          {0x1029, 1, 1, 2},
+    {0x1400, 1, 4, 0x80000182}, {0x1401, 1, 4, 0x80000000},
     {0x1401, 2, 1, 254},        {0x1601, 0, 1, 0},          {0x1800, 1, 4, 0x80000202}, {0x1800, 3, 2, 100},
     {0x1801, 1, 4, 0x80000000}, {0x1A01, 0, 1, 0},          {0x2040, 4, 2, 0x0427},     {0x2040, 5, 4, 12345},
 };
@@ -54,7 +55,7 @@ static void test_a_run_keeps_what_the_axis_hangs_on(void)
 }
 
 /* In segments too; and a run that has failed may go on, so it is held as well. */
-static void test_a_failed_run_keeps_it_and_an_ended_one_does_not(void)
+static void test_a_failed_run_and_a_drive_that_is_there_keep_it(void)
 {
     bench_power_on(&bench);
     bench_pass(&bench, 1.0);
@@ -72,6 +73,15 @@ static void test_a_failed_run_keeps_it_and_an_ended_one_does_not(void)
     TEST_ASSERT_EQUAL_HEX8(0x80, answer[0]);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, tumble_get_u32(&answer[4]));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ABORT));
+    assert_held(); /* the table can be turned between runs, too */
+}
+
+static void test_without_a_drive_it_is_free(void)
+{
+    bench.drive.dead = true;
+    bench_power_on(&bench);
+    bench.fake.to_firmware.count = 0; /* its boot-up message */
+    bench_pass(&bench, 1.0);
     for (size_t i = 0; i < sizeof held / sizeof held[0]; i++) {
         TEST_ASSERT_NOT_EQUAL_MESSAGE(TUMBLE_ABORT_DEVICE_STATE, write_object(&held[i]), "still held");
     }
@@ -81,6 +91,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_run_keeps_what_the_axis_hangs_on);
-    RUN_TEST(test_a_failed_run_keeps_it_and_an_ended_one_does_not);
+    RUN_TEST(test_a_failed_run_and_a_drive_that_is_there_keep_it);
+    RUN_TEST(test_without_a_drive_it_is_free);
     return UNITY_END();
 }

@@ -25,9 +25,10 @@ static const case_t FAULTS[] = {
      "fault = drive_power_cycle at=1.4 phase=move delay=0.3 duration=0.3\n"},
     {TUMBLE_REASON_STALL, TUMBLE_STATE_MOVE, 15, "fault = stall at=1.4 phase=move delay=0.3\n"},
     {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 30, "fault = homing_fails at=1.1 phase=mount\n"},
-    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 65, "fault = homing_endless at=1.1 phase=mount\n"},
-    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 65, /* the quick stop is lost, and the next one */
-     "fault = homing_endless at=1.1 phase=home\nfault = frame_drop time=55 id=514 mask=2047 count=2 probability=1\n"},
+    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 25, "fault = homing_endless at=1.1 phase=mount\n"},
+    {TUMBLE_REASON_HOMING, TUMBLE_STATE_HOME, 25, /* the quick stop is lost, and the next one */
+     "fault = homing_endless at=1.1 phase=home\n"
+     "fault = frame_drop at=1.1 phase=home delay=16 id=514 mask=2047 count=2 probability=1\n"},
     {TUMBLE_REASON_TARGET_NOT_REACHED, TUMBLE_STATE_MOVE, 50, "fault = never_reached at=1.4 value=0.5\n"},
     {TUMBLE_REASON_SLIP, TUMBLE_STATE_AVERAGE, 30, "fault = slip at=1.8 phase=settle value=1.5\n"},      /* closure */
     {TUMBLE_REASON_SLIP, TUMBLE_STATE_AVERAGE, 15, "fault = slip at=1.4 delay=0.1 value=0.5 count=1\n"}, /* encoder */
@@ -123,6 +124,9 @@ static void test_no_reason_is_forgotten(void)
         TUMBLE_REASON_GRAVITY_CHECK, /* test_a_failed_gravity_check_is_a_result */
         TUMBLE_REASON_SINGULAR,      /* test_a_singular_block_is_refused */
         TUMBLE_REASON_INHIBITED,     /* test_keeper_inhibit.c: the bench has no keeper */
+        TUMBLE_REASON_STOP_NOT_CONFIRMED, /* test_sim_stop.c, and the two that follow */
+        TUMBLE_REASON_FOREIGN_COMMAND,
+        TUMBLE_REASON_SUPERVISION,
     };
     for (int reason = 0; reason < TUMBLE_REASON_COUNT; reason++) {
         bool known = false;

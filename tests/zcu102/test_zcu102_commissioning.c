@@ -94,6 +94,8 @@ static void test_no_field_is_left_out(void)
     SAME(drive.homing_acceleration_deg_s2);
     SAME(drive.stop_timeout_ms);
     SAME(drive.homing_method);
+    SAME(drive.homing_travel_deg);
+    SAME(drive.software_limits);
 }
 
 static void test_every_wrong_bit_is_refused(void)

@@ -21,6 +21,9 @@ try:
 except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
 
+VERSION = "VERSION"
+
+
 @dataclass
 class Entry:
     """One (index, subindex) of the dictionary."""
@@ -131,6 +134,16 @@ def read_toml(path: Path) -> dict:
         raise TableError(f"{path}: {error}") from error
 
 
+def read_version(root: Path) -> str:
+    """The one version of everything, from the file VERSION."""
+    try:
+        text = (root / VERSION).read_text(encoding="ascii")
+    except (OSError, UnicodeDecodeError) as error:
+        raise TableError(f"{VERSION}: {error}") from error
+    check(re.fullmatch(r"\d+\.\d+\.\d+\n", text) is not None, VERSION, "is not one line MAJOR.MINOR.PATCH")
+    return text.strip()
+
+
 class NodeReader:
     """Builds one Node from its own file, the objects common to all nodes, and its extension's file if it has one."""
 
@@ -167,6 +180,7 @@ class NodeReader:
         for number in range(MAX_CONSUMERS):
             watched, time_ms = consumers[number] if number < len(consumers) else (0, 0)
             settings[f"consumer{number + 1}"] = watched << 16 | time_ms
+        settings["software_version"] = read_version(self.root)
         return settings
 
     def read(self) -> Node:

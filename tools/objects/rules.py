@@ -26,7 +26,7 @@ OPTIONAL_ENTRY_KEYS = ("map", "low", "high", "unit", "about", "struct", "member"
 ENTRY_KEYS = SHARED_KEYS | {"name", "value", "about", "member", "size", "apart"}
 NODE_KEYS = {
     "name", "id", "prefix", "header", "source", "include", "includes", "eds", "about", "device_name",
-    "hardware_version", "software_version", "device_type", "vendor", "product", "revision", "serial", "heartbeat_ms",
+    "hardware_version", "device_type", "vendor", "product", "revision", "serial", "heartbeat_ms",
     "consumers", "on_error", "dummies",
 }
 OPTIONAL_NODE_KEYS = {"includes", "dummies"}

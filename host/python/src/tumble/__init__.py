@@ -1,3 +1,3 @@
 """Calibrate a three-axis block of navigation accelerometers on a single-axis rotary stand, and prove how good it is."""
 
-__version__ = "0.1.0"
+from tumble._version import __version__ as __version__

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -102,8 +103,9 @@ def _origin(result: dict[str, Any]) -> list[str]:
 
 
 def _comment(text: object) -> str:
-    """Foreign text, made fit for a comment in C: ASCII in one line that neither ends nor opens one."""
-    return ascii(str(text))[1:-1].replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")
+    """Foreign text, made fit for a comment in C: ASCII in one line that neither ends nor opens one, no trigraphs."""
+    plain = ascii(str(text))[1:-1].replace("*/", "* /").replace("/*", "/ *")
+    return re.sub(r"\?(?=\?)", "? ", plain)
 
 
 def _literal(value: float) -> str:

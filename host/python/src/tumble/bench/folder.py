@@ -46,6 +46,7 @@ class RunFolder:
         self.path = path
         self._may_make_parent = may_make_parent
         self._made_parent = False
+        self._made = False  # the stage is ours: what lies there otherwise is another run's
         _check(path)
         try:
             self._target = Path(os.path.realpath(path))
@@ -63,10 +64,8 @@ class RunFolder:
 
     def __enter__(self) -> RunFolder:
         try:
-            if self._may_make_parent and not self._target.parent.exists():
-                self._target.parent.mkdir()
-                self._made_parent = True
-            self.stage.mkdir()
+            with interruption.Postponed():
+                self._make()
             return self
         except FileExistsError:
             message = f"{file_name(self.stage)} is there, of a run that goes on or was killed"
@@ -78,11 +77,18 @@ class RunFolder:
             self.__exit__()
             raise
 
+    def _make(self) -> None:
+        if self._may_make_parent and not self._target.parent.exists():
+            self._target.parent.mkdir()
+            self._made_parent = True
+        self.stage.mkdir()
+        self._made = True
+
     def __exit__(self, *_) -> None:
         with interruption.Postponed():
-            if self.stage.exists():
+            if self._made:
                 shutil.rmtree(self.stage, ignore_errors=True)
-                self._remove_made_parent()
+            self._remove_made_parent()
 
     def _remove_made_parent(self) -> None:
         if self._made_parent:
@@ -116,6 +122,7 @@ class RunFolder:
                 (self.stage / unwanted).rename(self.stage / renamed)
             interruption.ignore()
             self._publish()
+            self._made = False
         except OSError as error:
             raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
 

@@ -1,0 +1,151 @@
+/* Where the axis is: which reports are believed, how far homing has turned, whether the axis strays at rest.
+ *
+ * A drive that wraps tells its position within one circle, and the turns are counted here. A report that is a circle off
+ * would be a turn of cable, so nothing is counted that the axis cannot have turned since the report before:
+ *
+ *     |change| <= 2 velocity (time since the last report + 1 s / REPORTS_PER_S)
+ *
+ * The constant is for reports that waited for each other: all that a step finds have the same time.
+ */
+#include "stand/drive402_internal.h"
+
+#define REPORTS_PER_S 4U
+#define SETTLED_US UINT64_C(2000000)
+#define DOUBTS 2U
+#define BLIND_US UINT64_C(1200000) /* longer than a heartbeat may be away: a silent drive is told as what it is */
+
+static uint32_t saturated(uint64_t counts)
+{
+    return (counts < UINT32_MAX) ? (uint32_t)counts : UINT32_MAX;
+}
+
+static uint32_t size_of(int64_t counts)
+{
+    return saturated((uint64_t)((counts < 0) ? -counts : counts));
+}
+
+/* The way at profile velocity since the last report, by binary fractions of a second: 5 % short, which the factor 2
+ * forgives. */
+static uint32_t way_counts(const tumble_drive402_t *drive)
+{
+    const uint32_t passed = saturated(drive->node->now_us - drive->reported_us) >> 10U;
+    return saturated(((uint64_t)drive->counts_per_s * passed) >> 10U);
+}
+
+/* Can the axis have come so far? */
+static bool is_in_reach(const tumble_drive402_t *drive, int64_t change)
+{
+    return (size_of(change) / 2U) <= saturated((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
+}
+
+/* A drive that wraps and was not heard for half a circle: nobody knows which one it is in. */
+static bool is_guess(const tumble_drive402_t *drive)
+{
+    const uint32_t half_circle = drive->profile->wrap_counts / 2U;
+    return (half_circle != 0U) && (way_counts(drive) >= half_circle);
+}
+
+static bool is_homing(const tumble_drive402_t *drive)
+{
+    return (drive->phase >= (uint8_t)PHASE_HOME_MODE) && (drive->phase <= (uint8_t)PHASE_MOVE_MODE);
+}
+
+static bool is_at_rest(const tumble_drive402_t *drive)
+{
+    return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
+}
+
+/* Not homed, any number will do: homing gives it another zero. */
+static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
+{
+    if (!drive->homed || !drive->tracked) {
+        return true;
+    }
+    if (drive->settled) {
+        return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;
+    }
+    return is_in_reach(drive, change) && !is_guess(drive);
+}
+
+/* One report may be garbled: it is dropped. */
+static void doubt(tumble_drive402_t *drive)
+{
+    tumble_count(&drive->counters.implausible);
+    drive->doubtful++;
+    if (drive->doubtful >= DOUBTS) {
+        drive->doubtful = 0;
+        tumble_drive_lose_position(drive, TUMBLE_STAND_FAULT_POSITION, TUMBLE_EMCY_POSITION, 0);
+    }
+}
+
+/* The zero that homing sets is no movement. */
+static void follow_homing(tumble_drive402_t *drive, int64_t change)
+{
+    if (is_in_reach(drive, change)) {
+        drive->travel = saturated((uint64_t)drive->travel + size_of(change));
+    }
+    if ((drive->homing_counts != 0U) && (drive->travel > drive->homing_counts)) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
+    }
+}
+
+static void follow_rest(tumble_drive402_t *drive, int64_t change)
+{
+    const bool for_long = (drive->node->now_us - drive->entered_us) >= SETTLED_US;
+    if (drive->settled) {
+        drive->strayed += (int32_t)change;
+    } else {
+        drive->settled = tumble_drive_stands_still(drive) || for_long;
+        drive->strayed = 0;
+    }
+}
+
+void tumble_drive_take_position(tumble_drive402_t *drive)
+{
+    const int32_t raw = drive->mirror->actual_position;
+    const int64_t before = drive->actual_counts;
+    const int64_t change = tumble_drive_unwrapped(drive->profile, raw, before) - before;
+    if (!is_plausible(drive, change)) {
+        doubt(drive);
+        return;
+    }
+    if (is_homing(drive)) {
+        follow_homing(drive, change);
+    }
+    drive->doubtful = 0;
+    drive->tracked = true;
+    drive->reported_us = drive->node->now_us;
+    drive->actual_counts = drive->homed ? (before + change) : raw;
+    if (drive->actual_counts != before) {
+        drive->still = 0;
+    } else if (drive->still < UINT8_MAX) {
+        drive->still++;
+    } else {
+        /* at rest for long */
+    }
+    if (drive->homed && is_at_rest(drive)) {
+        follow_rest(drive, change);
+    }
+}
+
+/* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */
+void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t fault, uint16_t code, uint16_t detail)
+{
+    const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {(uint8_t)(detail & 0xFFU), (uint8_t)(detail >> 8), 0, 0, 0};
+    const bool told = !drive->homed && (drive->fault == (uint8_t)fault);
+    drive->homed = false;
+    drive->tracked = false;
+    if (!told) {
+        tumble_emcy_raise(&drive->node->emcy, code, TUMBLE_ERROR_PROFILE, info);
+    }
+    if ((drive->phase >= (uint8_t)PHASE_POWER) && (drive->phase != (uint8_t)PHASE_FAULT)) {
+        tumble_drive_fail(drive, fault);
+    }
+}
+
+/* Reports that come by a timer must come while the axis turns: who does not see it cannot stop it in time. */
+uint64_t tumble_drive_blind_us(const tumble_drive402_t *drive)
+{
+    const bool turns = (drive->phase == (uint8_t)PHASE_HOMING) || (drive->phase == (uint8_t)PHASE_MOVING);
+    return (turns && drive->timed) ? (drive->reported_us + BLIND_US) : TUMBLE_NEVER;
+}

@@ -1,0 +1,130 @@
+/* A stop is a state that is seen: the ladder of drive402.h.
+ *
+ *     told ---- again ---- SDO ---- NMT ---- silence ---- not confirmed
+ *       \________\________\________\___________\____ the axis is reported at rest: the ladder is left
+ *
+ * The ladder does not care which phase it runs in. A stop that begins in STOPPING becomes a FAULT at the rung that takes
+ * the drive out of operation, and goes on there: from that rung on no process data tell of the axis any more, so only
+ * the next bring-up can see it at rest.
+ */
+#include "stand/drive402_internal.h"
+
+#define US_PER_MS UINT64_C(1000)
+
+/* So many reports without a change are standstill: one or two may come at the same moment, for other reasons. */
+#define STILL_REPORTS 3U
+
+static uint64_t since_us(const tumble_drive402_t *drive, unsigned rung)
+{
+    static const uint16_t after_ms[] = {
+        [TUMBLE_RUNG_AGAIN] = 200,    [TUMBLE_RUNG_SDO] = 400,          [TUMBLE_RUNG_NMT] = 1000,
+        [TUMBLE_RUNG_SILENCE] = 1500, [TUMBLE_RUNG_UNCONFIRMED] = 1800, /* and the time of the drive's consumer */
+    };
+    const bool last = (rung == (unsigned)TUMBLE_RUNG_UNCONFIRMED);
+    const uint32_t more_ms = (drive->begun ? drive->profile->stop_timeout_ms : 0U) +
+                             (last ? (uint32_t)drive->profile->heartbeat_timeout_ms : 0U);
+    return drive->told_us + (((uint64_t)after_ms[rung] + more_ms) * US_PER_MS);
+}
+
+bool tumble_drive_is_stopping(const tumble_drive402_t *drive)
+{
+    return (drive->rung != (uint8_t)TUMBLE_RUNG_NONE) && (drive->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED);
+}
+
+uint64_t tumble_drive_next_rung_us(const tumble_drive402_t *drive)
+{
+    return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;
+}
+
+/* A stop within a stop goes on where the first one is. */
+void tumble_drive_watch_stop(tumble_drive402_t *drive)
+{
+    if (tumble_drive_is_stopping(drive)) {
+        return;
+    }
+    drive->rung = (uint8_t)TUMBLE_RUNG_TOLD;
+    drive->begun = false;
+    drive->still = 0;
+    drive->told_us = drive->node->now_us;
+}
+
+void tumble_drive_end_stop(tumble_drive402_t *drive)
+{
+    if (drive->rung > (uint8_t)TUMBLE_RUNG_TOLD) {
+        tumble_emcy_clear(&drive->node->emcy, TUMBLE_ERROR_PROFILE);
+    }
+    drive->rung = (uint8_t)TUMBLE_RUNG_NONE;
+}
+
+bool tumble_drive_rests(tumble_drive402_t *drive)
+{
+    const uint16_t state = tumble_drive_power_state(drive);
+    const bool halting = (drive->mirror->controlword & TUMBLE_402_CONTROL_HALT) != 0U;
+    drive->begun = (state != TUMBLE_402_STATE_OPERATION_ENABLED) || halting;
+    if (!drive->begun) {
+        drive->still = 0;
+        return false;
+    }
+    if (!tumble_drive_may_turn(drive)) { /* it has let go, and may coast or brake by itself */
+        return tumble_drive_stands_still(drive) || !drive->timed;
+    }
+    return tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || tumble_drive_stands_still(drive);
+}
+
+bool tumble_drive_stands_still(const tumble_drive402_t *drive)
+{
+    return drive->still >= STILL_REPORTS;
+}
+
+/* The rungs. */
+
+static void tell_by_sdo(tumble_drive402_t *drive)
+{
+    tumble_drive_leave_sdo(drive);
+    (void)tumble_sdo_client_write(&drive->node->client, drive->drive_node, TUMBLE_402_CONTROLWORD, 0,
+                                  TUMBLE_402_CONTROL_QUICK_STOP, (uint8_t)sizeof drive->mirror->controlword);
+}
+
+static void take_out_of_operation(tumble_drive402_t *drive)
+{
+    (void)tumble_nmt_command(&drive->node->nmt, drive->drive_node, TUMBLE_NMT_STOP);
+    if (drive->phase != (uint8_t)PHASE_FAULT) {
+        tumble_drive_fail(drive, TUMBLE_STAND_FAULT_STOP);
+    }
+}
+
+static void fall_silent(tumble_drive402_t *drive)
+{
+    tumble_nmt_withhold(&drive->node->nmt, since_us(drive, TUMBLE_RUNG_UNCONFIRMED));
+}
+
+static void act(tumble_drive402_t *drive)
+{
+    switch (drive->rung) {
+    case TUMBLE_RUNG_AGAIN:
+        tumble_drive_control(drive, drive->mirror->controlword);
+        break;
+    case TUMBLE_RUNG_SDO:
+        tell_by_sdo(drive);
+        break;
+    case TUMBLE_RUNG_NMT:
+        take_out_of_operation(drive);
+        break;
+    case TUMBLE_RUNG_SILENCE:
+        fall_silent(drive);
+        break;
+    default:
+        break; /* nothing is left */
+    }
+}
+
+void tumble_drive_climb(tumble_drive402_t *drive, uint64_t now_us)
+{
+    while (now_us >= tumble_drive_next_rung_us(drive)) {
+        drive->rung++;
+        const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {drive->rung, 0, 0, 0, 0};
+        tumble_count(&drive->counters.rungs[drive->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
+        tumble_emcy_raise(&drive->node->emcy, TUMBLE_EMCY_STOP, TUMBLE_ERROR_PROFILE, info);
+        act(drive);
+    }
+}

@@ -1,0 +1,68 @@
+"""Lists are lists: no item of a page has flowed into the one before it, and headers that list keys list them all."""
+
+import json
+import re
+import subprocess
+
+import pytest
+from conftest import ROOT
+
+from tumble.bench import program
+
+ITEM = re.compile(r"( *)(- |\d+\. )")
+
+
+def pages():
+    found = [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "tools").rglob("*.md")]
+    return sorted(path for path in found if path.is_file())
+
+
+def joined(text):
+    """Numbers of lines where a list was joined by whoever filled a paragraph."""
+    wrong, code, in_item, last = [], False, False, {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        code ^= line.lstrip().startswith("```")
+        item = ITEM.match(line)
+        if code or not line.strip() or line.startswith(("#", "|", "    ")):
+            in_item = in_item and bool(line.strip())
+            continue
+        if item and item[2] != "- ":
+            count = int(item[2].split(".")[0])
+            wrong += [number] if count not in (1, last.get(item[1], 0) + 1) else []
+            last[item[1]] = count
+        if in_item and not line.startswith(" ") and not item:
+            wrong.append(number)  # an item's further lines are indented
+        if re.search(r"\. \d\.$|\S {3,}\S", line):
+            wrong.append(number)
+        in_item = bool(item) or in_item and line.startswith(" ")
+    return wrong
+
+
+def test_no_list_has_been_joined():
+    found = {str(path.relative_to(ROOT)): joined(path.read_text(encoding="utf-8")) for path in pages()}
+    assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+@pytest.mark.parametrize("text", [
+    "4. It is held: there is nothing to compare\nwith.    Read it. 5.\nACCEPT.\n", "1. One.\n2. Two.\n4. Four.\n",
+    "- One\nflows on.\n", "Ends with. 5.\n",
+])  # fmt: skip
+def test_a_joined_list_is_noticed(text):
+    """The canary."""
+    assert joined(text)
+
+
+def listed(header, pattern):
+    """What a header's comment lists, an item a line."""
+    comment = (ROOT / header).read_text().split("*/")[0]
+    return {name for row in re.findall(pattern, comment, re.MULTILINE) for name in row.split(", ")}
+
+
+def test_the_header_lists_what_the_document_has():
+    done = subprocess.run([program.find(), "--seed", "1"], capture_output=True, text=True, timeout=60)
+    assert set(json.loads(done.stdout)) - {"schema"} == listed("host/bench/report.h", r"^ \*     (\w[\w, ]*):")
+
+
+def test_the_header_lists_every_event():
+    source = (ROOT / "host/bench/progress.c").read_text()
+    assert set(re.findall(r'begin\("(\w+)"', source)) == listed("host/bench/progress.h", r'^ \*     event "(\w+)"')

@@ -1,0 +1,56 @@
+"""tumble-node and tumble-gateway need no capability, as the units of the pages have it."""
+
+import shutil
+
+import numpy as np
+import pytest
+from processes import HASTE, Node, Stand, scenario
+from test_gateway import Served
+
+from tumble.bench import programs
+from tumble.errors import BenchFault
+
+DROP = "setpriv --inh-caps=-all --bounding-set=-all --no-new-privs"
+
+
+@pytest.fixture
+def unprivileged(tmp_path, monkeypatch):
+    """From now on the program of that name is started by root without any of its capabilities."""
+    if shutil.which("setpriv") is None:
+        pytest.skip("setpriv is not installed (Debian: util-linux)")
+
+    def wrap(name, folder):
+        try:
+            real = programs.find(name, folder)
+        except BenchFault:
+            pytest.skip(f"{name} is not built")
+        wrapper = tmp_path / name
+        wrapper.write_text(f'#!/bin/sh\nexec {DROP} "{real}" "$@"\n')
+        wrapper.chmod(0o755)
+        monkeypatch.setenv(name.upper().replace("-", "_"), str(wrapper))
+
+    return wrap
+
+
+def test_a_calibration_without_capabilities(bus, started, tmp_path, unprivileged):
+    """The receive buffer is what the system's limit allows, and it is told; the run is as good."""
+    unprivileged("tumble-node", "boards/linux")
+    unprivileged("tumble-gateway", "host/gateway")
+    path = scenario(tmp_path, **HASTE)
+    stand = Stand(bus, path, "--seed", 7)
+    node = Node(bus, path, "--start", "--nv", tmp_path / "nv.bin", folder=tmp_path)
+    started += [stand, node]
+    served = Served(bus)
+    started.append(served)
+    with open(f"/proc/{node.process.pid}/status", encoding="ascii") as file:
+        assert "\nCapEff:\t0000000000000000\n" in file.read()
+    assert served.number("Link state") in (0, 1)
+    code, document = node.wait()
+    assert code == 0, document
+    with open("/proc/sys/net/core/rmem_max", encoding="ascii") as file:
+        limit = int(file.read())
+    assert document["counters"]["receive_buffer_bytes"] == min(2 * limit, 8 * 2**20)
+    assert document["counters"]["kernel_dropped"] == 0
+    truth = stand.end()
+    assert np.abs(np.array(document["K"]) - truth["truth"]["K"]).max() < 3e-3
+    served.end()
