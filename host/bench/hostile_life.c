@@ -4,24 +4,10 @@
 
 #include <string.h>
 
-#define US_PER_S 1e6
 #define COMMAND_OBJECT 0x2002U
 #define ABORT_WAS_REFUSED 0x08000022U
 
 /* What the world tells. */
-
-/* What the attendant does next, if anything: he mounts and confirms, or mends and goes on. */
-static void plan_attendance(bench_life_t *life, const tumble_progress_t *progress)
-{
-    const bench_attendant_t *const attendant = &life->plan->attendant;
-    double after_s = -1.0;
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
-        after_s = attendant->mount_s;
-    } else if (progress->state == TUMBLE_STATE_FAULT && life->mended < attendant->mends) {
-        after_s = attendant->mend_s;
-    }
-    life->attend_us = (after_s >= 0.0) ? life->world.clock.now_us + (uint64_t)(after_s * US_PER_S) : SIM_NEVER;
-}
 
 static bool is_reached(const bench_life_t *life, const bench_moment_t *moment)
 {
@@ -60,7 +46,7 @@ static void on_change(void *context, const tumble_progress_t *progress)
 {
     bench_life_t *const life = context;
     bench_watch_change(life, progress);
-    plan_attendance(life, progress);
+    bench_life_attend_to(life, progress);
     look_at_waiting(life);
     if (progress->state == TUMBLE_STATE_DONE) {
         bench_watch_read_all(life);
@@ -180,68 +166,6 @@ void bench_life_power_on(bench_life_t *life)
     life->attend_us = life->run_was_on ? world->clock.now_us + 1500000U : SIM_NEVER;
 }
 
-/* The attendant. */
-
-static void lay(bench_life_t *life, uint8_t number)
-{
-    if (life->lies != number) {
-        life->lies = number;
-        bench_world_mount(&life->world, (uint8_t)(number - 1U));
-    }
-}
-
-static void mount(bench_life_t *life, uint8_t asked)
-{
-    const bool errs = life->plan->attendant.errs && !life->erred && asked == 2U;
-    life->erred = life->erred || errs;
-    lay(life, errs ? 1U : asked);
-    (void)bench_life_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
-}
-
-static bool is_of_the_mounting(tumble_reason_t reason)
-{
-    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
-           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
-}
-
-static void mend(bench_life_t *life, const tumble_progress_t *progress)
-{
-    life->mended++;
-    bench_fault_script_mend(&life->world);
-    if (is_of_the_mounting(progress->reason)) {
-        mount(life, progress->mounting);
-    } else {
-        (void)bench_life_command(life, TUMBLE_COMMAND_RESUME, 0);
-    }
-}
-
-/* After a loss of power a run that was on goes on, or begins anew. */
-static void go_on(bench_life_t *life)
-{
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&life->keeper, &state);
-    const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
-    life->run_was_on = false;
-    (void)bench_life_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);
-}
-
-static void attend(bench_life_t *life)
-{
-    const tumble_progress_t progress = life->world.progress;
-    life->attend_us = SIM_NEVER;
-    if (life->world.off) {
-        return;
-    }
-    if (progress.state == TUMBLE_STATE_WAIT_MOUNTING) {
-        mount(life, progress.mounting);
-        plan_attendance(life, &progress); /* again, should it be refused */
-    } else if (progress.state == TUMBLE_STATE_FAULT) {
-        mend(life, &progress);
-    } else if (progress.state == TUMBLE_STATE_IDLE && life->run_was_on) {
-        go_on(life);
-    }
-}
-
 /* The course. */
 
 static void send_followers(bench_life_t *life)
@@ -294,7 +218,7 @@ static void act(bench_life_t *life)
         bench_life_power_on(life);
     }
     if (life->attend_us <= now_us) {
-        attend(life);
+        bench_life_attend(life);
     }
     send_followers(life);
     if (life->next_us <= now_us) {

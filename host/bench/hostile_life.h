@@ -65,6 +65,10 @@ void bench_life_run(bench_life_t *life, bench_plan_t *plan);
 
 /* For the files of the life. */
 
+/* The attendant (hostile_attendant.c): he sees that the procedure has moved on; his time has come. */
+void bench_life_attend_to(bench_life_t *life, const tumble_progress_t *progress);
+void bench_life_attend(bench_life_t *life);
+
 /* Carry out an event (hostile_act.c). */
 void bench_life_act(bench_life_t *life, const bench_event_t *event);
 
