@@ -142,6 +142,8 @@ void bench_life_excuse_fault(bench_life_t *life, const sim_fault_t *fault)
         bench_watch_excuse(life, BENCH_EXCUSE_STEP);
     } else if (fault->kind == SIM_FAULT_SLIP) {
         bench_watch_excuse(life, BENCH_EXCUSE_SLIP);
+    } else if (fault->kind == SIM_FAULT_SWAPPED || fault->kind == SIM_FAULT_INVERTED) {
+        bench_watch_excuse(life, BENCH_EXCUSE_CHANNEL);
     } else if (fault->kind == SIM_FAULT_NEVER_REACHED &&
                fault->value < life->plan->config.procedure.position_tolerance_deg) {
         bench_watch_excuse(life, BENCH_EXCUSE_SHORT);

@@ -65,7 +65,6 @@ static void draw_measuring(bench_config_t *config, sim_random_t *stream)
     }
     procedure->samples = 24;
     procedure->estimate = ESTIMATES[bench_pick(stream, 3)];
-    procedure->gravity_limit_g = 6e-4;
     procedure->settle_ms = 100;
     procedure->warm_up_samples = 5;
     procedure->mounting_timeout_ms = 20000;

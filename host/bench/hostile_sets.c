@@ -12,7 +12,8 @@
 static bool is_excused(const bench_life_t *life)
 {
     static const uint32_t EXCUSES = 1U << BENCH_EXCUSE_REWRITTEN | 1U << BENCH_EXCUSE_STEP | 1U << BENCH_EXCUSE_SLIP |
-                                    1U << BENCH_EXCUSE_SHORT | 1U << BENCH_EXCUSE_SAMPLE | 1U << BENCH_EXCUSE_RULES;
+                                    1U << BENCH_EXCUSE_SHORT | 1U << BENCH_EXCUSE_CHANNEL | 1U << BENCH_EXCUSE_SAMPLE |
+                                    1U << BENCH_EXCUSE_RULES;
     return (life->watch.excuses & EXCUSES) != 0U;
 }
 

@@ -25,8 +25,8 @@
  *   commanded  a set-point (202h) or a write to 6040h or 607Ah by a stranger, or a fault that spoils, delays or reorders 202h
  *   rewritten  a stranger's write to any other object of the drive, or a fault that spoils 602h: the drive is another one then,
  *              and the table's motion and the coefficients are not judged
- *   step, slip, short, sample, rules   see BENCH_EXCUSE_LIST; of the coefficients alone. A test of the whole model against
- *              the residuals could detect the first four; today's gates see only what is large
+ *   step, slip, short, channel, sample, rules   see BENCH_EXCUSE_LIST; of the coefficients alone. A test of the whole model against
+ *              the residuals could detect the first five; today's gates see only what is large
  */
 #ifndef TUMBLE_BENCH_HOSTILE_WATCH_H
 #define TUMBLE_BENCH_HOSTILE_WATCH_H
@@ -74,6 +74,7 @@ typedef enum {
     X(BENCH_EXCUSE_STEP, "step")     /* fault `step`: a bias changes within a run */                                   \
     X(BENCH_EXCUSE_SLIP, "slip")     /* fault `slip`, below what closure and position tolerance see */                 \
     X(BENCH_EXCUSE_SHORT, "short")   /* fault `never_reached`, by less than the position tolerance */                  \
+    X(BENCH_EXCUSE_CHANNEL, "channel") /* faults `swapped`, `inverted`: for a while, where outputs are alike or small */    \
     X(BENCH_EXCUSE_SAMPLE, "sample") /* a forged sample with a good checksum */                                        \
     X(BENCH_EXCUSE_RULES, "rules")   /* an accepted write to 2050h or 2122h to 2126h */                                \
     X(BENCH_EXCUSE_FLIPPED, "flipped")
