@@ -162,7 +162,8 @@ static void draw_cuts(bench_plan_t *plan)
         cut->off_us = (uint32_t)(1e6 * bench_draw(&stream, 0.01, 8.0));
         cut->moment.writing = bench_chance(&stream, 0.5);
         cut->moment.delay_us = bench_chance(&stream, 0.5) ? (uint32_t)bench_draw(&stream, 0.0, 20000.0) : 0U;
-        cut->count = bench_chance(&stream, 0.25) ? 1U + bench_pick(&stream, 8) : 0U;
+        const uint32_t flips = bench_chance(&stream, 0.5) ? 1U : 1U + bench_pick(&stream, 8);
+        cut->count = bench_chance(&stream, 0.3) ? flips : 0U;
     }
 }
 

@@ -71,11 +71,12 @@ static void look_whether_told(bench_life_t *life)
     }
     tumble_keeper_state_t state;
     tumble_keeper_state(&life->keeper, &state);
-    if (watch->told || (state.due & ~KNOWN_DUE) != 0) {
+    const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
+    if (watch->told || lacks || (state.due & ~KNOWN_DUE) != 0) {
         watch->told_by_us = SIM_NEVER;
     } else if (life->world.clock.now_us >= watch->told_by_us) {
         watch->told_by_us = SIM_NEVER;
-        if (BENCH_DECAY_IS_TOLD) {
+        if (BENCH_DECAY_IS_TOLD && life->counts.flips == 1U) {
             bench_watch_break(life, BENCH_BROKEN_COUNTER, (double)watch->counter, watch->counter);
         }
     }

@@ -18,8 +18,9 @@
  *   counter  the calibration counter never goes back
  *   bench    the bench itself cannot go on: no finding
  *
- * A flipped bit may make the active set decay: `lost` and `counter` are then excused, but with BENCH_DECAY_IS_TOLD they ask
- * that it is told: an EMCY, or a bit of what is due, within 2 s of power-on.
+ * Flipped bits may make the active set decay: `lost` and `counter` are then excused. With BENCH_DECAY_IS_TOLD a life with a
+ * single flipped bit asks that it is told, within 2 s of power-on: an EMCY, or a bit of what is due. (Several may hit the
+ * history as well, by which the decay is known.)
  *
  * The excuses. All are counted from the moment at which they come to pass, to the end of the life:
  *   commanded  a set-point (202h) or a write to 6040h or 607Ah by a stranger, or a fault that spoils, delays or reorders 202h
