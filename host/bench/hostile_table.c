@@ -44,6 +44,7 @@ void bench_watch_ended(bench_life_t *life)
 {
     if (life->watch.rest_us == SIM_NEVER && !life->watch.peace) {
         life->watch.rest_us = life->world.clock.now_us + BENCH_REST_US;
+        life->watch.still_us = SIM_NEVER; /* what is on its way to the drive may still set it in motion */
     }
 }
 
