@@ -5,6 +5,7 @@
 #include "bench/config.h"
 #include "bench/config_file.h"
 #include "bench/config_prepare.h"
+#include "bench/hostile.h"
 #include "bench/interrupt.h"
 #include "bench/options.h"
 #include "bench/report.h"
@@ -22,20 +23,25 @@ static int refuse(const char *what)
 }
 
 /* All processors, but no more than there are runs. */
-static void choose_jobs(bench_options_t *options)
+static void choose_jobs(bench_options_t *options, uint64_t runs)
 {
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     if (options->jobs == 0U) {
         options->jobs = (processors < 1) ? 1U : (processors > BENCH_MAX_JOBS) ? BENCH_MAX_JOBS : (uint32_t)processors;
     }
-    if (options->jobs > options->runs) {
-        options->jobs = (uint32_t)options->runs;
+    if (options->jobs > runs) {
+        options->jobs = (uint32_t)runs;
     }
 }
 
 static int run(bench_options_t *options)
 {
     static bench_config_t config;
+    if (options->lives > 0U) {
+        bench_interrupt_watch();
+        choose_jobs(options, options->lives);
+        return bench_hostile(options, stdout);
+    }
     if (!bench_config_prepare(&config, options->scenario, options->gain_record, "tumble-bench")) {
         return BENCH_EXIT_USAGE;
     }
@@ -43,7 +49,7 @@ static int run(bench_options_t *options)
     if (options->runs == 0U) {
         return bench_session(&config, options, stdout);
     }
-    choose_jobs(options);
+    choose_jobs(options, options->runs);
     return bench_campaign(&config, options, stdout);
 }
 

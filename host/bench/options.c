@@ -43,12 +43,18 @@ const char bench_options_help[] =
     "  --means          with the means of all positions in every line\n"
     "  --summary        instead of the lines one document with statistics and speed\n"
     "\n"
+    "  --campaign N     N hostile lives with seeds from --seed upwards: the firmware\n"
+    "                   with its memory under random faults, commands, forged frames\n"
+    "                   and losses of power; takes no SCENARIO (host/bench/hostile.h)\n"
+    "  -v               tell the events that are enough for a violation\n"
+    "\n"
     "  --keys           print the keys of a scenario file\n"
     "  --version        print the version\n"
     "  -h, --help       print this\n"
     "\n"
     "Exit codes: 0 passed, 1 the gravity check failed, 2 bad input or output that\n"
-    "cannot be written, 3 fault, 130 interrupted; of a campaign the worst.\n";
+    "cannot be written, 3 fault or a violated invariant, 130 interrupted; of a\n"
+    "campaign the worst.\n";
 
 typedef struct {
     bench_options_t *options;
@@ -144,6 +150,7 @@ static bool read_flag(bench_options_t *options, const char *name)
         {"--summary", offsetof(bench_options_t, summary)},
         {"--interactive", offsetof(bench_options_t, interactive)},
         {"--keys", offsetof(bench_options_t, keys)},
+        {"-v", offsetof(bench_options_t, verbose)},
         {"--version", offsetof(bench_options_t, version)},
         {"--help", offsetof(bench_options_t, help)},
         {"-h", offsetof(bench_options_t, help)},
@@ -173,6 +180,9 @@ static bool read_option(reader_t *reader, const char *name)
     if (strcmp(name, "--runs") == 0) {
         return read_whole(reader, name, 1, 1000000000U, &options->runs);
     }
+    if (strcmp(name, "--campaign") == 0) {
+        return read_whole(reader, name, 1, 1000000000U, &options->lives);
+    }
     if (strcmp(name, "--jobs") == 0) {
         return read_u32(reader, name, 1, BENCH_MAX_JOBS, &options->jobs);
     }
@@ -197,6 +207,21 @@ static bool read_option(reader_t *reader, const char *name)
     return complain(reader, name, "no such option; see --help");
 }
 
+static bool check_lives(reader_t *reader)
+{
+    const bench_options_t *const options = reader->options;
+    if (options->lives == 0U) {
+        return !options->verbose || complain(reader, "-v", "needs --campaign");
+    }
+    if (options->runs > 0U || options->scenario != NULL || options->out != NULL || options->listen != NULL ||
+        options->gain_record != NULL || options->interactive || options->pace > 0.0 || options->progress_fd >= 0 ||
+        options->means || options->summary) {
+        return complain(reader, "--campaign", "takes --seed, --jobs and -v, and nothing else");
+    }
+    return options->seed <= UINT64_MAX - options->lives ||
+           complain(reader, "--campaign", "the seeds would go beyond 2^64 - 1");
+}
+
 /* What does not go together. */
 static bool check(reader_t *reader)
 {
@@ -209,6 +234,9 @@ static bool check(reader_t *reader)
     }
     if (options->runs > 0U && options->seed > UINT64_MAX - options->runs) {
         return complain(reader, "--runs", "the seeds would go beyond 2^64 - 1");
+    }
+    if (options->lives > 0U) {
+        return true; /* by itself: check_lives */
     }
     if (options->runs == 0U && (options->means || options->summary || options->jobs > 0U)) {
         return complain(reader, "--means, --summary and --jobs", "need --runs");
@@ -228,7 +256,7 @@ bool bench_options_read(bench_options_t *options, int count, char *const argumen
     reader_t reader = {.options = options, .count = count, .arguments = arguments, .next = 1, .wrong = wrong};
     while (reader.next < count) {
         const char *const argument = arguments[reader.next++];
-        if (strncmp(argument, "--", 2) == 0 || strcmp(argument, "-h") == 0) {
+        if (strncmp(argument, "--", 2) == 0 || strcmp(argument, "-h") == 0 || strcmp(argument, "-v") == 0) {
             if (!read_option(&reader, argument)) {
                 return false;
             }
@@ -243,5 +271,5 @@ bool bench_options_read(bench_options_t *options, int count, char *const argumen
     if (options->listen != NULL && options->pace == 0.0) {
         options->pace = 1.0;
     }
-    return check(&reader);
+    return check_lives(&reader) && check(&reader);
 }

@@ -14,6 +14,7 @@ typedef struct {
     const char *gain_record; /* file, or null */
     uint64_t seed;
     uint64_t runs; /* 0: one run with its document; else a campaign */
+    uint64_t lives; /* 0: none; else a campaign of hostile lives */
     uint32_t jobs;
     uint32_t guests; /* wait for so many before time begins */
     int progress_fd; /* -1: none */
@@ -21,6 +22,7 @@ typedef struct {
     bool means;
     bool summary;
     bool interactive;
+    bool verbose;
     bool keys;
     bool version;
     bool help;

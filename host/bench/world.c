@@ -249,7 +249,9 @@ static void dispatch(bench_world_t *world, sim_actor_t actor)
         sim_bus_on_alarm(&world->bus);
         break;
     case SIM_ACTOR_NAVCOMP:
-        step_navcomp(world);
+        if (!world->off) {
+            step_navcomp(world);
+        }
         break;
     case SIM_ACTOR_BLOCK:
         sim_block_on_alarm(&world->block);

@@ -75,6 +75,7 @@ typedef struct bench_world {
     tumble_progress_t progress; /* as last seen */
     uint32_t mark;              /* of the procedure at that time */
     bool started;               /* the procedure has left IDLE */
+    bool off;                   /* the navigation computer has no power: hostile_life.h */
     uint64_t steps;             /* of the firmware */
     uint64_t limit_us;
     uint64_t ending_us; /* since when it waits for the table to rest; SIM_NEVER: not yet */

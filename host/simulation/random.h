@@ -27,7 +27,8 @@ typedef enum {
     SIM_CAUSE_FAULT_NOISE,   /* what a fault adds to a sample; index: channel */
     SIM_CAUSE_BUS_FAULT,     /* which frames a fault picks, which bit it flips; index: number of the fault */
     SIM_CAUSE_SETTLING,      /* phase of the table's oscillation */
-    SIM_CAUSE_POWER_ON       /* where the table stands before homing */
+    SIM_CAUSE_POWER_ON,      /* where the table stands before homing */
+    SIM_CAUSE_LIFE           /* the course of a hostile life; index: what is drawn (hostile_draw.h) */
 } sim_cause_t;
 
 typedef struct {

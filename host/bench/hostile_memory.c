@@ -1,0 +1,81 @@
+/* The memory of a life: what it begins with, and what a loss of power leaves in it. */
+#include "bench/hostile_life.h"
+
+#include "store/store.h"
+
+#include <string.h>
+
+#define RELATIVE_U 1e-4
+
+static void settle(tumble_store_t *store)
+{
+    while (tumble_store_step(store) == TUMBLE_E_PORT_BUSY) {
+    }
+}
+
+/* An active set, true to this block, as an earlier calibration would have left it. */
+static void write_set(bench_life_t *life)
+{
+    static tumble_store_t store;
+    const bench_plan_t *const plan = life->plan;
+    tumble_set_t set = {.estimator = (uint8_t)plan->config.procedure.estimate,
+                        .flags = TUMBLE_SET_HAS_UNCERTAINTY,
+                        .coefficients = life->world.truth.block};
+    memcpy(set.block_serial, plan->config.keeping.serial, strlen(plan->config.keeping.serial));
+    set.date_utc_s = (plan->utc_s != 0U) ? plan->utc_s - 86400U : 0U;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            set.uncertainty.k_v_per_g[i][j] = RELATIVE_U;
+        }
+        set.uncertainty.u0_v[i] = RELATIVE_U;
+    }
+    (void)tumble_store_init(&store, &life->nv.nv);
+    settle(&store);
+    (void)tumble_store_commit(&store, &set);
+    settle(&store);
+}
+
+void bench_life_prepare_memory(bench_life_t *life)
+{
+    sim_nv_init(&life->nv, &life->world.clock);
+    if (life->plan->has_set) {
+        write_set(life);
+    }
+    life->nv.erase_us = life->plan->erase_us;
+    life->nv.program_us = life->plan->program_us;
+}
+
+/* Each granule is as it was to be, or holds anything: half programmed bits, or nothing that makes sense. */
+void bench_life_tear_memory(bench_life_t *life, sim_random_t *stream)
+{
+    sim_nv_t *const nv = &life->nv;
+    if (nv->size == 0U || life->world.clock.now_us >= nv->until_us) {
+        return;
+    }
+    const double share = sim_random_unit(stream);
+    for (uint32_t i = 0; i < nv->size; i += SIM_NV_GRANULE) {
+        if (!bench_chance(stream, share)) {
+            continue;
+        }
+        const uint64_t garbage = sim_random_u64(stream);
+        for (uint32_t b = 0; b < SIM_NV_GRANULE; b++) {
+            nv->bytes[nv->offset + i + b] |= (uint8_t)(garbage >> 8 * b);
+        }
+        if (bench_chance(stream, 0.5)) {
+            memcpy(&nv->bytes[nv->offset + i], &garbage, SIM_NV_GRANULE);
+        }
+    }
+}
+
+/* Where something is written: an erased byte means nothing to anyone. */
+void bench_life_flip_bits(bench_life_t *life, sim_random_t *stream, uint32_t count)
+{
+    for (uint32_t flipped = 0, tries = 0; flipped < count && tries < 20000U; tries++) {
+        const uint32_t at = bench_pick(stream, SIM_NV_BYTES);
+        if (life->nv.bytes[at] != 0xFFU) {
+            life->nv.bytes[at] ^= (uint8_t)(1U << bench_pick(stream, 8));
+            life->counts.flips++;
+            flipped++;
+        }
+    }
+}

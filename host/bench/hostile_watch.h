@@ -1,0 +1,119 @@
+/* hostile_watch.h - what must hold in a hostile life, judged by the simulation's truth and not by what the firmware says.
+ *
+ *   rest     6 s after a run has ended (DONE, FAULT, ABORT, or IDLE by an NMT reset), after ABORT was taken (also where it
+ *            is refused: it stops the table all the same), and after the computer has lost its power, the table is at rest
+ *   stays    and, once it has stood for 1 s, it does not move again before a command that may move it
+ *   cable    while the drive is homed, the table does not go beyond the cable's limits, but for a tolerance of 5 degrees
+ *            and the way in which it can brake
+ *   homing   from the start of a homing it does not go farther than the cable's span and a turn, 790 degrees, but for the
+ *            way of 6 s, the time in which a stop must have come about, and the way to brake
+ *   foreign  where a stranger commands the drive itself (excuse `commanded`), which the computer cannot prevent, `rest`,
+ *            `stays` and `cable` do not count for 6 s from his last command: by then the computer has noticed and stopped
+ *            it. What is broken after that, in such a life, is called foreign
+ *   reason   FAULT and ABORT have a reason
+ *   finite   no readable object holds a NaN or an infinity
+ *   truth    a set that became active by itself has every coefficient within 6 of its stated standard uncertainties of
+ *            the block's K and U0, unless an excuse from the list below came to pass
+ *   lost     once there is an active set, there always is one
+ *   counter  the calibration counter never goes back
+ *   bench    the bench itself cannot go on: no finding
+ *
+ * Flipped bits may make the active set decay: `lost` and `counter` are then excused. With BENCH_DECAY_IS_TOLD a life with a
+ * single flipped bit asks that it is told, within 2 s of power-on: an EMCY, or a bit of what is due. (Several may hit the
+ * history as well, by which the decay is known.)
+ *
+ * The excuses. All are counted from the moment at which they come to pass, to the end of the life:
+ *   commanded  a set-point (202h) or a write to 6040h or 607Ah by a stranger, or a fault that spoils, delays or reorders 202h
+ *   rewritten  a stranger's write to any other object of the drive, or a fault that spoils 602h: the drive is another one then,
+ *              and the table's motion and the coefficients are not judged
+ *   step, slip, short, channel, sample, rules   see BENCH_EXCUSE_LIST; of the coefficients alone. A test of the whole model against
+ *              the residuals could detect the first five; today's gates see only what is large
+ */
+#ifndef TUMBLE_BENCH_HOSTILE_WATCH_H
+#define TUMBLE_BENCH_HOSTILE_WATCH_H
+
+#include "procedure/states.h"
+#include "simulation/drive.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Is a decay of the active set told of by the firmware? */
+#ifndef BENCH_DECAY_IS_TOLD
+#define BENCH_DECAY_IS_TOLD 0
+#endif
+
+#define BENCH_REST_US 6000000U
+#define BENCH_TRUTH_COVERAGE 6.0
+#define BENCH_CABLE_TOLERANCE_DEG 5.0
+
+/* Word, and what a person reads. */
+#define BENCH_VIOLATION_LIST(X)                                                                                        \
+    X(BENCH_HOLDS, "none", "nothing is violated")                                                                      \
+    X(BENCH_BROKEN_REST, "rest", "the table still turns 6 s after the end")                                            \
+    X(BENCH_BROKEN_STAYS, "stays", "the table at rest moves without a command")                                        \
+    X(BENCH_BROKEN_CABLE, "cable", "the table goes beyond the cable's limits")                                         \
+    X(BENCH_BROKEN_HOMING, "homing", "homing goes farther than the cable's span and a turn")                           \
+    X(BENCH_BROKEN_FOREIGN, "foreign", "a stranger's motion is not stopped within 6 s")                                \
+    X(BENCH_BROKEN_REASON, "reason", "FAULT or ABORT without a reason")                                                \
+    X(BENCH_BROKEN_FINITE, "finite", "a readable object is not a finite number")                                       \
+    X(BENCH_BROKEN_TRUTH, "truth", "a set that became active by itself is off by more than 6 u")                       \
+    X(BENCH_BROKEN_LOST, "lost", "the active set is lost")                                                             \
+    X(BENCH_BROKEN_COUNTER, "counter", "the calibration counter went back, and nothing was told")                      \
+    X(BENCH_BROKEN_BENCH, "bench", "the bench cannot go on")
+
+typedef enum {
+#define BENCH_VIOLATION_ENUM(name, word, sentence) name,
+    BENCH_VIOLATION_LIST(BENCH_VIOLATION_ENUM)
+#undef BENCH_VIOLATION_ENUM
+    BENCH_VIOLATION_KINDS
+} bench_broken_t;
+
+#define BENCH_EXCUSE_LIST(X)                                                                                           \
+    X(BENCH_EXCUSE_COMMANDED, "commanded")                                                                             \
+    X(BENCH_EXCUSE_REWRITTEN, "rewritten")                                                                             \
+    X(BENCH_EXCUSE_STEP, "step")     /* fault `step`: a bias changes within a run */                                   \
+    X(BENCH_EXCUSE_SLIP, "slip")     /* fault `slip`, below what closure and position tolerance see */                 \
+    X(BENCH_EXCUSE_SHORT, "short")   /* fault `never_reached`, by less than the position tolerance */                  \
+    X(BENCH_EXCUSE_CHANNEL, "channel") /* faults `swapped`, `inverted`: for a while, where outputs are alike or small */    \
+    X(BENCH_EXCUSE_SAMPLE, "sample") /* a forged sample with a good checksum */                                        \
+    X(BENCH_EXCUSE_RULES, "rules")   /* an accepted write to 2050h or 2122h to 2126h */                                \
+    X(BENCH_EXCUSE_FLIPPED, "flipped")
+
+typedef enum {
+#define BENCH_EXCUSE_ENUM(name, word) name,
+    BENCH_EXCUSE_LIST(BENCH_EXCUSE_ENUM)
+#undef BENCH_EXCUSE_ENUM
+    BENCH_EXCUSES
+} bench_excuse_t;
+
+typedef struct {
+    bench_broken_t kind;
+    uint64_t at_us;
+    double value;  /* degrees, uncertainties, or a number of that kind */
+    uint32_t what; /* object, coefficient, state: by kind */
+} bench_violation_t;
+
+typedef struct {
+    bench_violation_t violation;
+    uint32_t excuses; /* bit per bench_excuse_t */
+    uint64_t rest_us; /* the table must rest by then; SIM_NEVER: no end is pending */
+    bool peace;       /* it rests, and nobody has commanded anything */
+    uint64_t still_us;     /* since when it stands; SIM_NEVER: it moves */
+    uint64_t commanded_us; /* when a stranger commanded the drive last */
+    double last_deg;
+    sim_homing_t homing; /* as last seen */
+    bool searches;       /* from the start of a homing until the table rests */
+    double from_deg;     /* where that began */
+    bool has_set;
+    uint32_t counter;
+    uint64_t told_by_us; /* a decay must be told by then; SIM_NEVER: none */
+    bool told;
+    tumble_state_t state;
+} bench_watch_t;
+
+const char *bench_broken_name(bench_broken_t kind);
+const char *bench_broken_sentence(bench_broken_t kind);
+const char *bench_excuse_name(bench_excuse_t excuse);
+
+#endif
