@@ -1,7 +1,11 @@
 #include "stand/drive402_internal.h"
 
-/* Statuswords that are not believed when they show the end of homing right after its start. */
+/* Statuswords that are not believed when they show the end of homing right after its start: of a method that homes where
+ * the axis stands, and so may be over before anything else is seen. Of any other one the bits must have been seen clear: a
+ * start that got lost would else be a homing that never was. */
 #define STALE_STATUSWORDS 2U
+#define ON_THE_SPOT 35 /* and 37 */
+#define ON_THE_SPOT_TOO 37
 
 /* Homing. */
 
@@ -13,7 +17,8 @@ void tumble_drive_look_home_mode(tumble_drive402_t *drive, bool fresh)
 
 void tumble_drive_enter_homing(tumble_drive402_t *drive)
 {
-    drive->stale = STALE_STATUSWORDS;
+    const int8_t method = drive->profile->homing_method;
+    drive->stale = ((method == ON_THE_SPOT) || (method == ON_THE_SPOT_TOO)) ? STALE_STATUSWORDS : UINT8_MAX;
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE | TUMBLE_402_CONTROL_START_HOMING);
 }
 
@@ -25,7 +30,7 @@ void tumble_drive_look_homing(tumble_drive402_t *drive, bool fresh)
     if (!tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ATTAINED | TUMBLE_402_STATUS_HOMING_ERROR)) {
         drive->stale = 0;
     } else if (drive->stale > 0U) {
-        drive->stale--;
+        drive->stale = (drive->stale < UINT8_MAX) ? (uint8_t)(drive->stale - 1U) : UINT8_MAX;
     } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_HOMING_ERROR)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
     } else if (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED)) {

@@ -55,14 +55,20 @@ static bool is_at_rest(const tumble_drive402_t *drive)
     return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
 }
 
-/* Not homed, any number will do: homing gives it another zero. */
+/* Must it stay where it is? Without power, and not homed, it may be turned by hand. */
+static bool is_held(const tumble_drive402_t *drive)
+{
+    return is_at_rest(drive) && (drive->homed || tumble_drive_may_turn(drive));
+}
+
+/* Not homed, any number will do, for homing gives it another zero: but an axis that was told to rest does rest. */
 static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
 {
+    if (drive->settled && is_held(drive)) {
+        return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;
+    }
     if (!drive->homed || !drive->tracked) {
         return true;
-    }
-    if (drive->settled) {
-        return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;
     }
     return is_in_reach(drive, change) && !is_guess(drive);
 }
@@ -91,11 +97,12 @@ static void follow_homing(tumble_drive402_t *drive, int64_t change)
 
 static void follow_rest(tumble_drive402_t *drive, int64_t change)
 {
+    const bool held = is_held(drive);
     const bool for_long = (drive->node->now_us - drive->entered_us) >= SETTLED_US;
-    if (drive->settled) {
+    if (drive->settled && held) {
         drive->strayed += (int32_t)change;
     } else {
-        drive->settled = tumble_drive_stands_still(drive) || for_long;
+        drive->settled = held && (tumble_drive_stands_still(drive) || for_long);
         drive->strayed = 0;
     }
 }
@@ -123,9 +130,7 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     } else {
         /* at rest for long */
     }
-    if (drive->homed && is_at_rest(drive)) {
-        follow_rest(drive, change);
-    }
+    follow_rest(drive, change);
 }
 
 /* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */

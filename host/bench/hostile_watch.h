@@ -40,7 +40,7 @@
 
 /* Is a decay of the active set told of by the firmware? */
 #ifndef BENCH_DECAY_IS_TOLD
-#define BENCH_DECAY_IS_TOLD 0
+#define BENCH_DECAY_IS_TOLD 1
 #endif
 
 #define BENCH_REST_US 6000000U

@@ -92,16 +92,6 @@ static void test_homing_does_not_believe_the_last_one(void)
     }
 }
 
-/* A drive that is home at once may never show that it was not. */
-static void test_homing_without_a_change_is_believed_in_the_end(void)
-{
-    bring_up(&common);
-    played.attained_from_before = true;
-    played.old_reports = 1000000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
-}
-
 static void test_the_handshake_of_a_move(void)
 {
     static const control_t expected[] = {
@@ -295,7 +285,6 @@ int main(void)
     RUN_TEST(test_the_first_word_is_a_quick_stop);
     RUN_TEST(test_homing);
     RUN_TEST(test_homing_does_not_believe_the_last_one);
-    RUN_TEST(test_homing_without_a_change_is_believed_in_the_end);
     RUN_TEST(test_the_handshake_of_a_move);
     RUN_TEST(test_moves_over_several_turns_both_ways);
     RUN_TEST(test_a_lingering_target_reached_is_not_believed);

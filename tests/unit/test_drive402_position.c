@@ -133,10 +133,15 @@ static void test_a_stopped_axis_that_is_turned_by_hand(void)
     assert_lost();
 }
 
-/* Not homed, nothing is known that could be lost. */
+/* Not homed and without power, nothing is known that could be lost. */
 static void test_before_homing_the_axis_may_be_turned(void)
 {
     bring_up(&common);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(50);
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_READY, 100);
     run_ms(100);
     played.actual += 5000;
     run_ms(100);
@@ -144,7 +149,58 @@ static void test_before_homing_the_axis_may_be_turned(void)
     TEST_ASSERT_EQUAL_UINT32(0, bench.drive.counters.implausible);
 }
 
+/* Somebody else turns it, by a way that we do not see: it was told to rest. */
+static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.stop = TUMBLE_STOP_BY_HALT;
+    bring_up(&profile);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(50);
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_READY, 100);
+    played.homing = false;
+    run_ms(100);
+    played.control = 0x0F;
+    played.goal = 100000;
+    played.mode = 1;
+    played.moving = true;
+    run_ms(60);
+    assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    run_ms(30);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
 /* Homing. */
+
+/* The start got lost, and the drive still tells of the homing before: that is none. */
+static void test_a_homing_that_never_began(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.home_timeout_ms = 500;
+    bring_up(&profile);
+    played.attained_from_before = true;
+    played.old_reports = UINT32_MAX;
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(450);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
+    run_ms(100);
+    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+}
+
+/* A method that homes where the axis stands shows nothing else. */
+static void test_a_homing_on_the_spot(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.homing_method = 37;
+    bring_up(&profile);
+    played.attained_from_before = true;
+    played.old_reports = UINT32_MAX;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+}
 
 static void home_without_end(const tumble_drive_profile_t *profile, int32_t counts_per_ms)
 {
@@ -310,6 +366,9 @@ int main(void)
     RUN_TEST(test_an_axis_that_creeps_at_rest);
     RUN_TEST(test_a_stopped_axis_that_is_turned_by_hand);
     RUN_TEST(test_before_homing_the_axis_may_be_turned);
+    RUN_TEST(test_an_axis_that_is_not_homed_and_held_must_rest);
+    RUN_TEST(test_a_homing_that_never_began);
+    RUN_TEST(test_a_homing_on_the_spot);
     RUN_TEST(test_homing_turns_no_further_than_the_cable_and_a_turn);
     RUN_TEST(test_nor_on_a_drive_that_wraps);
     RUN_TEST(test_a_new_zero_is_no_travel);
