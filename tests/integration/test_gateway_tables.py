@@ -82,6 +82,6 @@ def test_a_new_key_makes_the_registers_stale(tmp_path, product):
     for path in GENERATE.parent.glob("*.toml"):
         shutil.copy(path, tmp_path)
     text = (tmp_path / "navcomp.toml").read_text(encoding="utf-8")
-    (tmp_path / "navcomp.toml").write_text(text.replace("modbus = { at = 110 }", "modbus = { at = 118 }"))
+    (tmp_path / "navcomp.toml").write_text(text.replace("modbus = { at = 110 }", "modbus = { at = 1330 }"))
     done = subprocess.run([sys.executable, GENERATE, "--check", "--tables", tmp_path], text=True, capture_output=True)
     assert done.returncode == 1 and f"{product} is not what the tables say" in done.stderr

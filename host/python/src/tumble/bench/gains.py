@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from tumble.bench.setup import Setup
+from tumble.bench.setup import Setup, step_v
 from tumble.planning.gains import optimal_table
 from tumble.planning.record import record_of, to_bytes
-from tumble.standfile import converter_step_v
 from tumble.weighted import Known
 
 _USUAL_BLOCK = {"scale_v_per_g": -2.0, "misalignment_rad": 0.02}  # the program's own, where no file describes a block
-_USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # likewise, where the file leaves it open
 
 _FEWEST_SAMPLES = 16  # before which the procedure does not look at an error budget
 _MOST = 1e6  # times the budget that one sample's noise counts as, at most
@@ -33,12 +31,6 @@ def _expected_samples(setup: Setup) -> float:
     one_sample = setup.stand.with_step(step_v(setup)).sigma("noise")
     wanted = (one_sample / setup.error_budget_v) ** 2 if one_sample < _MOST * setup.error_budget_v else _MOST**2
     return max(wanted, float(min(_FEWEST_SAMPLES, setup.samples)))
-
-
-def step_v(setup: Setup) -> float:
-    """Size of a count of the simulated converter."""
-    block = setup.block or {}
-    return converter_step_v({key: block.get(key) or usual for key, usual in _USUAL_CONVERTER.items()})
 
 
 def record(setup: Setup) -> bytes:

@@ -16,6 +16,7 @@ from tumble.core import CoreSchedule, sine_cosine
 from tumble.errors import BadInput
 from tumble.schedule import Mounting, Position
 from tumble.stand import Stand
+from tumble.standfile import converter_step_v
 
 _MOST_BITS = 24
 _RATES_HZ = (1.0, 1000.0)
@@ -29,6 +30,7 @@ _USUAL_MOTION = {"velocity_deg_per_s": 90.0, "acceleration_deg_per_s2": 180.0, "
 _USUAL_CABLE_DEG = (-30.0, 400.0)
 _CABLE_SLACK_DEG = 30.0
 _LONGEST_MS = 2**32 - 1
+_USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file leaves it open
 
 
 @dataclass(frozen=True)
@@ -139,10 +141,24 @@ def _procedure(setup: Setup) -> Iterator[tuple[str, str]]:
     rate_hz = (setup.block or {}).get("sample_rate_hz") or 100.0
     yield "procedure.estimator", setup.estimator
     yield "procedure.samples", str(setup.samples)
+    if setup.samples < _fewest_that_show_stuck(setup):
+        yield "averaging.stuck_run", "0"  # the firmware refuses a gate that could not tell
     if setup.error_budget_v > 0.0:
         yield "procedure.error_budget_v", _numbers(setup.error_budget_v)
     yield "procedure.gravity_limit_g", _numbers(setup.limit_g)
     yield "limit.virtual_s", _numbers(36000.0 + 4.0 * len(setup.schedule) * setup.samples / rate_hz)
+
+
+def step_v(setup: Setup) -> float:
+    """Size of a count of the simulated converter."""
+    block = setup.block or {}
+    return converter_step_v({key: block.get(key) or usual for key, usual in _USUAL_CONVERTER.items()})
+
+
+def _fewest_that_show_stuck(setup: Setup) -> int:
+    """So many equal samples come by chance in one of 100,000 positions at most (docs/method.md)."""
+    noise_counts = max(1.0, setup.stand.sigma("noise") / step_v(setup))
+    return 1 + math.ceil(math.log(1e5) / math.log(noise_counts * math.sqrt(2.0 * math.pi)))
 
 
 def _schedule(schedule: CoreSchedule) -> Iterator[tuple[str, str]]:
