@@ -326,6 +326,14 @@ def test_no_such_interface():
     assert (done.returncode, done.stderr) == (2, "tumble-gateway: can999: there is no CAN interface of this name\n")
 
 
+def wait_for_silence(network, identifier):
+    """Until a frame of this identifier has not come for a while."""
+    heard = []
+    network.subscribe(identifier, lambda *_: heard.append(time.monotonic()))
+    heard.append(time.monotonic())
+    wait_until(lambda: time.monotonic() - heard[-1] > 0.5)
+
+
 def test_the_service_level_of_the_bus_and_of_a_session(network, calibrating, serve):
     """Unlock, write, lock: over CAN and through the gateway, of the same node."""
     level, limit = "Service level: Level", "Configuration: Gravity limit"
@@ -349,6 +357,7 @@ def test_the_service_level_of_the_bus_and_of_a_session(network, calibrating, ser
     assert not served.client.write_registers(0, list(KEYS), device_id=1).isError()
     assert served.tell(limit, before) == (6, 0)
     served.end()  # the node has one SDO channel, and polls would come between
+    wait_for_silence(network, 0x581)  # what it had asked last is answered all the same
 
     def write(value):
         node.sdo["Configuration"]["Gravity limit"].raw = value
