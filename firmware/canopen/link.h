@@ -29,6 +29,9 @@ void tumble_link_init(tumble_link_t *link, const tumble_port_t *port);
 /* Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY or TUMBLE_E_PORT_DOWN. */
 tumble_status_t tumble_link_send(tumble_link_t *link, const tumble_can_frame_t *frame);
 
+/* The same for a frame that is made of these. */
+tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const uint8_t *bytes, uint8_t length);
+
 /* Returns TUMBLE_OK, TUMBLE_E_PORT_EMPTY, TUMBLE_E_PORT_DOWN, or TUMBLE_E_FRAME for a frame that was dropped (ask
  * again). */
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame);

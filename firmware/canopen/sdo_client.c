@@ -335,11 +335,10 @@ void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_fra
 /* Time runs from the first offer to the port, and anew from the moment that the port takes the frame. */
 static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint64_t now_us)
 {
-    tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_SDO_REQUEST_ID + client->node), .length = 8};
     bool busy = client->result == TUMBLE_E_SDO_BUSY;
 
-    (void)memcpy(frame.data, client->request, sizeof frame.data);
-    client->request_due = tumble_link_send(link, &frame) != TUMBLE_OK;
+    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node,
+                                                 client->request, sizeof client->request) != TUMBLE_OK;
     if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
         client->deadline_us = now_us + TUMBLE_SDO_CLIENT_TIMEOUT_US;
     }

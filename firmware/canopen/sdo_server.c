@@ -318,10 +318,8 @@ void tumble_sdo_server_step(tumble_sdo_server_t *server, tumble_link_t *link, ui
         refuse(server, TUMBLE_ABORT_TIMEOUT);
     }
     if (server->answer_due) {
-        tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_SDO_RESPONSE_ID + server->node), .length = 8};
-
-        (void)memcpy(frame.data, server->answer, sizeof frame.data);
-        server->answer_due = tumble_link_send(link, &frame) != TUMBLE_OK;
+        server->answer_due = tumble_link_send_bytes(link, TUMBLE_SDO_RESPONSE_ID + (uint32_t)server->node,
+                                                    server->answer, sizeof server->answer) != TUMBLE_OK;
     }
 }
 

@@ -33,9 +33,9 @@ static uint32_t way_counts(const tumble_drive402_t *drive)
 }
 
 /* Can the axis have come so far? */
-static bool is_in_reach(const tumble_drive402_t *drive, int64_t change)
+static bool is_in_reach(const tumble_drive402_t *drive, uint32_t size)
 {
-    return (size_of(change) / 2U) <= saturated((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
+    return (size / 2U) <= ((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
 }
 
 /* A drive that wraps and was not heard for half a circle: nobody knows which one it is in. */
@@ -64,7 +64,7 @@ static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
     if (drive->settled) {
         return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;
     }
-    return is_in_reach(drive, change) && !is_guess(drive);
+    return is_in_reach(drive, size_of(change)) && !is_guess(drive);
 }
 
 /* One report may be garbled: it is dropped. */
@@ -79,10 +79,10 @@ static void doubt(tumble_drive402_t *drive)
 }
 
 /* The zero that homing sets is no movement. */
-static void follow_homing(tumble_drive402_t *drive, int64_t change)
+static void follow_homing(tumble_drive402_t *drive, uint32_t size)
 {
-    if (is_in_reach(drive, change)) {
-        drive->travel = saturated((uint64_t)drive->travel + size_of(change));
+    if (is_in_reach(drive, size)) {
+        drive->travel = saturated((uint64_t)drive->travel + size);
     }
     if ((drive->homing_counts != 0U) && (drive->travel > drive->homing_counts)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
@@ -110,7 +110,7 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
         return;
     }
     if (is_homing(drive)) {
-        follow_homing(drive, change);
+        follow_homing(drive, size_of(change));
     }
     drive->doubtful = 0;
     drive->tracked = true;
