@@ -36,13 +36,9 @@ tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const u
  * again). */
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame);
 
-/* One more, up to UINT32_MAX. */
-static inline void tumble_count(uint32_t *counter)
-{
-    if (*counter != UINT32_MAX) {
-        ++*counter;
-    }
-}
+/* One more, up to UINT32_MAX; up to UINT16_MAX. */
+void tumble_count(uint32_t *counter);
+void tumble_count_u16(uint16_t *counter);
 
 /* A time that never comes: a timer that does not run. */
 #define TUMBLE_NEVER UINT64_MAX

@@ -20,13 +20,6 @@ void tumble_nmt_init(tumble_nmt_t *nmt, uint8_t node, uint16_t producer_ms)
     }
 }
 
-static void ignore(tumble_nmt_t *nmt)
-{
-    if (nmt->ignored != UINT16_MAX) {
-        ++nmt->ignored;
-    }
-}
-
 void tumble_nmt_set_state(tumble_nmt_t *nmt, tumble_nmt_state_t state)
 {
     if (nmt->state == (uint8_t)TUMBLE_NMT_INITIALISING) {
@@ -41,7 +34,7 @@ uint8_t tumble_nmt_receive(tumble_nmt_t *nmt, const tumble_can_frame_t *frame)
     uint8_t command = frame->data[0];
 
     if (frame->length != 2U) {
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         return 0;
     }
     if ((frame->data[1] != 0U) && (frame->data[1] != nmt->node)) {
@@ -61,7 +54,7 @@ uint8_t tumble_nmt_receive(tumble_nmt_t *nmt, const tumble_can_frame_t *frame)
     case TUMBLE_NMT_RESET_COMMUNICATION:
         break;
     default:
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         command = 0;
         break;
     }
@@ -74,7 +67,7 @@ tumble_status_t tumble_nmt_command(tumble_nmt_t *nmt, uint8_t node, tumble_nmt_c
         return TUMBLE_E_ARGUMENT;
     }
     if (nmt->queued >= TUMBLE_NMT_QUEUE) {
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         return TUMBLE_E_PORT_BUSY;
     }
     nmt->queue[nmt->queued][0] = (uint8_t)command;

@@ -1,4 +1,5 @@
 #include "canopen/pdo_mapping.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -25,7 +26,7 @@ static bool is_transmit(uint16_t index)
     return (index & TRANSMIT_COMMUNICATION) == TRANSMIT_COMMUNICATION;
 }
 
-static bool is_mapping(uint16_t index)
+TUMBLE_ONE_COPY static bool is_mapping(uint16_t index)
 {
     return ((index & AREA_MASK) == RECEIVE_MAPPING) || ((index & AREA_MASK) == TRANSMIT_MAPPING);
 }

@@ -7,17 +7,12 @@
 #ifndef TUMBLE_CORE_ARITH_H
 #define TUMBLE_CORE_ARITH_H
 
+#include "core/one_copy.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
-
-/* A link that optimises the whole would copy these tests to wherever one asks. */
-#if defined(__GNUC__)
-#define TUMBLE_ONE_COPY __attribute__((noinline))
-#else
-#define TUMBLE_ONE_COPY
-#endif
 
 static inline double tumble_sqrt(double x)
 {
@@ -33,6 +28,10 @@ static inline double tumble_abs(double x)
     (void)memcpy(&x, &bits, sizeof x);
     return x;
 }
+
+/* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal float.
+ * `x` a number. Without floating point hardware a cast costs a member of the library. */
+TUMBLE_ONE_COPY float tumble_to_float(double x);
 
 TUMBLE_ONE_COPY bool tumble_is_finite(double x);
 

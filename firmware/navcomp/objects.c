@@ -37,6 +37,8 @@ static const tumble_limit_t limits[] = {
     {1.0, 1048576.0},
 };
 
+TUMBLE_HAS_SIZE("2000h:0", tumble_navcomp_progress_t, as_byte.state, 1U);
+TUMBLE_HAS_SIZE("2001h:0", tumble_navcomp_progress_t, as_byte.reason, 1U);
 TUMBLE_HAS_SIZE("2003h:1", tumble_navcomp_progress_t, run.index, 1U);
 TUMBLE_FOLLOWS("2003h:2", tumble_navcomp_progress_t, run.index, run.count, 1U);
 TUMBLE_FOLLOWS("2003h:3", tumble_navcomp_progress_t, run.count, run.finished, 1U);
@@ -48,9 +50,12 @@ TUMBLE_FOLLOWS("2003h:8", tumble_navcomp_progress_t, run.samples, run.samples_wa
 TUMBLE_HAS_SIZE("2003h:9", tumble_navcomp_progress_t, run.target_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:10", tumble_navcomp_progress_t, angle_deg, 8U);
 TUMBLE_HAS_SIZE("2003h:11", tumble_navcomp_progress_t, temperature_half_c, 1U);
+TUMBLE_HAS_SIZE("2003h:12", tumble_navcomp_progress_t, as_byte.stand, 1U);
+TUMBLE_HAS_SIZE("2004h:1", tumble_navcomp_progress_t, as_byte.failed_in, 1U);
+TUMBLE_FOLLOWS("2004h:2", tumble_navcomp_progress_t, as_byte.failed_in, as_byte.status, 1U);
 TUMBLE_HAS_SIZE("2004h:3", tumble_navcomp_progress_t, run.drive_code, 2U);
 TUMBLE_HAS_SIZE("2004h:4", tumble_navcomp_progress_t, stand_fault, 1U);
-TUMBLE_HAS_SIZE("2004h:5", tumble_navcomp_progress_t, limited, 1U);
+TUMBLE_FOLLOWS("2004h:5", tumble_navcomp_progress_t, stand_fault, limited, 1U);
 TUMBLE_IS_ARRAY("2010h:1", tumble_navcomp_progress_t, mean_v, mean_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2011h:1", tumble_navcomp_progress_t, standard_error_v, standard_error_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("2020h:1", tumble_coefficients_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
@@ -214,10 +219,10 @@ static const tumble_entry_t entries[] = {
      TUMBLE_HOME_COMMUNICATION, 4U, 0U, 0U, 7U, 2U},
     /* State */
     {0x2000U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,
-     TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, as_byte.state), 0U, 0U},
     /* Reason */
     {0x2001U, 0U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,
-     TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, as_byte.reason), 0U, 0U},
     /* Command */
     {0x2002U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE,
      TUMBLE_HOME_VARIABLES, 1U, 0U, offsetof(tumble_navcomp_objects_t, command_argument), 0U, 0U},
@@ -238,16 +243,14 @@ static const tumble_entry_t entries[] = {
     {0x2003U, 11U, TUMBLE_TYPE_INTEGER8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,
      TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, temperature_half_c), 0U, 0U},
     {0x2003U, 12U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,
-     TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, as_byte.stand), 0U, 0U},
     /* Failure */
-    {0x2004U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
-    {0x2004U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ, TUMBLE_HOME_COMPUTED, 1U, 0U, 0U, 0U, 0U},
+    {0x2004U, 1U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ,
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, as_byte.failed_in), 1U, 0U},
     {0x2004U, 3U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_ACCESS_READ,
      TUMBLE_HOME_COMPUTED, 2U, 0U, offsetof(tumble_navcomp_progress_t, run.drive_code), 0U, 0U},
     {0x2004U, 4U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, stand_fault), 0U, 0U},
-    {0x2004U, 5U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ,
-     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, limited), 0U, 0U},
+     TUMBLE_HOME_COMPUTED, 1U, 0U, offsetof(tumble_navcomp_progress_t, stand_fault), 1U, 0U},
     /* Service level */
     {0x2006U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_ACCESS_WRITE, TUMBLE_HOME_COMPUTED, 4U, 0U, 0U, 0U, 0U},
     {0x2006U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT,

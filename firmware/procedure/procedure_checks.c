@@ -322,6 +322,6 @@ tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t inde
         const double size_g = tumble_abs(difference_v[i] / config->nominal_scale_v_per_g);
         largest_g = (size_g > largest_g) ? size_g : largest_g;
     }
-    procedure->closure_g[mounting] = (float)largest_g;
+    procedure->closure_g[mounting] = tumble_to_float(largest_g);
     return (largest_g > config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
 }

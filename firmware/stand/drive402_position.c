@@ -9,12 +9,14 @@
  */
 #include "stand/drive402_internal.h"
 
+#include "core/one_copy.h"
+
 #define REPORTS_PER_S 4U
 #define SETTLED_US UINT64_C(2000000)
 #define DOUBTS 2U
 #define BLIND_US UINT64_C(1200000) /* longer than a heartbeat may be away: a silent drive is told as what it is */
 
-static uint32_t saturated(uint64_t counts)
+TUMBLE_ONE_COPY static uint32_t saturated(uint64_t counts)
 {
     return (counts < UINT32_MAX) ? (uint32_t)counts : UINT32_MAX;
 }
@@ -131,12 +133,11 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
 /* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */
 void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t fault, uint16_t code, uint16_t detail)
 {
-    const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {(uint8_t)(detail & 0xFFU), (uint8_t)(detail >> 8), 0, 0, 0};
     const bool told = !drive->homed && (drive->fault == (uint8_t)fault);
     drive->homed = false;
     drive->tracked = false;
     if (!told) {
-        tumble_emcy_raise(&drive->node->emcy, code, TUMBLE_ERROR_PROFILE, info);
+        tumble_emcy_tell(&drive->node->emcy, code, TUMBLE_ERROR_PROFILE, detail);
     }
     if ((drive->phase >= (uint8_t)PHASE_POWER) && (drive->phase != (uint8_t)PHASE_FAULT)) {
         tumble_drive_fail(drive, fault);
