@@ -292,9 +292,11 @@ static void watch(tumble_node_t *node)
     }
 }
 
+/* Emergencies live where SDO does. */
 static void step_sdo(tumble_node_t *node)
 {
     if (has_sdo(node)) {
+        tumble_emcy_step(&node->emcy, &node->link);
         tumble_sdo_server_step(&node->server, &node->link, node->now_us);
         tumble_sdo_client_step(&node->client, &node->link, node->now_us);
     } else {
@@ -312,9 +314,6 @@ void tumble_node_step(tumble_node_t *node, uint64_t now_us)
     before = tumble_node_state(node);
     if (tumble_nmt_step(&node->nmt, &node->link, now_us)) {
         follow_state(node, before);
-    }
-    if (has_sdo(node)) {
-        tumble_emcy_step(&node->emcy, &node->link);
     }
     step_sdo(node);
     if (is_operational(node)) {

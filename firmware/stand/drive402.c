@@ -1,6 +1,7 @@
 #include "stand/drive402_internal.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -198,7 +199,7 @@ static tumble_stand_state_t state(void *self)
 }
 
 /* Do this as soon as the drive is powered: at once, or after a stop by way of POWER. */
-static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
+TUMBLE_ONE_COPY static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
 {
     drive->wanted = (uint8_t)action;
     drive->travel = 0;
