@@ -1,4 +1,4 @@
-/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, and tests of one number.
+/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, rounding to a float, tests of one number.
  *
  * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
  * firmware/core, because libraries differ in their last bit. The tests are functions of their own: where comparing
