@@ -58,7 +58,7 @@ static bool is_consumer(uint8_t subindex)
     return (subindex >= 1U) && (subindex <= TUMBLE_MAX_CONSUMERS);
 }
 
-static tumble_abort_t read_number(const tumble_node_t *node, uint16_t index, uint8_t subindex, uint32_t *value)
+static tumble_abort_t read_number(tumble_node_t *node, uint16_t index, uint8_t subindex, uint32_t *value)
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
@@ -89,7 +89,7 @@ static tumble_abort_t read_number(const tumble_node_t *node, uint16_t index, uin
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     uint32_t value = 0;
-    tumble_abort_t refusal = read_number((const tumble_node_t *)context, entry->index, entry->subindex, &value);
+    tumble_abort_t refusal = read_number((tumble_node_t *)context, entry->index, entry->subindex, &value);
 
     (void)size; /* numbers: as the entry says */
     tumble_put_u32(bytes, value);

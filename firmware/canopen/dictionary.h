@@ -57,17 +57,17 @@
 typedef struct {
     uint16_t index;
     uint8_t subindex;
-    uint8_t type;    /* TUMBLE_TYPE_... */
-    uint8_t access;  /* TUMBLE_ACCESS_... bits */
-    uint8_t home;    /* TUMBLE_HOME_... */
-    uint8_t size;    /* bytes; of a string: the most it may have. 1 to TUMBLE_MAX_OBJECT_BYTES */
-    uint8_t limit;   /* 0: none; else 1 + place in the table's limits */
-    uint16_t offset; /* bytes into its home; free for the hooks' use when COMPUTED or COMMUNICATION */
+    uint8_t type : 5;  /* TUMBLE_TYPE_... */
+    uint8_t home : 3;  /* TUMBLE_HOME_... */
+    uint8_t access;    /* TUMBLE_ACCESS_... bits */
+    uint8_t size;      /* bytes; of a string: the most it may have. 1 to TUMBLE_MAX_OBJECT_BYTES */
+    uint8_t limit : 4; /* 0: none; else 1 + place in the table's limits */
+    uint8_t more_objects : 4;
     uint8_t more_subindices;
-    uint8_t more_objects;
+    uint16_t offset; /* bytes into its home; free for the hooks' use when COMPUTED or COMMUNICATION */
 } tumble_entry_t;
 
-static_assert(sizeof(tumble_entry_t) == 12, "the dictionary table is the largest constant of a node");
+static_assert(sizeof(tumble_entry_t) == 10, "the dictionary table is the largest constant of a node");
 
 /* Limits of a number, both included. Types up to 32 bits and reals; not for 64-bit integers. */
 typedef struct {

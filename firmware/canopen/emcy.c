@@ -16,10 +16,8 @@ static void enqueue(tumble_emcy_t *emcy, const tumble_emergency_t *emergency)
     if (emcy->queued < TUMBLE_EMCY_QUEUE) {
         emcy->queue[emcy->queued] = *emergency;
         ++emcy->queued;
-    } else if (emcy->overflow != UINT16_MAX) {
-        ++emcy->overflow;
     } else {
-        /* the counter stands */
+        tumble_count_u16(&emcy->overflow);
     }
 }
 
@@ -43,6 +41,14 @@ void tumble_emcy_raise(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, const u
     emergency.error_register = emcy->error_register;
     record(emcy, &emergency);
     enqueue(emcy, &emergency);
+}
+
+void tumble_emcy_tell(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, uint32_t detail)
+{
+    uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {0};
+
+    tumble_put_u32(info, detail);
+    tumble_emcy_raise(emcy, code, bits, info);
 }
 
 void tumble_emcy_clear(tumble_emcy_t *emcy, uint8_t bits)

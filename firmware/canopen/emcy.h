@@ -57,6 +57,9 @@ void tumble_emcy_init(tumble_emcy_t *emcy, uint8_t node);
  * `info` may be null: zeros. */
 void tumble_emcy_raise(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, const uint8_t info[TUMBLE_EMCY_INFO_BYTES]);
 
+/* The same with a number for `info`, low byte first. */
+void tumble_emcy_tell(tumble_emcy_t *emcy, uint16_t code, uint8_t bits, uint32_t detail);
+
 /* Clear bits of the register; when no other than GENERIC is left, the register becomes 0 and "no error" is queued. No
  * effect when the register is 0 already. */
 void tumble_emcy_clear(tumble_emcy_t *emcy, uint8_t bits);

@@ -25,6 +25,14 @@ tumble_status_t tumble_link_send(tumble_link_t *link, const tumble_can_frame_t *
     return status;
 }
 
+tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const uint8_t *bytes, uint8_t length)
+{
+    tumble_can_frame_t frame = {.id = (uint16_t)id, .length = length};
+
+    (void)memcpy(frame.data, bytes, length);
+    return tumble_link_send(link, &frame);
+}
+
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame)
 {
     tumble_status_t status = link->port->can_receive(link->port->context, frame);
@@ -42,4 +50,18 @@ tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *fra
         }
     }
     return status;
+}
+
+void tumble_count(uint32_t *counter)
+{
+    if (*counter != UINT32_MAX) {
+        ++*counter;
+    }
+}
+
+void tumble_count_u16(uint16_t *counter)
+{
+    if (*counter != UINT16_MAX) {
+        ++*counter;
+    }
 }

@@ -29,17 +29,16 @@ void tumble_link_init(tumble_link_t *link, const tumble_port_t *port);
 /* Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY or TUMBLE_E_PORT_DOWN. */
 tumble_status_t tumble_link_send(tumble_link_t *link, const tumble_can_frame_t *frame);
 
+/* The same for a frame that is made of these. */
+tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const uint8_t *bytes, uint8_t length);
+
 /* Returns TUMBLE_OK, TUMBLE_E_PORT_EMPTY, TUMBLE_E_PORT_DOWN, or TUMBLE_E_FRAME for a frame that was dropped (ask
  * again). */
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame);
 
-/* One more, up to UINT32_MAX. */
-static inline void tumble_count(uint32_t *counter)
-{
-    if (*counter != UINT32_MAX) {
-        ++*counter;
-    }
-}
+/* One more, up to UINT32_MAX; up to UINT16_MAX. */
+void tumble_count(uint32_t *counter);
+void tumble_count_u16(uint16_t *counter);
 
 /* A time that never comes: a timer that does not run. */
 #define TUMBLE_NEVER UINT64_MAX

@@ -20,13 +20,6 @@ void tumble_nmt_init(tumble_nmt_t *nmt, uint8_t node, uint16_t producer_ms)
     }
 }
 
-static void ignore(tumble_nmt_t *nmt)
-{
-    if (nmt->ignored != UINT16_MAX) {
-        ++nmt->ignored;
-    }
-}
-
 void tumble_nmt_set_state(tumble_nmt_t *nmt, tumble_nmt_state_t state)
 {
     if (nmt->state == (uint8_t)TUMBLE_NMT_INITIALISING) {
@@ -41,7 +34,7 @@ uint8_t tumble_nmt_receive(tumble_nmt_t *nmt, const tumble_can_frame_t *frame)
     uint8_t command = frame->data[0];
 
     if (frame->length != 2U) {
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         return 0;
     }
     if ((frame->data[1] != 0U) && (frame->data[1] != nmt->node)) {
@@ -61,7 +54,7 @@ uint8_t tumble_nmt_receive(tumble_nmt_t *nmt, const tumble_can_frame_t *frame)
     case TUMBLE_NMT_RESET_COMMUNICATION:
         break;
     default:
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         command = 0;
         break;
     }
@@ -74,7 +67,7 @@ tumble_status_t tumble_nmt_command(tumble_nmt_t *nmt, uint8_t node, tumble_nmt_c
         return TUMBLE_E_ARGUMENT;
     }
     if (nmt->queued >= TUMBLE_NMT_QUEUE) {
-        ignore(nmt);
+        tumble_count_u16(&nmt->ignored);
         return TUMBLE_E_PORT_BUSY;
     }
     nmt->queue[nmt->queued][0] = (uint8_t)command;
@@ -83,16 +76,16 @@ tumble_status_t tumble_nmt_command(tumble_nmt_t *nmt, uint8_t node, tumble_nmt_c
     return TUMBLE_OK;
 }
 
-static tumble_consumer_t *consumer_of(tumble_nmt_t *nmt, uint8_t node)
+/* Where a node is watched: a place in the consumers, or their number. None is watched twice. */
+static uint8_t place_of(const tumble_nmt_t *nmt, uint8_t node)
 {
-    tumble_consumer_t *found = NULL;
+    uint8_t place = 0;
 
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
-        if ((nmt->consumers[i].node == node) && (nmt->consumers[i].time_ms != 0U)) {
-            found = &nmt->consumers[i];
-        }
+    while ((place < TUMBLE_MAX_CONSUMERS) &&
+           ((nmt->consumers[place].node != node) || (nmt->consumers[place].time_ms == 0U))) {
+        ++place;
     }
-    return found;
+    return place;
 }
 
 /* What a heartbeat says beside what was known. */
@@ -117,13 +110,15 @@ tumble_heartbeat_event_t tumble_nmt_heard(tumble_nmt_t *nmt, const tumble_can_fr
 {
     tumble_consumer_t *consumer;
     tumble_heartbeat_event_t event;
+    uint8_t place;
     uint8_t state = frame->data[0] & 0x7FU; /* bit 7 is the toggle bit of node guarding */
 
     *node = (uint8_t)(frame->id - TUMBLE_HEARTBEAT_ID);
-    consumer = consumer_of(nmt, *node);
-    if ((consumer == NULL) || (frame->length != 1U)) {
+    place = place_of(nmt, *node);
+    if ((place == TUMBLE_MAX_CONSUMERS) || (frame->length != 1U)) {
         return TUMBLE_HEARTBEAT_NOTHING;
     }
+    consumer = &nmt->consumers[place];
     event = judge(consumer, state);
     consumer->state = state;
     consumer->lost = false;
@@ -148,10 +143,7 @@ uint8_t tumble_nmt_lost(tumble_nmt_t *nmt, uint64_t now_us)
 
 static tumble_status_t send_state(const tumble_nmt_t *nmt, tumble_link_t *link)
 {
-    tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_HEARTBEAT_ID + nmt->node), .length = 1};
-
-    frame.data[0] = nmt->state;
-    return tumble_link_send(link, &frame);
+    return tumble_link_send_bytes(link, TUMBLE_HEARTBEAT_ID + (uint32_t)nmt->node, &nmt->state, sizeof nmt->state);
 }
 
 /* The boot-up message is a heartbeat that carries 0. */
@@ -171,11 +163,7 @@ static tumble_status_t send_commands(tumble_nmt_t *nmt, tumble_link_t *link)
     tumble_status_t status = TUMBLE_OK;
 
     while ((nmt->queued > 0U) && (status == TUMBLE_OK)) {
-        tumble_can_frame_t frame = {.id = TUMBLE_NMT_ID, .length = 2};
-
-        frame.data[0] = nmt->queue[0][0];
-        frame.data[1] = nmt->queue[0][1];
-        status = tumble_link_send(link, &frame);
+        status = tumble_link_send_bytes(link, TUMBLE_NMT_ID, nmt->queue[0], sizeof nmt->queue[0]);
         if (status == TUMBLE_OK) {
             --nmt->queued;
             (void)memmove(nmt->queue[0], nmt->queue[1], nmt->queued * sizeof nmt->queue[0]);
@@ -213,14 +201,9 @@ bool tumble_nmt_step(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 
 tumble_nmt_state_t tumble_nmt_state_of(const tumble_nmt_t *nmt, uint8_t node)
 {
-    tumble_nmt_state_t state = TUMBLE_NMT_UNKNOWN;
+    const uint8_t place = place_of(nmt, node);
 
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
-        if ((nmt->consumers[i].node == node) && (nmt->consumers[i].time_ms != 0U)) {
-            state = (tumble_nmt_state_t)nmt->consumers[i].state;
-        }
-    }
-    return state;
+    return (place < TUMBLE_MAX_CONSUMERS) ? (tumble_nmt_state_t)nmt->consumers[place].state : TUMBLE_NMT_UNKNOWN;
 }
 
 bool tumble_nmt_any_lost(const tumble_nmt_t *nmt)
@@ -245,12 +228,12 @@ tumble_abort_t tumble_nmt_set_consumer(tumble_nmt_t *nmt, uint8_t subindex, uint
     tumble_consumer_t *consumer = &nmt->consumers[subindex - 1U];
     uint8_t node = (uint8_t)((value >> 16) & 0xFFU);
     uint16_t time_ms = (uint16_t)(value & 0xFFFFU);
-    const tumble_consumer_t *other = consumer_of(nmt, node);
+    const uint8_t place = place_of(nmt, node);
 
     if (((value >> 24) != 0U) || (node > MAX_NODE) || ((node == 0U) && (time_ms != 0U))) {
         return TUMBLE_ABORT_VALUE;
     }
-    if ((time_ms != 0U) && (other != NULL) && (other != consumer)) {
+    if ((time_ms != 0U) && (place != TUMBLE_MAX_CONSUMERS) && (place != (subindex - 1U))) {
         return TUMBLE_ABORT_INCOMPATIBLE;
     }
     consumer->node = node;

@@ -1,6 +1,7 @@
 #include "canopen/node.h"
 
 #include "canopen/communication.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -215,9 +216,7 @@ static void receive_heartbeat(tumble_node_t *node, const tumble_can_frame_t *fra
 
 static void raise_communication(tumble_node_t *node, uint16_t code, uint8_t detail)
 {
-    const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {detail, 0, 0, 0, 0};
-
-    tumble_emcy_raise(&node->emcy, code, TUMBLE_ERROR_COMMUNICATION, info);
+    tumble_emcy_tell(&node->emcy, code, TUMBLE_ERROR_COMMUNICATION, detail);
 }
 
 /* A PDO that falls short is reported when it begins to do so, not every time. */
@@ -251,7 +250,7 @@ static bool is_answer(const tumble_node_t *node, uint16_t id)
     return (node->client.node != 0U) && (id == (TUMBLE_SDO_RESPONSE_ID + node->client.node));
 }
 
-bool tumble_node_receive(tumble_node_t *node, const tumble_can_frame_t *frame, uint64_t now_us)
+TUMBLE_ONE_COPY bool tumble_node_receive(tumble_node_t *node, const tumble_can_frame_t *frame, uint64_t now_us)
 {
     bool mine = true;
 
@@ -293,9 +292,11 @@ static void watch(tumble_node_t *node)
     }
 }
 
+/* Emergencies live where SDO does. */
 static void step_sdo(tumble_node_t *node)
 {
     if (has_sdo(node)) {
+        tumble_emcy_step(&node->emcy, &node->link);
         tumble_sdo_server_step(&node->server, &node->link, node->now_us);
         tumble_sdo_client_step(&node->client, &node->link, node->now_us);
     } else {
@@ -313,9 +314,6 @@ void tumble_node_step(tumble_node_t *node, uint64_t now_us)
     before = tumble_node_state(node);
     if (tumble_nmt_step(&node->nmt, &node->link, now_us)) {
         follow_state(node, before);
-    }
-    if (has_sdo(node)) {
-        tumble_emcy_step(&node->emcy, &node->link);
     }
     step_sdo(node);
     if (is_operational(node)) {

@@ -21,13 +21,6 @@ void tumble_pdo_init(tumble_pdos_t *pdos)
     }
 }
 
-static void count(uint16_t *counter)
-{
-    if (*counter != UINT16_MAX) {
-        ++*counter;
-    }
-}
-
 static bool in_use(const tumble_pdo_t *pdo)
 {
     return tumble_pdo_is_valid(pdo) && (pdo->count > 0U);
@@ -67,7 +60,7 @@ static void unpack(tumble_pdos_t *pdos, const tumble_pdo_t *pdo, const tumble_di
         const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, i);
 
         if (tumble_dictionary_write(dictionary, &entry, &data[at], entry.size) != TUMBLE_ABORT_NONE) {
-            count(&pdos->refused);
+            tumble_count_u16(&pdos->refused);
         }
         at = (uint8_t)(at + entry.size);
     }
@@ -78,7 +71,7 @@ static tumble_pdo_outcome_t take(tumble_pdos_t *pdos, tumble_pdo_t *pdo, const t
 {
     pdo->fault = frame->length < pdo->length;
     if (pdo->fault) {
-        count(&pdos->too_short);
+        tumble_count_u16(&pdos->too_short);
         return TUMBLE_PDO_TOO_SHORT;
     }
     unpack(pdos, pdo, dictionary, frame->data);

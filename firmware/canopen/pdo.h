@@ -39,6 +39,14 @@ typedef struct {
     uint32_t map[TUMBLE_MAX_MAPPED];
 } tumble_pdo_setup_t;
 
+/* A value for an object: 1, 2 or 4 bytes. */
+typedef struct {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t size;
+    uint32_t value;
+} tumble_object_write_t;
+
 /* What both directions have. `place` and `subindex` tell the mapped objects (tumble_dictionary_entry); the bits of
  * `written` say which of them are set, in use or not. */
 typedef struct {
@@ -80,6 +88,12 @@ typedef enum {
 /* All PDOs invalid and without mapping. */
 void tumble_pdo_init(tumble_pdos_t *pdos);
 
+/* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the objects
+ * of the PDO with the communication parameter `index`; size 0: nothing. */
+#define TUMBLE_PDO_SETUP_STEPS (TUMBLE_MAX_MAPPED + 7U)
+void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
+                            tumble_object_write_t *write);
+
 /* Set up the PDO `number` (0 is 1400h / 1800h) at once, in the order above: what was there before is gone. On a refusal
  * the PDO is left invalid. Returns TUMBLE_ABORT_NONE or the reason, as from SDO; _NO_OBJECT for a number that is not
  * there. */
@@ -90,8 +104,8 @@ tumble_abort_t tumble_pdo_configure(tumble_pdos_t *pdos, const tumble_dictionary
  * (mapping of an object that does not exist, a PDO that is not there), _NO_SUBINDEX, _READ_ONLY, _NOT_MAPPABLE
  * (direction, access, bits that are not the object's), _MAP_LENGTH (over 8 bytes), _VALUE (identifier reserved by CiA
  * 301, 29-bit, transmission type), _DEVICE_STATE (the PDO must be disabled first, or its mapping). */
-tumble_abort_t tumble_pdo_read_parameter(const tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
-                                         uint16_t index, uint8_t subindex, uint32_t *value);
+tumble_abort_t tumble_pdo_read_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
+                                         uint8_t subindex, uint32_t *value);
 tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
                                           uint8_t subindex, uint32_t value);
 

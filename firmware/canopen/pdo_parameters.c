@@ -1,4 +1,5 @@
 #include "canopen/pdo_mapping.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -8,6 +9,7 @@
 #define RECEIVE_MAPPING 0x1600U
 #define TRANSMIT_COMMUNICATION 0x1800U
 #define TRANSMIT_MAPPING 0x1A00U
+#define MAPPING_AWAY 0x200U /* from a communication parameter to its mapping */
 
 /* Subindices of a communication parameter. */
 #define SUB_COUNT 0U
@@ -24,22 +26,32 @@ static bool is_transmit(uint16_t index)
     return (index & TRANSMIT_COMMUNICATION) == TRANSMIT_COMMUNICATION;
 }
 
-static bool is_mapping(uint16_t index)
+TUMBLE_ONE_COPY static bool is_mapping(uint16_t index)
 {
     return ((index & AREA_MASK) == RECEIVE_MAPPING) || ((index & AREA_MASK) == TRANSMIT_MAPPING);
 }
 
-static uint8_t number_of(uint16_t index)
-{
-    return (uint8_t)(index & 0xFFU);
-}
+/* The PDO that an object belongs to. A receive PDO has no `transmit`, and so neither inhibit time nor event timer; with
+ * no `pdo` either, this node does not have it. */
+typedef struct {
+    tumble_pdo_t *pdo;
+    tumble_transmit_pdo_t *transmit;
+} found_t;
 
-/* Does this node have the PDO that the object belongs to? */
-static bool exists(uint16_t index)
+static found_t find(tumble_pdos_t *pdos, uint16_t index)
 {
-    uint32_t number = index & (uint32_t)(uint16_t)~AREA_MASK;
+    const uint32_t number = index & (uint32_t)(uint16_t)~AREA_MASK;
+    found_t found = {NULL, NULL};
 
-    return number < (is_transmit(index) ? (uint32_t)TUMBLE_MAX_TRANSMIT_PDOS : (uint32_t)TUMBLE_MAX_RECEIVE_PDOS);
+    if (is_transmit(index) && (number < TUMBLE_MAX_TRANSMIT_PDOS)) {
+        found.transmit = &pdos->transmit[number];
+        found.pdo = &found.transmit->pdo;
+    } else if (!is_transmit(index) && (number < TUMBLE_MAX_RECEIVE_PDOS)) {
+        found.pdo = &pdos->receive[number];
+    } else {
+        /* none of ours */
+    }
+    return found;
 }
 
 static uint32_t map_value(const tumble_dictionary_t *dictionary, const tumble_pdo_t *pdo, uint8_t slot)
@@ -69,18 +81,17 @@ static tumble_abort_t read_mapping(const tumble_pdo_t *pdo, const tumble_diction
     return refusal;
 }
 
-/* `transmit` is null for a receive PDO, which has neither inhibit time nor event timer. */
-static tumble_abort_t read_communication(const tumble_pdo_t *pdo, const tumble_transmit_pdo_t *transmit,
-                                         uint8_t subindex, uint32_t *value)
+static tumble_abort_t read_communication(const found_t *found, uint8_t subindex, uint32_t *value)
 {
+    const tumble_transmit_pdo_t *transmit = found->transmit;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
     if (subindex == SUB_COUNT) {
         *value = (transmit != NULL) ? SUB_EVENT : SUB_TYPE;
     } else if (subindex == SUB_COB_ID) {
-        *value = pdo->cob_id;
+        *value = found->pdo->cob_id;
     } else if (subindex == SUB_TYPE) {
-        *value = pdo->type;
+        *value = found->pdo->type;
     } else if ((transmit != NULL) && (subindex == SUB_INHIBIT)) {
         *value = transmit->inhibit_100us;
     } else if ((transmit != NULL) && (subindex == SUB_EVENT)) {
@@ -91,20 +102,16 @@ static tumble_abort_t read_communication(const tumble_pdo_t *pdo, const tumble_t
     return refusal;
 }
 
-tumble_abort_t tumble_pdo_read_parameter(const tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
-                                         uint16_t index, uint8_t subindex, uint32_t *value)
+tumble_abort_t tumble_pdo_read_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
+                                         uint8_t subindex, uint32_t *value)
 {
-    const bool outward = is_transmit(index);
-    const tumble_transmit_pdo_t *transmit;
-    const tumble_pdo_t *pdo;
+    const found_t found = find(pdos, index);
 
-    if (!exists(index)) {
+    if (found.pdo == NULL) {
         return TUMBLE_ABORT_NO_OBJECT;
     }
-    transmit = outward ? &pdos->transmit[number_of(index)] : NULL;
-    pdo = outward ? &transmit->pdo : &pdos->receive[number_of(index)];
-    return is_mapping(index) ? read_mapping(pdo, dictionary, subindex, value)
-                             : read_communication(pdo, transmit, subindex, value);
+    return is_mapping(index) ? read_mapping(found.pdo, dictionary, subindex, value)
+                             : read_communication(&found, subindex, value);
 }
 
 /* Identifiers that CiA 301 (table 40) keeps from configurable objects. */
@@ -164,17 +171,17 @@ static tumble_abort_t write_event(tumble_transmit_pdo_t *transmit, uint32_t valu
     return TUMBLE_ABORT_NONE;
 }
 
-static tumble_abort_t write_communication(tumble_pdo_t *pdo, tumble_transmit_pdo_t *transmit, uint8_t subindex,
-                                          uint32_t value)
+static tumble_abort_t write_communication(const found_t *found, uint8_t subindex, uint32_t value)
 {
+    tumble_transmit_pdo_t *transmit = found->transmit;
     tumble_abort_t refusal = TUMBLE_ABORT_NO_SUBINDEX;
 
     if (subindex == SUB_COUNT) {
         refusal = TUMBLE_ABORT_READ_ONLY;
     } else if (subindex == SUB_COB_ID) {
-        refusal = write_cob_id(pdo, value);
+        refusal = write_cob_id(found->pdo, value);
     } else if (subindex == SUB_TYPE) {
-        refusal = write_type(pdo, value);
+        refusal = write_type(found->pdo, value);
     } else if ((transmit != NULL) && (subindex == SUB_INHIBIT)) {
         refusal = write_inhibit(transmit, value);
     } else if ((transmit != NULL) && (subindex == SUB_EVENT)) {
@@ -264,62 +271,94 @@ static tumble_abort_t write_mapping(tumble_pdo_t *pdo, const tumble_dictionary_t
 tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
                                           uint8_t subindex, uint32_t value)
 {
-    const bool outward = is_transmit(index);
-    tumble_transmit_pdo_t *transmit;
-    tumble_pdo_t *pdo;
+    const found_t found = find(pdos, index);
 
-    if (!exists(index)) {
+    if (found.pdo == NULL) {
         return TUMBLE_ABORT_NO_OBJECT;
     }
-    transmit = outward ? &pdos->transmit[number_of(index)] : NULL;
-    pdo = outward ? &transmit->pdo : &pdos->receive[number_of(index)];
-    return is_mapping(index) ? write_mapping(pdo, dictionary, outward, subindex, value)
-                             : write_communication(pdo, transmit, subindex, value);
+    return is_mapping(index) ? write_mapping(found.pdo, dictionary, found.transmit != NULL, subindex, value)
+                             : write_communication(&found, subindex, value);
 }
 
-/* First object of a direction's communication parameter; its mapping is 200h further. */
-static uint16_t communication_of(tumble_pdo_direction_t direction, uint8_t number)
+/* The steps of a setup: disable, no objects, the objects, their number, the rest, enable. */
+#define STEP_DISABLE 0U
+#define STEP_EMPTY 1U
+#define STEP_FIRST_OBJECT 2U
+#define STEP_COUNT (STEP_FIRST_OBJECT + TUMBLE_MAX_MAPPED)
+#define STEP_TYPE (STEP_COUNT + 1U)
+#define STEP_INHIBIT (STEP_COUNT + 2U)
+#define STEP_EVENT (STEP_COUNT + 3U)
+
+static void setup_communication(const tumble_pdo_setup_t *setup, uint8_t step, tumble_object_write_t *write)
 {
-    uint16_t base = (direction == TUMBLE_PDO_TRANSMIT) ? TRANSMIT_COMMUNICATION : RECEIVE_COMMUNICATION;
+    const uint8_t transmit_size = is_transmit(write->index) ? 2U : 0U;
 
-    return (uint16_t)(base + number);
+    if (step == STEP_TYPE) {
+        write->subindex = SUB_TYPE;
+        write->size = 1;
+        write->value = setup->type;
+    } else if (step == STEP_INHIBIT) {
+        write->subindex = SUB_INHIBIT;
+        write->size = transmit_size;
+        write->value = setup->inhibit_100us;
+    } else if (step == STEP_EVENT) {
+        write->subindex = SUB_EVENT;
+        write->size = transmit_size;
+        write->value = setup->event_ms;
+    } else {
+        write->subindex = SUB_COB_ID;
+        write->size = 4;
+        write->value = setup->cob_id | ((step == STEP_DISABLE) ? TUMBLE_PDO_INVALID : 0U);
+    }
 }
 
-static tumble_abort_t configure_mapping(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t mapping,
-                                        const tumble_pdo_setup_t *setup)
+static void setup_mapping(const tumble_pdo_setup_t *setup, uint8_t step, tumble_object_write_t *write)
 {
-    tumble_abort_t refusal = tumble_pdo_write_parameter(pdos, dictionary, mapping, SUB_COUNT, 0);
+    write->index = (uint16_t)(write->index + MAPPING_AWAY);
+    write->subindex = SUB_COUNT;
+    write->size = 1;
+    if (step == STEP_EMPTY) {
+        write->value = 0;
+    } else if (step == STEP_COUNT) {
+        write->value = setup->count;
+    } else {
+        const uint8_t slot = (uint8_t)(step - STEP_FIRST_OBJECT);
 
-    for (uint8_t i = 0; (i < setup->count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
-        refusal = (i < TUMBLE_MAX_MAPPED)
-                      ? tumble_pdo_write_parameter(pdos, dictionary, mapping, (uint8_t)(i + 1U), setup->map[i])
-                      : TUMBLE_ABORT_MAP_LENGTH;
+        write->subindex = (uint8_t)(slot + 1U);
+        write->size = (slot < setup->count) ? 4U : 0U;
+        write->value = setup->map[slot];
     }
-    if (refusal == TUMBLE_ABORT_NONE) {
-        refusal = tumble_pdo_write_parameter(pdos, dictionary, mapping, SUB_COUNT, setup->count);
-    }
-    return refusal;
 }
 
+void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
+                            tumble_object_write_t *write)
+{
+    write->index = index;
+    if ((step >= STEP_EMPTY) && (step <= STEP_COUNT)) {
+        setup_mapping(setup, step, write);
+    } else {
+        setup_communication(setup, step, write);
+    }
+}
+
+/* Disabled first whatever the setup says, so that a refusal leaves it invalid. */
 tumble_abort_t tumble_pdo_configure(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
                                     tumble_pdo_direction_t direction, uint8_t number, const tumble_pdo_setup_t *setup)
 {
-    uint16_t index = communication_of(direction, number);
-    tumble_abort_t refusal =
-        tumble_pdo_write_parameter(pdos, dictionary, index, SUB_COB_ID, TUMBLE_PDO_INVALID | TUMBLE_PDO_NO_RTR);
+    const uint16_t base = (direction == TUMBLE_PDO_TRANSMIT) ? TRANSMIT_COMMUNICATION : RECEIVE_COMMUNICATION;
+    tumble_object_write_t write = {(uint16_t)(base + number), SUB_COB_ID, 4, TUMBLE_PDO_INVALID | TUMBLE_PDO_NO_RTR};
+    tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    if (refusal == TUMBLE_ABORT_NONE) {
-        refusal = configure_mapping(pdos, dictionary, (uint16_t)(index + 0x200U), setup);
-    }
-    if (refusal == TUMBLE_ABORT_NONE) {
-        refusal = tumble_pdo_write_parameter(pdos, dictionary, index, SUB_TYPE, setup->type);
-    }
-    if ((refusal == TUMBLE_ABORT_NONE) && (direction == TUMBLE_PDO_TRANSMIT)) {
-        (void)write_inhibit(&pdos->transmit[number], setup->inhibit_100us);
-        (void)write_event(&pdos->transmit[number], setup->event_ms);
-    }
-    if (refusal == TUMBLE_ABORT_NONE) {
-        refusal = tumble_pdo_write_parameter(pdos, dictionary, index, SUB_COB_ID, setup->cob_id);
+    for (uint8_t step = STEP_DISABLE; (step < TUMBLE_PDO_SETUP_STEPS) && (refusal == TUMBLE_ABORT_NONE); ++step) {
+        if (step != STEP_DISABLE) {
+            tumble_pdo_setup_write(setup, (uint16_t)(base + number), step, &write);
+        }
+        if (write.size != 0U) {
+            refusal = tumble_pdo_write_parameter(pdos, dictionary, write.index, write.subindex, write.value);
+        }
+        if ((step == STEP_EMPTY) && (setup->count > TUMBLE_MAX_MAPPED)) {
+            refusal = TUMBLE_ABORT_MAP_LENGTH;
+        }
     }
     return refusal;
 }

@@ -1,6 +1,7 @@
 #include "canopen/bytes.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
+#include "core/one_copy.h"
 
 #include <string.h>
 
@@ -31,7 +32,7 @@ static void request_with_object(tumble_sdo_client_t *client, uint8_t command)
     client->request[3] = client->subindex;
 }
 
-static void end_transfer(tumble_sdo_client_t *client, tumble_status_t result, uint32_t abort)
+TUMBLE_ONE_COPY static void end_transfer(tumble_sdo_client_t *client, tumble_status_t result, uint32_t abort)
 {
     client->result = result;
     client->abort = abort;
@@ -47,7 +48,7 @@ static void abort_transfer(tumble_sdo_client_t *client, tumble_status_t result, 
     tumble_put_u32(&client->request[4], (uint32_t)reason);
 }
 
-static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
+TUMBLE_ONE_COPY static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
 {
     tumble_status_t status = TUMBLE_OK;
 
@@ -161,7 +162,7 @@ void tumble_sdo_client_cancel(tumble_sdo_client_t *client)
     }
 }
 
-void tumble_sdo_client_drop(tumble_sdo_client_t *client)
+TUMBLE_ONE_COPY void tumble_sdo_client_drop(tumble_sdo_client_t *client)
 {
     if (client->result == TUMBLE_E_SDO_BUSY) {
         end_transfer(client, TUMBLE_E_SDO_ABORTED, (uint32_t)TUMBLE_ABORT_DEVICE_STATE);
@@ -267,13 +268,6 @@ static bool names_object(const tumble_sdo_client_t *client, const tumble_can_fra
     return (tumble_get_u16(&frame->data[1]) == client->index) && (frame->data[3] == client->subindex);
 }
 
-static void ignore(tumble_sdo_client_t *client)
-{
-    if (client->ignored != UINT16_MAX) {
-        ++client->ignored;
-    }
-}
-
 /* The answer to the first request. Anything but the one expected is left over from an earlier transfer, and ignored: if
  * the right one does not come, time runs out. */
 static void first_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
@@ -282,7 +276,7 @@ static void first_answer(tumble_sdo_client_t *client, const tumble_can_frame_t *
     uint8_t expected = upload ? TUMBLE_SDO_UPLOAD_ANSWER : TUMBLE_SDO_DOWNLOAD_ANSWER;
 
     if (!names_object(client, frame) || ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) != expected)) {
-        ignore(client);
+        tumble_count_u16(&client->ignored);
     } else if (upload) {
         upload_begun(client, frame);
     } else {
@@ -310,7 +304,7 @@ static void segment_answer(tumble_sdo_client_t *client, const tumble_can_frame_t
 static void aborted(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
 {
     if ((client->phase == PHASE_FIRST) && !names_object(client, frame)) {
-        ignore(client);
+        tumble_count_u16(&client->ignored);
     } else {
         end_transfer(client, TUMBLE_E_SDO_ABORTED, tumble_get_u32(&frame->data[4]));
     }
@@ -322,7 +316,7 @@ void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_fra
         return;
     }
     if ((frame->length != TUMBLE_CAN_MAX_BYTES) || (client->result != TUMBLE_E_SDO_BUSY) || client->request_due) {
-        ignore(client);
+        tumble_count_u16(&client->ignored);
     } else if ((frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_ABORT) {
         aborted(client, frame);
     } else if (client->phase == PHASE_FIRST) {
@@ -335,11 +329,10 @@ void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_fra
 /* Time runs from the first offer to the port, and anew from the moment that the port takes the frame. */
 static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint64_t now_us)
 {
-    tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_SDO_REQUEST_ID + client->node), .length = 8};
     bool busy = client->result == TUMBLE_E_SDO_BUSY;
 
-    (void)memcpy(frame.data, client->request, sizeof frame.data);
-    client->request_due = tumble_link_send(link, &frame) != TUMBLE_OK;
+    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node,
+                                                 client->request, sizeof client->request) != TUMBLE_OK;
     if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
         client->deadline_us = now_us + TUMBLE_SDO_CLIENT_TIMEOUT_US;
     }

@@ -1,6 +1,7 @@
 #include "canopen/bytes.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
+#include "core/one_copy.h"
 
 #include <string.h>
 
@@ -18,14 +19,7 @@ void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node)
     server->deadline_us = TUMBLE_NEVER;
 }
 
-static void count(uint16_t *counter)
-{
-    if (*counter != UINT16_MAX) {
-        ++*counter;
-    }
-}
-
-static void end_transfer(tumble_sdo_server_t *server)
+TUMBLE_ONE_COPY static void end_transfer(tumble_sdo_server_t *server)
 {
     server->transfer = (uint8_t)TUMBLE_SDO_IDLE;
     server->deadline_us = TUMBLE_NEVER;
@@ -34,7 +28,7 @@ static void end_transfer(tumble_sdo_server_t *server)
 void tumble_sdo_server_drop(tumble_sdo_server_t *server)
 {
     if (server->transfer != (uint8_t)TUMBLE_SDO_IDLE) {
-        count(&server->aborted);
+        tumble_count_u16(&server->aborted);
     }
     end_transfer(server);
     server->answer_due = false;
@@ -58,7 +52,7 @@ static void answer_with_object(tumble_sdo_server_t *server, uint8_t command)
 static void refuse(tumble_sdo_server_t *server, tumble_abort_t reason)
 {
     end_transfer(server);
-    count(&server->aborted);
+    tumble_count_u16(&server->aborted);
     answer_with_object(server, TUMBLE_SDO_ABORT);
     tumble_put_u32(&server->answer[4], (uint32_t)reason);
 }
@@ -262,7 +256,7 @@ static void name_object(tumble_sdo_server_t *server, const tumble_can_frame_t *f
 {
     if (server->transfer != (uint8_t)TUMBLE_SDO_IDLE) {
         end_transfer(server);
-        count(&server->aborted);
+        tumble_count_u16(&server->aborted);
     }
     server->index = tumble_get_u16(&frame->data[1]);
     server->subindex = frame->data[3];
@@ -301,7 +295,7 @@ void tumble_sdo_server_receive(tumble_sdo_server_t *server, const tumble_diction
                                const tumble_can_frame_t *frame, uint64_t now_us)
 {
     if ((frame->length != TUMBLE_CAN_MAX_BYTES) || (server->answer_due && !is_abort(frame))) {
-        count(&server->dropped);
+        tumble_count_u16(&server->dropped);
     } else if (is_abort(frame)) {
         tumble_sdo_server_drop(server);
     } else {
@@ -318,10 +312,8 @@ void tumble_sdo_server_step(tumble_sdo_server_t *server, tumble_link_t *link, ui
         refuse(server, TUMBLE_ABORT_TIMEOUT);
     }
     if (server->answer_due) {
-        tumble_can_frame_t frame = {.id = (uint16_t)(TUMBLE_SDO_RESPONSE_ID + server->node), .length = 8};
-
-        (void)memcpy(frame.data, server->answer, sizeof frame.data);
-        server->answer_due = tumble_link_send(link, &frame) != TUMBLE_OK;
+        server->answer_due = tumble_link_send_bytes(link, TUMBLE_SDO_RESPONSE_ID + (uint32_t)server->node,
+                                                    server->answer, sizeof server->answer) != TUMBLE_OK;
     }
 }
 

@@ -2,6 +2,13 @@
 
 #define INFINITE_BITS (UINT64_C(0x7FF) << 52)
 
+/* 2^128 and 2^-126 as doubles, infinity as a float; how far the exponents of float and double are apart, 1023 - 127, at the
+ * place of a float's, of which 32 bits are left. */
+#define BEYOND_FLOAT_BITS (UINT64_C(1151) << 52)
+#define SMALLEST_FLOAT_BITS (UINT64_C(897) << 52)
+#define INFINITE_FLOAT_BITS 0x7F800000U
+#define EXPONENT_DIFFERENCE 0xC0000000U
+
 /* Doubles without a sign order as their bits do, and what is not a number lies above infinity. So these tests compare
  * integers: without floating point hardware that is a tenth of the work. */
 static uint64_t bits_of(double x)
@@ -9,6 +16,28 @@ static uint64_t bits_of(double x)
     uint64_t bits;
     (void)memcpy(&bits, &x, sizeof bits);
     return bits;
+}
+
+/* Float and double differ in the number of bits of the fraction, 29, and in what an exponent counts from. A fraction that is
+ * rounded up beyond its bits carries into the exponent, as it should. */
+float tumble_to_float(double x)
+{
+    const uint64_t size = bits_of(tumble_abs(x));
+    const uint32_t sign = (uint32_t)(bits_of(x) >> 32) & 0x80000000U;
+    const uint32_t even = (uint32_t)(size >> 29) & 1U;
+    const uint32_t rounded = (uint32_t)((size + 0x0FFFFFFFU + even) >> 29);
+    uint32_t bits = 0;
+    if (size >= BEYOND_FLOAT_BITS) {
+        bits = INFINITE_FLOAT_BITS;
+    } else if (size >= SMALLEST_FLOAT_BITS) {
+        bits = rounded - EXPONENT_DIFFERENCE;
+    } else {
+        /* nothing that a normal float could tell */
+    }
+    bits |= sign;
+    float narrow;
+    (void)memcpy(&narrow, &bits, sizeof narrow);
+    return narrow;
 }
 
 bool tumble_is_finite(double x)

@@ -1,4 +1,4 @@
-/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, and tests of one number.
+/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, rounding to a float, tests of one number.
  *
  * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
  * firmware/core, because libraries differ in their last bit. The tests are functions of their own: where comparing
@@ -6,6 +6,8 @@
  */
 #ifndef TUMBLE_CORE_ARITH_H
 #define TUMBLE_CORE_ARITH_H
+
+#include "core/one_copy.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -27,12 +29,16 @@ static inline double tumble_abs(double x)
     return x;
 }
 
-bool tumble_is_finite(double x);
+/* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal float.
+ * `x` a number. Without floating point hardware a cast costs a member of the library. */
+TUMBLE_ONE_COPY float tumble_to_float(double x);
+
+TUMBLE_ONE_COPY bool tumble_is_finite(double x);
 
 /* Above 0, and finite. */
-bool tumble_is_positive(double x);
+TUMBLE_ONE_COPY bool tumble_is_positive(double x);
 
 /* |x| <= bound, and false for a NaN: the comparison that validation wants. `bound` a number, 0 or above. */
-bool tumble_within(double x, double bound);
+TUMBLE_ONE_COPY bool tumble_within(double x, double bound);
 
 #endif

@@ -99,7 +99,7 @@ tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tum
     }
     tumble_average_t *average = tumble_averaging_open_average(averaging);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        average->scatter_counts[i] = (float)scatter_of_open(averaging, i);
+        average->scatter_counts[i] = tumble_to_float(scatter_of_open(averaging, i));
     }
     const tumble_status_t status = judge_open(averaging, config);
     if (status != TUMBLE_OK) {

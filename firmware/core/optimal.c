@@ -154,7 +154,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     }
     const double curvature = gain * dot(by_angle, beyond);
     const bool fits = is_small(curvature); /* else a float may not hold it */
-    *curvature_rad = fits ? (float)curvature : 0.0F;
+    *curvature_rad = fits ? tumble_to_float(curvature) : 0.0F;
     return small && fits;
 }
 

@@ -31,12 +31,12 @@ static bool angle_is_consistent(const tumble_angle_t *angle)
         return false;
     }
     const double quarters = (angle->deg / 90.0) + 40.5; /* 40 turns of a quarter make it positive, 0.5 rounds it */
-    const int quarter = (int)quarters;
-    const double rest_deg = angle->deg - (90.0 * (double)(quarter - 40));
+    const uint32_t quarter = (uint32_t)quarters;
+    const double rest_deg = angle->deg - (90.0 * ((double)quarter - 40.0));
     double sine;
     double cosine;
     sine_cosine_of_small(rest_deg * (3.14159265358979323846 / 180.0), &sine, &cosine);
-    for (int turn = quarter % 4; turn > 0; turn--) {
+    for (uint32_t turn = quarter % 4U; turn > 0U; turn--) {
         const double before = sine;
         sine = cosine;
         cosine = -before;
@@ -55,7 +55,7 @@ static bool is_proper_rotation(const double m[3][3])
     }
     double cross[3];
     tumble_cross(m[0], m[1], cross);
-    return tumble_dot(cross, m[2]) > 0.0;
+    return tumble_is_positive(tumble_dot(cross, m[2]));
 }
 
 static uint8_t find_mounting(const tumble_schedule_t *schedule, uint8_t number)
@@ -188,7 +188,7 @@ static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 /* l - 1 of the paper's position at this angle, or 9. */
 static uint8_t paper_position(const tumble_angle_t *angle)
 {
-    const int32_t nearest_deg = (int32_t)(angle->deg + 0.5);
+    const int32_t nearest_deg = (int32_t)(int64_t)(angle->deg + 0.5); /* the library has this conversion anyway */
     const bool there = (nearest_deg >= 0) && (nearest_deg <= 360) && ((nearest_deg % 45) == 0) &&
                        tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
     return there ? (uint8_t)(nearest_deg / 45) : 9U;

@@ -2,8 +2,6 @@
 #include "navcomp/keeper_internal.h"
 #include "navcomp/navcomp_internal.h"
 
-#include "canopen/bytes.h"
-
 #include <stddef.h>
 
 static void note_active(tumble_keeper_t *keeper, const tumble_set_t *set)
@@ -61,9 +59,7 @@ void tumble_keeper_tell_decay(tumble_keeper_t *keeper)
     tumble_emcy_t *emcy = &keeper->navcomp->node.emcy;
     const bool told = (emcy->error_register & TUMBLE_ERROR_MANUFACTURER) != 0U;
     if (keeper->decayed && !told) {
-        uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {0};
-        tumble_put_u32(info, keeper->sequence);
-        tumble_emcy_raise(emcy, TUMBLE_KEEPER_EMCY_DECAYED, TUMBLE_ERROR_MANUFACTURER, info);
+        tumble_emcy_tell(emcy, TUMBLE_KEEPER_EMCY_DECAYED, TUMBLE_ERROR_MANUFACTURER, keeper->sequence);
         keeper->decay_told = true;
     } else if (!keeper->decayed && keeper->decay_told) {
         tumble_emcy_clear(emcy, TUMBLE_ERROR_MANUFACTURER);

@@ -13,12 +13,12 @@
 
 /* Getting ready. */
 
+/* Where there is no drive or no block, 0 stands for its node: nobody has that. */
 static bool nodes_are_distinct(const tumble_navcomp_config_t *config)
 {
-    const bool drive = (config->drive == NULL) || (config->drive_node != config->node);
-    const bool block = (config->source != NULL) || (config->block_node != config->node);
-    const bool both = (config->drive == NULL) || (config->source != NULL) || (config->drive_node != config->block_node);
-    return drive && block && both;
+    const uint8_t drive = (config->drive != NULL) ? config->drive_node : 0U;
+    const uint8_t block = (config->source == NULL) ? config->block_node : 0U;
+    return (drive != config->node) && (block != config->node) && ((drive != block) || (drive == 0U));
 }
 
 static bool is_node(uint8_t node)

@@ -147,6 +147,13 @@ typedef struct {
     int8_t temperature_half_c; /* of the block's last sample */
     uint8_t stand_fault;       /* tumble_stand_fault_t */
     uint8_t limited;           /* 1: the drive itself keeps to the cable's limits (607Dh) */
+    struct {                   /* of what is above, one byte each: so the object dictionary tells it */
+        uint8_t state;
+        uint8_t reason;
+        uint8_t failed_in;
+        uint8_t status;
+        uint8_t stand;
+    } as_byte;
 } tumble_navcomp_progress_t;
 
 void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress);

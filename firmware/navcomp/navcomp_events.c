@@ -83,13 +83,14 @@ static void reset(void *context, bool application)
 
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id)
 {
+    const bool drive = tumble_has_drive(navcomp);
     const bool ours = (id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node)) ||
-                      (tumble_has_drive(navcomp) && tumble_drive402_sends(&navcomp->axis.drive, id));
+                      (drive && tumble_drive402_sends(&navcomp->axis.drive, id));
     if (ours) {
         tumble_count(&navcomp->events.foreign);
-    }
-    if (ours && tumble_has_drive(navcomp)) {
-        tumble_drive402_foreign(&navcomp->axis.drive, id);
+        if (drive) {
+            tumble_drive402_foreign(&navcomp->axis.drive, id);
+        }
     }
     return ours;
 }

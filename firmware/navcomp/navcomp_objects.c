@@ -6,9 +6,6 @@
 
 /* Subindices that are more than a member of a struct. */
 #define COMMAND_COMMAND 2U
-#define PROGRESS_STAND 12U
-#define FAILURE_STATE 1U
-#define FAILURE_STATUS 2U
 #define GRAVITY_LIMIT 3U
 #define SERVICE_LEVEL 2U
 #define CONFIGURATION_SAMPLES 1U
@@ -40,21 +37,6 @@ static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumbl
                       (entry->index == TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR);
     if (mean && !progress.has_mean) {
         return TUMBLE_ABORT_NO_DATA;
-    }
-    if (entry->index == TUMBLE_NAVCOMP_INDEX_STATE) {
-        return one_byte((unsigned)progress.run.state, bytes);
-    }
-    if (entry->index == TUMBLE_NAVCOMP_INDEX_REASON) {
-        return one_byte((unsigned)progress.run.reason, bytes);
-    }
-    if ((entry->index == TUMBLE_NAVCOMP_INDEX_PROGRESS) && (entry->subindex == PROGRESS_STAND)) {
-        return one_byte((unsigned)progress.stand, bytes);
-    }
-    if ((entry->index == TUMBLE_NAVCOMP_INDEX_FAILURE) && (entry->subindex == FAILURE_STATE)) {
-        return one_byte((unsigned)progress.run.failed_in, bytes);
-    }
-    if ((entry->index == TUMBLE_NAVCOMP_INDEX_FAILURE) && (entry->subindex == FAILURE_STATUS)) {
-        return one_byte((unsigned)progress.run.status, bytes);
     }
     return member(&progress, entry, bytes, size);
 }

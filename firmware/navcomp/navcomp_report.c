@@ -146,6 +146,11 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     progress->temperature_half_c = navcomp->temperature_half_c;
     progress->stand_fault = (uint8_t)navcomp->stand.fault(navcomp->stand.self);
     progress->limited = (tumble_has_drive(navcomp) && tumble_drive402_is_limited(&navcomp->axis.drive)) ? 1U : 0U;
+    progress->as_byte.state = (uint8_t)progress->run.state;
+    progress->as_byte.reason = (uint8_t)progress->run.reason;
+    progress->as_byte.failed_in = (uint8_t)progress->run.failed_in;
+    progress->as_byte.status = (uint8_t)progress->run.status;
+    progress->as_byte.stand = (uint8_t)progress->stand;
 }
 
 tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_result_t *result)

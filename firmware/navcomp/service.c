@@ -32,9 +32,8 @@ static void show(tumble_navcomp_t *navcomp)
 
 static void open(tumble_navcomp_t *navcomp)
 {
-    static const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {LEVEL_SERVICE, 0, 0, 0, 0};
     if (!tumble_service_is_open(navcomp)) {
-        tumble_emcy_raise(&navcomp->node.emcy, TUMBLE_EMCY_SERVICE_LEVEL, TUMBLE_ERROR_MANUFACTURER, info);
+        tumble_emcy_tell(&navcomp->node.emcy, TUMBLE_EMCY_SERVICE_LEVEL, TUMBLE_ERROR_MANUFACTURER, LEVEL_SERVICE);
         show(navcomp);
     }
     navcomp->service_until_us = navcomp->stepped_us + ((uint64_t)TUMBLE_SERVICE_S * US_PER_S);

@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/one_copy.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -7,7 +9,7 @@
 
 /* The engine. */
 
-static const tumble_row_t *row_of(const tumble_procedure_t *procedure)
+TUMBLE_ONE_COPY static const tumble_row_t *row_of(const tumble_procedure_t *procedure)
 {
     return &tumble_procedure_rows[procedure->state];
 }

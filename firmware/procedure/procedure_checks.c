@@ -29,9 +29,10 @@ typedef struct {
 
 #define NUMBER(member, signs) {(uint8_t)offsetof(tumble_procedure_config_t, member), (signs)}
 
+/* Of a finite number. */
 static unsigned sign_of(double x)
 {
-    return (x > 0.0) ? POSITIVE : (x < 0.0) ? NEGATIVE : ZERO;
+    return tumble_is_positive(x) ? POSITIVE : tumble_is_positive(-x) ? NEGATIVE : ZERO;
 }
 
 static bool numbers_are_valid(const tumble_procedure_config_t *config)
@@ -84,7 +85,7 @@ static uint32_t samples_that_tell(const tumble_averaging_config_t *averaging)
 static bool stuck_shows(const tumble_procedure_config_t *config)
 {
     const tumble_averaging_config_t *averaging = config->averaging;
-    const uint32_t least = (config->error_budget_v > 0.0) ? averaging->min_samples : config->samples;
+    const uint32_t least = tumble_is_positive(config->error_budget_v) ? averaging->min_samples : config->samples;
     return (least >= averaging->stuck_run) || (least >= samples_that_tell(averaging));
 }
 
@@ -321,6 +322,6 @@ tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t inde
         const double size_g = tumble_abs(difference_v[i] / config->nominal_scale_v_per_g);
         largest_g = (size_g > largest_g) ? size_g : largest_g;
     }
-    procedure->closure_g[mounting] = (float)largest_g;
+    procedure->closure_g[mounting] = tumble_to_float(largest_g);
     return (largest_g > config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
 }

@@ -1,6 +1,7 @@
 #include "procedure/procedure_internal.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -78,7 +79,7 @@ void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progr
     progress->elapsed_us = procedure->restart_run ? 0U : (procedure->now_us - procedure->started_us);
 }
 
-tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
+TUMBLE_ONE_COPY tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
                                          double standard_error_v[TUMBLE_CHANNELS])
 {
     if (!procedure->begun) {

@@ -230,7 +230,7 @@ outcome_t tumble_move_enter(tumble_procedure_t *procedure)
     procedure->target_deg = target_deg;
     const double below_deg = target_deg - config->approach_deg;
     const double here_deg = procedure->stand->angle_deg(procedure->stand->self);
-    procedure->leading_in = (config->approach_deg > 0.0) && !(here_deg <= below_deg);
+    procedure->leading_in = tumble_is_positive(config->approach_deg) && !(here_deg <= below_deg);
     return command_move(procedure, procedure->leading_in ? below_deg : target_deg);
 }
 

@@ -1,5 +1,8 @@
 #include "stand/drive402_internal.h"
 
+#include "core/arith.h"
+#include "core/one_copy.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -34,7 +37,7 @@ tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_driv
         .drive_node = drive_node,
         .wanted = (uint8_t)PHASE_IDLE,
         .counts_per_s = tumble_drive_way(
-            profile, (profile->velocity_deg_s > 0.0) ? profile->velocity_deg_s : UNKNOWN_DEG_S), /* deg in a second */
+            profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s : UNKNOWN_DEG_S), /* deg in a second */
         .rest_counts = tumble_drive_way(profile, REST_DEG),
         .timed = reports_by_timer(profile),
     };
@@ -196,7 +199,7 @@ static tumble_stand_state_t state(void *self)
 }
 
 /* Do this as soon as the drive is powered: at once, or after a stop by way of POWER. */
-static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
+TUMBLE_ONE_COPY static tumble_status_t begin(tumble_drive402_t *drive, tumble_drive_phase_t action)
 {
     drive->wanted = (uint8_t)action;
     drive->travel = 0;
@@ -295,8 +298,7 @@ static double angle(void *self)
 
 tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive)
 {
-    return (tumble_stand_t){
-        .self = drive,
+    static const tumble_stand_t calls = {
         .home = home,
         .move = move,
         .stop = stop,
@@ -306,6 +308,9 @@ tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive)
         .fault_code = fault_code,
         .angle_deg = angle,
     };
+    tumble_stand_t stand = calls;
+    stand.self = drive;
+    return stand;
 }
 
 /* What protects the table. */
@@ -314,15 +319,15 @@ void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_
 {
     const tumble_drive_profile_t *profile = drive->profile;
     const bool turned = (profile->sign < 0);
-    int64_t low = 0;
-    int64_t high = 0;
-    drive->homing_counts = tumble_drive_way(
-        profile, (profile->homing_travel_deg > 0.0) ? profile->homing_travel_deg : ((max_deg - min_deg) + TURN_DEG));
-    if (profile->software_limits && (profile->wrap_counts == 0U) &&
-        tumble_drive_counts(profile, turned ? max_deg : min_deg, &low) &&
-        tumble_drive_counts(profile, turned ? min_deg : max_deg, &high)) {
-        drive->low_counts = (int32_t)low;
-        drive->high_counts = (int32_t)high;
+    int64_t at_min;
+    int64_t at_max;
+    drive->homing_counts =
+        tumble_drive_way(profile, tumble_is_positive(profile->homing_travel_deg) ? profile->homing_travel_deg
+                                                                                 : ((max_deg - min_deg) + TURN_DEG));
+    if (profile->software_limits && (profile->wrap_counts == 0U) && tumble_drive_counts(profile, min_deg, &at_min) &&
+        tumble_drive_counts(profile, max_deg, &at_max)) {
+        drive->low_counts = (int32_t)(turned ? at_max : at_min);
+        drive->high_counts = (int32_t)(turned ? at_min : at_max);
     }
 }
 

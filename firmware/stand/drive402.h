@@ -65,13 +65,8 @@ typedef enum {
 } tumble_drive_rung_t;
 #define TUMBLE_DRIVE402_MIRROR 0x2040U /* where the node's dictionary holds the drive's objects */
 
-/* One object to be written into the drive. */
-typedef struct {
-    uint16_t index;
-    uint8_t subindex;
-    uint8_t size; /* 1, 2 or 4 bytes */
-    uint32_t value;
-} tumble_drive_write_t;
+/* One object to be written into the drive: 1, 2 or 4 bytes. */
+typedef tumble_object_write_t tumble_drive_write_t;
 
 /* One PDO of the drive, in the drive's own objects. `number` 0 is 1400h or 1800h. */
 typedef struct {

@@ -36,14 +36,19 @@ typedef enum {
 /* tumble_drive402_t.asked */
 enum { ASKED_NOTHING = 0, ASKED_WRITE, ASKED_READ, ASKED_START };
 
+/* tumble_drive_row_t.watch: what is a fault while the phase lasts. */
+enum {
+    WATCH_POWER = 1, /* leaving Operation enabled */
+    WATCH_MOTION = 2 /* bit 13, a following error */
+};
+
 typedef struct {
     void (*enter)(tumble_drive402_t *drive);
     void (*look)(tumble_drive402_t *drive, bool fresh); /* fresh: a statusword has just come */
     uint8_t timeout; /* where it stands in the profile; 0: none */
     uint8_t late;    /* tumble_stand_fault_t at the timeout */
     uint8_t state;   /* tumble_stand_state_t; of IDLE and POWER see tumble_drive_state */
-    bool powered;    /* leaving Operation enabled is a fault */
-    bool moves;      /* bit 13 is a following error */
+    uint8_t watch;   /* WATCH_... */
 } tumble_drive_row_t;
 
 extern const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT];

@@ -83,11 +83,11 @@ void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault)
 static bool is_watched_fault(tumble_drive402_t *drive)
 {
     const tumble_drive_row_t *row = &tumble_drive_rows[drive->phase];
-    if (row->powered && (tumble_drive_power_state(drive) != TUMBLE_402_STATE_OPERATION_ENABLED)) {
+    if (((row->watch & WATCH_POWER) != 0U) && (tumble_drive_power_state(drive) != TUMBLE_402_STATE_OPERATION_ENABLED)) {
         tumble_drive_fail(drive, tumble_drive_is_faulty(drive) ? TUMBLE_STAND_FAULT_DRIVE : TUMBLE_STAND_FAULT_POWER);
         return true;
     }
-    if (row->moves && tumble_drive_has(drive, TUMBLE_402_STATUS_FOLLOWING_ERROR)) {
+    if (((row->watch & WATCH_MOTION) != 0U) && tumble_drive_has(drive, TUMBLE_402_STATUS_FOLLOWING_ERROR)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_STALL);
         return true;
     }
@@ -116,21 +116,21 @@ static_assert(sizeof(tumble_drive_profile_t) <= UINT8_MAX, "an offset into the p
 
 /* clang-format off */
 const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT] = {
-    /*                    enter             look             lasts           or else       to the stand  power, moves */
-    [PHASE_ABSENT]    = {NULL,             LOOK(absent),    0,              0,            IS(OFFLINE),  false, false},
-    [PHASE_CONFIGURE] = {ENTER(configure), LOOK(configure), 0,              0,            IS(OFFLINE),  false, false},
-    [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  false, false},
-    [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  false, false},
-    [PHASE_IDLE]      = {NULL,             NULL,            0,              0,            IS(STOPPED),  true,  false},
-    [PHASE_HOME_MODE] = {NULL,             LOOK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   true,  false},
-    [PHASE_HOMING]    = {ENTER(homing),    LOOK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   true,  false},
-    [PHASE_MOVE_MODE] = {NULL,             LOOK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   true,  false},
-    [PHASE_TARGET]    = {ENTER(target),    LOOK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
-    [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
-    [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   true,  true},
-    [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   true,  true},
-    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  0,              0,            IS(MOVING),   false, false},
-    [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  false, false},
-    [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    false, false},
+    /*                    enter             look             lasts           or else       to the stand  is watched */
+    [PHASE_ABSENT]    = {NULL,             LOOK(absent),    0,              0,            IS(OFFLINE),  0},
+    [PHASE_CONFIGURE] = {ENTER(configure), LOOK(configure), 0,              0,            IS(OFFLINE),  0},
+    [PHASE_START]     = {NULL,             LOOK(start),     FOR(start),     OR(PROTOCOL), IS(OFFLINE),  0},
+    [PHASE_POWER]     = {ENTER(power),     LOOK(power),     FOR(power),     OR(POWER),    IS(OFFLINE),  0},
+    [PHASE_IDLE]      = {NULL,             NULL,            0,              0,            IS(STOPPED),  WATCH_POWER},
+    [PHASE_HOME_MODE] = {NULL,             LOOK(home_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
+    [PHASE_HOMING]    = {ENTER(homing),    LOOK(homing),    FOR(home),      OR(HOMING),   IS(HOMING),   WATCH_POWER},
+    [PHASE_MOVE_MODE] = {NULL,             LOOK(move_mode), FOR(handshake), OR(PROTOCOL), IS(HOMING),   WATCH_POWER},
+    [PHASE_TARGET]    = {ENTER(target),    LOOK(target),    FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_SET_POINT] = {ENTER(set_point), LOOK(set_point), FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_RELEASE]   = {ENTER(release),   LOOK(release),   FOR(handshake), OR(PROTOCOL), IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_MOVING]    = {NULL,             LOOK(moving),    FOR(move),      OR(TIMEOUT),  IS(MOVING),   WATCH_POWER | WATCH_MOTION},
+    [PHASE_STOPPING]  = {ENTER(stopping),  LOOK(stopping),  0,              0,            IS(MOVING),   0},
+    [PHASE_STOPPED]   = {NULL,             NULL,            0,              0,            IS(STOPPED),  0},
+    [PHASE_FAULT]     = {ENTER(fault),     LOOK(fault),     0,              0,            IS(FAULT),    0},
 };
 /* clang-format on */

@@ -9,12 +9,14 @@
  */
 #include "stand/drive402_internal.h"
 
+#include "core/one_copy.h"
+
 #define REPORTS_PER_S 4U
 #define SETTLED_US UINT64_C(2000000)
 #define DOUBTS 2U
 #define BLIND_US UINT64_C(1200000) /* longer than a heartbeat may be away: a silent drive is told as what it is */
 
-static uint32_t saturated(uint64_t counts)
+TUMBLE_ONE_COPY static uint32_t saturated(uint64_t counts)
 {
     return (counts < UINT32_MAX) ? (uint32_t)counts : UINT32_MAX;
 }
@@ -33,9 +35,9 @@ static uint32_t way_counts(const tumble_drive402_t *drive)
 }
 
 /* Can the axis have come so far? */
-static bool is_in_reach(const tumble_drive402_t *drive, int64_t change)
+static bool is_in_reach(const tumble_drive402_t *drive, uint32_t size)
 {
-    return (size_of(change) / 2U) <= saturated((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
+    return (size / 2U) <= ((uint64_t)way_counts(drive) + (drive->counts_per_s / REPORTS_PER_S));
 }
 
 /* A drive that wraps and was not heard for half a circle: nobody knows which one it is in. */
@@ -70,7 +72,7 @@ static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
     if (!drive->homed || !drive->tracked) {
         return true;
     }
-    return is_in_reach(drive, change) && !is_guess(drive);
+    return is_in_reach(drive, size_of(change)) && !is_guess(drive);
 }
 
 /* One report may be garbled: it is dropped. */
@@ -85,10 +87,10 @@ static void doubt(tumble_drive402_t *drive)
 }
 
 /* The zero that homing sets is no movement. */
-static void follow_homing(tumble_drive402_t *drive, int64_t change)
+static void follow_homing(tumble_drive402_t *drive, uint32_t size)
 {
-    if (is_in_reach(drive, change)) {
-        drive->travel = saturated((uint64_t)drive->travel + size_of(change));
+    if (is_in_reach(drive, size)) {
+        drive->travel = saturated((uint64_t)drive->travel + size);
     }
     if ((drive->homing_counts != 0U) && (drive->travel > drive->homing_counts)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
@@ -117,7 +119,7 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
         return;
     }
     if (is_homing(drive)) {
-        follow_homing(drive, change);
+        follow_homing(drive, size_of(change));
     }
     drive->doubtful = 0;
     drive->tracked = true;
@@ -136,12 +138,11 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
 /* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */
 void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t fault, uint16_t code, uint16_t detail)
 {
-    const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {(uint8_t)(detail & 0xFFU), (uint8_t)(detail >> 8), 0, 0, 0};
     const bool told = !drive->homed && (drive->fault == (uint8_t)fault);
     drive->homed = false;
     drive->tracked = false;
     if (!told) {
-        tumble_emcy_raise(&drive->node->emcy, code, TUMBLE_ERROR_PROFILE, info);
+        tumble_emcy_tell(&drive->node->emcy, code, TUMBLE_ERROR_PROFILE, detail);
     }
     if ((drive->phase >= (uint8_t)PHASE_POWER) && (drive->phase != (uint8_t)PHASE_FAULT)) {
         tumble_drive_fail(drive, fault);

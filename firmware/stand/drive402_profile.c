@@ -9,7 +9,6 @@
 #define CONSUMER_HEARTBEAT 0x1016U
 #define RECEIVE_COMMUNICATION 0x1400U
 #define TRANSMIT_COMMUNICATION 0x1800U
-#define MAPPING_AWAY 0x200U /* from there to 1600h, 1A00h */
 
 /* Identifiers. */
 #define FIRST_ID 0x181U
@@ -23,9 +22,10 @@ enum {
     VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile */
     VALUE_BYTE,
     VALUE_WORD,
-    VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them */
     VALUE_LIMIT,        /* of the position; both 0: not written */
-    VALUE_VELOCITY,     /* quantities: 0 is not written */
+    VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them; from here on 0 is not
+                         * written */
+    VALUE_VELOCITY,     /* quantities */
     VALUE_ACCELERATION
 };
 
@@ -101,81 +101,12 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
 
 static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_drive_write_t *write)
 {
-    const bool optional = is_quantity(row) || (row->kind == (uint8_t)VALUE_CONSUMER);
+    const bool optional = (row->kind >= (uint8_t)VALUE_CONSUMER);
     const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !tumble_drive402_is_limited(drive);
     write->index = row->index;
     write->subindex = row->subindex;
     write->value = value_of(drive, row);
     write->size = (unlimited || (optional && (write->value == 0U))) ? 0U : row->size;
-}
-
-/* One PDO, in the order of CiA 301: disable, no objects, the objects, their number, the rest, enable. */
-#define PDO_DISABLE 0U
-#define PDO_EMPTY 1U
-#define PDO_FIRST_OBJECT 2U
-#define PDO_COUNT (PDO_FIRST_OBJECT + TUMBLE_MAX_MAPPED)
-#define PDO_TYPE (PDO_COUNT + 1U)
-#define PDO_INHIBIT (PDO_COUNT + 2U)
-#define PDO_EVENT (PDO_COUNT + 3U)
-#define PDO_ENABLE (PDO_COUNT + 4U)
-#define PDO_STEPS (PDO_ENABLE + 1U)
-
-/* The parameter of a step: its subindex, size and value; size 0: nothing to write. */
-static void write_parameter(const tumble_pdo_setup_t *setup, bool transmit, uint8_t step, tumble_drive_write_t *write)
-{
-    write->size = 4;
-    write->subindex = 1;
-    switch (step) {
-    case PDO_DISABLE:
-        write->value = setup->cob_id | TUMBLE_PDO_INVALID;
-        break;
-    case PDO_TYPE:
-        write->size = 1;
-        write->subindex = 2;
-        write->value = setup->type;
-        break;
-    case PDO_INHIBIT:
-        write->size = transmit ? 2U : 0U;
-        write->subindex = 3;
-        write->value = setup->inhibit_100us;
-        break;
-    case PDO_EVENT:
-        write->size = transmit ? 2U : 0U;
-        write->subindex = 5;
-        write->value = setup->event_ms;
-        break;
-    default:
-        write->value = setup->cob_id;
-        break;
-    }
-}
-
-static void write_mapping(const tumble_pdo_setup_t *setup, uint8_t step, tumble_drive_write_t *write)
-{
-    write->size = 1;
-    write->subindex = 0;
-    if (step == PDO_EMPTY) {
-        write->value = 0;
-    } else if (step == PDO_COUNT) {
-        write->value = setup->count;
-    } else {
-        const uint8_t object = (uint8_t)(step - PDO_FIRST_OBJECT);
-        write->size = (object < setup->count) ? 4U : 0U;
-        write->subindex = (uint8_t)(object + 1U);
-        write->value = setup->map[object];
-    }
-}
-
-static void write_pdo(const tumble_drive_pdo_t *pdo, bool transmit, uint8_t step, tumble_drive_write_t *write)
-{
-    const bool mapping = (step >= PDO_EMPTY) && (step <= PDO_COUNT);
-    write->index = (uint16_t)((transmit ? TRANSMIT_COMMUNICATION : RECEIVE_COMMUNICATION) + pdo->number +
-                              (mapping ? MAPPING_AWAY : 0U));
-    if (mapping) {
-        write_mapping(&pdo->setup, step, write);
-    } else {
-        write_parameter(&pdo->setup, transmit, step, write);
-    }
 }
 
 /* The drive's receive PDOs, then its transmit PDOs. */
@@ -203,12 +134,13 @@ bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tu
         return true;
     }
     at -= (unsigned)OBJECT_COUNT;
-    const unsigned pdo = at / PDO_STEPS;
-    const bool transmit = (pdo >= profile->receive_count);
-    if (pdo >= pdo_count_of(profile)) {
+    const unsigned number = at / TUMBLE_PDO_SETUP_STEPS;
+    if (number >= pdo_count_of(profile)) {
         return false;
     }
-    write_pdo(pdo_at(profile, pdo), transmit, (uint8_t)(at % PDO_STEPS), write);
+    const tumble_drive_pdo_t *pdo = pdo_at(profile, number);
+    const uint16_t base = (number < profile->receive_count) ? RECEIVE_COMMUNICATION : TRANSMIT_COMMUNICATION;
+    tumble_pdo_setup_write(&pdo->setup, (uint16_t)(base + pdo->number), (uint8_t)(at % TUMBLE_PDO_SETUP_STEPS), write);
     return true;
 }
 
@@ -235,17 +167,13 @@ static uint32_t own_object(uint32_t object)
     return TUMBLE_MAP((bits == 8U) ? TUMBLE_TYPE_UNSIGNED8 : longer, 0, bits);
 }
 
-static tumble_pdo_setup_t own_setup(const tumble_drive_pdo_t *pdo)
+static void own_setup(const tumble_pdo_setup_t *theirs, tumble_pdo_setup_t *own)
 {
-    tumble_pdo_setup_t setup = pdo->setup;
-    setup.cob_id &= TUMBLE_CAN_MAX_ID;
-    setup.type = TUMBLE_PDO_EVENT_PROFILE;
-    setup.inhibit_100us = 0;
-    setup.event_ms = 0;
-    for (uint8_t i = 0; i < setup.count; i++) {
-        setup.map[i] = own_object(setup.map[i]);
+    *own = (tumble_pdo_setup_t){
+        .cob_id = theirs->cob_id & TUMBLE_CAN_MAX_ID, .type = TUMBLE_PDO_EVENT_PROFILE, .count = theirs->count};
+    for (uint8_t i = 0; i < own->count; i++) {
+        own->map[i] = own_object(theirs->map[i]);
     }
-    return setup;
 }
 
 /* Those that are told to go keep that. */
@@ -253,7 +181,8 @@ static bool map_own(const tumble_drive402_t *drive, tumble_pdo_direction_t direc
                     const tumble_drive_pdo_t *pdo)
 {
     tumble_pdos_t *pdos = &drive->node->pdos;
-    const tumble_pdo_setup_t setup = own_setup(pdo);
+    tumble_pdo_setup_t setup;
+    own_setup(&pdo->setup, &setup);
     const bool due = (direction == TUMBLE_PDO_TRANSMIT) && pdos->transmit[number].pdo.due;
     const tumble_abort_t refusal = tumble_pdo_configure(pdos, &drive->node->dictionary, direction, number, &setup);
     if (direction == TUMBLE_PDO_TRANSMIT) {
@@ -294,7 +223,7 @@ static bool numbers_are_valid(const tumble_drive_profile_t *profile)
         (void)memcpy(&ms, (const unsigned char *)profile + times[i], sizeof ms);
         valid = valid && (ms > 0U);
     }
-    return valid && tumble_is_finite(profile->homing_travel_deg) && (profile->homing_travel_deg >= 0.0) &&
+    return valid && tumble_is_finite(profile->homing_travel_deg) && !tumble_is_positive(-profile->homing_travel_deg) &&
            (profile->heartbeat_ms > 0U) && ((profile->sign == 1) || (profile->sign == -1)) &&
            (profile->wrap_counts <= (uint32_t)INT32_MAX) && (profile->stop <= (uint8_t)TUMBLE_STOP_BY_HALT);
 }
@@ -363,7 +292,7 @@ static bool pdos_are_valid(const tumble_drive_profile_t *profile)
 static bool writes_are_valid(const tumble_drive_profile_t *profile)
 {
     const unsigned steps =
-        (unsigned)profile->write_count + (unsigned)OBJECT_COUNT + (pdo_count_of(profile) * PDO_STEPS);
+        (unsigned)profile->write_count + (unsigned)OBJECT_COUNT + (pdo_count_of(profile) * TUMBLE_PDO_SETUP_STEPS);
     bool valid = ((profile->write_count == 0U) || (profile->writes != NULL)) && (steps < UINT8_MAX);
     for (uint8_t i = 0; valid && (i < profile->write_count); i++) {
         const uint8_t size = profile->writes[i].size;

@@ -122,9 +122,8 @@ void tumble_drive_climb(tumble_drive402_t *drive, uint64_t now_us)
 {
     while (now_us >= tumble_drive_next_rung_us(drive)) {
         drive->rung++;
-        const uint8_t info[TUMBLE_EMCY_INFO_BYTES] = {drive->rung, 0, 0, 0, 0};
         tumble_count(&drive->counters.rungs[drive->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
-        tumble_emcy_raise(&drive->node->emcy, TUMBLE_EMCY_STOP, TUMBLE_ERROR_PROFILE, info);
+        tumble_emcy_tell(&drive->node->emcy, TUMBLE_EMCY_STOP, TUMBLE_ERROR_PROFILE, drive->rung);
         act(drive);
     }
 }

@@ -76,11 +76,11 @@ static bool shorten(const double k[TUMBLE_CHANNELS][TUMBLE_CHANNELS], const doub
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
             const bool fits = tumble_within(k[i][j], (double)FLT_MAX);
-            numbers[(i * TUMBLE_CHANNELS) + j] = fits ? (float)k[i][j] : 0.0F;
+            numbers[(i * TUMBLE_CHANNELS) + j] = fits ? tumble_to_float(k[i][j]) : 0.0F;
             fit = fit && fits;
         }
         const bool fits = tumble_within(u0[i], (double)FLT_MAX);
-        numbers[(TUMBLE_CHANNELS * TUMBLE_CHANNELS) + i] = fits ? (float)u0[i] : 0.0F;
+        numbers[(TUMBLE_CHANNELS * TUMBLE_CHANNELS) + i] = fits ? tumble_to_float(u0[i]) : 0.0F;
         fit = fit && fits;
     }
     return fit;
@@ -98,7 +98,7 @@ tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_
         fits = shorten(set->uncertainty.k_v_per_g, set->uncertainty.u0_v, made.u) && fits;
     }
     if (((set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U) && tumble_within(set->temperature_c, (double)FLT_MAX)) {
-        made.temperature_c = (float)set->temperature_c;
+        made.temperature_c = tumble_to_float(set->temperature_c);
     }
     if (!fits) {
         return TUMBLE_E_NOT_FINITE;

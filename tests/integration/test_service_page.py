@@ -85,7 +85,7 @@ def test_the_level_in_time_and_over_start(bench):  # noqa: F811
         computer.unlock()
     bench.bus.let_pass(100)
     told = [line for line in bench.bus.log if line.startswith("081#")]
-    assert told == ["081#10FF810100000000", "081#0000000000000000"] * 3
+    assert told == ["081#30FF810100000000", "081#0000000000000000"] * 3
     last = next(line for line in reversed(bench.bus.log) if line.startswith("6C1#"))
     assert struct.unpack("<BHI", bytes.fromhex(last[4:])) == (0, 0, 1)
 

@@ -67,9 +67,9 @@ static const tumble_limit_t fixture_limits[] = {
 #define U16 TUMBLE_TYPE_UNSIGNED16
 #define U32 TUMBLE_TYPE_UNSIGNED32
 #define TEXT TUMBLE_TYPE_VISIBLE_STRING
-#define OWN(index, sub, type, access, size) {index, sub, type, access, TUMBLE_HOME_COMMUNICATION, size, 0, 0, 0, 0}
+#define OWN(index, sub, type, access, size) {index, sub, type, TUMBLE_HOME_COMMUNICATION, access, size, 0, 0, 0, 0}
 #define VAR(index, sub, type, access, size, limit, member)                                                             \
-    {index, sub, type, access, TUMBLE_HOME_VARIABLES, size, limit, offsetof(variables_t, member), 0, 0}
+    {index, sub, type, TUMBLE_HOME_VARIABLES, access, size, limit, 0, 0, offsetof(variables_t, member)}
 #define MAPPING(index)                                                                                                 \
     OWN(index, 0, U8, RW, 1), OWN(index, 1, U32, RW, 4), OWN(index, 2, U32, RW, 4), OWN(index, 3, U32, RW, 4),         \
         OWN(index, 4, U32, RW, 4), OWN(index, 5, U32, RW, 4), OWN(index, 6, U32, RW, 4), OWN(index, 7, U32, RW, 4),    \
@@ -78,21 +78,21 @@ static const tumble_limit_t fixture_limits[] = {
 #define TRANSMIT(index) RECEIVE(index), OWN(index, 3, U16, RW, 2), OWN(index, 5, U16, RW, 2)
 
 static const tumble_entry_t fixture_entries[] = {
-    {0x0005, 0, U8, WO | TUMBLE_ACCESS_MAP_RECEIVE, TUMBLE_HOME_IMMEDIATE, 1, 0, 0, 0, 0},
-    {0x0007, 0, U32, WO | TUMBLE_ACCESS_MAP_RECEIVE, TUMBLE_HOME_IMMEDIATE, 4, 0, 0, 0, 0},
-    {0x1000, 0, U32, RO, TUMBLE_HOME_CONSTANT, 4, 0, offsetof(constants_t, device_type), 0, 0},
+    {0x0005, 0, U8, TUMBLE_HOME_IMMEDIATE, WO | TUMBLE_ACCESS_MAP_RECEIVE, 1, 0, 0, 0, 0},
+    {0x0007, 0, U32, TUMBLE_HOME_IMMEDIATE, WO | TUMBLE_ACCESS_MAP_RECEIVE, 4, 0, 0, 0, 0},
+    {0x1000, 0, U32, TUMBLE_HOME_CONSTANT, RO, 4, 0, 0, 0, offsetof(constants_t, device_type)},
     OWN(0x1001, 0, U8, RO | TUMBLE_ACCESS_MAP_TRANSMIT, 1),
     OWN(0x1003, 0, U8, RW, 1),
     OWN(0x1003, 1, U32, RO, 4),
     OWN(0x1003, 2, U32, RO, 4),
     OWN(0x1003, 3, U32, RO, 4),
     OWN(0x1003, 4, U32, RO, 4),
-    {0x1005, 0, U32, RO, TUMBLE_HOME_IMMEDIATE, 4, 0, 0x80, 0, 0},
-    {0x1008, 0, TEXT, RO, TUMBLE_HOME_CONSTANT, 16, 0, offsetof(constants_t, name), 0, 0},
-    {0x1009, 0, TEXT, RO, TUMBLE_HOME_CONSTANT, 2, 0, offsetof(constants_t, version), 0, 0},
+    {0x1005, 0, U32, TUMBLE_HOME_IMMEDIATE, RO, 4, 0, 0, 0, 0x80},
+    {0x1008, 0, TEXT, TUMBLE_HOME_CONSTANT, RO, 16, 0, 0, 0, offsetof(constants_t, name)},
+    {0x1009, 0, TEXT, TUMBLE_HOME_CONSTANT, RO, 2, 0, 0, 0, offsetof(constants_t, version)},
     OWN(0x1010, 1, U32, RW, 4), /* claimed by the table, unknown to canopen */
     OWN(0x1014, 0, U32, RO, 4),
-    {0x1016, 0, U8, RO, TUMBLE_HOME_IMMEDIATE, 1, 0, 4, 0, 0},
+    {0x1016, 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, 4},
     OWN(0x1016, 1, U32, RW, 4),
     OWN(0x1016, 2, U32, RW, 4),
     OWN(0x1016, 3, U32, RW, 4),
@@ -129,18 +129,18 @@ static const tumble_entry_t fixture_entries[] = {
     VAR(0x200B, 0, TEXT, RW, 32, 0, text),
     VAR(0x200C, 0, U8, WO, 1, 0, secret),
     VAR(0x200D, 0, U16, RO, 2, 0, u16_ro),
-    {0x200E, 0, U8, RO, TUMBLE_HOME_IMMEDIATE, 1, 0, 3, 0, 0},
+    {0x200E, 0, U8, TUMBLE_HOME_IMMEDIATE, RO, 1, 0, 0, 0, 3},
     VAR(0x200E, 1, U8, RW, 1, 6, record[0]),
     VAR(0x200E, 3, U8, RW, 1, 0, record[1]),
     VAR(0x200F, 0, TUMBLE_TYPE_REAL64, RW, 8, 0, unlimited),
     VAR(0x200F, 1, TUMBLE_TYPE_REAL32, RW, 4, 0, unlimited32),
     VAR(0x200F, 2, U16, RW, 2, 6, limited16),
-    {0x2010, 0, U32, RW | MAPPED, TUMBLE_HOME_COMPUTED, 4, 0, 7, 0, 0},
-    {0x2011, 0, TEXT, RO, TUMBLE_HOME_COMPUTED, 64, 0, 0, 0, 0},
-    {0x2012, 0, TUMBLE_TYPE_REAL64, RO | TUMBLE_ACCESS_MAP_TRANSMIT, TUMBLE_HOME_COMPUTED, 8, 0, 0, 0, 0},
-    {0x2013, 0, U16, RW | MAPPED, TUMBLE_HOME_OTHER, 2, 0, offsetof(other_t, other), 0, 0},
+    {0x2010, 0, U32, TUMBLE_HOME_COMPUTED, RW | MAPPED, 4, 0, 0, 0, 7},
+    {0x2011, 0, TEXT, TUMBLE_HOME_COMPUTED, RO, 64, 0, 0, 0, 0},
+    {0x2012, 0, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED, RO | TUMBLE_ACCESS_MAP_TRANSMIT, 8, 0, 0, 0, 0},
+    {0x2013, 0, U16, TUMBLE_HOME_OTHER, RW | MAPPED, 2, 0, 0, 0, offsetof(other_t, other)},
     VAR(0x2014, 0, U32, RW | MAPPED, 4, 0, guarded),
-    {0x2015, 0, TUMBLE_TYPE_REAL64, RO, TUMBLE_HOME_CONSTANT, 8, 0, offsetof(constants_t, pi), 0, 0},
+    {0x2015, 0, TUMBLE_TYPE_REAL64, TUMBLE_HOME_CONSTANT, RO, 8, 0, 0, 0, offsetof(constants_t, pi)},
 };
 
 static const tumble_object_table_t fixture_table = {

@@ -21,10 +21,10 @@ static drive_bench_t bench;
 #define RO TUMBLE_ACCESS_READ
 #define RW (TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE)
 #define DUMMY(index, type, size)                                                                                       \
-    {index, 0, type, TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, TUMBLE_HOME_IMMEDIATE, size, 0, 0, 0, 0}
+    {index, 0, type, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, size, 0, 0, 0, 0}
 #define MIRROR(sub, type, access, size, member)                                                                        \
-    {TUMBLE_DRIVE402_MIRROR, sub, type, access, TUMBLE_HOME_OTHER, size, 0, offsetof(tumble_drive_mirror_t, member),   \
-     0, 0}
+    {TUMBLE_DRIVE402_MIRROR, sub, type, TUMBLE_HOME_OTHER, access, size, 0, 0, 0,                                      \
+     offsetof(tumble_drive_mirror_t, member)}
 
 static const tumble_entry_t own_entries[] = {
     DUMMY(0x0005, TUMBLE_TYPE_UNSIGNED8, 1),

@@ -68,7 +68,7 @@ static void test_every_key_is_found_as_the_table_has_it(void)
     }
     for (size_t i = 0; i < COUNT_OF(fixture_entries); i++) {
         TEST_ASSERT_EQUAL_MEMORY(&fixture_entries[i], find(fixture_entries[i].index, fixture_entries[i].subindex),
-                                 offsetof(tumble_entry_t, more_subindices));
+                                 sizeof(tumble_entry_t));
     }
     TEST_ASSERT_NULL(find(0xFFFF, 0xFF));
 }

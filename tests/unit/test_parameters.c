@@ -25,7 +25,7 @@ typedef struct {
 
 #define RW (TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE)
 #define VAR(index, sub, type, size, limit, member, more)                                                               \
-    {index, sub, type, RW, TUMBLE_HOME_VARIABLES, size, limit, offsetof(variables_t, member), more, 0}
+    {index, sub, type, TUMBLE_HOME_VARIABLES, RW, size, limit, 0, more, offsetof(variables_t, member)}
 #define U8 TUMBLE_TYPE_UNSIGNED8
 #define U16 TUMBLE_TYPE_UNSIGNED16
 #define U32 TUMBLE_TYPE_UNSIGNED32

@@ -220,8 +220,8 @@ class Source:
         entry = run[0]
         home, offset = self.home(entry)
         limit = 0 if entry.low is None else 1 + self.limits.index((entry.low, entry.high))
-        first = f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {access(entry)},"
-        rest = f"TUMBLE_HOME_{home}, {entry.size}U, {limit}U, {offset}, {len(run) - 1}U, {more_objects}U}},"
+        first = f"    {{0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, TUMBLE_HOME_{home},"
+        rest = f"{access(entry)}, {entry.size}U, {limit}U, {more_objects}U, {len(run) - 1}U, {offset}}},"
         return one_line_or_two(first, "     ", rest)
 
     def home(self, entry: Entry) -> tuple[str, str]:
