@@ -45,10 +45,10 @@ static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaul
         refusal = tumble_nmt_set_consumer(&node->nmt, (uint8_t)(i + 1U), defaults->consumers[i]);
     }
     for (uint8_t i = 0; (i < defaults->receive_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
-        refusal = set_pdo(node, TUMBLE_PDO_RECEIVE, i, &defaults->receive[i]);
+        refusal = set_pdo(node, TUMBLE_PDO_RECEIVE, (uint8_t)(defaults->first_receive + i), &defaults->receive[i]);
     }
     if (refusal == TUMBLE_ABORT_NONE) {
-        refusal = set_transmit(node, defaults->transmit, defaults->transmit_count, 0);
+        refusal = set_transmit(node, defaults->transmit, defaults->transmit_count, defaults->first_transmit);
     }
     if ((refusal == TUMBLE_ABORT_NONE) && (extension != NULL)) {
         refusal = set_transmit(node, extension->transmit, extension->transmit_count, extension->first_transmit);

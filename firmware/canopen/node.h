@@ -53,8 +53,10 @@ typedef struct {
 typedef struct {
     const tumble_pdo_setup_t *receive;
     const tumble_pdo_setup_t *transmit;
-    uint8_t receive_count;  /* up to TUMBLE_MAX_RECEIVE_PDOS */
-    uint8_t transmit_count; /* up to TUMBLE_MAX_TRANSMIT_PDOS */
+    uint8_t first_receive;  /* number of the first (0 is 1400h); those before it are not in use */
+    uint8_t first_transmit; /* likewise (1800h) */
+    uint8_t receive_count;  /* from there up to TUMBLE_MAX_RECEIVE_PDOS */
+    uint8_t transmit_count; /* and TUMBLE_MAX_TRANSMIT_PDOS */
     uint16_t heartbeat_ms;
     uint32_t consumers[TUMBLE_MAX_CONSUMERS]; /* as in 1016h: node << 16 | ms; 0: none */
     uint8_t on_error;       /* TUMBLE_ON_ERROR_... */

@@ -12,11 +12,11 @@ void tumble_pdo_init(tumble_pdos_t *pdos)
     (void)memset(pdos, 0, sizeof *pdos);
     for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; ++i) {
         pdos->receive[i].cob_id = TUMBLE_PDO_INVALID;
-        pdos->receive[i].type = TUMBLE_PDO_EVENT_MAKER;
+        pdos->receive[i].type = TUMBLE_PDO_EVENT_PROFILE;
     }
     for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; ++i) {
         pdos->transmit[i].pdo.cob_id = TUMBLE_PDO_INVALID;
-        pdos->transmit[i].pdo.type = TUMBLE_PDO_EVENT_MAKER;
+        pdos->transmit[i].pdo.type = TUMBLE_PDO_EVENT_PROFILE;
         pdos->transmit[i].event_us = TUMBLE_NEVER;
     }
 }

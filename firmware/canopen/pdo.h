@@ -85,7 +85,7 @@ typedef enum {
     TUMBLE_PDO_TOO_SHORT /* fewer bytes than mapped: nothing was written; further bytes than mapped do no harm */
 } tumble_pdo_outcome_t;
 
-/* All PDOs invalid and without mapping. */
+/* All PDOs invalid and without mapping, of type TUMBLE_PDO_EVENT_PROFILE. */
 void tumble_pdo_init(tumble_pdos_t *pdos);
 
 /* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the objects

@@ -268,6 +268,21 @@ static tumble_abort_t write_mapping(tumble_pdo_t *pdo, const tumble_dictionary_t
     return refusal;
 }
 
+/* Has another PDO of this node the identifier? What we send with it would be taken for what that one carries. */
+static bool is_taken(const tumble_pdos_t *pdos, const tumble_pdo_t *pdo, uint32_t value)
+{
+    bool taken = false;
+
+    for (unsigned i = 0; i < (TUMBLE_MAX_TRANSMIT_PDOS + TUMBLE_MAX_RECEIVE_PDOS); ++i) {
+        const tumble_pdo_t *other = (i < TUMBLE_MAX_TRANSMIT_PDOS) ? &pdos->transmit[i].pdo
+                                                                   : &pdos->receive[i - TUMBLE_MAX_TRANSMIT_PDOS];
+
+        taken = taken || ((other != pdo) && tumble_pdo_is_valid(other) &&
+                          (((other->cob_id ^ value) & TUMBLE_CAN_MAX_ID) == 0U));
+    }
+    return taken && ((value & TUMBLE_PDO_INVALID) == 0U);
+}
+
 tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
                                           uint8_t subindex, uint32_t value)
 {
@@ -275,6 +290,9 @@ tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dict
 
     if (found.pdo == NULL) {
         return TUMBLE_ABORT_NO_OBJECT;
+    }
+    if (!is_mapping(index) && (subindex == SUB_COB_ID) && is_taken(pdos, found.pdo, value)) {
+        return TUMBLE_ABORT_VALUE;
     }
     return is_mapping(index) ? write_mapping(found.pdo, dictionary, found.transmit != NULL, subindex, value)
                              : write_communication(&found, subindex, value);

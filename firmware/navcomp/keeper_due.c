@@ -82,12 +82,19 @@ void tumble_keeper_pause(tumble_keeper_t *keeper)
     keeper->pause_us = keeper->now_us + ((uint64_t)keeper->settings.pause_s * TUMBLE_US_PER_S);
 }
 
-/* What somebody should look at first keeps it from starting: a proposal, or a run that could be gone on with. */
+/* The table was not seen to stop, or somebody else turns it. */
+static bool stand_wants_a_look(const tumble_navcomp_t *navcomp)
+{
+    const tumble_stand_fault_t fault = navcomp->stand.fault(navcomp->stand.self);
+    return (fault == TUMBLE_STAND_FAULT_STOP) || (fault == TUMBLE_STAND_FAULT_FOREIGN);
+}
+
+/* What somebody should look at first keeps it from starting: the table, a proposal, a run that could be gone on with. */
 void tumble_keeper_start_if_due(tumble_keeper_t *keeper)
 {
     const bool wanted = ((keeper->settings.flags & TUMBLE_KEEPER_STARTS) != 0U) && (tumble_keeper_due(keeper) != 0U);
     if (!wanted || tumble_run_is_on(keeper->navcomp) || tumble_keeper_is_inhibited(keeper) ||
-        (keeper->now_us < keeper->pause_us) || (keeper->resumable != 0U) ||
+        (keeper->now_us < keeper->pause_us) || (keeper->resumable != 0U) || stand_wants_a_look(keeper->navcomp) ||
         tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL)) {
         return;
     }

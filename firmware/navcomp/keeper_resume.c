@@ -155,7 +155,6 @@ static void go_on(tumble_keeper_t *keeper)
         tumble_keeper_count_resumable(keeper); /* for what cannot be put back nothing waits */
         return;
     }
-    tumble_service_run_began(keeper->navcomp);
     tumble_count(&keeper->counters.resumed);
     (void)tumble_at_rest_begin(&keeper->at_rest, 0);
     keeper->has_checkpoint = true;

@@ -35,26 +35,18 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     return (status == TUMBLE_E_STAND_STATE) ? TUMBLE_E_STATE : status;
 }
 
-static tumble_status_t start(tumble_navcomp_t *navcomp)
-{
-    const tumble_status_t status = tumble_procedure_start(&navcomp->procedure);
-    if (status == TUMBLE_OK) {
-        tumble_service_run_began(navcomp);
-    }
-    return status;
-}
-
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument)
 {
     tumble_procedure_t *procedure = &navcomp->procedure;
     tumble_status_t status = TUMBLE_E_ARGUMENT;
+    const bool was_on = tumble_run_is_on(navcomp);
     tumble_procedure_set_supervised(procedure, tumble_is_supervised(navcomp)); /* held from here on */
     switch (command) {
     case TUMBLE_COMMAND_NONE:
         status = TUMBLE_OK;
         break;
     case TUMBLE_COMMAND_START:
-        status = start(navcomp);
+        status = tumble_procedure_start(procedure);
         break;
     case TUMBLE_COMMAND_ABORT:
         status = tumble_procedure_abort(procedure);
@@ -89,6 +81,9 @@ tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t 
     case TUMBLE_COMMAND_COUNT:
     default:
         break;
+    }
+    if (!was_on && tumble_run_is_on(navcomp)) {
+        tumble_service_run_began(navcomp);
     }
     return status;
 }

@@ -336,19 +336,7 @@ const tumble_object_table_t tumble_navcomp_table = {
     .count = sizeof entries / sizeof entries[0],
 };
 
-static const tumble_pdo_setup_t receive[] = {
-    {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
-     .map = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
-    {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
-     .map = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
-};
-static_assert((sizeof receive / sizeof receive[0]) <= TUMBLE_MAX_RECEIVE_PDOS, "receive");
-
 static const tumble_pdo_setup_t transmit[] = {
-    {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
-     .map = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
-    {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
-     .map = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U}},
     {.cob_id = 0x180U, .type = 255U, .count = 5U, .inhibit_100us = 200U, .event_ms = 1000U,
      .map = {0x20000008U, 0x20010008U, 0x20030108U, 0x20030308U, 0x20030720U, 0U, 0U, 0U}},
     {.cob_id = 0x80000000U, .type = 255U, .count = 0U, .inhibit_100us = 0U, .event_ms = 0U,
@@ -359,10 +347,12 @@ static const tumble_pdo_setup_t transmit[] = {
 static_assert((sizeof transmit / sizeof transmit[0]) <= TUMBLE_MAX_TRANSMIT_PDOS, "transmit");
 
 const tumble_node_defaults_t tumble_navcomp_defaults = {
-    .receive = receive,
+    .receive = NULL,
+    .first_receive = 2U,
+    .receive_count = 0U,
     .transmit = transmit,
-    .receive_count = 2U,
-    .transmit_count = 5U,
+    .first_transmit = 2U,
+    .transmit_count = 3U,
     .heartbeat_ms = 100U,
     .consumers = {0x000201F4U, 0x000301F4U, 0x00000000U, 0x00000000U},
     .on_error = 1U,

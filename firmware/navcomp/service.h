@@ -31,7 +31,7 @@ uint16_t tumble_service_left_s(const struct tumble_navcomp *navcomp); /* rounded
 /* How many runs have begun since power-on; stops at UINT32_MAX. */
 uint32_t tumble_service_runs(const struct tumble_navcomp *navcomp);
 
-/* For navcomp and its keeper. A run has begun: out of IDLE, DONE or ABORT. */
+/* For navcomp. A run has begun, or goes on out of DONE. */
 void tumble_service_run_began(struct tumble_navcomp *navcomp);
 
 /* At the beginning of a step: end the level when its time is over. True: it did. */

@@ -243,6 +243,9 @@ static void stop(void *self)
     tumble_drive402_t *drive = self;
     drive->wanted = (uint8_t)PHASE_IDLE;
     if (drive->phase == (uint8_t)PHASE_FAULT) {
+        if (tumble_drive_may_turn(drive)) {
+            tumble_drive_watch_stop(drive);
+        }
         tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
     } else if ((drive->phase > (uint8_t)PHASE_POWER) && (drive->phase < (uint8_t)PHASE_STOPPING)) {
         tumble_drive_go(drive, PHASE_STOPPING);

@@ -83,6 +83,9 @@ bool tumble_drive_is_stopping(const tumble_drive402_t *drive);
 uint64_t tumble_drive_next_rung_us(const tumble_drive402_t *drive);
 void tumble_drive_climb(tumble_drive402_t *drive, uint64_t now_us);
 
+/* The controlword by SDO, too. */
+void tumble_drive_tell_by_sdo(tumble_drive402_t *drive);
+
 /* Does the statusword that has just come, or a position that no longer changes, show the axis at rest after a stop?
  * Notes whether the drive obeys. */
 bool tumble_drive_rests(tumble_drive402_t *drive);

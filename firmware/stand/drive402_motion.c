@@ -165,6 +165,9 @@ void tumble_drive_enter_stopping(tumble_drive402_t *drive)
     drive->may_reset = false;
     tumble_drive_watch_stop(drive);
     tell_to_stop(drive);
+    if (stops_by_halt(drive)) {
+        tumble_drive_tell_by_sdo(drive); /* a Halt that was not heard does not show */
+    }
 }
 
 /* Until the drive has begun to stop it is told again at every report: process data are not acknowledged. */
@@ -201,6 +204,9 @@ void tumble_drive_look_fault(tumble_drive402_t *drive, bool fresh)
     }
     const bool rests = tumble_drive_rests(drive);
     if (tumble_drive_power_state(drive) == TUMBLE_402_STATE_OPERATION_ENABLED) {
+        if (drive->rung == (uint8_t)TUMBLE_RUNG_NONE) {
+            tumble_drive_watch_stop(drive);
+        }
         tumble_drive_control(drive, TUMBLE_402_CONTROL_QUICK_STOP);
     } else if (tumble_drive_is_stopping(drive) && rests) {
         tumble_drive_end_stop(drive);

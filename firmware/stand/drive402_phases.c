@@ -74,7 +74,7 @@ void tumble_drive_fail(tumble_drive402_t *drive, tumble_stand_fault_t fault)
 {
     drive->fault = (uint8_t)fault;
     drive->homed = drive->homed && (fault != TUMBLE_STAND_FAULT_POWER);
-    if (drive->phase >= (uint8_t)PHASE_POWER) {
+    if ((drive->phase >= (uint8_t)PHASE_POWER) || tumble_drive_may_turn(drive)) {
         tumble_drive_watch_stop(drive); /* before that nothing has been set going */
     }
     tumble_drive_go(drive, PHASE_FAULT);

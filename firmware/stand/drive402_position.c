@@ -14,6 +14,7 @@
 #define REPORTS_PER_S 4U
 #define SETTLED_US UINT64_C(2000000)
 #define DOUBTS 2U
+#define QUARTER_DEG 90U /* rest_counts are a degree */
 #define BLIND_US UINT64_C(1200000) /* longer than a heartbeat may be away: a silent drive is told as what it is */
 
 TUMBLE_ONE_COPY static uint32_t saturated(uint64_t counts)
@@ -63,16 +64,24 @@ static bool is_held(const tumble_drive402_t *drive)
     return is_at_rest(drive) && (drive->homed || tumble_drive_may_turn(drive));
 }
 
+/* An axis that stands, or was told to rest long ago, is measured from where it is. */
+static void settle(tumble_drive402_t *drive)
+{
+    const bool held = is_held(drive) && drive->tracked;
+    const bool for_long = (drive->node->now_us - drive->entered_us) >= SETTLED_US;
+    if (!held || !drive->settled) {
+        drive->settled = held && (tumble_drive_stands_still(drive) || for_long);
+        drive->strayed = 0;
+    }
+}
+
 /* Not homed, any number will do, for homing gives it another zero: but an axis that was told to rest does rest. */
 static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
 {
-    if (drive->settled && is_held(drive)) {
+    if (drive->settled) {
         return size_of((int64_t)drive->strayed + change) <= drive->rest_counts;
     }
-    if (!drive->homed || !drive->tracked) {
-        return true;
-    }
-    return is_in_reach(drive, size_of(change)) && !is_guess(drive);
+    return !drive->homed || !drive->tracked || (is_in_reach(drive, size_of(change)) && !is_guess(drive));
 }
 
 /* One report may be garbled: it is dropped. */
@@ -86,26 +95,13 @@ static void doubt(tumble_drive402_t *drive)
     }
 }
 
-/* The zero that homing sets is no movement. */
+/* The zero that homing sets is no movement: whatever its size, it counts as a quarter of a turn at most. */
 static void follow_homing(tumble_drive402_t *drive, uint32_t size)
 {
-    if (is_in_reach(drive, size)) {
-        drive->travel = saturated((uint64_t)drive->travel + size);
-    }
+    const uint32_t quarter = drive->rest_counts * QUARTER_DEG;
+    drive->travel += (size < quarter) ? size : quarter;
     if ((drive->homing_counts != 0U) && (drive->travel > drive->homing_counts)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
-    }
-}
-
-static void follow_rest(tumble_drive402_t *drive, int64_t change)
-{
-    const bool held = is_held(drive);
-    const bool for_long = (drive->node->now_us - drive->entered_us) >= SETTLED_US;
-    if (drive->settled && held) {
-        drive->strayed += (int32_t)change;
-    } else {
-        drive->settled = held && (tumble_drive_stands_still(drive) || for_long);
-        drive->strayed = 0;
     }
 }
 
@@ -114,9 +110,13 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     const int32_t raw = drive->mirror->actual_position;
     const int64_t before = drive->actual_counts;
     const int64_t change = tumble_drive_unwrapped(drive->profile, raw, before) - before;
+    settle(drive);
     if (!is_plausible(drive, change)) {
         doubt(drive);
         return;
+    }
+    if (drive->settled) {
+        drive->strayed += (int32_t)change;
     }
     if (is_homing(drive)) {
         follow_homing(drive, size_of(change));
@@ -132,7 +132,6 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     } else {
         /* at rest for long */
     }
-    follow_rest(drive, change);
 }
 
 /* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */

@@ -50,7 +50,8 @@ void tumble_drive_watch_stop(tumble_drive402_t *drive)
 
 void tumble_drive_end_stop(tumble_drive402_t *drive)
 {
-    if (drive->rung > (uint8_t)TUMBLE_RUNG_TOLD) {
+    const bool is_lost = drive->fault >= (uint8_t)TUMBLE_STAND_FAULT_POSITION; /* that is still to be told */
+    if ((drive->rung > (uint8_t)TUMBLE_RUNG_TOLD) && !is_lost) {
         tumble_emcy_clear(&drive->node->emcy, TUMBLE_ERROR_PROFILE);
     }
     drive->rung = (uint8_t)TUMBLE_RUNG_NONE;
@@ -60,15 +61,18 @@ bool tumble_drive_rests(tumble_drive402_t *drive)
 {
     const uint16_t state = tumble_drive_power_state(drive);
     const bool halting = (drive->mirror->controlword & TUMBLE_402_CONTROL_HALT) != 0U;
-    drive->begun = (state != TUMBLE_402_STATE_OPERATION_ENABLED) || halting;
-    if (!drive->begun) {
+    const bool obeys = (state != TUMBLE_402_STATE_OPERATION_ENABLED) || halting;
+    drive->begun = drive->begun || obeys;
+    if (!obeys) {
         drive->still = 0;
         return false;
     }
     if (!tumble_drive_may_turn(drive)) { /* it has let go, and may coast or brake by itself */
         return tumble_drive_stands_still(drive) || !drive->timed;
     }
-    return tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) || tumble_drive_stands_still(drive);
+    /* Under Halt bit 10 may be that of the target before, so the position tells where it is told by a timer. */
+    return tumble_drive_stands_still(drive) ||
+           (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) && !(halting && drive->timed));
 }
 
 bool tumble_drive_stands_still(const tumble_drive402_t *drive)
@@ -78,11 +82,11 @@ bool tumble_drive_stands_still(const tumble_drive402_t *drive)
 
 /* The rungs. */
 
-static void tell_by_sdo(tumble_drive402_t *drive)
+void tumble_drive_tell_by_sdo(tumble_drive402_t *drive)
 {
     tumble_drive_leave_sdo(drive);
     (void)tumble_sdo_client_write(&drive->node->client, drive->drive_node, TUMBLE_402_CONTROLWORD, 0,
-                                  TUMBLE_402_CONTROL_QUICK_STOP, (uint8_t)sizeof drive->mirror->controlword);
+                                  drive->mirror->controlword, (uint8_t)sizeof drive->mirror->controlword);
 }
 
 static void take_out_of_operation(tumble_drive402_t *drive)
@@ -105,7 +109,7 @@ static void act(tumble_drive402_t *drive)
         tumble_drive_control(drive, drive->mirror->controlword);
         break;
     case TUMBLE_RUNG_SDO:
-        tell_by_sdo(drive);
+        tumble_drive_tell_by_sdo(drive);
         break;
     case TUMBLE_RUNG_NMT:
         take_out_of_operation(drive);

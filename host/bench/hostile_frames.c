@@ -21,6 +21,8 @@ static const write_t STOP_WRITES[] = {
     {0x1800, 2, 1, 0},           {0x1800, 3, 2, 0xFFFFU},     {0x1A00, 0, 1, 0},           {0x1400, 1, 4, 0x80000182U},
     {0x1600, 0, 1, 0},           {0x1016, 1, 4, 0},           {0x1016, 1, 4, 0x00021388U}, {0x1016, 2, 4, 0},
     {0x1017, 0, 2, 0},           {0x1017, 0, 2, 60000},       {0x1029, 1, 1, 0},           {0x1029, 1, 1, 2},
+    {0x1802, 1, 4, 0x80000181U}, {0x1802, 1, 4, 0x202},       {0x1804, 1, 4, 0x800006C1U}, {0x1804, 1, 4, 0x202},
+    {0x2006, 1, 4, 0x76726573U}, {0x2006, 1, 4, 0x76726573U},
 };
 
 /* Other objects of the navigation computer that can be written, most with a value that might do harm. */

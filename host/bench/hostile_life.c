@@ -1,6 +1,7 @@
 #include "bench/hostile_life.h"
 
 #include "bench/hostile_invariants.h"
+#include "canopen/bytes.h"
 
 #include <string.h>
 
@@ -90,7 +91,7 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x581U && frame->length == 8U) {
         note_answer(life, frame);
     } else if (sender == BENCH_BUS_NAVCOMP && frame->id == 0x081U && frame->length == 8U &&
-               (frame->data[0] | frame->data[1]) != 0U) {
+               tumble_get_u16(frame->data) == TUMBLE_KEEPER_EMCY_DECAYED) {
         life->watch.told = true;
     }
 }

@@ -6,7 +6,6 @@
 #include <math.h>
 
 #define TOLD_US 2000000U
-#define KNOWN_DUE (TUMBLE_DUE_TIME | TUMBLE_DUE_TEMPERATURE | TUMBLE_DUE_NO_SET)
 
 /* What excuses coefficients that are off. */
 static bool is_excused(const bench_life_t *life)
@@ -72,7 +71,7 @@ static void look_whether_told(bench_life_t *life)
     tumble_keeper_state_t state;
     tumble_keeper_state(&life->keeper, &state);
     const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
-    if (watch->told || lacks || (state.due & ~KNOWN_DUE) != 0) {
+    if (watch->told || lacks || (state.due & TUMBLE_DUE_DECAYED) != 0) {
         watch->told_by_us = SIM_NEVER;
     } else if (life->world.clock.now_us >= watch->told_by_us) {
         watch->told_by_us = SIM_NEVER;

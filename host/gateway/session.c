@@ -240,11 +240,21 @@ static gateway_exception_t send(gateway_session_t *session, gateway_t *gateway)
     return gateway_poller_command(&gateway->poller, &session->sent) ? GATEWAY_OK : GATEWAY_BUSY;
 }
 
+/* The node may have refused the key, as in a run: then the level, should it be open, is not this session's. */
+static void drop_refused_key(gateway_session_t *session, gateway_t *gateway)
+{
+    if (session->sent_key && session->sent.result != GATEWAY_RESULT_ACCEPTED && gateway->service == session) {
+        gateway->service = NULL;
+    }
+    session->sent_key = false;
+}
+
 /* Nothing is sent of what does not fit, or needs a level that this session has not. */
 static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t *gateway, uint64_t now_us)
 {
     const gateway_target_t *const target = gateway_target(session->setting);
     const uint32_t key = u32_of(session->service_key);
+    drop_refused_key(session, gateway);
     session->sent = gateway_setting_by_key(target, key, value_of(session));
     session->setting = 0;
     memset(session->service_key, 0, sizeof session->service_key);
@@ -261,6 +271,7 @@ static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t
         note_key(session, gateway, (double)key, now_us);
     }
     if (wrong == GATEWAY_OK && target->number == GATEWAY_SERVICE_KEY) {
+        session->sent_key = true;
         note_key(session, gateway, value_of(session), now_us);
     }
     return wrong;
@@ -275,6 +286,7 @@ static gateway_exception_t execute(gateway_session_t *session, gateway_t *gatewa
     if (session->is_setting_done) {
         return execute_setting(session, gateway, now_us);
     }
+    drop_refused_key(session, gateway);
     session->sent = command_of(session);
     return send(session, gateway);
 }

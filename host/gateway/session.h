@@ -48,6 +48,7 @@ typedef struct gateway_session {
     uint16_t executed;          /* what was written to Execute last */
     bool is_setting_done;       /* a setting was executed, and nothing has been staged since */
     gateway_command_t sent;
+    bool sent_key; /* it is the service level's */
 } gateway_session_t;
 
 void gateway_session_open(gateway_session_t *session);

@@ -104,8 +104,10 @@ const tumble_object_table_t tumble_block_table = {
 
 const tumble_node_defaults_t tumble_block_defaults = {
     .receive = NULL,
-    .transmit = NULL,
+    .first_receive = 0U,
     .receive_count = 0U,
+    .transmit = NULL,
+    .first_transmit = 0U,
     .transmit_count = 0U,
     .heartbeat_ms = 100U,
     .consumers = {0x000101F4U, 0x00000000U, 0x00000000U, 0x00000000U},

@@ -219,8 +219,10 @@ static_assert((sizeof transmit / sizeof transmit[0]) <= TUMBLE_MAX_TRANSMIT_PDOS
 
 const tumble_node_defaults_t tumble_drive_defaults = {
     .receive = receive,
-    .transmit = transmit,
+    .first_receive = 0U,
     .receive_count = 1U,
+    .transmit = transmit,
+    .first_transmit = 0U,
     .transmit_count = 1U,
     .heartbeat_ms = 100U,
     .consumers = {0x000101F4U, 0x00000000U, 0x00000000U, 0x00000000U},

@@ -23,13 +23,13 @@ static tumble_abort_t configure(tumble_pdo_direction_t direction, uint8_t number
 static void test_power_on_state(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1400, 1));
-    TEST_ASSERT_EQUAL_UINT32(254, read32(0x1400, 2));
+    TEST_ASSERT_EQUAL_UINT32(255, read32(0x1400, 2));
     TEST_ASSERT_EQUAL_UINT32(2, read32(0x1400, 0));
     TEST_ASSERT_EQUAL_UINT32(5, read32(0x1802, 0));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1401, 1));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1800, 1));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, read32(0x1802, 1));
-    TEST_ASSERT_EQUAL_UINT32(254, read32(0x1802, 2));
+    TEST_ASSERT_EQUAL_UINT32(255, read32(0x1802, 2));
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1A02, 0));
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1A02, 8));
     pass(10000 * MS);
@@ -183,10 +183,25 @@ static void test_configure_replaces_what_was_there(void)
     TEST_ASSERT_EQUAL_UINT32(2, read32(0x1A00, 0));
     step();
     expect(0x385, "00 00 00 00 00 00");
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_RECEIVE, 1, &setup));
-    TEST_ASSERT_TRUE(hand(0x385, "34 12 FE FF FF FF"));
+    tumble_pdo_setup_t inward = setup;
+    inward.cob_id = 0x395;
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_RECEIVE, 1, &inward));
+    TEST_ASSERT_TRUE(hand(0x395, "34 12 FE FF FF FF"));
     TEST_ASSERT_EQUAL_UINT(1, at.pdos[1]);
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1801, 5)); /* nor is the transmit PDO of that number touched */
+}
+
+/* A PDO of ours under the identifier of another would be taken for it: a state for a controlword. */
+static void test_an_identifier_that_another_pdo_has_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_TRANSMIT, 0, &setup));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, configure(TUMBLE_PDO_TRANSMIT, 1, &setup));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, configure(TUMBLE_PDO_RECEIVE, 0, &setup));
+    accepted(0x1801, 1, 0x80000385U); /* not in use it may have it */
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE,
+                            tumble_pdo_write_parameter(&at.node.pdos, &at.node.dictionary, 0x1801, 1, 0x385));
+    accepted(0x1800, 1, 0xC0000385U);
+    accepted(0x1801, 1, 0x385); /* it is free now */
 }
 
 static void test_a_new_inhibit_time_counts_from_now(void)
@@ -281,6 +296,7 @@ int main(void)
     RUN_TEST(test_only_event_driven_types_are_taken);
     RUN_TEST(test_parameters_that_are_not_there);
     RUN_TEST(test_configure_replaces_what_was_there);
+    RUN_TEST(test_an_identifier_that_another_pdo_has_is_refused);
     RUN_TEST(test_a_new_inhibit_time_counts_from_now);
     RUN_TEST(test_a_refused_configuration_leaves_the_pdo_invalid);
     RUN_TEST(test_random_writes_never_leave_a_broken_mapping);

@@ -172,7 +172,7 @@ class Source:
             self.entry_table(),
             self.table(),
             *([self.further_pdos()] if self.node.extension else
-              [self.pdo_setups("receive", self.node.receive), self.pdo_setups("transmit", self.node.transmit),
+              [self.pdo_setups("receive", used(self.node.receive)), self.pdo_setups("transmit", used(self.node.transmit)),
                self.defaults()]),
             self.saved(),
         ]
@@ -255,15 +255,21 @@ class Source:
         size = f"{self.prefix.upper()}_TRANSMIT"
         return [f"const tumble_pdo_setup_t {self.prefix}_transmit[{size}] = {{", *rows, "};"]
 
+    def pdo_defaults(self, name: str) -> list[str]:
+        pdos = getattr(self.node, name)
+        setups = used(pdos)
+        return [
+            f"    .{name} = {name if setups else 'NULL'},",
+            f"    .first_{name} = {len(pdos) - len(setups)}U,",
+            f"    .{name}_count = {len(setups)}U,",
+        ]
+
     def defaults(self) -> list[str]:
         settings = self.node.settings
         consumers = ", ".join(f"0x{settings[f'consumer{i + 1}']:08X}U" for i in range(MAX_CONSUMERS))
         return [
             f"const tumble_node_defaults_t {self.prefix}_defaults = {{",
-            f"    .receive = {'receive' if self.node.receive else 'NULL'},",
-            f"    .transmit = {'transmit' if self.node.transmit else 'NULL'},",
-            f"    .receive_count = {len(self.node.receive)}U,",
-            f"    .transmit_count = {len(self.node.transmit)}U,",
+            *(line for name in ("receive", "transmit") for line in self.pdo_defaults(name)),
             f"    .heartbeat_ms = {settings['heartbeat_ms']}U,",
             f"    .consumers = {{{consumers}}},",
             f"    .on_error = {settings['on_error']}U,",
@@ -277,6 +283,14 @@ class Source:
         mine = self.node.settings["saves"]
         rows = [f"    {{0x{item.index:04X}U, {len(item.entries) - 1}U}}, /* {item.name} */" for item in mine]
         return [f"const tumble_saved_t {self.prefix}_saved[{self.prefix.upper()}_SAVED] = {{", *rows, "};"]
+
+
+def used(pdos: list[Pdo]) -> list[Pdo]:
+    """Without those at the front that are as a node has them without a setup."""
+    front = 0
+    while front < len(pdos) and pdos[front] == Pdo(PDO_INVALID, 255, 0, 0, []):
+        front += 1
+    return pdos[front:]
 
 
 def pdo_setup(pdo: Pdo) -> list[str]:
