@@ -20,6 +20,7 @@ PLANTED = {
     "rest": [
         ("firmware/navcomp/navcomp.c", "held = tumble_run_is_on(navcomp) || has_axis(navcomp);",
          "held = tumble_run_is_on(navcomp);"),
+        ("firmware/navcomp/navcomp.c", "server.service = tumble_service_is_open(navcomp);", "server.service = true;"),
         ("firmware/stand/drive402_stop.c",
          "return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;",
          "return TUMBLE_NEVER;"),
@@ -71,17 +72,19 @@ def live(program, lives=LIVES):
 
 def plant(tree, objects, folder, defects):
     """The same program with the mends taken out, each of which must be there exactly once."""
-    own = folder / "objects"
+    own, sound = folder / "objects", {}
     shutil.copytree(objects, own)
     for path, mend, without in defects:
         source = tree / path
-        sound = source.read_text()
-        assert sound.count(mend) == 1, f"{path}: {mend}"
-        try:
-            source.write_text(sound.replace(mend, without))
+        assert source.read_text().count(mend) == 1, f"{path}: {mend}"
+        sound.setdefault(source, source.read_text())
+        source.write_text(source.read_text().replace(mend, without))
+    try:
+        for source in sound:
             compile_file(tree, own, source)
-        finally:
-            source.write_text(sound)
+    finally:
+        for source, text in sound.items():
+            source.write_text(text)
     return link(own, folder / "tumble-bench")
 
 
