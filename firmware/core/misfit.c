@@ -15,7 +15,7 @@ typedef struct {
     double residual_v[TUMBLE_CHANNELS];
     double by_angle_v[TUMBLE_CHANNELS]; /* per rad of the set angle; 0 for a channel that is left out */
     double variance_v2;
-} place_t;
+} fitted_t;
 
 double tumble_misfit_limit(int freedom)
 {
@@ -94,7 +94,7 @@ static void respond(const tumble_misfit_run_t *run, const tumble_mounting_t *mou
     }
 }
 
-static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, place_t *place)
+static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p, fitted_t *place)
 {
     const tumble_mounting_t *mounting = &run->schedule->mountings[work->mounting];
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
@@ -115,14 +115,14 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
 }
 
 /* V^-1 = (I - kappa d d^T) / v, by Sherman and Morrison. */
-static double weight(const place_t *place, double kappa, int i, int j)
+static double weight(const fitted_t *place, double kappa, int i, int j)
 {
     const double own = (i == j) ? 1.0 : 0.0;
     return (own - (kappa * place->by_angle_v[i] * place->by_angle_v[j])) / place->variance_v2;
 }
 
 /* Add the rows that channel `i` has in the normal equations. */
-static void add_channel(tumble_misfit_work_t *work, const place_t *place, double kappa, int i)
+static void add_channel(tumble_misfit_work_t *work, const fitted_t *place, double kappa, int i)
 {
     double weighted = 0.0; /* (V^-1 r)_i */
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -149,7 +149,7 @@ static void add_channel(tumble_misfit_work_t *work, const place_t *place, double
 
 static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p)
 {
-    place_t place;
+    fitted_t place;
     look_at(work, run, p, &place);
     const double angle_square = square_of(run->stand->angle_rad);
     double length_square = 0.0;

@@ -212,7 +212,8 @@ static bool is_wanted(const gains_t *gains)
 {
     const int coefficient = (gains->unknown == BIAS) ? ((TUMBLE_CHANNELS * TUMBLE_CHANNELS) + gains->channel)
                                                      : ((TUMBLE_CHANNELS * gains->channel) + gains->unknown);
-    return (gains->run->only == 0U) || (((gains->run->only >> coefficient) & 1U) != 0U);
+    const uint32_t bit = UINT32_C(1) << (uint32_t)coefficient;
+    return (gains->run->only == 0U) || ((gains->run->only & bit) != 0U);
 }
 
 /* One unknown of each channel; the column of N^-1 is the same for all three. Infinities and NaN add up in `check`. */

@@ -75,7 +75,8 @@ static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
     tumble_status_t status;
     if (tumble_has_drive(navcomp)) {
         tumble_drive402_t *drive = &navcomp->axis.drive;
-        const tumble_stop_counters_t counted = drive->counters; /* they outlast an NMT reset */
+        tumble_stop_counters_t counted;
+        counted = drive->counters; /* they outlast an NMT reset */
         status = tumble_drive402_init(drive, config->drive, &navcomp->node, &navcomp->mirror, config->drive_node);
         drive->counters = counted;
         if (status == TUMBLE_OK) {

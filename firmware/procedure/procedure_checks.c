@@ -17,6 +17,7 @@
 
 #define LIKELIEST_VALUE 0.3989422804014327 /* 1 / sqrt(2 pi): of a normal distribution, per standard deviation */
 #define EQUAL_BY_CHANCE 1e-5
+#define MOST_EQUAL_SAMPLES 14U /* with noise of a count */
 
 /* The configuration: which signs a number may have, and where it stands. */
 
@@ -73,10 +74,11 @@ static uint32_t samples_that_tell(const tumble_averaging_config_t *averaging)
     const double beyond_one = (double)averaging->noise_counts - 1.0;
     const double noise_counts = 1.0 + ((beyond_one > 0.0) ? beyond_one : 0.0);
     double chance = 1.0;
-    uint32_t samples = 1;
-    while (chance > EQUAL_BY_CHANCE) {
+    bool tells = false;
+    uint32_t samples;
+    for (samples = 1; !tells && (samples < MOST_EQUAL_SAMPLES); samples++) {
         chance *= LIKELIEST_VALUE / noise_counts;
-        samples++;
+        tells = (chance <= EQUAL_BY_CHANCE);
     }
     return samples;
 }

@@ -17,7 +17,7 @@ tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
 
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
 {
-    static const uint8_t reasons[] = {
+    static const uint8_t reasons[TUMBLE_STAND_FAULT_FOREIGN + 1] = {
         [TUMBLE_STAND_FAULT_NONE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_DRIVE] = TUMBLE_REASON_DRIVE_FAULT,
         [TUMBLE_STAND_FAULT_STALL] = TUMBLE_REASON_STALL,

@@ -16,7 +16,7 @@
 
 static uint64_t since_us(const tumble_drive402_t *drive, unsigned rung)
 {
-    static const uint16_t after_ms[] = {
+    static const uint16_t after_ms[TUMBLE_RUNG_UNCONFIRMED + 1] = {
         [TUMBLE_RUNG_AGAIN] = 200,    [TUMBLE_RUNG_SDO] = 400,          [TUMBLE_RUNG_NMT] = 1000,
         [TUMBLE_RUNG_SILENCE] = 1500, [TUMBLE_RUNG_UNCONFIRMED] = 1800, /* and the time of the drive's consumer */
     };
