@@ -165,6 +165,30 @@ static void test_a_proposal_or_a_run_to_resume_keeps_it_from_starting(void)
     TEST_ASSERT_EQUAL_UINT8(4, state_of_keeper().resumable);
 }
 
+/* Somebody must look at the table first: it was not seen to stop, or somebody else turns it. */
+static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
+{
+    static const tumble_stand_fault_t faults[] = {TUMBLE_STAND_FAULT_FOREIGN, TUMBLE_STAND_FAULT_STOP};
+    const tumble_can_frame_t foreign = fake_frame(0x202, 6, (const uint8_t[8]){0x0F});
+    settings.flags = TUMBLE_KEEPER_STARTS;
+    settings.pause_s = 60;
+    keeper_power_cycle();
+    for (uint32_t i = 0; i < 2U; i++) {
+        bench_pass(&bench, 1.0);
+        TEST_ASSERT_EQUAL_UINT32(i + 1U, tumble_keeper_counters(&keeper)->self_started);
+        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
+        bench_pass(&bench, 3.0);
+        fake_port_give(&bench.fake, &foreign);
+        bench_pass(&bench, 1.0);
+        bench.navcomp.axis.drive.fault = (uint8_t)faults[i];
+        TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
+        bench_pass(&bench, 200.0);
+        TEST_ASSERT_EQUAL_UINT32(i + 1U, tumble_keeper_counters(&keeper)->self_started);
+        TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
+        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_CLEAR_FAULT));
+    }
+}
+
 /* Settings. */
 
 static void refuse(tumble_keeper_settings_t bad, const char *what)
@@ -346,6 +370,7 @@ int main(void)
     RUN_TEST(test_it_starts_by_itself_when_told_so);
     RUN_TEST(test_it_pauses_between_starts_by_itself);
     RUN_TEST(test_a_proposal_or_a_run_to_resume_keeps_it_from_starting);
+    RUN_TEST(test_a_table_that_wants_a_look_keeps_it_from_starting);
     RUN_TEST(test_settings_are_taken_whole_or_not_at_all);
     RUN_TEST(test_the_trend_of_a_drifting_bias);
     RUN_TEST(test_what_was_given_up_is_no_drift);

@@ -220,6 +220,22 @@ static void test_runs_are_numbered(void)
     TEST_ASSERT_EQUAL_UINT32(0, run_number());
 }
 
+/* What it finds takes the place of the result before: it is a run of its own, and nobody writes its rules in it. */
+static void test_a_repeated_position_out_of_done_is_a_run(void)
+{
+    const uint8_t last = (uint8_t)(bench.navcomp.procedure_config.schedule->position_count - 1U);
+    ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_START, 0));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    unlock();
+    ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, last));
+    TEST_ASSERT_FALSE(tumble_service_is_open(&bench.navcomp));
+    TEST_ASSERT_EQUAL_UINT32(2, tumble_service_runs(&bench.navcomp));
+    ASSERT_STATUS(TUMBLE_E_STATE, tumble_service_unlock(&bench.navcomp, KEY));
+    bench.logged = 0;
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    TEST_ASSERT_EQUAL_UINT32(2, tumble_service_runs(&bench.navcomp));
+}
+
 /* Each entry of the table that has the level, with the value that it has already: the level is all that keeps it out. */
 static void test_every_object_of_that_level_asks_for_it(void)
 {
@@ -287,6 +303,7 @@ int main(void)
     RUN_TEST(test_a_reset_ends_it);
     RUN_TEST(test_its_changes_are_told);
     RUN_TEST(test_runs_are_numbered);
+    RUN_TEST(test_a_repeated_position_out_of_done_is_a_run);
     RUN_TEST(test_every_object_of_that_level_asks_for_it);
     RUN_TEST(test_the_others_need_none);
     RUN_TEST(test_writes_from_inside_go_on);
