@@ -331,6 +331,16 @@ def test_the_service_level_ends_with_the_lock_and_by_the_key_0(start):
     assert tell(client, limit, 1) == (NO_SERVICE, 0) and gateway.written.empty()
 
 
+def test_a_key_that_the_node_refuses_opens_nothing(start):
+    """As while a run is on: should somebody open the level over CAN, it is not this session's."""
+    gateway = start("--allow-commands")
+    client, limit = unlocked(gateway), NUMBER["Commit rules: Flags"]
+    gateway.tell("refuse 08000022")
+    assert tell(client, KEY_OF_SERVICE, SERV) == (REFUSED, 0x08000022)
+    gateway.tell("refuse 0")
+    assert tell(client, limit, 1) == (NO_SERVICE, 0) and gateway.written.empty()
+
+
 def test_without_permission_there_is_no_service_level(start):
     gateway = start()
     client = gateway.connect()
