@@ -2,7 +2,7 @@
 
 #include "simulation/maths.h"
 
-#include <math.h> /* fabs, floor: exact */
+#include <math.h> /* ceil, fmin, fmax: exact */
 
 #define ENVELOPE_PER_SETTLING 6.907755278982137 /* ln 1000 */
 #define SETTLINGS_UNTIL_STILL 4.0
@@ -31,14 +31,15 @@ double sim_axis_commanded_deg(const sim_axis_t *axis, uint64_t now_us, double *v
     return position;
 }
 
-/* The angle error now: on the way between two stops it passes from the one's to the other's. */
+/* The angle error now: on the way between two stops it passes from the one's to the other's. A jam may hold the table off
+ * that way, where it has the error of the nearer stop. */
 static double error_deg(const sim_axis_t *axis, double commanded_deg)
 {
     const double way = axis->motion.end_position - axis->from_deg;
     if (way == 0.0 || commanded_deg == axis->motion.end_position) {
         return axis->to_error_deg;
     }
-    const double share = (commanded_deg - axis->from_deg) / way;
+    const double share = fmin(fmax((commanded_deg - axis->from_deg) / way, 0.0), 1.0);
     return axis->from_error_deg + share * (axis->to_error_deg - axis->from_error_deg);
 }
 

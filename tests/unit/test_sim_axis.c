@@ -172,6 +172,18 @@ static void test_a_jam_holds_the_table_and_lets_go(void)
     ASSERT_SAME_DOUBLE(90.0, sim_axis_encoder_deg(&axis, 9000000));
 }
 
+/* A way of one rounding is no rule to extrapolate the angle error by. */
+static void test_a_jam_off_the_way_has_the_error_of_the_nearer_stop(void)
+{
+    sim_axis_move(&axis, 0, 90.0, &DYNAMICS);
+    sim_axis_jam(&axis, 500000, true);
+    sim_axis_move(&axis, 9000000, nextafter(90.0, 180.0), &DYNAMICS);
+    const double held = sim_axis_encoder_deg(&axis, 9000000);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * ERROR_LIMIT * SIM_DEG_PER_RAD, held, sim_axis_actual_deg(&axis, 9000000));
+    sim_axis_move(&axis, 10000000, 45.0, &DYNAMICS);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * ERROR_LIMIT * SIM_DEG_PER_RAD, held, sim_axis_actual_deg(&axis, 20000000));
+}
+
 static void test_slip_moves_the_table_and_perhaps_the_encoder(void)
 {
     const double before = sim_axis_actual_deg(&axis, 0);
@@ -222,6 +234,7 @@ int main(void)
     RUN_TEST(test_the_extent_is_what_the_table_has_passed);
     RUN_TEST(test_what_the_motor_does_in_a_jam_is_no_extent);
     RUN_TEST(test_a_jam_holds_the_table_and_lets_go);
+    RUN_TEST(test_a_jam_off_the_way_has_the_error_of_the_nearer_stop);
     RUN_TEST(test_slip_moves_the_table_and_perhaps_the_encoder);
     RUN_TEST(test_backlash_is_the_way_lost_at_every_reversal);
     return UNITY_END();
