@@ -188,10 +188,11 @@ static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 /* l - 1 of the paper's position at this angle, or 9. */
 static uint8_t paper_position(const tumble_angle_t *angle)
 {
-    const int32_t nearest_deg = (int32_t)(int64_t)(angle->deg + 0.5); /* the library has this conversion anyway */
-    const bool there = (nearest_deg >= 0) && (nearest_deg <= 360) && ((nearest_deg % 45) == 0) &&
+    const double above_deg = angle->deg + 0.5;
+    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)above_deg : 1U; /* 1 is no position */
+    const bool there = (nearest_deg <= 360U) && ((nearest_deg % 45U) == 0U) &&
                        tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
-    return there ? (uint8_t)(nearest_deg / 45) : 9U;
+    return there ? (uint8_t)(nearest_deg / 45U) : 9U;
 }
 
 /* The paper's slots, one bit each: those for which the schedule has a fit position, and those for which one counts. The
