@@ -48,7 +48,7 @@ static void shrink(hostile_t *hostile, const bench_hostile_record_t *record)
     (void)bench_plan_draw(&hostile->plan, record->seed);
     shrunk->seed = record->seed;
     shrunk->drawn = hostile->plan.count;
-    bench_plan_shrink(&hostile->plan, &hostile->life, record->violation.kind, NULL);
+    bench_plan_shrink(&hostile->plan, &hostile->life, record->violation.kind);
     shrunk->violation = hostile->life.watch.violation;
     shrunk->world = bench_text_world(&hostile->plan);
     shrunk->count = hostile->plan.count;

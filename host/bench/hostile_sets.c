@@ -75,7 +75,7 @@ static void look_whether_told(bench_life_t *life)
         watch->told_by_us = SIM_NEVER;
     } else if (life->world.clock.now_us >= watch->told_by_us) {
         watch->told_by_us = SIM_NEVER;
-        if (BENCH_DECAY_IS_TOLD && life->counts.flips == 1U) {
+        if (life->counts.flips == 1U) {
             bench_watch_break(life, BENCH_BROKEN_COUNTER, (double)watch->counter, watch->counter);
         }
     }

@@ -9,15 +9,14 @@ static void take_out(bench_plan_t *plan, uint32_t first, uint32_t count)
     plan->count -= count;
 }
 
-static bool breaks(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t *tries)
+static bool breaks(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
 {
-    (*tries)++;
     bench_life_run(life, plan);
     return life->watch.violation.kind == kind;
 }
 
 /* One round with pieces of this size. True: something went. */
-static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t size, uint32_t *tries)
+static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t size)
 {
     static bench_event_t kept[BENCH_PLAN_EVENTS];
     bool shrunk = false;
@@ -27,7 +26,7 @@ static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kin
         const uint32_t piece = (size < before - at) ? size : before - at;
         memcpy(kept, plan->events, sizeof kept);
         take_out(plan, at, piece);
-        if (breaks(plan, life, kind, tries)) {
+        if (breaks(plan, life, kind)) {
             shrunk = true;
         } else {
             memcpy(plan->events, kept, sizeof kept);
@@ -38,16 +37,12 @@ static bool one_round(bench_plan_t *plan, bench_life_t *life, bench_broken_t kin
     return shrunk;
 }
 
-void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t *tries)
+void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind)
 {
-    uint32_t spent = 0;
     for (uint32_t size = (plan->count + 1U) / 2U; size > 1U; size = (size + 1U) / 2U) {
-        (void)one_round(plan, life, kind, size, &spent);
+        (void)one_round(plan, life, kind, size);
     }
-    while (one_round(plan, life, kind, 1, &spent)) {
+    while (one_round(plan, life, kind, 1)) {
     }
-    (void)breaks(plan, life, kind, &spent);
-    if (tries != NULL) {
-        *tries = spent;
-    }
+    (void)breaks(plan, life, kind);
 }

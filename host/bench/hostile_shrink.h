@@ -5,7 +5,7 @@
 #include "bench/hostile_life.h"
 
 /* Take events out of a plan whose life broke `kind`, in halves, quarters and so on down to single ones, as long as the
- * life without them breaks it too. `life` is left as the last one that did; `tries` (may be null): how many lives it took. */
-void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind, uint32_t *tries);
+ * life without them breaks it too. `life` is left as the last one that did. */
+void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind);
 
 #endif

@@ -18,8 +18,8 @@
  *   counter  the calibration counter never goes back
  *   bench    the bench itself cannot go on: no finding
  *
- * Flipped bits may make the active set decay: `lost` and `counter` are then excused. With BENCH_DECAY_IS_TOLD a life with a
- * single flipped bit asks that it is told, within 2 s of power-on: an EMCY, or a bit of what is due. (Several may hit the
+ * Flipped bits may make the active set decay: `lost` and `counter` are then excused. But a decay by a
+ * single flipped bit must be told, within 2 s of power-on: by an EMCY, or a bit of what is due. (Several may hit the
  * history as well, by which the decay is known.)
  *
  * The excuses. All are counted from the moment at which they come to pass, to the end of the life:
@@ -37,11 +37,6 @@
 
 #include <stdbool.h>
 #include <stdint.h>
-
-/* Is a decay of the active set told of by the firmware? */
-#ifndef BENCH_DECAY_IS_TOLD
-#define BENCH_DECAY_IS_TOLD 1
-#endif
 
 #define BENCH_REST_US 6000000U
 #define BENCH_TRUTH_COVERAGE 6.0
