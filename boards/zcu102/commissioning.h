@@ -27,7 +27,7 @@ typedef struct {
     tumble_position_t positions[TUMBLE_MAX_POSITIONS];
     tumble_drive_pdo_t receive[TUMBLE_DRIVE402_PDOS];
     tumble_drive_pdo_t transmit[TUMBLE_DRIVE402_PDOS];
-    tumble_drive_write_t writes[ZCU102_MAX_WRITES];
+    tumble_object_write_t writes[ZCU102_MAX_WRITES];
 } zcu102_commissioned_t;
 
 /* Gather a configuration, following its pointers. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: no drive, or more PDOs,

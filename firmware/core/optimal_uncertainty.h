@@ -10,7 +10,8 @@
 #include "core/uncertainty.h"
 
 /* `source`: a tumble_optimal_source_t. `run->coefficients` are not looked at, but may not be null. The record is
- * checked whole, unless `run->only` leaves out the first coefficient: then it has been, with that one. Returns as tumble_gain_record_open and tumble_uncertainty_gains. */
+ * checked whole, unless `run->only` leaves out the first coefficient: then it has been, with that one. Returns as
+ * tumble_gain_record_open and tumble_uncertainty_gains. */
 tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judged_run_t *run,
                                            tumble_uncertainty_t *uncertainty);
 

@@ -15,7 +15,7 @@
     X(TUMBLE_COMMAND_REPEAT_MOUNTING, "measure the mounting with the number in the argument again")                    \
     X(TUMBLE_COMMAND_RESUME, "go on after a fault has been mended")                                                    \
     X(TUMBLE_COMMAND_CLEAR_FAULT, "reset the drive's fault")                                                           \
-    X(TUMBLE_COMMAND_ACCEPT, "make the proposal that is named the active set of coefficients")                                       \
+    X(TUMBLE_COMMAND_ACCEPT, "make the proposal that is named the active set of coefficients")                         \
     X(TUMBLE_COMMAND_DISCARD, "drop the proposal")                                                                     \
     X(TUMBLE_COMMAND_ROLLBACK, "go back to the set of coefficients before the active one")                             \
     X(TUMBLE_COMMAND_HOME_AXIS, "home the table, between runs")                                                        \

@@ -108,7 +108,8 @@ static void judge_uncertainty(tumble_keeper_t *keeper)
     tumble_set_t *set = &keeper->set;
     const tumble_navcomp_t *navcomp = keeper->navcomp;
     const bool same = (set->estimator == (uint8_t)navcomp->procedure_config.estimate); /* as when the run ended */
-    if (!same || (keeper->config->uncertainty(navcomp, (uint16_t)(UINT32_C(1) << keeper->at), &set->uncertainty) != TUMBLE_OK)) {
+    const uint16_t only = (uint16_t)(UINT32_C(1) << keeper->at);
+    if (!same || (keeper->config->uncertainty(navcomp, only, &set->uncertainty) != TUMBLE_OK)) {
         set->uncertainty = (tumble_uncertainty_t){.u0_v = {0.0}};
         begin_task(keeper, TASK_COMPARE_SETS);
         return;

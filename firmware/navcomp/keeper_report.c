@@ -28,7 +28,7 @@ const tumble_keeper_settings_t *tumble_keeper_settings(const tumble_keeper_t *ke
     return &keeper->settings;
 }
 
-tumble_status_t tumble_keeper_configure(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings)
+tumble_status_t tumble_keeper_change(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings)
 {
     if ((settings == NULL) || !tumble_keeper_settings_valid(settings)) {
         return TUMBLE_E_ARGUMENT;
@@ -36,17 +36,15 @@ tumble_status_t tumble_keeper_configure(tumble_keeper_t *keeper, const tumble_ke
     if (tumble_run_is_on(keeper->navcomp)) {
         return TUMBLE_E_STATE;
     }
-    const bool others = tumble_keeper_rules_are_other(keeper);
     keeper->settings = *settings;
-    keeper->rules = others ? keeper->rules : tumble_keeper_rules(keeper);
     return TUMBLE_OK;
 }
 
-tumble_status_t tumble_keeper_change(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings)
+tumble_status_t tumble_keeper_configure(tumble_keeper_t *keeper, const tumble_keeper_settings_t *settings)
 {
-    const uint32_t rules = keeper->rules;
-    const tumble_status_t status = tumble_keeper_configure(keeper, settings);
-    keeper->rules = rules;
+    const bool others = tumble_keeper_rules_are_other(keeper);
+    const tumble_status_t status = tumble_keeper_change(keeper, settings);
+    keeper->rules = others ? keeper->rules : tumble_keeper_rules(keeper);
     return status;
 }
 

@@ -25,8 +25,8 @@ typedef struct tumble_declared {
  * are. All of them take a Cortex-M4 without floating point hardware 0.7 million instructions (`refined`) to 1.2 million
  * (`least_squares`) for 18 positions: a control loop takes one a step, coefficient 0 first, which alone has a gain record
  * checked. `uncertainty` is written on TUMBLE_OK, and all of it set to zero on _NOT_FINITE.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; no coefficient; a number out of range), or as the
- * function of core/uncertainty.h or core/optimal_uncertainty.h. */
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; no coefficient; a number out of
+ * range), or as the function of core/uncertainty.h or core/optimal_uncertainty.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);
 

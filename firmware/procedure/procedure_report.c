@@ -79,8 +79,9 @@ void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progr
     progress->elapsed_us = procedure->restart_run ? 0U : (procedure->now_us - procedure->started_us);
 }
 
-TUMBLE_ONE_COPY tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
-                                         double standard_error_v[TUMBLE_CHANNELS])
+TUMBLE_ONE_COPY tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure,
+                                                         double mean_v[TUMBLE_CHANNELS],
+                                                         double standard_error_v[TUMBLE_CHANNELS])
 {
     if (!procedure->begun) {
         return TUMBLE_E_NOT_OPEN;

@@ -33,7 +33,7 @@
     X(TUMBLE_REASON_DRIVE_FAULT, "the drive reported a fault")                                                         \
     X(TUMBLE_REASON_DRIVE_POWER, "the drive lost power or was switched off")                                           \
     X(TUMBLE_REASON_STALL, "the axis did not follow its command")                                                      \
-    X(TUMBLE_REASON_HOMING, "homing failed, took too long or turned too far")                                                          \
+    X(TUMBLE_REASON_HOMING, "homing failed, took too long or turned too far")                                          \
     X(TUMBLE_REASON_TARGET_NOT_REACHED, "the table did not reach its target in time")                                  \
     X(TUMBLE_REASON_SLIP, "the table or the block left its position")                                                  \
     X(TUMBLE_REASON_CABLE_LIMIT, "the next position lies beyond the cable's limit")                                    \
@@ -54,8 +54,8 @@
     X(TUMBLE_REASON_BUS, "the CAN controller is off the bus")                                                          \
     X(TUMBLE_REASON_UNCERTAIN, "the noise keeps a mean from its error budget, with all samples allowed")               \
     X(TUMBLE_REASON_INHIBITED, "host or board allow no run at this time")                                              \
-    X(TUMBLE_REASON_STOP_NOT_CONFIRMED, "the table was told to stop and was not seen to rest: look at it")              \
-    X(TUMBLE_REASON_FOREIGN_COMMAND, "somebody else commands the drive, or has this computer's node number")            \
+    X(TUMBLE_REASON_STOP_NOT_CONFIRMED, "the table was told to stop and was not seen to rest: look at it")             \
+    X(TUMBLE_REASON_FOREIGN_COMMAND, "somebody else commands the drive, or has this computer's node number")           \
     X(TUMBLE_REASON_SUPERVISION, "heartbeats or process data are not set up to watch stand and block")
 
 typedef enum {

@@ -36,8 +36,8 @@ tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_driv
         .mirror = mirror,
         .drive_node = drive_node,
         .wanted = (uint8_t)PHASE_IDLE,
-        .counts_per_s = tumble_drive_way(
-            profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s : UNKNOWN_DEG_S), /* deg in a second */
+        .counts_per_s = tumble_drive_way( /* of one second */
+            profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s : UNKNOWN_DEG_S),
         .rest_counts = tumble_drive_way(profile, REST_DEG),
         .timed = reports_by_timer(profile),
     };

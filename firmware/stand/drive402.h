@@ -31,9 +31,8 @@
  *     later     not confirmed    nothing is left to be tried: somebody must look at the table
  *
  * A position is believed when it can have been reached since the last one, at twice profile velocity (and a quarter of
- * a second more, for reports that waited). One report that
- * is not believed is dropped; a second in a row, or an axis that strays at rest, makes the position unknown: a fault,
- * and the axis must be homed again.
+ * a second more, for reports that waited). One report that is not believed is dropped; a second in a row, or an axis
+ * that strays at rest, makes the position unknown: a fault, and the axis must be homed again.
  */
 #ifndef TUMBLE_STAND_DRIVE402_H
 #define TUMBLE_STAND_DRIVE402_H
@@ -47,6 +46,7 @@
 #include <stdint.h>
 
 #define TUMBLE_DRIVE402_PDOS 2U        /* most of each direction */
+#define TUMBLE_DRIVE402_MIRROR 0x2040U /* where the node's dictionary holds the drive's objects */
 
 /* Emergency messages that it raises on the node (bit PROFILE of the error register). */
 #define TUMBLE_EMCY_STOP 0xFF10U     /* info[0]: tumble_drive_rung_t */
@@ -63,10 +63,6 @@ typedef enum {
     TUMBLE_RUNG_SILENCE,
     TUMBLE_RUNG_UNCONFIRMED
 } tumble_drive_rung_t;
-#define TUMBLE_DRIVE402_MIRROR 0x2040U /* where the node's dictionary holds the drive's objects */
-
-/* One object to be written into the drive: 1, 2 or 4 bytes. */
-typedef tumble_object_write_t tumble_drive_write_t;
 
 /* One PDO of the drive, in the drive's own objects. `number` 0 is 1400h or 1800h. */
 typedef struct {
@@ -111,7 +107,7 @@ typedef struct {
     uint8_t receive_count;
     uint8_t transmit_count;
     uint8_t write_count;
-    const tumble_drive_write_t *writes; /* further objects, written first; null with write_count 0 */
+    const tumble_object_write_t *writes; /* further objects, written first; null with write_count 0 */
     uint16_t heartbeat_ms;         /* 1017h of the drive; above 0 */
     uint16_t heartbeat_timeout_ms; /* 1016h:1 of the drive: our silence after which it must stop; 0: not written */
 

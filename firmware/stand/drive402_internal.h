@@ -148,7 +148,7 @@ bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 
 /* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
  * step. */
-bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write);
+bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write);
 
 /* 607Dh:1 or :2, as it is to be. */
 uint32_t tumble_drive_limit(const tumble_drive402_t *drive, uint8_t subindex);

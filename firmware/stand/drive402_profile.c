@@ -99,7 +99,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
     }
 }
 
-static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_drive_write_t *write)
+static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_object_write_t *write)
 {
     const bool optional = (row->kind >= (uint8_t)VALUE_CONSUMER);
     const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !tumble_drive402_is_limited(drive);
@@ -120,7 +120,7 @@ static unsigned pdo_count_of(const tumble_drive_profile_t *profile)
     return (unsigned)profile->receive_count + profile->transmit_count;
 }
 
-bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_drive_write_t *write)
+bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write)
 {
     const tumble_drive_profile_t *profile = drive->profile;
     unsigned at = step;

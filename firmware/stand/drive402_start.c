@@ -10,7 +10,7 @@ void tumble_drive_leave_sdo(tumble_drive402_t *drive)
     drive->asked = ASKED_NOTHING;
 }
 
-static void ask_write(tumble_drive402_t *drive, const tumble_drive_write_t *write)
+static void ask_write(tumble_drive402_t *drive, const tumble_object_write_t *write)
 {
     const tumble_status_t status = tumble_sdo_client_write(&drive->node->client, drive->drive_node, write->index,
                                                            write->subindex, write->value, write->size);
@@ -45,7 +45,7 @@ void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
     }
     const bool silent = client->abort == (uint32_t)TUMBLE_ABORT_TIMEOUT;
     if ((drive->asked == ASKED_NOTHING) || ((drive->asked == ASKED_WRITE) && silent)) {
-        const tumble_drive_write_t write = {TUMBLE_DRIVE_HEARTBEAT, 0, 2, drive->profile->heartbeat_ms};
+        const tumble_object_write_t write = {TUMBLE_DRIVE_HEARTBEAT, 0, 2, drive->profile->heartbeat_ms};
         ask_write(drive, &write);
     } else if (tumble_drive_is_answered(drive)) {
         drive->asked = ASKED_START; /* now it is to be heard */
@@ -96,7 +96,7 @@ void tumble_drive_look_configure(tumble_drive402_t *drive, bool fresh)
         drive->asked = ASKED_NOTHING;
         drive->write++;
     }
-    tumble_drive_write_t write = {0, 0, 0, 0};
+    tumble_object_write_t write = {0, 0, 0, 0};
     while (tumble_drive_configuration(drive, drive->write, &write)) {
         if (write.size != 0U) {
             ask_write(drive, &write);
@@ -120,7 +120,7 @@ void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_
         return;
     }
     if (drive->asked == ASKED_NOTHING) {
-        const tumble_drive_write_t write = {TUMBLE_402_MODE, 0, 1, (uint32_t)mode};
+        const tumble_object_write_t write = {TUMBLE_402_MODE, 0, 1, (uint32_t)mode};
         drive->mirror->mode = mode; /* in case that process data carry it */
         ask_write(drive, &write);
         return;

@@ -33,7 +33,7 @@ typedef enum { BENCH_STAND_DRIVE = 0, BENCH_STAND_OPERATOR } bench_stand_t;
 typedef struct {
     tumble_drive_pdo_t receive[TUMBLE_MAX_RECEIVE_PDOS];
     tumble_drive_pdo_t transmit[TUMBLE_MAX_TRANSMIT_PDOS];
-    tumble_drive_write_t writes[BENCH_MAX_WRITES];
+    tumble_object_write_t writes[BENCH_MAX_WRITES];
 } bench_profile_lists_t;
 
 typedef struct {

@@ -149,7 +149,7 @@ static const char *read_write(bench_config_t *config, const bench_words_t *words
         return "a write is index, subindex, size (1, 2, 4) and value; at most 16 of them";
     }
     config->lists.writes[config->profile.write_count++] =
-        (tumble_drive_write_t){(uint16_t)value[0], (uint8_t)value[1], (uint8_t)value[2], (uint32_t)value[3]};
+        (tumble_object_write_t){(uint16_t)value[0], (uint8_t)value[1], (uint8_t)value[2], (uint32_t)value[3]};
     return NULL;
 }
 

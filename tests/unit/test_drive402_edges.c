@@ -299,10 +299,10 @@ static void test_without_a_window_target_reached_is_enough(void)
 
 static void test_profiles_at_the_end_of_their_range(void)
 {
-    static tumble_drive_write_t writes[255];
+    static tumble_object_write_t writes[255];
     tumble_drive_profile_t profile = common;
     for (size_t i = 0; i < COUNT_OF(writes); i++) {
-        writes[i] = (tumble_drive_write_t){0x2000, 0, 1, 0};
+        writes[i] = (tumble_object_write_t){0x2000, 0, 1, 0};
     }
     profile.writes = writes;
     profile.write_count = 211; /* with 13 objects and 30 steps of the PDOs: 254 */

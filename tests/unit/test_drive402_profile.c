@@ -34,7 +34,7 @@ static const tumble_drive_pdo_t other_transmit[] = {
     {1, {.cob_id = 0x2A2, .type = 254, .count = 3, .event_ms = 20, .map = {0x60410010, 0x60610008, 0x60770010}}},
     {2, {.cob_id = 0x3A2, .type = 254, .count = 2, .event_ms = 20, .map = {0x60640020, 0x60790020}}},
 };
-static const tumble_drive_write_t other_writes[] = {{0x1802, 1, 4, 0x800002A2}, {0x6007, 0, 2, 3}};
+static const tumble_object_write_t other_writes[] = {{0x1802, 1, 4, 0x800002A2}, {0x6007, 0, 2, 3}};
 
 static tumble_drive_profile_t other_profile(void)
 {
@@ -269,7 +269,7 @@ static void test_identifiers_that_are_wanted_twice(void)
 
 static void test_further_writes_of_a_wrong_size(void)
 {
-    tumble_drive_write_t odd = {0x6007, 0, 2, 1};
+    tumble_object_write_t odd = {0x6007, 0, 2, 1};
     tumble_drive_profile_t profile = common;
     profile.writes = &odd;
     profile.write_count = 1;
