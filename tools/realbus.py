@@ -12,7 +12,9 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / "host/python/src"), str(ROOT / "build/host/python")]
+sys.path[:0] = [str(ROOT / part) for part in ("host/python/src", "build/host/python", "tests/lib")]
+
+from busy_machine import Watch  # noqa: E402
 
 from tumble.bench import uml  # noqa: E402
 from tumble.errors import TumbleError  # noqa: E402
@@ -21,7 +23,7 @@ SKIPPED = 77
 TOOLS = {"candump": "can-utils", "cangen": "can-utils", "ip": "iproute2"}
 PROBE = "vcan999"
 MEMORY_MB = 768
-TIMEOUT_S = {False: 900.0, True: 2700.0}  # with --full, or not
+TIMEOUT_S = {False: 1800.0, True: 3600.0}  # with --full, or not
 
 
 def main(arguments):
@@ -76,7 +78,8 @@ def in_uml(report, chosen):
         settings = shlex.join(f"{key}={value}" for key, value in environment().items()
                               if key.startswith("PYTHON") or key == "PATH")
         (folder / "tmp").mkdir()
-        settings += f" TMPDIR={folder}/tmp HOME=/run"
+        settings += f" TMPDIR={folder}/tmp HOME=/run TUMBLE_BUSY={folder}/busy"
+        Watch(folder / "busy").start()
         job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
                f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
         code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen])

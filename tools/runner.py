@@ -22,6 +22,7 @@ class Outcome:
     failed: int = 0
     skipped: int = 0
     reasons: Counter = field(default_factory=Counter)
+    again: list = field(default_factory=list)  # tests in real time that ran again, and why
 
     @property
     def verdict(self):
@@ -41,6 +42,7 @@ class Stage:
     run: Callable  # run(log) -> Outcome
     needs: tuple = ()  # names of what tools/setup could not always install
     beside: bool = False  # those after it need not wait for it
+    alone: bool = False  # it waits for all before it
 
 
 class Log:
@@ -87,12 +89,12 @@ def gate(log, *commands, env=None):
     return Outcome(passed=1)
 
 
-def pytest(log, *arguments, env=None, parallel=False, patient=False):
+def pytest(log, *arguments, env=None, parallel=False):
     """The tests that pytest ran, from its own report. `parallel`: on every processor, shared out as they become free;
-    numpy then has one thread for each. `patient`: after what runs beside them, for that may be in real time."""
+    numpy then has one thread for each."""
     report = log.path.with_suffix(".xml")
     report.unlink(missing_ok=True)
-    command = [*(["nice"] if patient else []), sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]
+    command = [sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]
     if parallel:
         command += ["-n", str(os.cpu_count()), "--dist", "worksteal"]
         env = {**(env or {}), "OPENBLAS_NUM_THREADS": "1"}
@@ -105,8 +107,10 @@ def pytest(log, *arguments, env=None, parallel=False, patient=False):
 
 def read_junit(report):
     outcome = Outcome()
-    for case in ElementTree.parse(report).iter("testcase"):
+    cases = {(case.get("classname"), case.get("name")): case for case in ElementTree.parse(report).iter("testcase")}
+    for (_, name), case in cases.items():  # of one that ran again, the last
         skip = case.find("skipped")
+        outcome.again += [f"{name}: {told.get('value')}" for told in case.iter("property") if told.get("name") == "ran again"]
         if case.find("failure") is not None or case.find("error") is not None:
             outcome.failed += 1
         elif skip is not None:
@@ -137,7 +141,7 @@ def ctest(log, directory):
 
 def run_stages(stages, log_folder, missing=None, timeout_s=1800):
     """Run the stages, print their results, and return the exit status: 0 only if something passed and nothing failed.
-    Those that run beside the others are told of last.
+    Those that run beside the others are told of when something waits for them.
 
     `missing` maps the name of a thing that could not be installed to the reason.
     """
@@ -151,14 +155,21 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         beside = []
         for stage in stages:
             arguments = (stage, log_folder, missing, timeout_s)
+            if stage.alone:
+                wait_for(beside, total)
             if stage.beside:
                 beside.append((stage, others.submit(run_stage, *arguments)))
             else:
                 add_up(total, stage, *run_stage(*arguments))
-        for stage, running in beside:
-            add_up(total, stage, *running.result())
+        wait_for(beside, total)
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
+
+
+def wait_for(beside, total):
+    while beside:
+        stage, running = beside.pop(0)
+        add_up(total, stage, *running.result())
 
 
 def add_up(total, stage, outcome, seconds, log):
@@ -186,6 +197,8 @@ def report(stage, outcome, seconds, log):
     print(f"{outcome.verdict:8} {stage.name:12} {seconds:7.1f} s  {counts}")
     for reason, times in outcome.reasons.items():
         print(f"         SKIPPED: {reason}" + (f" ({times} times)" if times > 1 else ""))
+    for told in outcome.again:
+        print(f"         RAN AGAIN: {told.splitlines()[0]}")
     if outcome.verdict == "FAILED":
         print(f"  the end of {os.path.relpath(log.path)}:\n{log.tail()}")
     sys.stdout.flush()

@@ -22,7 +22,7 @@ def main(arguments):
         print(f"test: no such stage: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
     stages = [stage for stage in stages if not chosen or stage.name in chosen]
-    return run_stages(stages, BUILD / "test", read_missing(), timeout_s=4 * 3600 if full else 1200)
+    return run_stages(stages, BUILD / "test", read_missing(), timeout_s=4 * 3600 if full else 2400)
 
 
 def show_help():
@@ -64,11 +64,16 @@ def paths(preset):
 
 
 def integration(log):
-    return pytest(log, "tests/integration", env={"PYTHONPATH": paths("host")}, parallel=True)
+    return pytest(log, "tests/integration", "-m", "not real_time", env={"PYTHONPATH": paths("host")}, parallel=True)
 
 
 def campaigns(log):
-    return pytest(log, "tests/integration", "--full", env={"PYTHONPATH": paths("host")}, parallel=True)
+    chosen = ("-m", "not real_time")
+    return pytest(log, "tests/integration", "--full", *chosen, env={"PYTHONPATH": paths("host")}, parallel=True)
+
+
+def realtime(*arguments):
+    return lambda log: pytest(log, "tests/integration", "-m", "real_time", *arguments, env={"PYTHONPATH": paths("host")})
 
 
 def realbus(log, *arguments):
@@ -90,8 +95,7 @@ def sanitized(full):
         if not built.passed:
             return built
         emulated = [] if full else ["--ignore-glob=*/test_zcu102*", "--ignore-glob=*/test_cortex_m4*"]
-        return pytest(log, "tests/integration", *emulated, "-m", chosen, env=sanitizer_environment(), parallel=True,
-                      patient=True)
+        return pytest(log, "tests/integration", *emulated, "-m", chosen, env=sanitizer_environment(), parallel=True)
 
     return run
 
@@ -127,7 +131,7 @@ def target(log):
 
 def canaries(full):
     skip = [] if full else ["--ignore=tests/canary/test_analysis.py", "--ignore=tests/canary/test_fuzz.py"]
-    return lambda log: pytest(log, "tests/canary", *skip, patient=True)
+    return lambda log: pytest(log, "tests/canary", *skip)
 
 
 def analysis(kind):
@@ -151,11 +155,14 @@ def plan(full):
               zcu102, ("gcc-aarch64-linux-gnu",)),
         Stage("target", "on a Cortex-M4 in QEMU: the core's Unity tests, the same bits as here, painted stacks",
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
-        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
-              (lambda log: realbus(log, "--full")) if full else realbus, beside=True),
         Stage("sanitized", "the package's tests that run C code and are not slow, with that code instrumented",
               sanitized(full)),
         *(long_stages() if full else short_stages()),
+        # What is in real time has the machine for itself.
+        Stage("realtime", "programs that talk to each other in real time: gateway, guests on the bench, emulated board",
+              realtime("--full") if full else realtime(), alone=True),
+        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
+              (lambda log: realbus(log, "--full")) if full else realbus, alone=True),
     ]
 
 

@@ -11,7 +11,7 @@ TARGETS_DEG = (90.0, -45.0, 12.345)
 def axis(network):
     """The drive, a node of the network."""
     drive = network.add_node(canopen.BaseNode402(2, str(ROOT / "docs/eds/tumble_drive.eds")))
-    drive.sdo.RESPONSE_TIMEOUT = 5.0
+    drive.sdo.RESPONSE_TIMEOUT = 20.0
     return drive
 
 

@@ -68,7 +68,7 @@ def served(scenario_path, *options, guests=1):
             run.process.wait()
 
 
-def wait_until(condition, timeout=20.0):
+def wait_until(condition, timeout=60.0):
     """Look again and again. Fails when it takes too long."""
     end = time.monotonic() + timeout
     while not condition():

@@ -78,21 +78,21 @@ class PipeBus(can.BusABC):
     def let_pass(self, ms):
         """Let the node's clock go on; when this returns, all that the node sent meanwhile is in `log`."""
         self.tell(f"!pass {ms}")
-        assert self.results.get(timeout=20) == ["passed"]
+        assert self.results.get(timeout=60) == ["passed"]
 
     def transfer(self, command, ms=0):
         """An SDO transfer of the harness's client: (status name, abort code, bytes). `ms` passes after its start."""
         self.tell(command)
         if ms:
             self.let_pass(ms)
-        status, abort, data = self.results.get(timeout=20)
+        status, abort, data = self.results.get(timeout=60)
         return status, int(abort, 16), bytes.fromhex(data[1:])
 
     def shutdown(self):
         super().shutdown()
         self.process.stdin.close()
         try:
-            code = self.process.wait(timeout=5)
+            code = self.process.wait(timeout=60)
         finally:
             self.process.kill()
         assert code == 0, f"the harness ended with {code}: a sanitizer spoke?"
@@ -158,7 +158,7 @@ def refusal_of(action, *arguments):
     return pytest.fail("was not refused")
 
 
-def wait_until(condition, timeout=20.0):
+def wait_until(condition, timeout=60.0):
     end = time.monotonic() + timeout
     while not condition():
         assert time.monotonic() < end, "not in time"

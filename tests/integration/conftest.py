@@ -10,7 +10,9 @@ import hypothesis
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/lib"))
 EXAMPLES = ROOT / "examples"
+pytest_plugins = ["busy_machine"]
 
 hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)
 hypothesis.settings.register_profile("full", max_examples=2000, deadline=None, database=None, print_blob=True)

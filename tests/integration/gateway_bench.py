@@ -227,7 +227,7 @@ def frame(pdu, unit=1, protocol=0, transaction=0):
     return struct.pack(">HHHB", transaction, protocol, len(pdu) + 1, unit) + pdu
 
 
-def wait_until(condition, timeout=20.0):
+def wait_until(condition, timeout=60.0):
     """Look again and again."""
     end = time.monotonic() + timeout
     while not condition():

@@ -16,6 +16,8 @@ from test_bench import BENCH, wrapper
 
 from tumble import cli
 
+pytestmark = pytest.mark.real_time
+
 SLOW = 'exec "$REAL" "$@" --pace 3'
 
 

@@ -8,6 +8,8 @@ import pytest
 from canopen_bridge import EDS, ROOT, canopen, program, refusal_of, start  # noqa: F401
 from eds_reader import BOOLEAN, INTEGERS, TEXT, read
 
+pytestmark = pytest.mark.real_time
+
 READ_ONLY, WRITE_ONLY = 0x06010002, 0x06010001
 TOO_LONG, TOO_SHORT = 0x06070012, 0x06070013
 VALUE, TOO_HIGH, TOO_LOW = 0x06090030, 0x06090031, 0x06090032

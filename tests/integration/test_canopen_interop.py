@@ -9,6 +9,8 @@ import warnings
 import pytest
 from canopen_bridge import EDS, NUMBERS, canopen, program, refusal_of, start  # noqa: F401
 
+pytestmark = pytest.mark.real_time
+
 datatypes = canopen.objectdictionary.datatypes
 
 INTEGERS = {

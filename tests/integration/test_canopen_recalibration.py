@@ -11,6 +11,8 @@ from canopen_bridge import FLAGS, ROOMS, ROOT, SANITIZERS, PipeBus, canopen
 
 from recalibration import Computer, entries_of, refusal_of, signature
 
+pytestmark = pytest.mark.real_time
+
 LOOSE = 1e-3  # a limit that the bench's block keeps
 DEVICE_STATE, STORE, VALUE = 0x08000022, 0x08000020, 0x06090030
 

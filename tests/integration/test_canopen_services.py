@@ -5,6 +5,8 @@ import struct
 import pytest
 from canopen_bridge import canopen, program, start, wait_until  # noqa: F401
 
+pytestmark = pytest.mark.real_time
+
 datatypes = canopen.objectdictionary.datatypes
 
 

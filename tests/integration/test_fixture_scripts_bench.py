@@ -18,7 +18,7 @@ from tumble.bench import program
 
 pytest.importorskip("can", reason="python-can is not installed")
 pytest.importorskip("canopen", reason="python-canopen is not installed")
-pytestmark = [pytest.mark.slow, pytest.mark.python]
+pytestmark = [pytest.mark.slow, pytest.mark.python, pytest.mark.real_time]
 
 HASTE = {
     "firmware__starts": "no",

@@ -24,7 +24,7 @@ from tumble.runfile import read_run
 
 pytest.importorskip("pymodbus", reason="pymodbus is not installed")
 assert gateway_program and start and line and far_end and serve
-pytestmark = [pytest.mark.slow, pytest.mark.python]
+pytestmark = [pytest.mark.slow, pytest.mark.python, pytest.mark.real_time]
 HOME, TURN, ABORT = 12, 13, 2
 QUICK = {"table__samples": 40, "table__homings": 4, "table__backlash_angles": 3, "table__approach_deg": 5}
 MODBUS_S = {"link__latency_s": 1, "settling__settling_s": 0.4}

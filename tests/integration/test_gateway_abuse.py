@@ -14,7 +14,8 @@ from gateway_bench import (
 )  # fmt: skip
 
 assert gateway_program and start and abused
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 
 def refusal(function, exception):

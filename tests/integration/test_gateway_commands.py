@@ -13,7 +13,8 @@ from gateway_bench import (
 from test_gateway_registers import mbpoll
 
 assert gateway_program and start
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 OBJECT, ARGUMENT, ANGLE, COMMAND, EXECUTE = (
     register(name, "holding")["register"] for name in ("Command object", "Argument", "Angle", "Command", "Execute")
 )

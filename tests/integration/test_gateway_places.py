@@ -11,7 +11,8 @@ from gateway_bench import (
 )  # fmt: skip
 
 assert start and gateway_program
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 CALM_S = 2.0  # GATEWAY_CALM_US
 
 

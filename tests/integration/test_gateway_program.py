@@ -13,7 +13,8 @@ from tumble.bench import programs
 from tumble.errors import BenchFault
 
 assert start and gateway_program
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 
 @pytest.fixture

@@ -14,7 +14,8 @@ from gateway_bench import (
 )  # fmt: skip
 
 assert gateway_program and start
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 NODE = [row for row in registers() if row["table"] == "input" and row["index"] is not None]
 canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
 DICTIONARY = canopen.import_od(str(ROOT / "docs/eds/tumble_navcomp.eds"))

@@ -14,8 +14,10 @@ import pytest
 from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, gateway_program, register, start, wait_until
 
 assert gateway_program and start
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 GAP_S = 0.05  # longer than the gateway's
+PAUSE_S = 0.25  # longer than a busy machine lets the gateway wait, by and large
 GOOD = struct.pack(">BBHH", 1, READ_INPUT, 0, 2)
 ANSWER = b"\1\4\4\x54\x55\x4d\x42"
 
@@ -150,7 +152,7 @@ def test_silence_for_others_and_for_broken_frames(serve, line):
     broken = [whole(GOOD)[:size] for size in range(1, 8)] + [GOOD + b"\0\0", whole(GOOD)[:-1] + b"\xff"]
     for data in broken:
         line.send(data)
-        time.sleep(GAP_S)
+        time.sleep(PAUSE_S)
         assert line.ask(GOOD) == whole(ANSWER)
     for unit in (0, 2, 247, 255):
         line.send(whole(bytes((unit,)) + GOOD[1:]))
@@ -181,7 +183,7 @@ def test_noise_on_the_line(serve, line):
     draw = random.Random(5)
     for _ in range(30):
         line.send(draw.randbytes(draw.randrange(1, 600)))
-        time.sleep(GAP_S)
+        time.sleep(PAUSE_S)
         line.receive(timeout=0.0)
         assert line.ask(GOOD) == whole(ANSWER)
 

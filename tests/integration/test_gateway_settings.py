@@ -15,7 +15,8 @@ from test_gateway_commands import (
 from test_gateway_registers import DICTIONARY, example, variable
 
 assert gateway_program and start
-pytestmark = pytest.mark.slow  # instrumented in any case: no need to run it with everything else once more
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 SETTING, VALUE_AT = (register(name, "holding")["register"] for name in ("Setting", "Value"))
 ROWS = [row for row in registers() if row["table"] == "setting"]
 NUMBER = {row["name"]: row["register"] for row in ROWS}

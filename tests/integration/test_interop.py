@@ -17,6 +17,8 @@ from bench_moves import axis, lead, require_moved  # noqa: E402
 
 from tumble.canbus import TumbleBus  # noqa: E402
 
+pytestmark = pytest.mark.real_time
+
 EDS = ROOT / "docs/eds"
 
 
@@ -84,7 +86,7 @@ def test_python_canopen_reads_every_object_of_the_navigation_computer_while_it_c
     with served(scenario(tmp_path), "--seed", 4) as (run, socket):
         net = network(socket)
         ours = net.add_node(1, str(EDS / "tumble_navcomp.eds"))
-        ours.sdo.RESPONSE_TIMEOUT = 5.0
+        ours.sdo.RESPONSE_TIMEOUT = 20.0
         wait_until(lambda: ours.sdo["State"].raw not in (0, 1), timeout=10)
         assert read_all(ours) > 150
         run.process.send_signal(signal.SIGINT)

@@ -12,6 +12,8 @@ from gateway_bench import start as start_gateway
 from test_canopen_recalibration import bench  # noqa: F401
 from test_gateway_commands import mbpoll_write, written
 
+pytestmark = pytest.mark.real_time
+
 PAGE = (ROOT / "docs/service-level.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
 MBPOLL = re.findall(r"^    mbpoll .* -r 0 127\.0\.0\.1 ([\d ]+)$", PAGE, re.M)

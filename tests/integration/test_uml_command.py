@@ -17,7 +17,7 @@ from uml_kernels import inside, kernels
 from tumble import cli
 from tumble.bench import uml
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.real_time]
 
 COMMAND = [sys.executable, "-m", "tumble", "uml", "--"]
 LINES = "".join(f"{number}\n" for number in range(20000))

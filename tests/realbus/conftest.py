@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/integration"))
+sys.path[:0] = [str(ROOT / "tests/integration"), str(ROOT / "tests/lib")]
 
 from processes import Interface  # noqa: E402
 
+pytest_plugins = ["busy_machine"]
 _number = iter(range(1, 1000))
 
 
@@ -23,6 +24,7 @@ def pytest_addoption(parser):
 
 def pytest_collection_modifyitems(config, items):
     for item in items:
+        item.add_marker(pytest.mark.real_time)
         if "full" in item.keywords and not config.getoption("--full"):
             item.add_marker(pytest.mark.skip(reason="takes long: --full runs it"))
 

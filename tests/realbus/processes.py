@@ -109,7 +109,7 @@ class Node(_Program):
         text = self.progress.read_text()
         return [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
 
-    def wait_for(self, state, position=None, timeout=30):
+    def wait_for(self, state, position=None, timeout=60):
         """Until it has been in a state (at a position of the schedule, by its index)."""
         found = []
 
@@ -142,7 +142,7 @@ class Stand(_Program):
     def end(self):
         """Its document, after it was told to end."""
         self.signal()
-        code, document = self.wait(timeout=20)
+        code, document = self.wait()
         assert code == 0, self.errors
         return document
 

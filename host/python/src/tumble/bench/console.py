@@ -22,19 +22,25 @@ import time
 from pathlib import Path
 
 COMMAND, START, ABORT = 0x2002, 1, 2
-DONE, FAULT, ABORTED = 12, 13, 14
+IDLE, DONE, FAULT, ABORTED = 0, 12, 13, 14
 STATE_PDO, ANSWER, REQUEST, HEARTBEAT = 0x181, 0x581, 0x601, 0x701
 
 _BOOT_S = 90.0  # an emulator inside an emulator takes its time
 _SILENCE_S = 5.0  # of a heartbeat that comes ten times a second
-_ANSWER_S = 3.0
+_ANSWER_S = 5.0
+_TRIES = 3  # an emulator that is held up loses frames
 _REST_S = 15.0
+_TIMED_OUT = 0x05040000  # abort code
 _FRAME = struct.Struct("<IB3x8s")
 _COUNTERS = {0x2030: ("sent", "received", "busy", "down", "invalid"), 0x2032: ("samples", "lost")}
 
 
 class Ended(Exception):
     """The run is over; says how."""
+
+
+class Unanswered(Ended):
+    """A request, or the answer to it, was lost, or the board is held up."""
 
 
 class Bus:
@@ -49,9 +55,9 @@ class Bus:
         self.heard = None
 
     def take(self, timeout_s):
-        """The next answer of the SDO server, or None when the time is over."""
+        """The next answer of the SDO server, or None when the time is over and nothing more is there."""
         end = time.monotonic() + timeout_s
-        while (left := end - time.monotonic()) > 0 and select.select([self._socket], [], [], left)[0]:
+        while select.select([self._socket], [], [], max(0.0, end - time.monotonic()))[0]:
             number, length, data = _FRAME.unpack(self._socket.recv(_FRAME.size))
             self.heard = time.monotonic()
             if number == STATE_PDO and length == 8:
@@ -61,17 +67,27 @@ class Bus:
         return None
 
     def ask(self, data):
-        """The answer to one request."""
+        """The answer to one request. Late answers to earlier ones are not taken for it."""
+        while self.take(0.0) is not None:
+            pass
         self._socket.send(_FRAME.pack(REQUEST, 8, data))
         answer = self.take(_ANSWER_S)
         if answer is None:
-            raise Ended("the board does not answer by SDO")
+            raise Unanswered("the board does not answer by SDO")
         if answer[0] == 0x80:
             raise Ended(f"the board refuses an SDO request: {answer[3::-1].hex()} {answer[:3:-1].hex()}")
         return answer
 
     def read(self, index, subindex):
-        """The bytes of an object."""
+        """The bytes of an object: from the beginning again where an answer fails to come."""
+        for _ in range(_TRIES - 1):
+            try:
+                return self._read(index, subindex)
+            except Unanswered:
+                self._socket.send(_FRAME.pack(REQUEST, 8, struct.pack("<BHBI", 0x80, index, subindex, _TIMED_OUT)))
+        return self._read(index, subindex)
+
+    def _read(self, index, subindex):
         answer = self.ask(struct.pack("<BHB4x", 0x40, index, subindex))
         if answer[0] & 2:
             return answer[4 : 8 - (answer[0] >> 2 & 3)]
@@ -105,7 +121,7 @@ class Console:
         try:
             self._start()
             self._wait_for_boot()
-            self._bus.command(START)
+            self._begin()
             self._follow()
             document = self._read()
             end = "done"
@@ -148,6 +164,16 @@ class Console:
             if time.monotonic() > end:
                 raise Ended(f"the board does not boot within {_BOOT_S:.0f} s")
         self._bus.take(0.2)
+
+    def _begin(self):
+        """START, again where no answer comes and none shows that it was taken."""
+        for _ in range(_TRIES - 1):
+            try:
+                return self._bus.command(START)
+            except Unanswered:
+                if self._state not in (None, IDLE):
+                    return None
+        return self._bus.command(START)
 
     def _on_state(self, data):
         moved = (data[0], data[1]) != (self._state, self._reason)

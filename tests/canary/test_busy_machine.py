@@ -1,0 +1,55 @@
+"""A test in real time is run again where the machine was busy, and only there; what fails every time has failed."""
+import os
+import subprocess
+import time
+
+import pytest
+from conftest import ROOT
+
+import runner
+
+PLUGIN = ROOT / "tests/lib"
+PLANTED = """
+import os, time, pytest
+def tries(more=[0]):
+    more[0] += 1
+    return more[0]
+@pytest.mark.real_time
+def test_planted():
+    number = tries()
+    if {busy}:
+        with open(os.environ["TUMBLE_BUSY"], "a") as file:
+            file.write(f"{{time.time()}} planted\\n")
+    assert number >= {passes_at}
+"""
+
+
+def outcome_of(tmp_path, busy, passes_at):
+    """Of one planted test, by the runner that the stages use."""
+    (tmp_path / "test_planted.py").write_text(PLANTED.format(busy=busy, passes_at=passes_at))
+    (tmp_path / "conftest.py").write_text("pytest_plugins = ['busy_machine']\n")
+    log = runner.Log(tmp_path / "log", 60)
+    environment = {"TUMBLE_BUSY": str(tmp_path / "busy"), "PYTHONPATH": str(PLUGIN)}
+    return runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path), env=environment)
+
+
+@pytest.mark.parametrize("busy, passes_at, passed, again", [(True, 1, 1, 0), (True, 2, 1, 1), (False, 2, 0, 0), (True, 9, 0, 3)])
+def test_only_a_busy_machine_gives_another_try(tmp_path, busy, passes_at, passed, again):
+    outcome = outcome_of(tmp_path, busy, passes_at)
+    assert (outcome.passed, outcome.failed, len(outcome.again)) == (passed, 1 - passed, again)
+    assert all("the machine was busy (planted): " in told for told in outcome.again)
+
+
+def test_a_busy_machine_is_seen():
+    """More work than processors, and the watch says so; it ends, and the watch is silent."""
+    code = "import sys; sys.path.insert(0, sys.argv[1]); import busy_machine as b, time; w = b.Watch(); w.start(); " \
+           "time.sleep(4); print(len(w.seen))"
+    loops = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(2 * os.cpu_count())]
+    try:
+        time.sleep(0.5)
+        seen = subprocess.run(["python3", "-c", code, PLUGIN], capture_output=True, text=True, check=True).stdout
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+    assert int(seen) >= 2

@@ -1,0 +1,147 @@
+"""Pytest plugin: a test in real time that failed while the machine was busy is run again, and the run says so.
+
+Tests marked `real_time` wait for processes that answer within a time. A machine that lets them wait, because others use
+its processors or its host takes them away, makes such a test fail without a defect. So the machine is watched; where a
+marked test failed and the machine was busy in its time, the test is run again, up to `TRIES` times in all and after the
+machine has come to rest. On a machine that was not busy a failure is a failure at once, and what fails every time has
+failed.
+
+Inside user-mode Linux the machine cannot be seen: whoever starts it watches there, into the file that `TUMBLE_BUSY`
+names.
+"""
+
+import os
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+TRIES = 4
+REST_S, REST_MOST_S = 2.0, 30.0  # before the next try: how long the machine must not be busy, and how long to wait for that
+PERIOD_S = 0.05
+LATE_S = 0.1  # a thread that slept came back so much later
+WINDOW_S = 1.0
+IDLE_LEAST = 0.1  # of all processors, in a window
+STOLEN_MOST = 0.05  # of all processors, by the machine's host
+CLOCKS_S = 0.5  # a guest's clock and its host's differ by less
+
+
+class Watch(threading.Thread):
+    """When the machine was busy: [(time.time(), why)], and the same in lines of a file."""
+
+    def __init__(self, path=None):
+        super().__init__(daemon=True)
+        self.seen = []
+        self._path = path
+
+    def run(self):
+        """Until the process ends."""
+        window, before = time.monotonic(), processors()
+        while True:
+            begin = time.monotonic()
+            time.sleep(PERIOD_S)
+            now = time.monotonic()
+            if (late := now - begin - PERIOD_S) > LATE_S:
+                self._tell(f"late by {late:.2f} s")
+            if now - window >= WINDOW_S:
+                window, after = now, processors()
+                self._judge(before, after)
+                before = after
+
+    def _judge(self, before, after):
+        spent = {name: after[name] - before[name] for name in after}
+        if spent["all"] > 0 and spent["idle"] < IDLE_LEAST * spent["all"]:
+            self._tell(f"{spent['idle'] / spent['all']:.0%} idle")
+        if spent["stolen"] > STOLEN_MOST * spent["all"]:
+            self._tell(f"{spent['stolen'] / spent['all']:.0%} taken by its host")
+
+    def _tell(self, why):
+        self.seen.append((time.time(), why))
+        if self._path is not None:
+            with open(self._path, "a", encoding="ascii") as file:
+                file.write(f"{time.time()} {why}\n")
+
+
+class WatchedByHost:
+    """What a Watch outside wrote."""
+
+    def __init__(self, path):
+        self._path = Path(path)
+
+    @property
+    def seen(self):
+        """As a Watch has it."""
+        lines = self._path.read_text(encoding="ascii").splitlines() if self._path.exists() else []
+        return [(float(when), why) for when, why in (line.split(" ", 1) for line in lines)]
+
+
+def processors():
+    """Time of all processors since boot, in ticks; nothing where the system does not tell."""
+    try:
+        ticks = [int(word) for word in Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()[1:9]]
+    except (OSError, ValueError):
+        ticks = [0] * 8
+    _, _, _, idle, waiting, _, _, stolen = ticks
+    return {"all": sum(ticks), "idle": idle + waiting, "stolen": stolen}
+
+
+def rest(watch):
+    """Wait until the machine is not busy."""
+    begin = time.time()
+    while (now := time.time()) - begin < REST_MOST_S:
+        if now - begin >= REST_S and not busy(watch, now - REST_S):
+            return
+        time.sleep(PERIOD_S)
+
+
+def busy(watch, since):
+    """Why the machine was busy at some time since then, or None."""
+    return next((why for when, why in reversed(watch.seen) if when >= since - CLOCKS_S), None)
+
+
+class Retried:
+    """One test's tries."""
+
+    def __init__(self, item):
+        self._item = item
+        self.begin = time.time()
+
+    def again(self, error):
+        """Is the failed test to be run again?"""
+        watch = self._item.config.stash[WATCH]
+        if (why := busy(watch, self.begin)) is None:
+            return False
+        rest(watch)
+        self._item.user_properties.append(("ran again", f"the machine was busy ({why}): {error!r}"[:500]))
+        return True
+
+
+WATCH = pytest.StashKey()
+RETRIED = pytest.StashKey()
+
+
+def pytest_configure(config):
+    """Watch, or read what is watched outside."""
+    config.addinivalue_line("markers", "real_time: waits in real time; run again where it failed on a busy machine")
+    outside = os.environ.get("TUMBLE_BUSY")
+    watch = WatchedByHost(outside) if outside else Watch()
+    config.stash[WATCH] = watch
+    if not outside:
+        watch.start()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items):
+    """A marked test may be run again, under its condition."""
+    for item in items:
+        if item.get_closest_marker("real_time") is not None:
+            item.stash[RETRIED] = Retried(item)
+            item.add_marker(pytest.mark.flaky(reruns=TRIES - 1, condition=item.stash[RETRIED].again))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Each try has its own time."""
+    if (retried := item.stash.get(RETRIED, None)) is not None:
+        retried.begin = time.time()
