@@ -47,6 +47,15 @@ def programs(tmp_path):
     return found
 
 
+@pytest.fixture
+def heeding_hang_up():
+    """Whoever runs these tests with nohup ignores it, and so would all that they start."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.usefixtures("heeding_hang_up")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 @pytest.mark.parametrize("interactive", [False, True])
 def test_a_signal_ends_the_run_in_good_order(number, interactive, tmp_path):
