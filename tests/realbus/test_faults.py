@@ -275,3 +275,25 @@ def test_a_fault_that_was_mended_is_no_cause(turning, bus):
     code, document = node.wait()
     assert (code, reason_of(document), document["cause"]) == (130, "COMMAND", None)
     stand.end()
+
+
+def test_remote_frames_and_long_identifiers_change_nothing(bus, started, tmp_path):
+    """Neither is a frame of ours: requests for each PDO, heartbeat and SDO, set-points in 29 bits. Both ends count."""
+    path = scenario(tmp_path, **SLOW_TABLE)
+    stand = Stand(bus, path, "--seed", 5)
+    node = Node(bus, path, "--start", folder=tmp_path)
+    started.extend([stand, node])
+    stranger = can.Bus(interface="socketcan", channel=str(bus))
+    states, identifiers = ("HOME", "MOVE", "AVERAGE"), (0x000, 0x080, 0x181, 0x182, 0x202, 0x601, 0x602, 0x701, 0x702)
+    for state in states:
+        node.wait_for(state)
+        for identifier in identifiers:
+            stranger.send(can.Message(arbitration_id=identifier, is_remote_frame=True, is_extended_id=False))
+            stranger.send(can.Message(arbitration_id=identifier, data=bytes.fromhex("0F00A08601000000")))
+    stranger.shutdown()
+    node.wait_for("AVERAGE", 2)  # it goes on
+    node.signal()
+    code, document = node.wait()
+    truth, sent = stand.end(), 2 * len(states) * len(identifiers)
+    assert code == 130 and truth["table"]["at_rest"] and document["reason"] == "TUMBLE_REASON_COMMAND"
+    assert (document["counters"]["frames_foreign"], truth["counters"]["frames_foreign"]) == (sent, sent)
