@@ -8,7 +8,7 @@ import pytest
 from blocks import NOMINAL_K, write_run
 
 from tumble import core, reference
-from tumble.schedulefile import read_schedule
+from tumble.files.schedule_file import read_schedule
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEDULE = ROOT / "examples" / "with_checks.toml"

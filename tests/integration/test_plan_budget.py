@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tumble import reference
+from tumble.files.stand_file import read_stand
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
@@ -22,7 +23,6 @@ from tumble.planning.validate import validate
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
 from tumble.stand import COMMON, Stand
-from tumble.standfile import read_stand
 
 pytestmark = pytest.mark.python
 

@@ -14,12 +14,12 @@ from conftest import EXAMPLES, ROOT
 from test_terminal import on_terminal, without_styles
 
 from tumble import core, core_optimal
+from tumble.files.stand_file import read_stand
 from tumble.planning import gains, record, validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
 from tumble.reference import Geometry
-from tumble.standfile import read_stand
 
 pytestmark = pytest.mark.python
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())

@@ -13,7 +13,7 @@ from test_fixture_check import EXAMPLES, PAPER, U0, drawn, simulated, stand_name
 
 from tumble import reference
 from tumble.doubts import look_for_doubts
-from tumble.runfile import Run
+from tumble.files.run_file import Run
 from tumble.solution import solve
 
 pytestmark = pytest.mark.python

@@ -11,10 +11,10 @@ import pytest
 from blocks import random_block, random_means, usable_schedule
 
 from tumble import core, core_stand_seen, reference
-from tumble.distributions import student_quantile
 from tumble.crosscheck import compare_seen
+from tumble.distributions import student_quantile
+from tumble.files.stand_file import read_stand
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.standfile import read_stand
 from tumble.standseen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from tumble import standseen
-from tumble.dialect import UNIT
 from tumble.errors import BadInput, quoted
-from tumble.files import read_bytes
+from tumble.files.disk import read_bytes
+from tumble.files.run_layout import UNIT
 from tumble.solution import Solution, Truth
 from tumble.stand import volts_per
 

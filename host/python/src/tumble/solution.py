@@ -10,7 +10,7 @@ from tumble import core, core_stand_seen, reference, stated, weighted
 from tumble.computation import Computation, DeadChannels, compute
 from tumble.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.errors import BadInput
-from tumble.runfile import Run
+from tumble.files.run_file import Run
 from tumble.schedule import Schedule
 from tumble.stand import OPTIMAL, SecondOrder, Stand, volts_per
 from tumble.standseen import StandSeen, look

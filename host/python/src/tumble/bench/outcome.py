@@ -15,7 +15,7 @@ from tumble.bench.setup import Setup
 from tumble.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.doubts import look_for_doubts
 from tumble.errors import BadInput, BenchFault, Disagreement
-from tumble.runfile import Run, read_run
+from tumble.files.run_file import Run, read_run
 from tumble.solution import Solution, Truth, solve
 from tumble.stand import OPTIMAL
 

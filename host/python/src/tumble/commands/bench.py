@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
     """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
-    from tumble.files import read_bytes
+    from tumble.files.disk import read_bytes
 
     given = (arguments.stand, arguments.block, arguments.schedule)
     return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
@@ -108,20 +108,20 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
 
     from dataclasses import replace
 
-    from tumble import standfile
     from tumble.bench import realbus
     from tumble.bench.setup import Setup
     from tumble.core_averaging import MAX_SAMPLES
+    from tumble.files.stand_file import read_block, read_stand
     from tumble.stand import PAPER_STAND
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments, given)
-    file = None if arguments.stand is None else standfile.read_stand(arguments.stand, given[arguments.stand])
+    file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
     stand = PAPER_STAND if file is None else file.stand
     block, truth = (None, None) if file is None else (file.block, file.truth)
     if arguments.block is not None:
-        block, truth = standfile.read_block(arguments.block, given[arguments.block])
+        block, truth = read_block(arguments.block, given[arguments.block])
     if limit_g is None:
         limit_g = options.DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
@@ -155,7 +155,7 @@ def _parse_budget(text: str | None) -> float:
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
     from tumble.core import CoreSchedule, paper_schedule
-    from tumble.schedulefile import read_schedule, require_positions
+    from tumble.files.schedule_file import read_schedule, require_positions
 
     if arguments.schedule is None:
         return CoreSchedule(paper_schedule())

@@ -28,7 +28,7 @@ def add_to(subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     from tumble.exports import to_c, to_csv, warnings
-    from tumble.files import refuse_overwriting, write_text
+    from tumble.files.disk import refuse_overwriting, write_text
     from tumble.result import read_coefficients
 
     refuse_overwriting(arguments.out, arguments.result)

@@ -62,9 +62,9 @@ def check(arguments: argparse.Namespace) -> int:
 
     from tumble import fixture_report, result
     from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files.schedule_file import read_schedule, require_positions
+    from tumble.files.stand_file import read_stand
     from tumble.fixture import Judge, Limits
-    from tumble.schedulefile import read_schedule, require_positions
-    from tumble.standfile import read_stand
 
     stand_file = read_stand(arguments.stand)
     schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
@@ -135,8 +135,8 @@ def _combined(arguments: argparse.Namespace, views: list, confidence: float, ste
 def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) -> list:
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files.run_file import read_run
     from tumble.fixture import RunView
-    from tumble.runfile import read_run
     from tumble.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())

@@ -88,6 +88,6 @@ def parse_whole(text: str, option: str, low: int, high: int) -> int:
 
 def parse_number(text: str) -> float:
     """A number as run files have it, not a number where it is none: outside every range."""
-    from tumble.dialect import NUMBER
+    from tumble.files.run_layout import NUMBER
 
     return float(text) if NUMBER.fullmatch(text) else math.nan

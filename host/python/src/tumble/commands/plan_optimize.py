@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Optimize and print. Returns the exit code; raises TumbleError."""
     kind = _kind(arguments.out)
 
-    from tumble.files import refuse_overwriting, write_bytes
+    from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.planning import optimize
 
     refuse_overwriting(arguments.out, arguments.stand, arguments.schedule, arguments.result)
@@ -114,6 +114,6 @@ def _serial(stand: str | None) -> str | None:
     """The block's serial that a stand file states: the record is then for this block only."""
     if stand is None:
         return None
-    from tumble.standfile import read_stand
+    from tumble.files.stand_file import read_stand
 
     return read_stand(stand).block["serial"]

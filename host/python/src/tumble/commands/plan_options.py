@@ -45,11 +45,11 @@ def read_case(arguments: argparse.Namespace):
 
     stand_file = schedule = None
     if arguments.stand is not None:
-        from tumble.standfile import read_stand
+        from tumble.files.stand_file import read_stand
 
         stand_file = read_stand(arguments.stand)
     if arguments.schedule is not None:
-        from tumble.schedulefile import read_schedule, require_positions
+        from tumble.files.schedule_file import read_schedule, require_positions
 
         read = read_schedule(arguments.schedule)
         if getattr(arguments, "weights", DERIVED) == DERIVED and getattr(arguments, "estimator", None) is not None:

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
     case = read_case(arguments)
 
-    from tumble.files import refuse_overwriting, write_text
+    from tumble.files.disk import refuse_overwriting, write_text
     from tumble.planning import validate_report
     from tumble.planning.histograms import render
     from tumble.planning.validate import validate

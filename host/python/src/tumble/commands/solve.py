@@ -45,19 +45,19 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble import core, result
     from tumble.doubts import look_for_doubts
-    from tumble.files import refuse_overwriting, write_text
-    from tumble.runfile import read_run
+    from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.files.run_file import read_run
     from tumble.solution import solve
 
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, arguments.schedule)
     stand_file = schedule = None
     if arguments.stand is not None:
-        from tumble.standfile import read_stand
+        from tumble.files.stand_file import read_stand
 
         stand_file = read_stand(arguments.stand)
         limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g
     if arguments.schedule is not None:
-        from tumble.schedulefile import read_schedule, require_positions
+        from tumble.files.schedule_file import read_schedule, require_positions
 
         schedule = read_schedule(arguments.schedule)
         require_positions(schedule, arguments.estimator, arguments.schedule)
@@ -87,13 +87,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _wishes(arguments: argparse.Namespace):
-    from tumble import dialect
+    from tumble.files import run_layout
 
-    return dialect.Wishes(
-        columns=dialect.parse_columns(arguments.columns) if arguments.columns is not None else {},
-        delimiter=None if arguments.delimiter is None else dialect.parse_delimiter(arguments.delimiter),
+    return run_layout.Wishes(
+        columns=run_layout.parse_columns(arguments.columns) if arguments.columns is not None else {},
+        delimiter=None if arguments.delimiter is None else run_layout.parse_delimiter(arguments.delimiter),
         decimal=arguments.decimal,
-        unit=None if arguments.unit is None else dialect.parse_unit(arguments.unit),
+        unit=None if arguments.unit is None else run_layout.parse_unit(arguments.unit),
     )
 
 

@@ -26,7 +26,7 @@ def add_to(subparsers) -> None:
 
 def dump(arguments: argparse.Namespace) -> int:
     """Read and print. Returns the exit code; raises TumbleError."""
-    from tumble.files import read_bytes
+    from tumble.files.disk import read_bytes
     from tumble.store.image import MIN_SECTOR, describe, read_image
 
     sector = MIN_SECTOR

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.core import MAX_MEAN
-from tumble.dialect import COLUMNS, NUMBER, Dialect, decoded, is_blank, is_comment, split
 from tumble.errors import BadInput, quoted
+from tumble.files.run_layout import COLUMNS, NUMBER, Dialect, decoded, is_blank, is_comment, split
 from tumble.schedule import Schedule
 
 _NOT_FINITE = {"nan", "inf", "infinity"}

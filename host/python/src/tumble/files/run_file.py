@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.dialect import COLUMNS, NO_WISHES, Wishes, detect
 from tumble.errors import BadInput
-from tumble.files import read_bytes
-from tumble.runtable import PositionIndex, RunTable, read_table
+from tumble.files.disk import read_bytes
+from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes, detect
+from tumble.files.run_table import PositionIndex, RunTable, read_table
 from tumble.schedule import Schedule
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
+from tumble.files.toml import Table, read_toml
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 from tumble.stand import OPTIMAL
-from tumble.tomlfile import Table, read_toml
 
 _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0

@@ -17,8 +17,8 @@ from typing import Any
 
 from tumble.core_averaging import MAX_SAMPLES
 from tumble.errors import BadInput
+from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
-from tumble.tomlfile import Table, read_toml
 
 _LARGEST_ANGLE_RAD = 0.5
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
