@@ -24,7 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tumble import core, core_optimal, core_uncertainty
+from tumble import core
+from tumble.core import optimal as core_optimal, uncertainty
 from tumble.planning import gains, record
 from tumble.reference import Geometry
 from tumble.stand import PAPER_STAND
@@ -223,8 +224,8 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
     found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
-        found[f"u {name}"] = core_uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
-    found["u optimal"] = core_uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
+        found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+    found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
 
 

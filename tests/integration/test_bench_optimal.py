@@ -9,8 +9,9 @@ import pytest
 from bench_program import scenario
 from conftest import EXAMPLES
 
-from tumble import core, core_optimal
+from tumble import core
 from tumble.bench import program
+from tumble.core import optimal as core_optimal
 from tumble.planning import gains, record
 from tumble.reference import optimal
 from tumble.stand import PAPER_STAND

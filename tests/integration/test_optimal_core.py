@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 
-from tumble import core, core_optimal
-from tumble.core import CoreRefusal
+from tumble import core
+from tumble.core import CoreRefusal, optimal as core_optimal
 from tumble.planning import gains, record
 from tumble.reference import Geometry, optimal
 from tumble.reference.estimators import least_squares, unidentified

@@ -12,7 +12,8 @@ import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES, ROOT
 
-from tumble import core, core_optimal, reference
+from tumble import core, reference
+from tumble.core import optimal
 from tumble.planning import gains, record
 from tumble.stand import PAPER_STAND
 
@@ -77,7 +78,7 @@ def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
         optimize(tumble, "--stand", EXAMPLES / "lab_stand.toml", "--out", f"table.{kind}", cwd=tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table.bin", "table.h", "table.json"]
     plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
-    opened = core_optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
+    opened = optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
     assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
     read = record.from_bytes(data)
     assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]

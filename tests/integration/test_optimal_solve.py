@@ -8,8 +8,9 @@ import pytest
 from blocks import NOMINAL_K, random_means, write_run
 from conftest import EXAMPLES
 
-from tumble import core, core_optimal, reference, weighted
+from tumble import core, reference, weighted
 from tumble.cli import main
+from tumble.core import optimal as core_optimal
 from tumble.planning.gains import optimal_table
 from tumble.reference import Geometry
 from tumble.stand import COMMON, PAPER_STAND

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from tumble import core, reference, stated
 from tumble.cli import main
-from tumble.core_uncertainty import uncertainties, uncertainties_of_gains
+from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
 from tumble.schedule import CHECK, FIT, Position, Schedule

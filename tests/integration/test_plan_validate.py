@@ -13,7 +13,8 @@ import pytest
 from conftest import EXAMPLES, ROOT
 from test_terminal import on_terminal, without_styles
 
-from tumble import core, core_optimal
+from tumble import core
+from tumble.core import optimal as core_optimal
 from tumble.files.stand_file import read_stand
 from tumble.planning import gains, record, validate, verdict
 from tumble.planning.budget import budget

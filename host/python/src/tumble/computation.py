@@ -12,7 +12,7 @@ from tumble.stand import OPTIMAL
 
 @dataclass(frozen=True)
 class Computation:
-    """Results of the core. Arrays as in tumble.core.
+    """Results of the core. Arrays as in tumble.core.binding.
 
     `closure`: by mounting number, for mountings that came back to an attitude. `residual_rms`: None with fewer than
     five fit positions.

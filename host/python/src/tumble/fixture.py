@@ -26,8 +26,10 @@ from enum import Enum
 
 import numpy as np
 
-from tumble import core_stand_seen, reference
+from tumble import reference
 from tumble.core import CoreSchedule
+from tumble.core.stand_seen import RunSeen
+from tumble.core.stand_seen import noise as pooled_noise
 from tumble.crosscheck import compare_seen
 from tumble.distributions import chi_squared_quantile, f_quantile, student_quantile
 from tumble.solution import Solution, measured_part
@@ -72,7 +74,7 @@ class RunView:
     file: str
     solution: Solution
     seen: StandSeen
-    shown: core_stand_seen.RunSeen
+    shown: RunSeen
     variance: np.ndarray  # of each mean by its noise, in the unit of the outputs squared
 
     @classmethod
@@ -90,8 +92,8 @@ class RunView:
         """Likewise, by the core alone."""
         run, found = solution.run, solution.found
         stand = solution.stand.in_unit(run.unit)
-        shown = core_stand_seen.RunSeen(schedule, run.means, run.measured, found.k, found.u0)
-        noise = core_stand_seen.noise(run.samples, run.scatter)
+        shown = RunSeen(schedule, run.means, run.measured, found.k, found.u0)
+        noise = pooled_noise(run.samples, run.scatter)
         seen = look(shown, noise, run.samples, stand, trust_stand=False)
         return cls(file, solution, seen, shown, own_variance(noise, run.samples, stand))
 

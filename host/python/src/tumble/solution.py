@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import core, core_stand_seen, reference, stated, weighted
+from tumble import core, reference, stated, weighted
 from tumble.computation import Computation, DeadChannels, compute
+from tumble.core.stand_seen import RunSeen, noise
 from tumble.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.errors import BadInput
 from tumble.files.run_file import Run
@@ -111,8 +112,8 @@ def solve(
         else:
             witness, misfit = (optimal.u_k, optimal.u_u0), optimal.misfit
         compare_uncertainties((u_k, u_u0), witness, optimal is not None)
-    shown = core_stand_seen.RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
-    seen = look(shown, core_stand_seen.noise(run.samples, run.scatter), run.samples, declared)
+    shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
+    seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
     return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, misfit)
 

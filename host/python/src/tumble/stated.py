@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tumble import core, weighted
-from tumble.core_uncertainty import uncertainties, uncertainties_of_gains
+from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.planning.gains import NOISE_FLOOR_G, optimal_table
 from tumble.stand import OPTIMAL, Stand
 

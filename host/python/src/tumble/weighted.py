@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import core
-from tumble.core_optimal import OptimalEstimate, optimal
+from tumble.core.optimal import OptimalEstimate, optimal
 from tumble.planning.gains import OptimalTable, optimal_table
 from tumble.planning.record import record_of, to_bytes
 from tumble.schedule import CHECK, Schedule

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tumble import core, weighted
-from tumble.core_optimal import GainRecord, estimate_runs, optimal_runs
+from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
 from tumble.planning.case import Case
 from tumble.planning.gains import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core import CoreSchedule, pack, require_estimable, require_ok, unpack
+from tumble.core.binding import CoreSchedule, pack, require_estimable, require_ok, unpack
 from tumble.stand import COMMON, Stand
 
 _OF = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
+from tumble.core.binding import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The core's account of the stand that a run shows, for Python. Arrays as in tumble.core."""
+"""The core's account of the stand that a run shows, for Python. Arrays as in tumble.core.binding."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core import Calibration, CoreRefusal, CoreSchedule, pack, require_ok
+from tumble.core.binding import Calibration, CoreRefusal, CoreSchedule, pack, require_ok
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
 
