@@ -12,8 +12,9 @@ from conftest import EXAMPLES
 from tumble import core
 from tumble.bench import program
 from tumble.core import optimal as core_optimal
-from tumble.planning import gains, record
 from tumble.reference import optimal
+from tumble.solving import gain_record as record
+from tumble.solving import gains
 from tumble.stand import PAPER_STAND
 
 SCHEDULE = core.CoreSchedule(core.paper_schedule())

@@ -8,11 +8,12 @@ import pytest
 from blocks import random_block, write_run
 from conftest import EXAMPLES, ROOT
 
-from tumble import core, crosscheck, reference
+from tumble import core, reference
 from tumble.cli import main
-from tumble.computation import compute
 from tumble.errors import Disagreement
 from tumble.reference import Geometry, paper_schedule
+from tumble.solving import crosscheck
+from tumble.solving.computation import compute
 
 SOURCES = ROOT / "host/python/src/tumble"
 

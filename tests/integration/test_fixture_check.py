@@ -18,7 +18,7 @@ from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.fixture import Judge, Limits, RunView, Verdict, levelled_once
 from tumble.reference import Geometry
-from tumble.solution import solve
+from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from tumble import reference
 from tumble.errors import UsageError
 from tumble.files.stand_file import read_stand
-from tumble.planning import gains
 from tumble.reference import Geometry
 from tumble.reference.estimators import fit_indices
 from tumble.schedule import Schedule
+from tumble.solving import gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 pytestmark = pytest.mark.python

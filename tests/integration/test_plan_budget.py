@@ -17,11 +17,11 @@ from tumble.files.stand_file import read_stand
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.planning.gains import linearise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.validate import validate
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
+from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
 
 pytestmark = pytest.mark.python

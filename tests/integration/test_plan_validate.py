@@ -16,11 +16,12 @@ from test_terminal import on_terminal, without_styles
 from tumble import core
 from tumble.core import optimal as core_optimal
 from tumble.files.stand_file import read_stand
-from tumble.planning import gains, record, validate, verdict
+from tumble.planning import validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
 from tumble.reference import Geometry
+from tumble.solving import gain_record, gains
 
 pytestmark = pytest.mark.python
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
@@ -96,7 +97,7 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
     schedule = core.CoreSchedule(case.fitted)
     for table_k in (case.nominal_k(), 2.0 * np.eye(3)):
         table = gains.optimal_table(case.fitted, table_k, case.stand)
-        opened = core_optimal.GainRecord(schedule, record.to_bytes(record.record_of(table, case.fitted)))
+        opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, case.fitted)))
         for signs in (-np.ones((3, 3)), rng.choice([-1.0, 1.0], (3, 3))):
             k = case.nominal_k(signs)
             found, _ = core_optimal.optimal_runs(opened, position_means(case, k, 20_000, rng))

@@ -14,7 +14,7 @@ from test_fixture_check import EXAMPLES, PAPER, U0, drawn, simulated, stand_name
 from tumble import reference
 from tumble.doubts import look_for_doubts
 from tumble.files.run_file import Run
-from tumble.solution import solve
+from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
 SCHEMA = json.loads(Path(EXAMPLES.parent / "docs" / "schemas" / "tumble.result-1.schema.json").read_text())

@@ -12,11 +12,11 @@ from blocks import random_block, random_means, usable_schedule
 
 from tumble import core, reference
 from tumble.core import stand_seen
-from tumble.crosscheck import compare_seen
 from tumble.distributions import student_quantile
 from tumble.files.stand_file import read_stand
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.standseen import look
+from tumble.solving.crosscheck import compare_seen
+from tumble.solving.stand_seen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STANDS = ("paper", "angle", "lab")

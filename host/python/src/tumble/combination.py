@@ -15,13 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import reference, weighted
+from tumble import reference
 from tumble.distributions import chi_squared_quantile
-from tumble.planning.gains import optimal_table
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
-from tumble.solution import Solution, measured_part
+from tumble.solving import optimal_run
+from tumble.solving.gains import optimal_table
+from tumble.solving.solution import Solution
 from tumble.stand import OPTIMAL, volts_per
 
 _LEVELLING = ("alpha1", "alpha2")
@@ -73,7 +74,7 @@ def combine(solutions: list[Solution], levelled_once: bool, confidence: float, s
 def covariances(solution: Solution, levelled_once: bool, step_v: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Covariance (12, 12) of a run's coefficients, K row by row, then U0: what is its own, and what all runs share."""
     run, k = solution.run, solution.found.k
-    schedule = measured_part(solution.schedule, run.measured)
+    schedule = solution.measured_schedule
     stand = solution.stand.in_unit(run.unit).with_step(step_v / volts_per(run.unit))
     errors = sources(schedule, k, stand, run.samples[run.measured])
     linear = _estimator(solution, schedule, step_v)
@@ -98,7 +99,7 @@ def _estimator(solution: Solution, schedule: Schedule, step_v: float) -> Callabl
     if estimator != OPTIMAL:
         return closed_form
     step = step_v / volts_per(run.unit)
-    weighting = weighted.Weighting(solution.stand.in_unit(run.unit), run.samples, step)
-    samples = weighted.samples_in_a_mean(solution.schedule, run.measured, weighting)
+    weighting = optimal_run.Weighting(solution.stand.in_unit(run.unit), run.samples, step)
+    samples = optimal_run.samples_in_a_mean(solution.schedule, run.measured, weighting)
     gains = optimal_table(schedule, solution.found.k, weighting.stand, step, samples).gains
     return lambda outputs: outputs[:, fit_indices(schedule)].reshape(len(outputs), -1) @ gains.T

@@ -13,9 +13,9 @@ import numpy as np
 
 from tumble.core import CoreSchedule
 from tumble.fixture import Judge, Limits, RunView, Verdict
-from tumble.solution import Solution, measured_part
+from tumble.solving.solution import Solution
+from tumble.solving.stand_seen import NAMES
 from tumble.stand import Stand, noise_unit, volts_per
-from tumble.standseen import NAMES
 
 CONFIDENCE = 0.999
 _ROUNDING_RAD = 1e-9
@@ -42,7 +42,7 @@ def look_for_doubts(solution: Solution, schedule: CoreSchedule, step_v: float) -
     if solution.stand is None:
         return solution
     stand = solution.stand
-    mountings = len(measured_part(schedule.data, solution.run.measured).fitted_mountings)
+    mountings = len(solution.measured_schedule.fitted_mountings)
     told = Limits.declared(stand, mountings).sigma
     allowed = Limits.of(_allowed(solution, step_v), stand.remounting, mountings)
     view = RunView.by_core(solution, schedule)

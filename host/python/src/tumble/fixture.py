@@ -28,13 +28,12 @@ import numpy as np
 
 from tumble import reference
 from tumble.core import CoreSchedule
-from tumble.core.stand_seen import RunSeen
-from tumble.core.stand_seen import noise as pooled_noise
-from tumble.crosscheck import compare_seen
+from tumble.core.stand_seen import RunSeen, noise as pooled_noise
 from tumble.distributions import chi_squared_quantile, f_quantile, student_quantile
-from tumble.solution import Solution, measured_part
+from tumble.solving.crosscheck import compare_seen
+from tumble.solving.solution import Solution
+from tumble.solving.stand_seen import StandSeen, look, own_variance
 from tumble.stand import COMMON, Stand, volts_per
-from tumble.standseen import StandSeen, look, own_variance
 
 SYSTEMATIC = ("alpha1_rad", "alpha2_plus_alpha3_rad", "alpha3_difference_rad")
 SOURCES = (*SYSTEMATIC, "alpha4_rad", "noise_v")
@@ -81,8 +80,7 @@ class RunView:
     def of(cls, solution: Solution, schedule: CoreSchedule, file: str) -> RunView:
         """Look at a solved run, core and witness. Raises Disagreement."""
         view, run = cls.by_core(solution, schedule, file), solution.run
-        part = measured_part(solution.schedule, run.measured)
-        witness = reference.RunSeen(part, run.means[run.measured], solution.found.k)
+        witness = reference.RunSeen(solution.measured_schedule, run.means[run.measured], solution.found.k)
         seen_by_both = run.samples[run.measured], run.scatter[run.measured], solution.stand.in_unit(run.unit)
         compare_seen(view.seen, witness, *seen_by_both, trust_stand=False)
         return view

@@ -7,12 +7,12 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
-from tumble import standseen
 from tumble.combination import Combination
 from tumble.fixture import NEED_SIGMAS, SYSTEMATIC, Judgement, Limits, RunView, Verdict
-from tumble.result import per_g
+from tumble.solving import stand_seen
+from tumble.solving.result import per_g
+from tumble.solving.stand_seen import NAMES
 from tumble.stand import Stand, noise_unit, volts_per
-from tumble.standseen import NAMES
 
 SCHEMA = "tumble.fixture/1"
 DECLARED = "declared"
@@ -91,7 +91,7 @@ def _run(view: RunView) -> dict[str, Any]:
     unit = view.solution.run.unit
     judged = view.solution.found.gravity
     largest = max(value for value in (judged.max_abs_fit, judged.max_abs_check) if value is not None)
-    seen = standseen.document(view.seen, volts_per(unit))
+    seen = stand_seen.document(view.seen, volts_per(unit))
     return {"file": view.file, "pass": judged.passed, "max_abs_delta_g_g": largest, "stand_seen": seen}
 
 

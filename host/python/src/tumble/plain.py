@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tumble import presentation
 from tumble.presentation import BAR_WIDTH, GravityBar
-from tumble.solution import Solution
+from tumble.solving.solution import Solution
 
 
 def render(solution: Solution, file: str) -> str:

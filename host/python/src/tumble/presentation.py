@@ -10,11 +10,11 @@ import numpy as np
 
 from tumble import doubts
 from tumble.fixture import SYSTEMATIC, Limits
-from tumble.result import per_g
 from tumble.schedule import CHECK
-from tumble.solution import Solution, measured_part
+from tumble.solving.result import per_g
+from tumble.solving.solution import Solution
+from tumble.solving.stand_seen import NAMES
 from tumble.stand import noise_unit, volts_per
-from tumble.standseen import NAMES
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
@@ -143,7 +143,7 @@ def _stand_remarks(solution: Solution) -> list[str]:
     seen, stand, unit = solution.stand_seen, solution.stand, solution.run.unit
     told = {f"{name}_rad": angle for name, angle in seen.angles.items()}
     told |= {"alpha4_rad": seen.alpha4, "noise_v": seen.noise}
-    mountings = len(measured_part(solution.schedule, solution.run.measured).fitted_mountings)
+    mountings = len(solution.measured_schedule.fitted_mountings)
     declared = {} if stand is None else Limits.declared(stand, mountings).sigma
     lines = []
     for source, one in told.items():

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from tumble import presentation
 from tumble.presentation import BAR_WIDTH, GravityBar
-from tumble.solution import Solution
+from tumble.solving.solution import Solution
 
 _WIDTH = 80  # a narrower terminal wraps lines, which loses nothing
 

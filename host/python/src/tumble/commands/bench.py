@@ -215,7 +215,7 @@ def _progress(schedule, interactive: bool):
 
 
 def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) -> str:
-    from tumble import result
+    from tumble.solving import result
 
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if wanted.block is None else wanted.block.get("serial")

@@ -60,11 +60,12 @@ def check(arguments: argparse.Namespace) -> int:
     confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
     _refuse_repetition(arguments.runs)
 
-    from tumble import fixture_report, result
+    from tumble import fixture_report
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.schedule_file import read_schedule, require_positions
     from tumble.files.stand_file import read_stand
     from tumble.fixture import Judge, Limits
+    from tumble.solving import result
 
     stand_file = read_stand(arguments.stand)
     schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
@@ -137,7 +138,7 @@ def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) 
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.run_file import read_run
     from tumble.fixture import RunView
-    from tumble.solution import solve
+    from tumble.solving.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())
     views = []

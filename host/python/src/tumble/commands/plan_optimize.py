@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(found) -> None:
     from tumble.planning import tables
-    from tumble.planning.gains import COEFFICIENTS
+    from tumble.solving.gains import COEFFICIENTS
 
     out, record = tables.console(), found.record
     other = "least_squares" if found.u_refined is None else "refined"
@@ -87,12 +87,12 @@ def _kind(out: str | None) -> str | None:
 
 
 def _content(kind: str, found, document: dict) -> bytes:
-    from tumble.planning import record
-    from tumble.result import to_json
+    from tumble.solving import gain_record
+    from tumble.solving.result import to_json
 
     if kind == ".bin":
-        return record.to_bytes(found.record)
-    text = to_json(document) if kind == ".json" else record.to_c_header(found.record, found.case.stand.name)
+        return gain_record.to_bytes(found.record)
+    text = to_json(document) if kind == ".json" else gain_record.to_c_header(found.record, found.case.stand.name)
     return text.encode("utf-8")
 
 
@@ -101,7 +101,7 @@ def _last_known_k(file: str):
     import numpy as np
 
     from tumble.errors import BadInput
-    from tumble.result import read_coefficients
+    from tumble.solving.result import read_coefficients
     from tumble.stand import noise_unit, volts_per
 
     result = read_coefficients(file)

@@ -70,6 +70,6 @@ def write_json(document: dict) -> None:
     """Print a plan as JSON."""
     import sys
 
-    from tumble.result import to_json
+    from tumble.solving.result import to_json
 
     sys.stdout.write(to_json(document))

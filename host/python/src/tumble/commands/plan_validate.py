@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
-    from tumble.planning.gains import paper_slots
+    from tumble.solving.gains import paper_slots
 
     if arguments.estimator is not None:
         return (arguments.estimator,)

@@ -43,11 +43,12 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     wishes = _wishes(arguments)
 
-    from tumble import core, result
+    from tumble import core
     from tumble.doubts import look_for_doubts
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.run_file import read_run
-    from tumble.solution import solve
+    from tumble.solving import result
+    from tumble.solving.solution import solve
 
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, arguments.schedule)
     stand_file = schedule = None

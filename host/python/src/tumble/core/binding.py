@@ -143,6 +143,10 @@ class CoreSchedule:
     def __len__(self) -> int:
         return len(self.data.positions)
 
+    def part(self, measured: np.ndarray) -> CoreSchedule:
+        """The schedule without the positions that a run does not have."""
+        return self if measured.all() else CoreSchedule(self.data.part(measured))
+
     def attitudes(self) -> np.ndarray:
         """Specific force (g) on the block axes at every position of the ideal stand: (positions, 3)."""
         attitudes = np.empty((len(self), 3))

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.gains import (
+from tumble.solving.gain_record import Record, record_of
+from tumble.solving.gains import (
     COEFFICIENTS,
     OptimalTable,
     linear_gains,
@@ -16,7 +17,6 @@ from tumble.planning.gains import (
     paper_slots,
     standard_deviations,
 )
-from tumble.planning.record import Record, record_of
 from tumble.stand import OPTIMAL, SecondOrder
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from tumble.planning import tables
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.gains import COEFFICIENTS
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
 from tumble.planning.verdict import CHANCE_SIGMAS, COVERAGE_LIMITS, Judged, bias_limit, tolerance
+from tumble.solving.gains import COEFFICIENTS
 
 
 _HONEST = (

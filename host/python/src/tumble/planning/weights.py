@@ -13,9 +13,9 @@ import numpy as np
 
 from tumble.errors import UsageError
 from tumble.planning.case import Case
-from tumble.planning.gains import Linearised, gains, linearise
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
 from tumble.reference.estimators import paper_slots
+from tumble.solving.gains import Linearised, gains, linearise
 from tumble.stand import COMMON
 
 WORST = "worst"

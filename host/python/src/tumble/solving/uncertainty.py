@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from tumble import core, weighted
+from tumble import core
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
-from tumble.planning.gains import NOISE_FLOOR_G, optimal_table
+from tumble.solving import optimal_run
+from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
 from tumble.stand import OPTIMAL, Stand
 
 
@@ -28,9 +29,9 @@ def standard_uncertainties(
     """
     if estimator != OPTIMAL:
         return uncertainties(schedule, k, stand, samples, estimator, measured)
-    part = weighted.measured_part(schedule, measured)
-    weighting = weighted.Weighting(stand, samples, step)
-    averaged_over = weighted.samples_in_a_mean(schedule.data, measured, weighting)
+    part = schedule.part(measured)
+    weighting = optimal_run.Weighting(stand, samples, step)
+    averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
     gains = optimal_table(part.data, k, stand, step, averaged_over).gains
     angles = {name: stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")}
     one_sample = max(stand.sigma("noise"), abs(step) / 12**0.5)

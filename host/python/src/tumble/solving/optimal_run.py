@@ -11,9 +11,9 @@ import numpy as np
 
 from tumble import core
 from tumble.core.optimal import OptimalEstimate, optimal
-from tumble.planning.gains import OptimalTable, optimal_table
-from tumble.planning.record import record_of, to_bytes
 from tumble.schedule import CHECK, Schedule
+from tumble.solving.gain_record import record_of, to_bytes
+from tumble.solving.gains import OptimalTable, optimal_table
 from tumble.stand import Stand
 
 
@@ -43,7 +43,7 @@ def estimate(
 ) -> OptimalEstimate:
     """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
     table = make_table(schedule, means, measured, weighting)
-    return apply_table(table, measured_part(schedule, measured), means[measured])
+    return apply_table(table, schedule.part(measured), means[measured])
 
 
 def make_table(
@@ -52,22 +52,13 @@ def make_table(
     """The weights for a run. Raises CoreRefusal, UsageError."""
     first = core.estimate(schedule, means, measured, "least_squares")[0]
     k = first if weighting.known is None else weighting.known.k
-    reduced = measured_part(schedule, measured)
     samples = samples_in_a_mean(schedule.data, measured, weighting)
-    return optimal_table(reduced.data, k, weighting.stand, weighting.step, samples)
+    return optimal_table(schedule.data.part(measured), k, weighting.stand, weighting.step, samples)
 
 
 def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: np.ndarray) -> OptimalEstimate:
     """Let the core evaluate a table made for this very schedule, all of it measured. Raises CoreRefusal."""
     return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
-
-
-def measured_part(schedule: core.CoreSchedule, measured: np.ndarray) -> core.CoreSchedule:
-    """The schedule without the positions that a run does not have."""
-    if measured.all():
-        return schedule
-    positions = tuple(position for position, is_there in zip(schedule.data.positions, measured) if is_there)
-    return core.CoreSchedule(Schedule(schedule.data.mountings, positions))
 
 
 def samples_in_a_mean(schedule: Schedule, measured: np.ndarray, weighting: Weighting) -> float:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.planning.gains import OptimalTable
 from tumble.schedule import FIT, Schedule
+from tumble.solving.gains import OptimalTable
 
 MAGIC = b"TGR1"
 SCHEMA = 1

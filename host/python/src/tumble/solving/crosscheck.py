@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
-from tumble.computation import Computation
 from tumble.errors import Disagreement
 from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
+from tumble.solving.computation import Computation
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
 from tumble.stand import Stand
-from tumble.standseen import ANGLES, StandSeen, look, own_variance
 
 RELATIVE_LIMIT = 1e-12
 OPTIMAL_LIMIT_U = 1e-6

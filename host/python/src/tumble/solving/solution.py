@@ -6,15 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import core, reference, stated, weighted
-from tumble.computation import Computation, DeadChannels, compute
+from tumble import core, reference
 from tumble.core.stand_seen import RunSeen, noise
-from tumble.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.errors import BadInput
 from tumble.files.run_file import Run
 from tumble.schedule import Schedule
+from tumble.solving import optimal_run, uncertainty
+from tumble.solving.computation import Computation, DeadChannels, compute
+from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
+from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import OPTIMAL, SecondOrder, Stand, volts_per
-from tumble.standseen import StandSeen, look
 
 
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
@@ -40,7 +41,7 @@ class Solution:
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
     `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
-    that was measured; `doubts`: what the run shows to be worse than declared (tumble.doubts), None where nobody
+    that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
     looked.
     """
 
@@ -56,6 +57,11 @@ class Solution:
     misfit: float | None = None
     truth: Truth | None = None
     doubts: tuple | None = None
+
+    @property
+    def measured_schedule(self) -> Schedule:
+        """The schedule without the positions that the run does not have."""
+        return self.schedule.part(self.run.measured)
 
     @property
     def second_order(self) -> SecondOrder | None:
@@ -79,7 +85,7 @@ def solve(
     stand: Stand | None,
     file: str,
     step_v: float = 0.0,
-    known: weighted.Known | None = None,
+    known: optimal_run.Known | None = None,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
@@ -93,14 +99,14 @@ def solve(
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
     weighting = None
     if estimator == OPTIMAL:
-        weighting = weighted.Weighting(declared, run.samples, step, known)
+        weighting = optimal_run.Weighting(declared, run.samples, step, known)
     try:
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
     except core.CoreRefusal as refusal:
         raise BadInput(_explain(refusal, estimator), file) from None
     except DeadChannels as error:
         raise BadInput(str(error), file) from None
-    witnessed = measured_part(reference.paper_schedule() if schedule is None else schedule.data, run.measured)
+    witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
     means, samples, scatter = (rows[run.measured] for rows in (run.means, run.samples, run.scatter))
     optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
@@ -123,12 +129,12 @@ def _state(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
     try:
-        return stated.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+        return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
-def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighting: weighted.Weighting, file: str):
+def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighting: optimal_run.Weighting, file: str):
     """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
     for errors that are not there would mislead."""
     known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
@@ -136,12 +142,6 @@ def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighti
     if not found.misfit <= LARGEST_MISFIT:
         raise BadInput(f"residuals {found.misfit:.2g} times what the stand declares: no optimal weights for it", file)
     return found
-
-
-def measured_part(schedule: Schedule, measured: np.ndarray) -> Schedule:
-    """The schedule without the positions that a run does not have."""
-    positions = tuple(position for position, is_measured in zip(schedule.positions, measured) if is_measured)
-    return Schedule(schedule.mountings, positions)
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import core, weighted
+from tumble import core
+from tumble.solving import optimal_run
 from tumble.stand import OPTIMAL
 
 
@@ -33,14 +34,14 @@ def compute(
     measured: np.ndarray,
     estimator: str,
     limit_g: float,
-    weighting: weighted.Weighting | None = None,
+    weighting: optimal_run.Weighting | None = None,
 ) -> Computation:
     """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
 
     Raises CoreRefusal; DeadChannels where a channel does not feel gravity.
     """
     if estimator == OPTIMAL:
-        found = weighted.estimate(schedule, means, measured, weighting)
+        found = optimal_run.estimate(schedule, means, measured, weighting)
         k, u0 = found.k, found.u0
     else:
         k, u0 = core.estimate(schedule, means, measured, estimator)

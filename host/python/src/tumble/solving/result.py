@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from tumble import standseen
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
 from tumble.files.run_layout import UNIT
-from tumble.solution import Solution, Truth
+from tumble.solving import stand_seen
+from tumble.solving.solution import Solution, Truth
 from tumble.stand import volts_per
 
 SCHEMA = "tumble.result/1"
@@ -51,7 +51,7 @@ def document(
         "misfit": solution.misfit,
         "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
         "verification": _verification(solution),
-        "stand_seen": standseen.document(solution.stand_seen, volts_per(unit)),
+        "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
             "scale": solution.found.intrinsic.scale.tolist(),
             "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),
