@@ -12,11 +12,11 @@ import pytest
 from blocks import NOMINAL_K, write_run
 
 from tumble import core, reference
-from tumble.combination import combine, covariances
-from tumble.distributions import chi_squared_cdf, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
-from tumble.fixture import Judge, Limits, RunView, Verdict, levelled_once
+from tumble.fixture.combination import combine, covariances
+from tumble.fixture.distributions import chi_squared_cdf, chi_squared_quantile
+from tumble.fixture.judge import Judge, Limits, RunView, Verdict, levelled_once
 from tumble.reference import Geometry
 from tumble.solving.solution import solve
 

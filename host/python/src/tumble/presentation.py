@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble import doubts
-from tumble.fixture import SYSTEMATIC, Limits
+from tumble.fixture import stand_doubts
+from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
 from tumble.solving.result import per_g
 from tumble.solving.solution import Solution
@@ -187,7 +187,7 @@ def _measured(seen, has_u: bool, factor: float, sign: str) -> str:
 
 def beware(solution: Solution) -> list[str]:
     """That the run does not fit the declared stand, if so: a paragraph, and an empty line."""
-    complaint = doubts.complaint(solution)
+    complaint = stand_doubts.complaint(solution)
     if complaint is None:
         return []
     warning = f"Beware: {complaint}. The uncertainties above are too small."

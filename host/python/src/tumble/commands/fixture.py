@@ -60,11 +60,11 @@ def check(arguments: argparse.Namespace) -> int:
     confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
     _refuse_repetition(arguments.runs)
 
-    from tumble import fixture_report
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.schedule_file import read_schedule, require_positions
     from tumble.files.stand_file import read_stand
-    from tumble.fixture import Judge, Limits
+    from tumble.fixture import report
+    from tumble.fixture.judge import Judge, Limits
     from tumble.solving import result
 
     stand_file = read_stand(arguments.stand)
@@ -77,7 +77,7 @@ def check(arguments: argparse.Namespace) -> int:
     once, combined = _combined(arguments, views, confidence, stand_file.step_v)
     judge = Judge(views, confidence, once)
     needed = _needed(arguments, stand_file, schedule, limit_g, mountings)
-    outcome = fixture_report.Outcome(
+    outcome = report.Outcome(
         stand=stand_file.stand,
         views=views,
         judged=judge.judge(Limits.declared(stand_file.stand, mountings)),
@@ -89,7 +89,7 @@ def check(arguments: argparse.Namespace) -> int:
         levelled="once" if once else "anew",
         combined=combined,
     )
-    text = result.to_json(fixture_report.document(outcome)) if arguments.json else fixture_report.render(outcome)
+    text = result.to_json(report.document(outcome)) if arguments.json else report.render(outcome)
     sys.stdout.write(text)
     return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
 
@@ -117,8 +117,8 @@ def _combined(arguments: argparse.Namespace, views: list, confidence: float, ste
     Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
     of the table angle, which no run shows by itself, must then have moved.
     """
-    from tumble.combination import combine
-    from tumble.fixture import levelled_once
+    from tumble.fixture.combination import combine
+    from tumble.fixture.judge import levelled_once
 
     def combined(once: bool):
         return combine([view.solution for view in views], once, confidence, step_v)
@@ -137,7 +137,7 @@ def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) 
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.run_file import read_run
-    from tumble.fixture import RunView
+    from tumble.fixture.judge import RunView
     from tumble.solving.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())
@@ -163,7 +163,7 @@ def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float,
         return None
     import numpy as np
 
-    from tumble.fixture import Limits
+    from tumble.fixture.judge import Limits
     from tumble.planning.case import Case
     from tumble.planning.require import allowed
 

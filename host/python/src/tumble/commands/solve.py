@@ -44,9 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     wishes = _wishes(arguments)
 
     from tumble import core
-    from tumble.doubts import look_for_doubts
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.run_file import read_run
+    from tumble.fixture.stand_doubts import look_for_doubts
     from tumble.solving import result
     from tumble.solving.solution import solve
 
@@ -100,7 +100,7 @@ def _wishes(arguments: argparse.Namespace):
 
 def warn(solution) -> None:
     """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
-    from tumble.doubts import complaint
+    from tumble.fixture.stand_doubts import complaint
     from tumble.stand import noise_unit
 
     unit = solution.run.unit
