@@ -9,7 +9,7 @@ from blocks import random_block, write_run
 from conftest import EXAMPLES, ROOT
 
 from tumble import core, reference
-from tumble.cli import main
+from tumble.cli.main import main
 from tumble.errors import Disagreement
 from tumble.reference import Geometry, paper_schedule
 from tumble.solving import crosscheck

@@ -8,7 +8,7 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble.bench import gains
-from tumble.cli import main
+from tumble.cli.main import main
 from tumble.solving import gain_record
 from tumble.stand import PAPER_STAND
 

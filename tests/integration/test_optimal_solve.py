@@ -9,7 +9,7 @@ from blocks import NOMINAL_K, random_means, write_run
 from conftest import EXAMPLES
 
 from tumble import core, reference
-from tumble.cli import main
+from tumble.cli.main import main
 from tumble.core import optimal as core_optimal
 from tumble.reference import Geometry
 from tumble.solving import optimal_run

@@ -15,7 +15,7 @@ from conftest import ROOT
 
 from tumble import __version__, core
 from tumble.bench import programs
-from tumble.commands.options import LINEAR_ESTIMATORS
+from tumble.cli.options import LINEAR_ESTIMATORS
 from tumble.errors import BenchFault
 
 PYTHON = ROOT / "host/python"
@@ -85,7 +85,7 @@ def test_every_status_has_a_name_and_a_sentence():
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
     """What start-up time is spent on: numpy, and nothing that only a terminal or a test needs."""
     program = (
-        "import sys; from tumble.cli import main;"
+        "import sys; from tumble.cli.main import main;"
         f"code = main(['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--out', {str(tmp_path / 'r.json')!r}]);"
         "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi'} & set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tumble import core, reference
-from tumble.cli import main
+from tumble.cli.main import main
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources

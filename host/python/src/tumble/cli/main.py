@@ -10,7 +10,7 @@ import sys
 import traceback
 
 from tumble import __version__, interruption
-from tumble.commands import bench, export, fixture, plan, replay, solve, store, uml
+from tumble.cli.commands import bench, export, fixture, plan, replay, solve, store, uml
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, Interrupted, TumbleError, UsageError
 from tumble.files.disk import reason
 from tumble.messages import tell

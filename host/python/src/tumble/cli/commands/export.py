@@ -27,7 +27,7 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
-    from tumble.exports import to_c, to_csv, warnings
+    from tumble.cli.exports import to_c, to_csv, warnings
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.solving.result import read_coefficients
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.commands.plan_options import add_case_options, add_subject, read_case, write_json
+from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 

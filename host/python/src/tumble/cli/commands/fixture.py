@@ -7,7 +7,7 @@ import math
 import os
 import sys
 
-from tumble.commands.options import (
+from tumble.cli.options import (
     DEFAULT_LIMIT_G,
     add_estimator,
     add_limit,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from contextlib import contextmanager
 
-from tumble.commands.options import ESTIMATORS, add_seed, parse_seed, parse_whole
-from tumble.commands.plan_options import add_case_options, add_subject, read_case, write_json
+from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
+from tumble.cli.options import ESTIMATORS, add_seed, parse_seed, parse_whole
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.messages import on_terminal
 

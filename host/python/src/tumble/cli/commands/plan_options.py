@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 
-from tumble.commands.options import add_estimator, add_schedule, parse_number
+from tumble.cli.options import add_estimator, add_schedule, parse_number
 from tumble.errors import UsageError, quoted
 
 PUBLISHED = "published"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.commands.options import add_subjects, parse_whole
+from tumble.cli.options import add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tumble.commands import plan_budget, plan_optimize, plan_paper, plan_require, plan_validate
-from tumble.commands.options import add_subjects
+from tumble.cli.commands import plan_budget, plan_optimize, plan_paper, plan_require, plan_validate
+from tumble.cli.options import add_subjects
 
 # each is a module with add_to(subparsers), as a command is
 _SUBJECTS = (plan_budget, plan_require, plan_optimize, plan_validate, plan_paper)

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 
-from tumble.commands import options
+from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
-from tumble.messages import tell
-
-NOTABLE_MISFIT = 2.0
 
 
 def add_to(subparsers) -> None:
@@ -44,6 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     wishes = _wishes(arguments)
 
     from tumble import core
+    from tumble.cli.output import print_solution, warn
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.run_file import read_run
     from tumble.fixture.stand_doubts import look_for_doubts
@@ -96,35 +93,3 @@ def _wishes(arguments: argparse.Namespace):
         decimal=arguments.decimal,
         unit=None if arguments.unit is None else run_layout.parse_unit(arguments.unit),
     )
-
-
-def warn(solution) -> None:
-    """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
-    from tumble.fixture.stand_doubts import complaint
-    from tumble.stand import noise_unit
-
-    unit = solution.run.unit
-    if solution.stand is not None and noise_unit(unit) != "V":
-        noise = f"noise_v of the stand file, {solution.stand.noise:g}"
-        tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
-    for shift in [] if solution.second_order is None else solution.second_order.shifts:
-        tell(f"tumble: warning: {shift}")
-    if solution.misfit is not None and solution.misfit > NOTABLE_MISFIT:
-        tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
-    doubt = complaint(solution)
-    if doubt is not None:
-        tell(f"tumble: warning: {doubt}; the uncertainties are too small")
-
-
-def print_solution(solution, json_text: str | None, title: str) -> None:
-    """As JSON, or for people: with rich on a terminal. `title`: what was solved."""
-    if json_text is not None:
-        sys.stdout.write(json_text)
-    elif sys.stdout.isatty():
-        from tumble.terminal import show
-
-        show(solution, title)
-    else:
-        from tumble.plain import render
-
-        sys.stdout.write(render(solution, title))

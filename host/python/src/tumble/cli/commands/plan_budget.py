@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.commands.plan_options import add_case_options, add_subject, add_weights_option, read_case, write_json
+from tumble.cli.commands.plan_options import add_case_options, add_subject, add_weights_option, read_case, write_json
 from tumble.errors import EXIT_PASS
 
 

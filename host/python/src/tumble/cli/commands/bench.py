@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 
-from tumble.commands import options
-from tumble.commands.solve import print_solution, warn
+from tumble.cli import options
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -64,6 +63,7 @@ def add_to(subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
     from tumble.bench import board, folder, gains, outcome, realbus, setup
+    from tumble.cli.output import print_solution, warn
 
     bus = realbus.require_bus(arguments.bus)
     if arguments.firmware == board.FIRMWARE and arguments.interactive:

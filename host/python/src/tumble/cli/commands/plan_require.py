@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.commands.options import add_limit, parse_limit
-from tumble.commands.plan_options import (
+from tumble.cli.commands.plan_options import (
     add_case_options,
     add_subject,
     add_weights_option,
@@ -13,6 +12,7 @@ from tumble.commands.plan_options import (
     read_case,
     write_json,
 )
+from tumble.cli.options import add_limit, parse_limit
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 

@@ -7,8 +7,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from tumble import presentation
-from tumble.presentation import BAR_WIDTH, GravityBar
+from tumble.cli import presentation
+from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.solving.solution import Solution
 
 _WIDTH = 80  # a narrower terminal wraps lines, which loses nothing

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from tumble.commands.options import add_firmware, add_json
+from tumble.cli.options import add_firmware, add_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
 
 
