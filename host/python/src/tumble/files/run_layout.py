@@ -9,10 +9,9 @@ import csv
 import re
 from dataclasses import dataclass, field
 
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, quoted
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 
@@ -46,7 +45,7 @@ NO_WISHES = Wishes()
 
 
 @dataclass(frozen=True)
-class Dialect:
+class Layout:
     """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns."""
 
     header_row: int
@@ -57,34 +56,6 @@ class Dialect:
     indices: tuple[int, ...]
     width: int
     unit: str
-
-
-def parse_columns(text: str) -> dict[str, str]:
-    """Read `ux=AccX,uy=AccY`. Raises UsageError."""
-    columns = {}
-    for part in text.split(","):
-        wanted, equals, name = (piece.strip() for piece in part.partition("="))
-        if not equals or wanted not in COLUMNS or not name or wanted in columns:
-            raise UsageError(
-                f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {', '.join(COLUMNS)}, once each"
-            )
-        columns[wanted] = name
-    return columns
-
-
-def parse_delimiter(text: str) -> str:
-    """Read one character, or comma, semicolon, tab. Raises UsageError."""
-    delimiter = DELIMITERS.get(text.lower(), text)
-    if len(delimiter) != 1 or delimiter in '"#\r\n.+-' or delimiter.isalnum():
-        raise UsageError(f"--delimiter: {quoted(text)} is not comma, semicolon, tab or another single sign")
-    return delimiter
-
-
-def parse_unit(text: str) -> str:
-    """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs. Raises UsageError."""
-    if not UNIT.fullmatch(text) or text != text.strip():
-        raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
-    return text
 
 
 def decoded(data: bytes) -> str:
@@ -111,7 +82,7 @@ def split(line: str, delimiter: str) -> list[str]:
     return [name.strip() for name in next(csv.reader((line,), delimiter=delimiter, strict=True), [])]
 
 
-def detect(data: bytes, wishes: Wishes, file: str) -> Dialect:
+def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
     """Find out how a run file is laid out. Raises BadInput."""
     head = data[:_HEAD_BYTES]
     if len(data) > len(head):
@@ -119,7 +90,7 @@ def detect(data: bytes, wishes: Wishes, file: str) -> Dialect:
     return _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
 
 
-def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Dialect | None:
+def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layout | None:
     """From the beginning of a file, or from the whole of it; None if there is no header line in the beginning."""
     lines = decoded(head).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     blanks = comments = 0
@@ -134,7 +105,7 @@ def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Dial
 
 def _from_header(
     row: int, line: str, following: list[str], skipped: tuple[int, int], wishes: Wishes, file: str
-) -> Dialect:
+) -> Layout:
     if any(not (sign.isprintable() or sign == "\t") for sign in line):
         raise BadInput("not a text file", file, row)
     candidates = [wishes.delimiter] if wishes.delimiter else [",", ";", "\t"]
@@ -148,7 +119,7 @@ def _from_header(
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
-        return Dialect(row, *skipped, delimiter, decimal, indices, len(names), unit)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit)
     if _TOML.match(line):
         raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)

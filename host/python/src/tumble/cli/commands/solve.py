@@ -6,7 +6,9 @@ import argparse
 import os
 
 from tumble.cli import options
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+
+_DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
 
 def add_to(subparsers) -> None:
@@ -85,11 +87,43 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _wishes(arguments: argparse.Namespace):
-    from tumble.files import run_layout
+    """What the options say about the layout of the run file. Raises UsageError."""
+    from tumble.files.run_layout import Wishes
 
-    return run_layout.Wishes(
-        columns=run_layout.parse_columns(arguments.columns) if arguments.columns is not None else {},
-        delimiter=None if arguments.delimiter is None else run_layout.parse_delimiter(arguments.delimiter),
+    return Wishes(
+        columns={} if arguments.columns is None else _parse_columns(arguments.columns),
+        delimiter=None if arguments.delimiter is None else _parse_delimiter(arguments.delimiter),
         decimal=arguments.decimal,
-        unit=None if arguments.unit is None else run_layout.parse_unit(arguments.unit),
+        unit=None if arguments.unit is None else _parse_unit(arguments.unit),
     )
+
+
+def _parse_columns(text: str) -> dict[str, str]:
+    """Read `ux=AccX,uy=AccY`."""
+    from tumble.files.run_layout import COLUMNS
+
+    columns = {}
+    for part in text.split(","):
+        wanted, equals, name = (piece.strip() for piece in part.partition("="))
+        if not equals or wanted not in COLUMNS or not name or wanted in columns:
+            known = ", ".join(COLUMNS)
+            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {known}, once each")
+        columns[wanted] = name
+    return columns
+
+
+def _parse_delimiter(text: str) -> str:
+    """Read one character, or comma, semicolon, tab."""
+    delimiter = _DELIMITERS.get(text.lower(), text)
+    if len(delimiter) != 1 or delimiter in '"#\r\n.+-' or delimiter.isalnum():
+        raise UsageError(f"--delimiter: {quoted(text)} is not comma, semicolon, tab or another single sign")
+    return delimiter
+
+
+def _parse_unit(text: str) -> str:
+    """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
+    from tumble.files.run_layout import UNIT
+
+    if not UNIT.fullmatch(text) or text != text.strip():
+        raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
+    return text
