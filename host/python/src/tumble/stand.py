@@ -7,9 +7,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tumble.estimators import OPTIMAL
+
 INDEPENDENT = "independent"
 COMMON = "common"
-OPTIMAL = "optimal"  # the one estimator that needs a stand
 
 _SIGMAS_PER_LIMIT = {"sigma1": 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)

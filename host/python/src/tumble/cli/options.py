@@ -7,10 +7,8 @@ import math
 import re
 
 from tumble.errors import UsageError, quoted
+from tumble.estimators import ESTIMATORS
 
-OPTIMAL = "optimal"
-LINEAR_ESTIMATORS = ("averaged", "refined", "least_squares")  # that need no stand
-ESTIMATORS = (*LINEAR_ESTIMATORS, OPTIMAL)
 FIRMWARES = ("host", "zcu102")
 DEFAULT_LIMIT_G = 3e-4
 LARGEST_SEED = 2**64 - 1

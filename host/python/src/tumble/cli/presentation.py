@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.estimators import PAPER
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
@@ -20,7 +21,6 @@ _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 HINT = "For uncertainties, describe the stand: --stand FILE"
 BAR_WIDTH = 36
-PAPER_ESTIMATORS = ("averaged", "refined")
 _UNKNOWN = "unknown"
 
 
@@ -133,7 +133,7 @@ def remarks(solution: Solution) -> list[str]:
         for mounting, difference in solution.found.closure.items()
     ]
     if solution.found.residual_rms is not None:
-        yaw = " (yaw included)" if solution.found.estimator in PAPER_ESTIMATORS else ""
+        yaw = " (yaw included)" if solution.found.estimator in PAPER else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
     return lines + _stand_remarks(solution)
 

@@ -8,7 +8,6 @@ names below are what most need: schedules, the linear estimators, the check of a
 from tumble.core.binding import (
     AXES,
     ESTIMATORS,
-    LINEAR_ESTIMATORS,
     MAX_MEAN,
     MAX_MOUNTINGS,
     MAX_POSITIONS,
@@ -32,7 +31,6 @@ from tumble.core.binding import (
 __all__ = [
     "AXES",
     "ESTIMATORS",
-    "LINEAR_ESTIMATORS",
     "MAX_MEAN",
     "MAX_MOUNTINGS",
     "MAX_POSITIONS",

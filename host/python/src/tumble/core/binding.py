@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble.estimators import LINEAR
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
@@ -21,12 +22,8 @@ MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"
 
-LINEAR_ESTIMATORS = {
-    "averaged": lib.tumble_estimate_averaged,
-    "refined": lib.tumble_estimate_refined,
-    "least_squares": lib.tumble_estimate_least_squares,
-}
-ESTIMATORS = tuple(LINEAR_ESTIMATORS)
+LINEAR_ESTIMATORS = {name: getattr(lib, f"tumble_estimate_{name}") for name in LINEAR}
+ESTIMATORS = LINEAR
 
 
 class CoreRefusal(Exception):

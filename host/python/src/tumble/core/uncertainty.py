@@ -6,13 +6,10 @@ import numpy as np
 from _tumble_core import ffi, lib
 
 from tumble.core.binding import CoreSchedule, pack, require_estimable, require_ok, unpack
+from tumble.estimators import LINEAR
 from tumble.stand import COMMON, Stand
 
-_OF = {
-    "averaged": lib.tumble_uncertainty_averaged,
-    "refined": lib.tumble_uncertainty_refined,
-    "least_squares": lib.tumble_uncertainty_least_squares,
-}
+_OF = {name: getattr(lib, f"tumble_uncertainty_{name}") for name in LINEAR}
 
 
 class _JudgedRun:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
+from tumble.estimators import PAPER
 from tumble.files.toml import Table, read_toml
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
-from tumble.stand import OPTIMAL
 
 _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0
@@ -39,7 +39,7 @@ def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
 
 def require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:
     """Raise BadInput where the schedule of a file lacks positions that an estimator needs."""
-    if estimator in ("least_squares", OPTIMAL):
+    if estimator not in PAPER:
         return
     try:
         schedule.harmonic()

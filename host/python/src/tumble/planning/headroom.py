@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.errors import UsageError
+from tumble.estimators import ESTIMATORS
 from tumble.planning import weights
 from tumble.planning.budget import sizes as declared_sizes
 from tumble.planning.case import Case
 from tumble.planning.published import SOURCES
 from tumble.planning.require import CEILING_RAD, sign_patterns, stand_of, weights_by_pattern, with_noise_row
-from tumble.solving.gains import ESTIMATORS
 
 _STEPS = 50
 _NOISE = SOURCES.index("noise")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tumble.estimators import OPTIMAL
 from tumble.planning.case import SCHEMA, Case
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import (
@@ -17,7 +18,7 @@ from tumble.solving.gains import (
     paper_slots,
     standard_deviations,
 )
-from tumble.stand import OPTIMAL, SecondOrder
+from tumble.stand import SecondOrder
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ import numpy as np
 from tumble import core
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
+from tumble.estimators import LINEAR
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
 from tumble.solving import optimal_run
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import (
-    LINEAR,
     gains,
     linearise,
     mean_sigma,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import core
+from tumble.estimators import OPTIMAL
 from tumble.solving import optimal_run
-from tumble.stand import OPTIMAL
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,12 @@ import numpy as np
 
 from tumble import reference
 from tumble.errors import UsageError
+from tumble.estimators import OPTIMAL, PAPER
 from tumble.reference.estimators import fit_indices, paper_slots, unidentified
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, OPTIMAL, Stand
+from tumble.stand import COMMON, Stand
 
 COEFFICIENTS = tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz") + tuple(f"U0_{i}" for i in "xyz")
-LINEAR = ("averaged", "refined", "least_squares")
-ESTIMATORS = (*LINEAR, OPTIMAL)
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 _LARGEST_SIGMA = 1e100
 _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
@@ -69,13 +68,13 @@ class OptimalTable:
 
 
 def gains(schedule: Schedule, estimator: str, k: np.ndarray, stand: Stand, step: float = 0.0) -> np.ndarray:
-    """Gains (12, 3P) of one of ESTIMATORS; `k`, `stand` and `step` (see `optimal_table`) matter to optimal alone."""
+    """Gains (12, 3P) of an estimator; `k`, `stand` and `step` (see `optimal_table`) matter to optimal alone."""
     return optimal_table(schedule, k, stand, step).gains if estimator == OPTIMAL else linear_gains(schedule, estimator)
 
 
 def linear_gains(schedule: Schedule, estimator: str) -> np.ndarray:
-    """Gains (12, 3P) of one of LINEAR. Raises UsageError where the schedule does not allow that estimator."""
-    if estimator != "least_squares" and paper_slots(schedule) is None:
+    """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
+    if estimator in PAPER and paper_slots(schedule) is None:
         raise UsageError(f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule")
     _require_rank(schedule)
     positions = len(schedule.positions)

@@ -9,13 +9,14 @@ import numpy as np
 from tumble import core, reference
 from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
+from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
 from tumble.schedule import Schedule
 from tumble.solving import optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.solving.stand_seen import StandSeen, look
-from tumble.stand import OPTIMAL, SecondOrder, Stand, volts_per
+from tumble.stand import SecondOrder, Stand, volts_per
 
 
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused

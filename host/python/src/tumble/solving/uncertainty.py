@@ -8,9 +8,10 @@ import numpy as np
 
 from tumble import core
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
+from tumble.estimators import OPTIMAL
 from tumble.solving import optimal_run
 from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
-from tumble.stand import OPTIMAL, Stand
+from tumble.stand import Stand
 
 
 def standard_uncertainties(

@@ -16,6 +16,7 @@ from tumble.errors import (
     file_name,
     quoted,
 )
+from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
 
 # This machine may hold user-mode Linux up for half a second: no fault of the stand.
@@ -73,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     given = _read_files(arguments)
     wanted, stand_file = _read_setup(arguments, given)
     scenario = setup.scenario_text(wanted)
-    gain_record = gains.record(wanted) if wanted.estimator == options.OPTIMAL else None
+    gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
     path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
     with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
         scenario_path = made.add_inputs(given, scenario, gain_record)
@@ -169,7 +170,7 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
     from tumble.bench import board, folder, outcome, program, realbus
 
     words = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
-    if wanted.estimator == options.OPTIMAL:
+    if wanted.estimator == OPTIMAL:
         words += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
     with _progress(wanted.schedule.data, arguments.interactive) as progress:
         if arguments.bus == realbus.INPROCESS:

@@ -6,8 +6,9 @@ import argparse
 from contextlib import contextmanager
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
-from tumble.cli.options import ESTIMATORS, add_seed, parse_seed, parse_whole
+from tumble.cli.options import add_seed, parse_seed, parse_whole
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.estimators import ESTIMATORS
 from tumble.messages import on_terminal
 
 DEFAULT_RUNS = 20_000

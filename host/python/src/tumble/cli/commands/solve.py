@@ -7,6 +7,7 @@ import os
 
 from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.estimators import OPTIMAL
 
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
@@ -37,7 +38,7 @@ def add_to(subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Solve and print. Returns the exit code; raises TumbleError."""
     limit_g = options.parse_limit(arguments.limit)
-    if arguments.estimator == options.OPTIMAL and arguments.stand is None:
+    if arguments.estimator == OPTIMAL and arguments.stand is None:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     wishes = _wishes(arguments)
 
