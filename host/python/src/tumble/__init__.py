@@ -10,8 +10,8 @@ Public are `tumble.__version__`, `tumble.canbus.TumbleBus` (the simulated bus fo
     bench, store        simulated stands and real buses; the memory of a navigation computer
     cli                 the command line
 
-Beside them is what all share: plain data (schedule, stand), errors, messages, interruption. tools/rooms.py checks which
-room knows which.
+Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.
+tools/rooms.py checks which room knows which.
 """
 
 from tumble._version import __version__ as __version__

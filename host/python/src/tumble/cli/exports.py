@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from tumble.solving.result import per_g
+from tumble.units import per_g
 
 _C_HEADER = """\
 /* Coefficients of a three-axis block of accelerometers: U = U0 + K a

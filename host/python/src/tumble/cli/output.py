@@ -1,4 +1,4 @@
-"""What a command says of a solution: warnings on stderr; the solution as JSON, on a terminal, or as plain ASCII text."""
+"""What a command says of a solution: warnings on stderr, and the solution as JSON, on a terminal, or as plain ASCII."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.fixture.stand_doubts import complaint
 from tumble.messages import tell
 from tumble.solving.solution import Solution
-from tumble.stand import noise_unit
+from tumble.units import noise_unit
 
 _NOTABLE_MISFIT = 2.0
 

@@ -12,10 +12,9 @@ from tumble.estimators import PAPER
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
-from tumble.solving.result import per_g
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES
-from tumble.stand import noise_unit, volts_per
+from tumble.units import noise_unit, per_g, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")

@@ -6,5 +6,6 @@ For every room from here up. A complaint is one line with file, row and column (
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
     toml           TOML with every key and every value checked, for files of other kinds too
+    documents      JSON, and results read back
     disk           bytes of a file; files written as a whole or not at all
 """

@@ -10,10 +10,10 @@ import re
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
+from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 
 _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200

@@ -17,9 +17,9 @@ _LARGEST_ANGLE_DEG = 3600.0
 _LARGEST_TILT_DEG = 89.0
 
 
-def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
-    """Read a schedule file that identifies all coefficients; `data`: what is in it, if that has been read. Raises
-    BadInput with file, row and table."""
+def read_schedule(file: str, data: bytes | None = None, estimator: str | None = None) -> CoreSchedule:
+    """Read a schedule file that identifies all coefficients and has what an `estimator` needs, if one is named. `data`:
+    what is in it, if that has been read. Raises BadInput with file, row and table."""
     top = read_toml(file, data)
     if "stand" in top.keys:
         raise BadInput("is a stand file (--stand), not a schedule file", file)
@@ -34,13 +34,12 @@ def read_schedule(file: str, data: bytes | None = None) -> CoreSchedule:
         core_schedule.identify()
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
+    if estimator in PAPER:
+        _require_positions(core_schedule, estimator, file)
     return core_schedule
 
 
-def require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:
-    """Raise BadInput where the schedule of a file lacks positions that an estimator needs."""
-    if estimator not in PAPER:
-        return
+def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:
     try:
         schedule.harmonic()
     except CoreRefusal:

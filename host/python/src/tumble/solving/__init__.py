@@ -8,5 +8,5 @@ The core computes, the numpy witness confirms, and only then is there a solution
     uncertainty  the standard uncertainties that a result states
     stand_seen   the stand's errors as the run shows them
     crosscheck   core against witness; a disagreement gives no result
-    result       the JSON document of schema tumble.result/1
+    result       the document that is written of a solution, schema tumble.result/1
 """

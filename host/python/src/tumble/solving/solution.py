@@ -16,7 +16,8 @@ from tumble.solving import optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.solving.stand_seen import StandSeen, look
-from tumble.stand import SecondOrder, Stand, volts_per
+from tumble.stand import SecondOrder, Stand
+from tumble.units import volts_per
 
 
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused

@@ -156,13 +156,11 @@ def _parse_budget(text: str | None) -> float:
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
     from tumble.core import CoreSchedule, paper_schedule
-    from tumble.files.schedule_file import read_schedule, require_positions
+    from tumble.files.schedule_file import read_schedule
 
     if arguments.schedule is None:
         return CoreSchedule(paper_schedule())
-    schedule = read_schedule(arguments.schedule, given[arguments.schedule])
-    require_positions(schedule, arguments.estimator, arguments.schedule)
-    return schedule
+    return read_schedule(arguments.schedule, given[arguments.schedule], arguments.estimator)
 
 
 def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
@@ -216,10 +214,11 @@ def _progress(schedule, interactive: bool):
 
 
 def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) -> str:
+    from tumble.files.documents import to_json
     from tumble.solving import result
 
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if wanted.block is None else wanted.block.get("serial")
     document = result.document(solution, item, environment, serial, "run.csv")
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
-    return result.to_json({**document, **origin, "truth": result.truth(solution.truth)})
+    return to_json({**document, **origin, "truth": result.truth(solution.truth)})

@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
     from tumble.cli.exports import to_c, to_csv, warnings
     from tumble.files.disk import refuse_overwriting, write_text
-    from tumble.solving.result import read_coefficients
+    from tumble.files.documents import read_coefficients
 
     refuse_overwriting(arguments.out, arguments.result)
     result = read_coefficients(arguments.result)

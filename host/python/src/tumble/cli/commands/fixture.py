@@ -61,16 +61,16 @@ def check(arguments: argparse.Namespace) -> int:
     _refuse_repetition(arguments.runs)
 
     from tumble.core import CoreSchedule, paper_schedule
-    from tumble.files.schedule_file import read_schedule, require_positions
+    from tumble.files.documents import to_json
+    from tumble.files.schedule_file import read_schedule
     from tumble.files.stand_file import read_stand
     from tumble.fixture import report
     from tumble.fixture.judge import Judge, Limits
-    from tumble.solving import result
 
     stand_file = read_stand(arguments.stand)
-    schedule = None if arguments.schedule is None else read_schedule(arguments.schedule)
-    if schedule is not None:
-        require_positions(schedule, arguments.estimator, arguments.schedule)
+    schedule = None
+    if arguments.schedule is not None:
+        schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
     limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
     views = _views(arguments, stand_file, schedule, limit_g)
     mountings = len((schedule or CoreSchedule(paper_schedule())).data.fitted_mountings)
@@ -89,7 +89,7 @@ def check(arguments: argparse.Namespace) -> int:
         levelled="once" if once else "anew",
         combined=combined,
     )
-    text = result.to_json(report.document(outcome)) if arguments.json else report.render(outcome)
+    text = to_json(report.document(outcome)) if arguments.json else report.render(outcome)
     sys.stdout.write(text)
     return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
 

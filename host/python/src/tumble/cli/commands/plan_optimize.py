@@ -87,8 +87,8 @@ def _kind(out: str | None) -> str | None:
 
 
 def _content(kind: str, found, document: dict) -> bytes:
+    from tumble.files.documents import to_json
     from tumble.solving import gain_record
-    from tumble.solving.result import to_json
 
     if kind == ".bin":
         return gain_record.to_bytes(found.record)
@@ -101,8 +101,8 @@ def _last_known_k(file: str):
     import numpy as np
 
     from tumble.errors import BadInput
-    from tumble.solving.result import read_coefficients
-    from tumble.stand import noise_unit, volts_per
+    from tumble.files.documents import read_coefficients
+    from tumble.units import noise_unit, volts_per
 
     result = read_coefficients(file)
     if noise_unit(result["unit"]) != "V":

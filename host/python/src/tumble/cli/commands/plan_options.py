@@ -49,12 +49,11 @@ def read_case(arguments: argparse.Namespace):
 
         stand_file = read_stand(arguments.stand)
     if arguments.schedule is not None:
-        from tumble.files.schedule_file import read_schedule, require_positions
+        from tumble.files.schedule_file import read_schedule
 
-        read = read_schedule(arguments.schedule)
-        if getattr(arguments, "weights", DERIVED) == DERIVED and getattr(arguments, "estimator", None) is not None:
-            require_positions(read, arguments.estimator, arguments.schedule)
-        schedule = read.data
+        derived = getattr(arguments, "weights", DERIVED) == DERIVED
+        estimator = getattr(arguments, "estimator", None) if derived else None
+        schedule = read_schedule(arguments.schedule, estimator=estimator).data
     return Case.of(stand_file, arguments.stand, schedule)
 
 
@@ -70,6 +69,6 @@ def write_json(document: dict) -> None:
     """Print a plan as JSON."""
     import sys
 
-    from tumble.solving.result import to_json
+    from tumble.files.documents import to_json
 
     sys.stdout.write(to_json(document))

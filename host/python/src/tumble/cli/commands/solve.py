@@ -45,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble import core
     from tumble.cli.output import print_solution, warn
     from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.files.documents import to_json
     from tumble.files.run_file import read_run
     from tumble.fixture.stand_doubts import look_for_doubts
     from tumble.solving import result
@@ -58,10 +59,9 @@ def run(arguments: argparse.Namespace) -> int:
         stand_file = read_stand(arguments.stand)
         limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g
     if arguments.schedule is not None:
-        from tumble.files.schedule_file import read_schedule, require_positions
+        from tumble.files.schedule_file import read_schedule
 
-        schedule = read_schedule(arguments.schedule)
-        require_positions(schedule, arguments.estimator, arguments.schedule)
+        schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
     recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
     solution = solve(
         recorded,
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
         name = os.path.basename(arguments.run)
-        text = result.to_json(result.document(solution, item, environment, serial, name))
+        text = to_json(result.document(solution, item, environment, serial, name))
     if arguments.out is not None:
         write_text(arguments.out, text)
     warn(solution)
@@ -123,7 +123,7 @@ def _parse_delimiter(text: str) -> str:
 
 def _parse_unit(text: str) -> str:
     """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
-    from tumble.files.run_layout import UNIT
+    from tumble.units import UNIT
 
     if not UNIT.fullmatch(text) or text != text.strip():
         raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
