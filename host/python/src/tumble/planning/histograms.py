@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from tumble.estimators import COEFFICIENTS
 from tumble.planning.validate import HISTOGRAM, Validated
-from tumble.solving.gains import COEFFICIENTS
 
 _CELL = (150, 84)
 _PLOT = (134, 58)

@@ -7,17 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from tumble.estimators import OPTIMAL
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
 from tumble.solving.gain_record import Record, record_of
-from tumble.solving.gains import (
-    COEFFICIENTS,
-    OptimalTable,
-    linear_gains,
-    optimal_table,
-    paper_slots,
-    standard_deviations,
-)
+from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, paper_slots, standard_deviations
 from tumble.stand import SecondOrder
 
 

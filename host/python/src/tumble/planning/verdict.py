@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.estimators import OPTIMAL
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
-from tumble.solving.gains import COEFFICIENTS
 
 CHANCE_SIGMAS = 4.0  # room for chance; about 300 figures are judged, and 1 in 16,000 lies further out
 LARGEST_BIAS_U = 0.2

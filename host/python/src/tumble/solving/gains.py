@@ -27,7 +27,6 @@ from tumble.reference.estimators import fit_indices, paper_slots, unidentified
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand
 
-COEFFICIENTS = tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz") + tuple(f"U0_{i}" for i in "xyz")
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 _LARGEST_SIGMA = 1e100
 _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused

@@ -10,6 +10,7 @@ import argparse
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.errors import EXIT_PASS, UsageError, quoted
+from tumble.estimators import COEFFICIENTS
 
 
 def add_to(subparsers) -> None:
@@ -57,7 +58,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(found) -> None:
     from tumble.planning import tables
-    from tumble.solving.gains import COEFFICIENTS
 
     out, record = tables.console(), found.record
     other = "least_squares" if found.u_refined is None else "refined"

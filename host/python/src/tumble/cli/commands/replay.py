@@ -7,6 +7,7 @@ import sys
 
 from tumble.cli.options import add_firmware, add_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
+from tumble.estimators import COEFFICIENTS
 
 
 def add_to(subparsers) -> None:
@@ -53,8 +54,7 @@ def _print(document) -> None:
     counters = document["counters"]
     print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
     print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
-    names = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
     numbers = [*sum(document["K"], []), *document["U0"]]
-    for name, number, bits in zip(names, numbers, document["bits"], strict=True):
+    for name, number, bits in zip(COEFFICIENTS, numbers, document["bits"], strict=True):
         print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
     sys.stdout.flush()

@@ -63,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
     recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
+    step_v = 0.0 if stand_file is None else stand_file.step_v
     solution = solve(
         recorded,
         schedule,
@@ -70,9 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
         options.DEFAULT_LIMIT_G if limit_g is None else limit_g,
         None if stand_file is None else stand_file.stand,
         arguments.run,
-        0.0 if stand_file is None else stand_file.step_v,
+        step_v,
     )
-    step_v = 0.0 if stand_file is None else stand_file.step_v
     solution = look_for_doubts(solution, schedule or core.CoreSchedule(core.paper_schedule()), step_v)
     text = None
     if arguments.json or arguments.out is not None:
