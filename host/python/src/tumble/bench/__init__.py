@@ -6,7 +6,7 @@ what it found comes back, is confirmed by numpy, and becomes a result. For the c
     outcome, folder   what it found, confirmed; the run folder
     realbus, board    the same on a CAN interface in real time, by the firmware here or on the emulated board
     replay, emulator  a recorded bus log through the firmware again; the emulator of the board
-    uml, inside       user-mode Linux, where the kernel of this machine has no CAN
+    uml, uml_command  user-mode Linux, where the kernel of this machine has no CAN
     programs          where the project's programs are
     console           a program of its own, run by its path inside user-mode Linux
 """

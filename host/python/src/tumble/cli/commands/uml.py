@@ -23,7 +23,7 @@ def add_to(subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run it. Returns its exit code; raises TumbleError."""
-    from tumble.bench import inside
+    from tumble.bench import uml_command
 
     words = arguments.words
-    return inside.run(words[1:] if words[:1] == ["--"] else words)
+    return uml_command.run(words[1:] if words[:1] == ["--"] else words)
