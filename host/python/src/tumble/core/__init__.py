@@ -7,7 +7,6 @@ names below are what most need: schedules, the linear estimators, the check of a
 
 from tumble.core.binding import (
     AXES,
-    ESTIMATORS,
     MAX_MEAN,
     MAX_MOUNTINGS,
     MAX_POSITIONS,
@@ -30,7 +29,6 @@ from tumble.core.binding import (
 
 __all__ = [
     "AXES",
-    "ESTIMATORS",
     "MAX_MEAN",
     "MAX_MOUNTINGS",
     "MAX_POSITIONS",

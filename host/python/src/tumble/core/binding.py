@@ -23,7 +23,6 @@ MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"
 
 LINEAR_ESTIMATORS = {name: getattr(lib, f"tumble_estimate_{name}") for name in LINEAR}
-ESTIMATORS = LINEAR
 
 
 class CoreRefusal(Exception):
@@ -227,7 +226,7 @@ def unpack(struct) -> tuple[np.ndarray, np.ndarray]:
 def estimate(
     schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None = None, estimator: str = "refined"
 ) -> tuple[np.ndarray, np.ndarray]:
-    """K and U0 by one of ESTIMATORS. Raises CoreRefusal(missing=..., unidentified=...)."""
+    """K and U0 by one of estimators.LINEAR. Raises CoreRefusal(missing=..., unidentified=...)."""
     coefficients, refusal = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_refusal_t *")
     status = LINEAR_ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
     require_estimable(schedule, status, refusal)

@@ -67,7 +67,7 @@ def optimal(
 
 def estimate_runs(schedule: CoreSchedule, means: np.ndarray, estimator: str) -> np.ndarray:
     """Coefficients (runs, 12), K row by row, then U0, of means (runs, positions, 3), all measured, by one of
-    core.ESTIMATORS. Raises CoreRefusal(run=index) at the first run refused."""
+    estimators.LINEAR. Raises CoreRefusal(run=index) at the first run refused."""
     means, found, where = _arrays(schedule, means)
     pointers = ffi.from_buffer("double[]", means), ffi.from_buffer("double[]", found)
     status = lib.batch_estimate(LINEAR_ESTIMATORS[estimator], schedule.struct, len(means), *pointers, where)
