@@ -4,6 +4,7 @@
     rooms.py [ROOT]     prints file:line: what is wrong; exit 1 if anything is, 2 if ROOT holds no firmware
 """
 import ast
+import functools
 import re
 import sys
 from pathlib import Path
@@ -28,6 +29,23 @@ PROGRAMS = {
     "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),
     "boards/linux": (FIRMWARE | {"bench", "nv"}, []),
 }
+# A room of the Python package and the rooms that its modules may import. All may import the modules beside the rooms
+# (plain data, errors), which import none; the door is the package's own __init__.py.
+PACKAGE = "host/python/src/tumble"
+BESIDE, DOOR = "(beside the rooms)", "(the door)"
+MAY_IMPORT = {
+    BESIDE: set(),
+    "core": set(),
+    "reference": set(),  # the witness: never of the core, or their agreement means nothing
+    "files": {"core"},
+    "store": {"files"},
+    "solving": {"core", "reference", "files"},
+    "fixture": {"core", "reference", "solving"},
+    "planning": {"core", "reference", "files", "solving"},
+    "bench": {"core", "reference", "files", "solving", "fixture"},
+    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "bench", DOOR},
+    DOOR: {"core", "reference", "files", "solving", "fixture", "planning"},
+}
 SYSTEM_HEADERS = {"assert.h", "float.h", "limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 SQUARE_ROOT = "firmware/core/arith.h"  # the one file that may include <math.h>, for sqrt
 OWN_ROOT = "boards/mps2_an386/root.c"  # a board's own instead of the library's
@@ -38,6 +56,8 @@ MATH = ("sin cos tan asin acos atan atan2 sinh cosh tanh exp exp2 expm1 log log2
         "ceil round trunc rint lround fmod remainder fma fmin fmax ldexp frexp isnan isinf isfinite")
 FORBIDDEN = {**dict.fromkeys(HEAP_AND_IO.split(), "heap, libc I/O and exits are forbidden in firmware"),
              **dict.fromkeys(MATH.split(), "of <math.h> firmware may use sqrt alone: libraries differ in the last bit")}
+
+DYNAMIC = {"__import__", "import_module"}
 
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 80
@@ -55,8 +75,10 @@ def main(arguments):
         return 2
     sources = list(find_sources(root))
     programs = [path for folder in PROGRAMS for path in sorted((root / folder).glob("*.[ch]"))]
+    modules = sorted((root / PACKAGE).rglob("*.py"))
     violations = [f"{path.relative_to(root)}:{line}: {what}"
-                  for check, paths in ((check_firmware, firmware), (check_program, programs), (check_size, sources))
+                  for check, paths in ((check_firmware, firmware), (check_program, programs), (check_module, modules),
+                                      (check_circle, modules), (check_size, sources))
                   for path in paths for line, what in check(root, path)]
     print("\n".join(violations) or f"rooms: {len(firmware)} firmware files, {len(sources)} sources, no violations")
     return 1 if violations else 0
@@ -116,6 +138,82 @@ def check_program(root, path):
                 yield number, f"{location} may not know {room[0]}; it may know: {', '.join(sorted(rooms))}"
             elif not room and not any((root / folder / name).is_file() for folder in [location, *folders]):
                 yield number, f'"{name}" is neither beside the file nor in {", ".join(folders) or "another folder"}'
+
+
+def check_module(root, path):
+    """Yield (line, violation) for the imports of one module of the Python package, wherever in it they stand."""
+    room = python_room(root, path)
+    if room not in MAY_IMPORT:
+        yield 1, f"no such room: {room}; rooms and what they may know stand in tools/rooms.py"
+        return
+    for line, other in python_imports(root, path):
+        known = MAY_IMPORT[room]
+        if other is None:
+            yield line, "only a plain absolute import can be checked"
+        elif (its := python_room(root, other)) not in known | {room, BESIDE}:
+            yield line, f"{room} may not know {its}; it may know: {', '.join(sorted(known)) or 'no other room'}"
+
+
+def check_circle(root, path):
+    """Yield (line, violation) if a module needs itself. Of a circle its first module is told of."""
+    ways, queue = {}, [(path, [])]
+    while queue:
+        module, way = queue.pop(0)
+        for line, other in python_imports(root, module):
+            if other is not None and other not in ways:
+                ways[other] = [*way, (line, other)]
+                queue.append((other, ways[other]))
+    circle = ways.get(path, [])
+    if circle and path == min(module for _, module in circle):
+        names = [module.relative_to(root / PACKAGE).as_posix() for module in (path, *(one for _, one in circle))]
+        yield circle[0][0], f"a circle: {' -> '.join(names)}"
+
+
+def python_room(root, path):
+    """The room of a module: a folder of the package, or what stands beside them. Who starts the program is of cli."""
+    parts = path.relative_to(root / PACKAGE).parts
+    if len(parts) > 1:
+        return parts[0]
+    return {"__init__.py": DOOR, "__main__.py": "cli"}.get(parts[0], BESIDE)
+
+
+@functools.cache
+def python_imports(root, path):
+    """[(line, file)] of the package's modules that a module imports; None: one that is not plain. The extension is the
+    core's."""
+    found = []
+    if not path.is_file():  # the extension module
+        return found
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{alias.name}" if node.level == 0 else "" for alias in node.names]
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) in DYNAMIC:
+            names = [""]
+        else:
+            continue
+        found += [(node.lineno, module_file(root, name)) for name in names if is_own(name)]
+    return found
+
+
+def is_own(name):
+    return name.partition(".")[0] in ("", "tumble", "_tumble_core")
+
+
+def module_file(root, name):
+    """The file of a module, or of the one that holds the name; None for an import that is not plain."""
+    if not name:
+        return None
+    if name.startswith("_"):
+        return root / PACKAGE / "core" / "_tumble_core"
+    parts = name.split(".")[1:]
+    for length in range(len(parts), 0, -1):
+        module = (root / PACKAGE).joinpath(*parts[:length])
+        for file in (module.with_suffix(".py"), module / "__init__.py"):
+            if file.is_file():
+                return file
+    return root / PACKAGE / "__init__.py"
 
 
 def without_comments(text):

@@ -21,7 +21,7 @@ import numpy as np
 from tumble import core, reference
 from tumble.bench import program
 from tumble.bench.setup import Setup, scenario_text
-from tumble.standfile import StandFile, read_stand
+from tumble.files.stand_file import StandFile, read_stand
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STANDS = ("paper_stand", "angle_stand", "lab_stand")

@@ -24,9 +24,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tumble import core, core_optimal, core_uncertainty
-from tumble.planning import gains, record
+from tumble import core
+from tumble.core import optimal as core_optimal, uncertainty
 from tumble.reference import Geometry
+from tumble.solving import gains, gain_record
 from tumble.stand import PAPER_STAND
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -204,10 +205,10 @@ def write_data(path):
     k = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
     errors = {"alpha1": 2e-5, "alpha2": -2e-5, "alpha3": [4e-4, -4e-4], "delta": 4e-5 * rng.normal(size=18)}
     means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(size=(18, 3))
-    written = record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
+    written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
     sigmas = ", ".join(PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise"))
     path.write_text(
-        record.to_c_header(written)
+        gain_record.to_c_header(written)
         + f"""#include "data.h"
 const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
@@ -217,14 +218,14 @@ const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samp
 const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
 """
     )
-    data = record.to_bytes(written)
+    data = gain_record.to_bytes(written)
     optimal = core_optimal.optimal(data, schedule, means)
     found = {name: core.estimate(schedule, means, None, name) for name in ("refined", "least_squares")}
     found |= {"linear": core.estimate_gains(schedule, written.gains, means), "optimal": (optimal.k, optimal.u0)}
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
-        found[f"u {name}"] = core_uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
-    found["u optimal"] = core_uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
+        found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+    found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
 
 

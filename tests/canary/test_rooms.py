@@ -2,6 +2,7 @@
 import pytest
 from conftest import run
 
+PACKAGE = "host/python/src/tumble"
 CLEAN = {
     "firmware/core/status.h": "int status;\n",
     "firmware/core/arith.h": "#include <math.h>\nstatic double root(double x) { return sqrt(x); }\n",
@@ -15,6 +16,16 @@ CLEAN = {
     "boards/linux/can.h": "int can;\n",
     "host/gateway/poll.c": '#include "can.h"\n#include "canopen/node.h"\n',
     "tools/demo.py": "def short():\n" + "    pass\n" * 79,
+    f"{PACKAGE}/__init__.py": "from tumble._version import __version__\n",
+    f"{PACKAGE}/_version.py": '__version__ = "1"\n',
+    f"{PACKAGE}/__main__.py": "from tumble.cli.main import main\n",
+    f"{PACKAGE}/errors.py": "import sys\n",
+    f"{PACKAGE}/core/__init__.py": "from tumble.core.binding import estimate\n",
+    f"{PACKAGE}/core/binding.py": "from _tumble_core import lib\nfrom tumble import errors\n",
+    f"{PACKAGE}/reference/__init__.py": "import numpy\n",
+    f"{PACKAGE}/solving/solution.py": "from tumble import core, reference\nfrom tumble.solving.result import write\n",
+    f"{PACKAGE}/solving/result.py": "def write():\n    from tumble import errors\n",
+    f"{PACKAGE}/cli/main.py": "from tumble import __version__\nimport tumble.solving.result\n",
     "firmware/core/long.c": "int f(void)\n{\n" + "    g;\n" * 78 + "}\n",
 }
 LONG_FUNCTION_C = "int f(void)\n{\n" + "    if (x) {\n    }\n" * 40 + "}\n"
@@ -35,6 +46,19 @@ DEFECTS = {
     "print": ("firmware/core/means.c", "int a = printf(text);\n", "1: printf: heap, libc I/O"),
     "sine": ("firmware/core/arith.h", "double b = sin(a);\n", "1: sin: of <math.h> firmware may use sqrt alone"),
     "square root": ("firmware/core/means.c", "double b = sqrt(a);\n", "1: sqrt: the square root is wrapped in"),
+    "a witness of the core": (f"{PACKAGE}/reference/a.py", "import os\nfrom tumble.core import estimate\n",
+                              "2: reference may not know core; it may know: no other room"),
+    "a witness of the extension": (f"{PACKAGE}/reference/a.py", "def f():\n    import _tumble_core\n",
+                                   "2: reference may not know core"),
+    "a room upwards": (f"{PACKAGE}/core/a.py", "import tumble.cli.main\n", "1: core may not know cli"),
+    "a room in a function": (f"{PACKAGE}/schedule.py", "def f():\n    from tumble.core.binding import lib\n",
+                             "2: (beside the rooms) may not know core"),
+    "the package's own door": (f"{PACKAGE}/solving/a.py", "import tumble\n", "1: solving may not know (the door)"),
+    "an import by name": (f"{PACKAGE}/reference/a.py", "f = __import__(name)\n", "1: only a plain absolute import"),
+    "a relative import": (f"{PACKAGE}/solving/a.py", "from .result import write\n", "1: only a plain absolute import"),
+    "an unknown Python room": (f"{PACKAGE}/attic/a.py", "import os\n", "1: no such room: attic"),
+    "a circle": (f"{PACKAGE}/solving/result.py", "def write():\n    from tumble.solving.solution import solve\n",
+                 "2: a circle: solving/result.py -> solving/solution.py -> solving/result.py"),
     "long file": ("firmware/core/means.c", "int a;\n" * 401, "1: 401 lines; a file may have 400"),
     "long C function": ("firmware/core/means.c", LONG_FUNCTION_C, "2: function of 82 lines"),
     "long Python function": ("tools/demo.py", "def f():\n" + "    pass\n" * 80, "1: function of 81 lines"),
@@ -50,7 +74,7 @@ def plant(root, files):
 
 def test_accepts_a_clean_tree(tmp_path):
     result = plant(tmp_path, CLEAN)
-    assert (result.returncode, result.stdout) == (0, "rooms: 9 firmware files, 12 sources, no violations\n")
+    assert (result.returncode, result.stdout) == (0, "rooms: 9 firmware files, 22 sources, no violations\n")
 
 
 @pytest.mark.parametrize("name", DEFECTS)

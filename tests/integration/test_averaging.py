@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tumble.core import CoreRefusal
-from tumble.core_averaging import MAX_DEVIATION_COUNTS, MAX_SAMPLES, Averaging, AveragingConfig
+from tumble.core.averaging import MAX_DEVIATION_COUNTS, MAX_SAMPLES, Averaging, AveragingConfig
 
 LARGEST = 2**31 - 1
 

@@ -18,8 +18,8 @@ from test_terminal import on_terminal, without_styles
 from tumble.bench import program
 from tumble.bench.progress import mounting_text
 from tumble.core import paper_schedule
+from tumble.files.stand_file import read_stand
 from tumble.stand import PAPER_STAND
-from tumble.standfile import read_stand
 
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.result-1.schema.json").read_text())
 BENCH = [sys.executable, "-m", "tumble", "bench"]

@@ -16,8 +16,8 @@ from bench_program import HASTY_STAND, wait_until
 from conftest import ROOT
 from uml_kernels import inside, kernels
 
-from tumble import cli
 from tumble.bench import programs, uml
+from tumble.cli import main
 
 pytestmark = pytest.mark.real_time
 
@@ -120,7 +120,7 @@ def test_a_job_without_end_is_ended(tmp_path):
 
 def test_without_can_and_without_user_mode_linux(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(uml, "_KERNEL", "linux.that.is.not.there")
-    code = cli.main(["bench", "--bus", "uml", "--out", str(tmp_path / "run")])
+    code = main.main(["bench", "--bus", "uml", "--out", str(tmp_path / "run")])
     out, err = capsys.readouterr()
     assert (code, out) == (77, "") and not (tmp_path / "run").exists()
     assert err == (

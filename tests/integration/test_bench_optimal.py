@@ -9,10 +9,12 @@ import pytest
 from bench_program import scenario
 from conftest import EXAMPLES
 
-from tumble import core, core_optimal
+from tumble import core
 from tumble.bench import program
-from tumble.planning import gains, record
+from tumble.core import optimal as core_optimal
 from tumble.reference import optimal
+from tumble.solving import gain_record as record
+from tumble.solving import gains
 from tumble.stand import PAPER_STAND
 
 SCHEDULE = core.CoreSchedule(core.paper_schedule())

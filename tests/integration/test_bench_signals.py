@@ -14,7 +14,7 @@ from bench_program import wait_until
 from conftest import ROOT
 from test_bench import BENCH, wrapper
 
-from tumble import cli
+from tumble.cli import main
 
 pytestmark = pytest.mark.real_time
 
@@ -149,9 +149,9 @@ def test_a_class_half_made_when_the_interrupt_came(monkeypatch, capsys, received
         except KeyboardInterrupt as interrupt:  # as from 3.12 on
             raise RuntimeError("Error calling __set_name__") from interrupt
 
-    monkeypatch.setattr(cli, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command)))
-    monkeypatch.setattr(cli.interruption, "_received", received)
-    assert cli.main([]) == code
+    monkeypatch.setattr(main, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command)))
+    monkeypatch.setattr(main.interruption, "_received", received)
+    assert main.main([]) == code
     assert capsys.readouterr().err.startswith("tumble: interrupted\n" if received else "tumble: fault in tumble itself: ")
 
 
@@ -190,8 +190,8 @@ def test_an_interrupt_that_an_import_has_swallowed_counts(interrupted, code):
     """Modules in C make an ImportError of it."""
     program = f"""
 import os, signal, sys, time
-from tumble import cli
-from tumble.commands import solve
+from tumble.cli import main
+from tumble.cli.commands import solve
 def run(_):
     try:
         if {interrupted}:
@@ -201,7 +201,7 @@ def run(_):
         pass
     raise ImportError("no module")
 solve.run = run
-sys.exit(cli.main(["solve", "run.csv"], interruptible=True))
+sys.exit(main.main(["solve", "run.csv"], interruptible=True))
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=15)
     assert (done.returncode, done.stdout) == (code, "")

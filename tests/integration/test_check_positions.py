@@ -8,7 +8,8 @@ import pytest
 from blocks import NOMINAL_K, write_run
 
 from tumble import core, reference
-from tumble.schedulefile import read_schedule
+from tumble.estimators import LINEAR
+from tumble.files.schedule_file import read_schedule
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEDULE = ROOT / "examples" / "with_checks.toml"
@@ -65,7 +66,7 @@ def test_a_ripple_passes_the_fit_but_not_the_check(schedule, tumble, tmp_path):
     assert (without["K"], without["U0"]) == (found["K"], found["U0"])
 
 
-@pytest.mark.parametrize("estimator", core.ESTIMATORS)
+@pytest.mark.parametrize("estimator", LINEAR)
 def test_check_positions_change_no_coefficient(estimator, schedule, tumble, tmp_path):
     """Not a bit of it, and nothing of the stand seen, however wrong they are."""
     outputs = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha1=1e-4, alpha3=[1e-3, -1e-3])

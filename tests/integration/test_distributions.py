@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tumble import distributions
+from tumble.fixture import distributions
 
 pytestmark = pytest.mark.python
 

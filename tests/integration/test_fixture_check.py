@@ -12,13 +12,13 @@ import pytest
 from blocks import NOMINAL_K, write_run
 
 from tumble import core, reference
-from tumble.combination import combine, covariances
-from tumble.distributions import chi_squared_cdf, chi_squared_quantile
-from tumble.fixture import Judge, Limits, RunView, Verdict, levelled_once
+from tumble.files.run_file import Run
+from tumble.files.stand_file import read_stand
+from tumble.fixture.combination import combine, covariances
+from tumble.fixture.distributions import chi_squared_cdf, chi_squared_quantile
+from tumble.fixture.judge import Judge, Limits, RunView, Verdict, levelled_once
 from tumble.reference import Geometry
-from tumble.runfile import Run
-from tumble.solution import solve
-from tumble.standfile import read_stand
+from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
 ROOT = Path(__file__).resolve().parents[2]

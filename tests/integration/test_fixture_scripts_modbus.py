@@ -20,7 +20,7 @@ from validation.links import open_link
 from validation.registers import read_map
 
 from tumble.core import CoreSchedule, paper_schedule
-from tumble.runfile import read_run
+from tumble.files.run_file import read_run
 
 pytest.importorskip("pymodbus", reason="pymodbus is not installed")
 assert gateway_program and start and line and far_end and serve

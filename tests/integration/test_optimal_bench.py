@@ -8,8 +8,8 @@ import pytest
 from conftest import EXAMPLES
 
 from tumble.bench import gains
-from tumble.cli import main
-from tumble.planning import record
+from tumble.cli.main import main
+from tumble.solving import gain_record
 from tumble.stand import PAPER_STAND
 
 
@@ -39,14 +39,14 @@ def test_runs_of_the_firmware_are_as_good_as_they_say(name, tumble, tmp_path):
 
 def test_the_record_is_among_the_inputs(tumble, tmp_path):
     bench(tumble, cwd=tmp_path)
-    made = record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
     assert made.sigma.tolist() == [2e-5, 2e-5, 4e-4, 4e-5] and made.sigma_mean == pytest.approx(3e-4 / 50**0.5)
     assert made.k == pytest.approx(-2.0 * (np.eye(3) + 0.02 * (1 - np.eye(3))))
 
 
 def test_the_samples_of_the_run_are_those_of_the_record(tumble, tmp_path):
     bench(tumble, "--samples", "8", cwd=tmp_path)
-    made = record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
+    made = gain_record.from_bytes((tmp_path / "run/inputs/gains.bin").read_bytes())
     assert made.sigma_mean == pytest.approx(3e-4 / 8**0.5)
 
 

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 
-from tumble import core, core_optimal
-from tumble.core import CoreRefusal
-from tumble.planning import gains, record
+from tumble import core
+from tumble.core import CoreRefusal, optimal as core_optimal
+from tumble.estimators import LINEAR
 from tumble.reference import Geometry, optimal
 from tumble.reference.estimators import least_squares, unidentified
+from tumble.solving import gains, gain_record
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
@@ -39,7 +40,7 @@ def run_on(rng, schedule, k, u0, stand):
 
 
 def record_for(schedule, k, stand):
-    return record.to_bytes(record.record_of(gains.optimal_table(schedule, k, stand), schedule))
+    return gain_record.to_bytes(gain_record.record_of(gains.optimal_table(schedule, k, stand), schedule))
 
 
 def difference(rng, schedule):
@@ -101,7 +102,7 @@ def test_many_runs_at_once_are_the_runs_one_by_one():
         one = core_optimal.optimal(data, PAPER, mean)
         assert np.array_equal(run, np.concatenate([one.k.ravel(), one.u0]))
         assert np.array_equal(of_stand, np.concatenate([[one.alpha1, one.alpha2], one.alpha3]))
-    for estimator in core.ESTIMATORS:
+    for estimator in LINEAR:
         for run, mean in zip(core_optimal.estimate_runs(PAPER, means, estimator), means):
             k, u0 = core.estimate(PAPER, mean, None, estimator)
             assert np.array_equal(run, np.concatenate([k.ravel(), u0]))
@@ -125,8 +126,8 @@ def test_writer_and_reader_agree_on_every_number():
         schedule = usable_schedule(rng)
         stand = random_stand(rng, 2.0)
         table = gains.optimal_table(schedule.data, NOMINAL_K, stand)
-        opened = core_optimal.GainRecord(schedule, record.to_bytes(record.record_of(table, schedule.data)))
-        assert core_optimal.schedule_crc(schedule) == record.fingerprint(schedule.data)
+        opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, schedule.data)))
+        assert core_optimal.schedule_crc(schedule) == gain_record.fingerprint(schedule.data)
         assert np.array_equal(opened.gains, table.gains)
         assert np.array_equal(opened.stand_gains, table.nuisance_gains)
         assert np.array_equal(np.array(list(map(list, opened.struct.k_v_per_g))), NOMINAL_K)

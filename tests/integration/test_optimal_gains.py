@@ -12,12 +12,13 @@ from hypothesis import strategies as st
 
 from tumble import reference
 from tumble.errors import UsageError
-from tumble.planning import gains
+from tumble.estimators import LINEAR
+from tumble.files.stand_file import read_stand
 from tumble.reference import Geometry
 from tumble.reference.estimators import fit_indices
 from tumble.schedule import Schedule
+from tumble.solving import gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
-from tumble.standfile import read_stand
 
 pytestmark = pytest.mark.python
 
@@ -131,7 +132,7 @@ def test_any_stand_has_unbiased_gains_no_worse_than_the_others(angles, noise, co
     assert np.isfinite(table.gains).all() and np.isfinite(table.nuisance_gains).all()
     design = gains.design(gains.linearise(PAPER))
     assert table.gains @ design == pytest.approx(np.eye(12), abs=1e-5)
-    for estimator in gains.LINEAR:
+    for estimator in LINEAR:
         other = gains.standard_deviations(
             PAPER, gains.linear_gains(PAPER, estimator), NOMINAL_K, stand, table.sigma_mean
         )
@@ -151,7 +152,7 @@ def test_derivatives_by_hand_are_those_of_the_exact_geometry():
             assert found == pytest.approx(exact, abs=1e-14), name
 
 
-@pytest.mark.parametrize("estimator", gains.LINEAR)
+@pytest.mark.parametrize("estimator", LINEAR)
 def test_linear_gains_are_the_estimator(estimator):
     means = np.random.default_rng(73).normal(size=(18, 3))
     k, u0 = reference.estimate(PAPER, means, estimator)

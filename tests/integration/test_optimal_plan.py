@@ -12,8 +12,9 @@ import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES, ROOT
 
-from tumble import core, core_optimal, reference
-from tumble.planning import gains, record
+from tumble import core, reference
+from tumble.core import optimal
+from tumble.solving import gains, gain_record
 from tumble.stand import PAPER_STAND
 
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
@@ -77,9 +78,9 @@ def test_the_three_files_hold_the_same_numbers(tumble, tmp_path):
         optimize(tumble, "--stand", EXAMPLES / "lab_stand.toml", "--out", f"table.{kind}", cwd=tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["table.bin", "table.h", "table.json"]
     plan, data = json.loads((tmp_path / "table.json").read_text()), (tmp_path / "table.bin").read_bytes()
-    opened = core_optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
+    opened = optimal.GainRecord(core.CoreSchedule(core.paper_schedule()), data)
     assert opened.gains.tolist() == plan["gains"] and opened.stand_gains.tolist() == plan["stand_gains"]
-    read = record.from_bytes(data)
+    read = gain_record.from_bytes(data)
     assert read.gains.tolist() == plan["gains"] and read.k.tolist() == plan["K"]
     assert read.u == pytest.approx(np.concatenate([np.ravel(plan["u_K"]), plan["u_U0"]]), rel=1e-9)
     assert read.sigma.tolist() == [2e-4, 5e-4, 2e-3, 2e-4] and read.sigma_mean == plan["sigma_mean_v"]
@@ -124,7 +125,7 @@ def test_a_serial_binds_the_record_to_its_block(tumble, tmp_path):
     text = (EXAMPLES / "paper_stand.toml").read_text()
     (tmp_path / "stand.toml").write_text(text.replace("[block]\n", '[block]\nserial = "B-17 \\u00e9"\n'))
     optimize(tumble, "--stand", "stand.toml", "--out", "table.bin", cwd=tmp_path)
-    assert record.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
+    assert gain_record.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
 
 
 def test_weights_for_the_last_known_k(tumble, tmp_path):
@@ -179,7 +180,7 @@ def golden():
 def test_the_record_is_laid_out_as_documented():
     numbers, _ = golden()
     tables = np.array(numbers[26:]).reshape(-1, 6)
-    made = record.Record(
+    made = gain_record.Record(
         *(2, 1, 1, 0x01234567, 0x89ABCDEF),
         k=np.reshape(numbers[:9], (3, 3)),
         sigma=np.array(numbers[9:13]),
@@ -189,19 +190,19 @@ def test_the_record_is_laid_out_as_documented():
         nuisance_gains=tables[12:],
     )
     assert len(tables) == 15
-    assert record.to_bytes(made) == golden()[1]
-    assert record.to_bytes(record.from_bytes(golden()[1])) == golden()[1]
+    assert gain_record.to_bytes(made) == golden()[1]
+    assert gain_record.to_bytes(gain_record.from_bytes(golden()[1])) == golden()[1]
 
 
 def test_a_spoilt_record_is_no_record():
     table = gains.optimal_table(reference.paper_schedule(), NOMINAL_K, PAPER_STAND)
-    data = record.to_bytes(record.record_of(table, reference.paper_schedule()))
-    assert len(data) == record.size_of(18, 2) == 7152
+    data = gain_record.to_bytes(gain_record.record_of(table, reference.paper_schedule()))
+    assert len(data) == gain_record.size_of(18, 2) == 7152
     for index in (0, 4, 8, 10, 11, 12, 13, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
         spoilt = bytearray(data)
         spoilt[index] ^= 1
-        with pytest.raises(record.BadRecord):
-            record.from_bytes(bytes(spoilt))
+        with pytest.raises(gain_record.BadRecord):
+            gain_record.from_bytes(bytes(spoilt))
     for short in (b"", data[:20], data[:-1]):
-        with pytest.raises(record.BadRecord):
-            record.from_bytes(short)
+        with pytest.raises(gain_record.BadRecord):
+            gain_record.from_bytes(short)

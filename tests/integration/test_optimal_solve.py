@@ -8,10 +8,12 @@ import pytest
 from blocks import NOMINAL_K, random_means, write_run
 from conftest import EXAMPLES
 
-from tumble import core, core_optimal, reference, weighted
-from tumble.cli import main
-from tumble.planning.gains import optimal_table
+from tumble import core, reference
+from tumble.cli.main import main
+from tumble.core import optimal as core_optimal
 from tumble.reference import Geometry
+from tumble.solving import optimal_run
+from tumble.solving.gains import optimal_table
 from tumble.stand import COMMON, PAPER_STAND
 
 PAPER = core.CoreSchedule(reference.paper_schedule())
@@ -122,7 +124,7 @@ def test_the_witness_must_confirm_within_a_millionth_of_u(excess, code, monkeypa
         found = sound(*arguments)
         return dataclasses.replace(found, k=found.k + np.diag([0.0, excess * 1e-6 * 2.12e-5, 0.0]))
 
-    monkeypatch.setattr(weighted, "optimal", spoilt)
+    monkeypatch.setattr(optimal_run, "optimal", spoilt)
     stand = str(EXAMPLES / "paper_stand.toml")
     arguments = ["solve", str(EXAMPLES / "paper_stand.csv"), "--stand", stand, "--estimator", "optimal", "--json"]
     assert main(arguments) == code
@@ -145,7 +147,7 @@ def test_weights_of_the_wrong_schedule_are_refused():
     other = dataclasses.replace(
         PAPER.data, positions=(*PAPER.data.positions[:3], turned, *PAPER.data.positions[4:])
     )
-    record = weighted.to_bytes(weighted.record_of(table, other))
+    record = optimal_run.to_bytes(optimal_run.record_of(table, other))
     with pytest.raises(core.CoreRefusal) as refusal:
         core_optimal.optimal(record, PAPER, np.zeros((18, 3)))
     assert refusal.value.name == "TUMBLE_E_GAIN_TABLE"
@@ -155,8 +157,8 @@ def test_samples_that_differ_between_positions():
     """Weights take an average of 1/N; the uncertainties know every N."""
     rng, samples = np.random.default_rng(81), np.random.default_rng(82).integers(2, 200, 18)
     means = random_means(rng, PAPER.data, NOMINAL_K, U0, 1e-5, 1e-5)
-    weighting = weighted.Weighting(PAPER_STAND, samples)
-    found = weighted.estimate(PAPER, means, ALL, weighting)
+    weighting = optimal_run.Weighting(PAPER_STAND, samples)
+    found = optimal_run.estimate(PAPER, means, ALL, weighting)
     witness = reference.optimal(PAPER.data, means, PAPER_STAND, samples)
     assert np.abs((found.k - witness.k) / witness.u_k).max() < 1e-6
     equal = reference.optimal(
@@ -170,8 +172,8 @@ def test_a_table_made_before_the_run_is_witnessed_as_it_was_made():
     rng, samples = np.random.default_rng(83), np.random.default_rng(84).integers(2, 50, 18)
     k = NOMINAL_K * np.where(np.eye(3), 1.01, -0.7)
     means = random_means(rng, PAPER.data, k, U0, 1e-4, 1e-5)
-    known = weighted.Known(NOMINAL_K, 50)
-    found = weighted.estimate(PAPER, means, ALL, weighted.Weighting(PAPER_STAND, samples, 0.0, known))
+    known = optimal_run.Known(NOMINAL_K, 50)
+    found = optimal_run.estimate(PAPER, means, ALL, optimal_run.Weighting(PAPER_STAND, samples, 0.0, known))
     witness = reference.optimal(PAPER.data, means, PAPER_STAND, samples, 0.0, known.k, known.samples)
     assert np.abs((found.k - witness.k) / witness.u_k).max() < 1e-6
     other = reference.optimal(PAPER.data, means, PAPER_STAND, samples)
@@ -181,9 +183,9 @@ def test_a_table_made_before_the_run_is_witnessed_as_it_was_made():
 def errors_over_u(stand, alpha3, alpha1=0.0, alpha2=0.0):
     """Of the optimal estimate and of its linear part, on outputs without noise."""
     means = Geometry(PAPER.data).outputs(NOMINAL_K, U0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3)
-    weighting = weighted.Weighting(stand, LONE)
-    table = weighted.make_table(PAPER, means, ALL, weighting)
-    found, truth = weighted.apply_table(table, PAPER, means), np.concatenate([NOMINAL_K.ravel(), U0])
+    weighting = optimal_run.Weighting(stand, LONE)
+    table = optimal_run.make_table(PAPER, means, ALL, weighting)
+    found, truth = optimal_run.apply_table(table, PAPER, means), np.concatenate([NOMINAL_K.ravel(), U0])
     linear = table.gains @ means.ravel() - truth
     return (np.concatenate([found.k.ravel(), found.u0]) - truth) / table.u, linear / table.u
 

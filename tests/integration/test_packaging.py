@@ -11,12 +11,13 @@ import tarfile
 import zipfile
 
 import pytest
+from _tumble_core import lib
 from conftest import ROOT
 
 from tumble import __version__, core
 from tumble.bench import programs
-from tumble.commands.options import LINEAR_ESTIMATORS
 from tumble.errors import BenchFault
+from tumble.estimators import ESTIMATORS
 
 PYTHON = ROOT / "host/python"
 LICENCES = ("LICENSE", "NOTICE")
@@ -72,7 +73,8 @@ def test_help_names_every_option_and_exit_code(tumble):
 
 
 def test_estimators_offered_are_those_of_the_core():
-    assert LINEAR_ESTIMATORS == core.ESTIMATORS
+    offered = {name.removeprefix("tumble_estimate_") for name in dir(lib) if name.startswith("tumble_estimate_")}
+    assert offered - {"gains"} == set(ESTIMATORS) and len(ESTIMATORS) == len(set(ESTIMATORS))
 
 
 def test_every_status_has_a_name_and_a_sentence():
@@ -85,13 +87,26 @@ def test_every_status_has_a_name_and_a_sentence():
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
     """What start-up time is spent on: numpy, and nothing that only a terminal or a test needs."""
     program = (
-        "import sys; from tumble.cli import main;"
+        "import sys; from tumble.cli.main import main;"
         f"code = main(['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--out', {str(tmp_path / 'r.json')!r}]);"
         "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi'} & set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stderr == "[]\n"
+
+
+def test_help_and_typing_errors_load_no_numpy():
+    """Nor the core: both answer at once."""
+    program = (
+        "import sys; from tumble.cli.main import main\n"
+        "for words in (['--help'], ['solve', '--help'], ['bench', '--sed', '1']):\n"
+        "    try: main(words)\n"
+        "    except SystemExit: pass\n"
+        "print(sorted({'numpy', '_tumble_core', 'csv', 'json'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.endswith("\n[]\n"), done.stdout
 
 
 def test_the_licence_is_the_published_text():

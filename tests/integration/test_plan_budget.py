@@ -13,16 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tumble import reference
+from tumble.files.stand_file import read_stand
 from tumble.planning import weights
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
-from tumble.planning.gains import linearise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.planning.validate import validate
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
+from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
-from tumble.standfile import read_stand
 
 pytestmark = pytest.mark.python
 

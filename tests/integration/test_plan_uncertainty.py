@@ -9,12 +9,13 @@ from conftest import EXAMPLES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tumble import core, reference, stated
-from tumble.cli import main
-from tumble.core_uncertainty import uncertainties, uncertainties_of_gains
+from tumble import core, reference
+from tumble.cli.main import main
+from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import contributions, sources
 from tumble.schedule import CHECK, FIT, Position, Schedule
+from tumble.solving import uncertainty
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
 PAPER = reference.paper_schedule()
@@ -112,7 +113,7 @@ def test_optimal_as_its_witness_down_to_no_noise(seed):
     samples, measured = random_samples(rng, schedule.data), np.ones(len(schedule), dtype=bool)
     means = random_means(rng, schedule.data, k, u0, size=1e-6, noise=1e-7)
     witness = reference.optimal(schedule.data, means, stand, samples)
-    found = stated.standard_uncertainties(schedule, measured, witness.k, stand, samples, "optimal")
+    found = uncertainty.standard_uncertainties(schedule, measured, witness.k, stand, samples, "optimal")
     for mine, other in zip(found, (witness.u_k, witness.u_u0)):
         assert mine == pytest.approx(other, rel=1e-6, abs=1e-13 * max(witness.u_k.max(), witness.u_u0.max()))
 
@@ -164,8 +165,8 @@ SOLVE = ["solve", str(EXAMPLES / "paper_stand.csv"), "--stand", str(EXAMPLES / "
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
 def test_solve_states_what_the_core_finds(estimator, capsys, monkeypatch):
     """The core's bits, and not the witness's."""
-    given, sound = [], stated.standard_uncertainties
-    monkeypatch.setattr(stated, "standard_uncertainties", lambda *a: given.append(sound(*a)) or given[-1])
+    given, sound = [], uncertainty.standard_uncertainties
+    monkeypatch.setattr(uncertainty, "standard_uncertainties", lambda *a: given.append(sound(*a)) or given[-1])
     assert main([*SOLVE, "--estimator", estimator]) == 0
     result = json.loads(capsys.readouterr().out)
     assert (result["u_K"], result["u_U0"]) == tuple(part.tolist() for part in given[0])
@@ -176,7 +177,7 @@ def test_solve_states_what_the_core_finds(estimator, capsys, monkeypatch):
 )
 @pytest.mark.parametrize("index", [0, 1])
 def test_a_disagreement_of_the_uncertainties_ends_in_exit_3(estimator, too_far, index, capsys, monkeypatch):
-    sound = stated.standard_uncertainties
+    sound = uncertainty.standard_uncertainties
 
     def spoilt(factor):
         def spoil(*arguments):
@@ -187,7 +188,7 @@ def test_a_disagreement_of_the_uncertainties_ends_in_exit_3(estimator, too_far, 
         return spoil
 
     for off, code in ((0.8 * too_far, 0), (-0.8 * too_far, 0), (too_far, 3), (-too_far, 3)):
-        monkeypatch.setattr(stated, "standard_uncertainties", spoilt(1.0 + off))
+        monkeypatch.setattr(uncertainty, "standard_uncertainties", spoilt(1.0 + off))
         assert main([*SOLVE, "--estimator", estimator]) == code
         captured = capsys.readouterr()
         if code:

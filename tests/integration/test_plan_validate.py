@@ -13,13 +13,16 @@ import pytest
 from conftest import EXAMPLES, ROOT
 from test_terminal import on_terminal, without_styles
 
-from tumble import core, core_optimal
-from tumble.planning import gains, record, validate, verdict
+from tumble import core
+from tumble.core import optimal as core_optimal
+from tumble.estimators import ESTIMATORS
+from tumble.files.stand_file import read_stand
+from tumble.planning import validate, verdict
 from tumble.planning.budget import budget
 from tumble.planning.case import Case
 from tumble.planning.simulate import U0_V, position_means
 from tumble.reference import Geometry
-from tumble.standfile import read_stand
+from tumble.solving import gain_record, gains
 
 pytestmark = pytest.mark.python
 SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
@@ -49,7 +52,7 @@ def plan(tumble, *arguments, cwd=EXAMPLES):
 @pytest.mark.parametrize("name", STANDS)
 def test_spread_coverage_and_efficiency_are_as_claimed(name):
     """20,000 runs of each estimator: a spread is then known to 0.5 %."""
-    for estimator, (_, found) in judged(case_of(name), gains.ESTIMATORS, 20_000).items():
+    for estimator, (_, found) in judged(case_of(name), ESTIMATORS, 20_000).items():
         assert found.outside == [], estimator
 
 
@@ -57,7 +60,7 @@ def test_spread_coverage_and_efficiency_are_as_claimed(name):
 @pytest.mark.parametrize("name", STANDS)
 def test_50000_runs_within_two_per_cent(name, fresh_seed):
     """The stated figures, with no more room than they give: all coefficients, all estimators."""
-    for estimator, (_, found) in judged(case_of(name), gains.ESTIMATORS, 50_000, fresh_seed).items():
+    for estimator, (_, found) in judged(case_of(name), ESTIMATORS, 50_000, fresh_seed).items():
         assert np.abs(found.spread_over_u - 1.0).max() <= 0.02, estimator
         assert np.abs(found.bias_over_u).max() <= 0.2, estimator
         assert found.covered[1].min() >= 0.945 and found.covered[1].max() <= 0.965, estimator
@@ -95,7 +98,7 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
     schedule = core.CoreSchedule(case.fitted)
     for table_k in (case.nominal_k(), 2.0 * np.eye(3)):
         table = gains.optimal_table(case.fitted, table_k, case.stand)
-        opened = core_optimal.GainRecord(schedule, record.to_bytes(record.record_of(table, case.fitted)))
+        opened = core_optimal.GainRecord(schedule, gain_record.to_bytes(gain_record.record_of(table, case.fitted)))
         for signs in (-np.ones((3, 3)), rng.choice([-1.0, 1.0], (3, 3))):
             k = case.nominal_k(signs)
             found, _ = core_optimal.optimal_runs(opened, position_means(case, k, 20_000, rng))
@@ -109,7 +112,7 @@ def test_one_table_serves_blocks_of_any_misalignments(name):
 def test_other_declarations(remounting, limits):
     """A uniform law leaves nothing far out: its k = 2 and 3 may cover more."""
     case = case_of("angle", remounting=remounting, limits=limits)
-    for _, found in judged(case, gains.ESTIMATORS, 4000).values():
+    for _, found in judged(case, ESTIMATORS, 4000).values():
         serious = [line for line in found.outside if limits != "uniform" or "covers" not in line]
         assert serious == []
 
@@ -145,7 +148,7 @@ def test_a_bias_is_found_out(monkeypatch):
     assert found.outside[0].startswith("K_xx bias +0.")
 
 
-@pytest.mark.parametrize("estimator", gains.ESTIMATORS)
+@pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("name", STANDS)
 def test_what_is_validated_is_what_the_budget_says(name, estimator):
     case = case_of(name)
@@ -187,7 +190,7 @@ def test_a_seed_is_a_campaign(tumble):
     once = plan(tumble, "--runs", "3000", "--seed", "7")
     assert once == plan(tumble, "--runs", "3000", "--seed", "7")
     assert once["estimators"] != plan(tumble, "--runs", "3000", "--seed", "8")["estimators"]
-    assert sorted(once["estimators"]) == sorted(gains.ESTIMATORS) and once["runs"] == 3000
+    assert sorted(once["estimators"]) == sorted(ESTIMATORS) and once["runs"] == 3000
     assert np.shape(once["estimators"]["refined"]["coverage"]["2"]["low"]) == (12,)
 
 

@@ -9,11 +9,11 @@ from blocks import NOMINAL_K
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tumble import runtable
-from tumble.dialect import Wishes, detect
 from tumble.errors import BadInput
+from tumble.files import run_file
+from tumble.files.run_file import read_run
+from tumble.files.run_layout import Wishes, detect
 from tumble.reference import Geometry, paper_schedule
-from tumble.runfile import _average, read_run
 
 PAPER = paper_schedule()
 MEANS = np.round(Geometry(PAPER).outputs(NOMINAL_K, [0.1, 0.2, 0.3]), 7)
@@ -129,8 +129,8 @@ def written(rows):
 def test_means_are_quotients_of_exact_sums(rows):
     """Against fractions: the sum is rounded once, the quotient once more."""
     data = written(rows)
-    table_ = runtable.read_table(data, detect(data, Wishes(), "f"), runtable.PositionIndex(PAPER), "f")
-    counts, means, scatter = _average(table_, 18)
+    table_ = run_file.read_table(data, detect(data, Wishes(), "f"), run_file.PositionIndex(PAPER), "f")
+    counts, means, scatter = run_file._average(table_, 18)
     for index in range(18):
         own = [row[1:] for row in rows if row[0] == index]
         assert counts[index] == len(own)
@@ -171,12 +171,12 @@ ACCEPTED = {True: 0, False: 0}
 @given(nearly_plain_files())
 def check_the_ways_agree(data):
     """Whatever the fast way accepts, the careful way accepts too, with the same numbers."""
-    dialect, positions = detect(data, Wishes(), "f"), runtable.PositionIndex(PAPER)
-    fast = runtable._read_fast(data, dialect, positions)
+    layout, positions = detect(data, Wishes(), "f"), run_file.PositionIndex(PAPER)
+    fast = run_file._read_fast(data, layout, positions)
     ACCEPTED[fast is not None] += 1
     if fast is None:
         return
-    careful = runtable._read_carefully(data, dialect, positions, "f")
+    careful = run_file._read_carefully(data, layout, positions, "f")
     assert fast.index.tolist() == careful.index.tolist()
     assert fast.outputs.tolist() == careful.outputs.tolist()
     assert (fast.blanks, fast.comments) == (careful.blanks, careful.comments)
@@ -191,8 +191,8 @@ def test_the_fast_way_takes_nothing_that_the_careful_way_would_not():
 def test_the_careful_way_reads_every_layout(case):
     text, wishes = LAYOUTS[case]
     data = text if isinstance(text, bytes) else text.encode()
-    dialect, positions = detect(data, wishes, "f"), runtable.PositionIndex(PAPER)
-    assert runtable._read_carefully(data, dialect, positions, "f").outputs.tolist() == MEANS.tolist()
+    layout, positions = detect(data, wishes, "f"), run_file.PositionIndex(PAPER)
+    assert run_file._read_carefully(data, layout, positions, "f").outputs.tolist() == MEANS.tolist()
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_the_careful_way_reads_every_layout(case):
 )
 def test_plain_layouts_go_the_fast_way(case):
     data = LAYOUTS[case][0].encode()
-    fast = runtable._read_fast(data, detect(data, Wishes(), "f"), runtable.PositionIndex(PAPER))
+    fast = run_file._read_fast(data, detect(data, Wishes(), "f"), run_file.PositionIndex(PAPER))
     assert fast is not None and fast.outputs.tolist() == MEANS.tolist()
 
 
@@ -209,7 +209,7 @@ def test_no_bytes_are_anything_but_a_run_or_a_refusal(data):
     """Any bytes, with or without a good header before them."""
     for content in (data, b"mounting,position,ux,uy,uz\n" + data):
         try:
-            dialect = detect(content, Wishes(), "f")
-            runtable.read_table(content, dialect, runtable.PositionIndex(PAPER), "f")
+            layout = detect(content, Wishes(), "f")
+            run_file.read_table(content, layout, run_file.PositionIndex(PAPER), "f")
         except BadInput as error:
             assert str(error).startswith("f: ") and "\n" not in str(error)

@@ -12,9 +12,9 @@ from blocks import NOMINAL_K
 from test_fixture_check import EXAMPLES, PAPER, U0, drawn, simulated, stand_named
 
 from tumble import reference
-from tumble.doubts import look_for_doubts
-from tumble.runfile import Run
-from tumble.solution import solve
+from tumble.files.run_file import Run
+from tumble.fixture.stand_doubts import look_for_doubts
+from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
 SCHEMA = json.loads(Path(EXAMPLES.parent / "docs" / "schemas" / "tumble.result-1.schema.json").read_text())

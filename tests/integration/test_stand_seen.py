@@ -10,12 +10,13 @@ import pytest
 
 from blocks import random_block, random_means, usable_schedule
 
-from tumble import core, core_stand_seen, reference
-from tumble.distributions import student_quantile
-from tumble.crosscheck import compare_seen
+from tumble import core, reference
+from tumble.core import stand_seen
+from tumble.files.stand_file import read_stand
+from tumble.fixture.distributions import student_quantile
 from tumble.schedule import CHECK, Position, Schedule
-from tumble.standfile import read_stand
-from tumble.standseen import look
+from tumble.solving.crosscheck import compare_seen
+from tumble.solving.stand_seen import look
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STANDS = ("paper", "angle", "lab")
@@ -58,9 +59,9 @@ def scores(name):
     for _ in range(RUNS):
         means, scatter, truth = simulated(rng, geometry, stand)
         k, u0 = core.estimate(schedule, means)
-        seen = core_stand_seen.RunSeen(schedule, means, measured, k, u0)
+        seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
         closed, sharp = seen.angles(alpha4, variance), seen.fit(alpha4, variance)
-        noise = core_stand_seen.noise(samples, scatter)
+        noise = stand_seen.noise(samples, scatter)
         chi_squared, freedom = seen.angle_chi_squared(alpha4, variance)
         row = {key: (closed[key].value - value) / closed[key].u for key, value in truth.items()}
         row |= {f"augmented {key}": (sharp[key].value - value) / sharp[key].u for key, value in truth.items()}
@@ -89,12 +90,12 @@ def test_the_runs_own_alpha4_and_student(name):
     stand, rng, runs = stand_named(name), np.random.default_rng(84), 1500
     schedule, geometry = core.CoreSchedule(PAPER), reference.Geometry(PAPER)
     samples, measured, sigma = np.full(18, stand.samples), np.ones(18, bool), stand.sigma("angle")
-    squares, freedoms, inside = [], [], dict.fromkeys(core_stand_seen.ANGLES, 0)
+    squares, freedoms, inside = [], [], dict.fromkeys(stand_seen.ANGLES, 0)
     for _ in range(runs):
         means, scatter, truth = simulated(rng, geometry, stand)
         k, u0 = core.estimate(schedule, means)
-        seen = core_stand_seen.RunSeen(schedule, means, measured, k, u0)
-        variance = core_stand_seen.noise(samples, scatter).value ** 2 / samples
+        seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
+        variance = stand_seen.noise(samples, scatter).value ** 2 / samples
         found = seen.angle_error(variance)
         squares.append(0.0 if found.seen is None else found.seen.value**2)
         freedoms.append(found.freedom)
@@ -119,7 +120,7 @@ def test_core_and_numpy_see_the_same_on_any_schedule():
         k, u0 = random_block(rng)
         means = random_means(rng, schedule.data, k, u0)
         variance = (np.abs(k).max() * 10.0 ** rng.uniform(-6, -3, len(schedule))) ** 2
-        core_eye = core_stand_seen.RunSeen(schedule, means, np.ones(len(schedule), bool), k, u0)
+        core_eye = stand_seen.RunSeen(schedule, means, np.ones(len(schedule), bool), k, u0)
         numpy_eye = reference.RunSeen(schedule.data, means, k)
         alpha4 = 10.0 ** rng.uniform(-6, -2)
         pairs = [(core_eye.angle_error(variance).seen, numpy_eye.angle_error(variance).seen)]
@@ -143,7 +144,7 @@ def test_a_run_without_noise_or_errors_is_no_trouble():
     schedule, measured = core.CoreSchedule(PAPER), np.ones(18, bool)
     means = reference.Geometry(PAPER).outputs(NOMINAL_K, U0)
     k, u0 = core.estimate(schedule, means)
-    seen = core_stand_seen.RunSeen(schedule, means, measured, k, u0)
+    seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
     assert seen.angle_error(np.zeros(18)).seen is None
     for angle in seen.fit(0.0, np.zeros(18)).values():
         assert abs(angle.value) < 1e-12 and 0 < angle.u < 1e-6
@@ -151,7 +152,7 @@ def test_a_run_without_noise_or_errors_is_no_trouble():
     delta[4] = 1e-4
     one = reference.Geometry(PAPER).outputs(NOMINAL_K, U0, delta=delta)
     k, u0 = core.estimate(schedule, one)
-    found = core_stand_seen.RunSeen(schedule, one, measured, k, u0).angle_error(np.zeros(18))
+    found = stand_seen.RunSeen(schedule, one, measured, k, u0).angle_error(np.zeros(18))
     assert 1e-5 < found.seen.value < 5e-5 and found.freedom == pytest.approx(16, rel=1e-3)
 
 
@@ -164,11 +165,11 @@ def test_means_that_are_not_measured_are_not_looked_at():
     spoilt = np.where(measured[:, None], means, np.nan)
     k, u0 = core.estimate(whole, means, measured, "least_squares")
     variance = np.full(18, 1e-9)
-    found = core_stand_seen.RunSeen(whole, spoilt, measured, k, u0).fit(1e-4, variance)
+    found = stand_seen.RunSeen(whole, spoilt, measured, k, u0).fit(1e-4, variance)
     expected = reference.RunSeen(partial, means[measured], k).fit(1e-4, variance[measured])
     for name, angle in found.items():
         assert angle.value == pytest.approx(expected[name].value, abs=1e-6 * angle.u)
-    assert set(core_stand_seen.RunSeen(whole, spoilt, measured, k, u0).angles(None, variance).values()) == {None}
+    assert set(stand_seen.RunSeen(whole, spoilt, measured, k, u0).angles(None, variance).values()) == {None}
 
 
 def test_a_stand_that_declares_no_noise_is_no_disagreement(tumble, tmp_path):
@@ -187,7 +188,7 @@ def drawn_in_three_mountings(schedule):
     means = geometry.outputs(NOMINAL_K, U0, alpha1=2e-5, alpha2=1e-5, alpha3=np.array(yaws), delta=0.0)
     measured, variance = np.ones(len(means), bool), np.full(len(means), 1e-9)
     k, u0 = core.estimate(core.CoreSchedule(schedule), means, measured, "least_squares")
-    shown = core_stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0)
+    shown = stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0)
     return [run.fit(stand.sigma("angle"), variance) for run in (shown, reference.RunSeen(schedule, means, k))]
 
 
@@ -223,7 +224,7 @@ def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
     for _ in range(10):
         means = simulated(rng, reference.Geometry(PAPER), stand)[0] + rng.normal(size=(18, 3)) * spread
         k, u0 = core.estimate(schedule, means)
-        shown = core_stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
+        shown = stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
         for trust in (True, False):
-            seen = look(shown, core_stand_seen.noise(samples, scatter), samples, stand, trust)
+            seen = look(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
             compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)

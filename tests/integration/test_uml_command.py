@@ -14,8 +14,8 @@ import pytest
 from bench_program import wait_until
 from uml_kernels import inside, kernels
 
-from tumble import cli
 from tumble.bench import uml
+from tumble.cli import main
 
 pytestmark = [pytest.mark.python, pytest.mark.real_time]
 
@@ -125,7 +125,7 @@ def test_a_shell_needs_a_terminal(tumble):
 
 def test_without_user_mode_linux(monkeypatch, capsys):
     monkeypatch.setattr(uml, "_KERNEL", "linux.that.is.not.there")
-    code = cli.main(["uml", "--", "true"])
+    code = main.main(["uml", "--", "true"])
     out, err = capsys.readouterr()
     lacking = "no linux.that.is.not.there: install user-mode-linux kmod iproute2"
     assert (code, out, err) == (77, "", f"tumble: user-mode Linux is not there: {lacking}\n")

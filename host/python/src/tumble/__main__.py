@@ -7,7 +7,7 @@ from tumble import interruption
 # Before anything else is loaded, which takes its time.
 interruption.end_at_once()
 
-from tumble.cli import main  # noqa: E402
+from tumble.cli.main import main  # noqa: E402
 
 
 def run() -> int:

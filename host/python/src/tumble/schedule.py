@@ -6,6 +6,7 @@ other's mistake.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 FIT = "fit"
@@ -56,3 +57,8 @@ class Schedule:
         """The mountings that an estimator hears of: those with fit positions."""
         used = {position.mounting for position in self.positions if position.use == FIT}
         return tuple(mounting for mounting in self.mountings if mounting.number in used)
+
+    def part(self, measured: Iterable[bool]) -> Schedule:
+        """The schedule without the positions that a run does not have."""
+        kept = tuple(position for position, is_measured in zip(self.positions, measured) if is_measured)
+        return Schedule(self.mountings, kept)

@@ -7,29 +7,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from tumble.estimators import OPTIMAL
+from tumble.units import volts_per
+
 INDEPENDENT = "independent"
 COMMON = "common"
-OPTIMAL = "optimal"  # the one estimator that needs a stand
 
 _SIGMAS_PER_LIMIT = {"sigma1": 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 _K_II = ("K_xx", "K_yy", "K_zz")
 _LARGE = {"alpha1": "axis tilt", "alpha2": "level error", "alpha3": "yaw"}
-
-
-_VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
-
-
-def volts_per(unit: str) -> float:
-    """Size in volts of a unit of the outputs; 1 for a unit that is no multiple of the volt, which takes the volt's
-    place in the stand file and in the result."""
-    return _VOLTS_PER_UNIT.get(unit, 1.0)
-
-
-def noise_unit(unit: str) -> str:
-    """The unit that noise is declared and reported in, for outputs in `unit`."""
-    return "V" if unit in _VOLTS_PER_UNIT else unit
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tumble import interruption
 from tumble.errors import BadInput, file_name
-from tumble.files import reason
+from tumble.files.disk import reason
 
 DEFAULT_PARENT = "runs"
 SCENARIO = "scenario.txt"

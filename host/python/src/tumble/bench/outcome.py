@@ -12,12 +12,12 @@ import numpy as np
 from tumble import reference
 from tumble.bench import gains
 from tumble.bench.setup import Setup
-from tumble.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
-from tumble.doubts import look_for_doubts
 from tumble.errors import BadInput, BenchFault, Disagreement
-from tumble.runfile import Run, read_run
-from tumble.solution import Solution, Truth, solve
-from tumble.stand import OPTIMAL
+from tumble.estimators import OPTIMAL
+from tumble.files.run_file import Run, read_run
+from tumble.fixture.stand_doubts import look_for_doubts
+from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
+from tumble.solving.solution import Solution, Truth, solve
 
 DOCUMENT = "bench.json"
 

@@ -14,9 +14,9 @@ from typing import Any
 
 from tumble.core import CoreSchedule, sine_cosine
 from tumble.errors import BadInput
+from tumble.files.stand_file import converter_step_v
 from tumble.schedule import Mounting, Position
 from tumble.stand import Stand
-from tumble.standfile import converter_step_v
 
 _MOST_BITS = 24
 _RATES_HZ = (1.0, 1000.0)

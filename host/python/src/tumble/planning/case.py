@@ -8,9 +8,9 @@ import numpy as np
 
 from tumble import reference
 from tumble.errors import BadInput
+from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
 from tumble.stand import PAPER_STAND, Stand
-from tumble.standfile import StandFile
 
 SCHEMA = "tumble.plan/1"
 PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.planning import paper, weights
-from tumble.planning.gains import linear_gains
 from tumble.planning.published import GROUP_SAMPLES, LIMIT_20_G, NAMES, SOURCES, TABLE_2, TABLE_3, TABLE_5_REQUIRED
 from tumble.planning.require import samples_for
+from tumble.solving.gains import linear_gains
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.errors import UsageError
+from tumble.estimators import ESTIMATORS
 from tumble.planning import weights
 from tumble.planning.budget import sizes as declared_sizes
 from tumble.planning.case import Case
-from tumble.planning.gains import ESTIMATORS
 from tumble.planning.published import SOURCES
 from tumble.planning.require import CEILING_RAD, sign_patterns, stand_of, weights_by_pattern, with_noise_row
 

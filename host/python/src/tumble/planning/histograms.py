@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tumble.planning.gains import COEFFICIENTS
+from tumble.estimators import COEFFICIENTS
 from tumble.planning.validate import HISTOGRAM, Validated
 
 _CELL = (150, 84)

@@ -7,17 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.gains import (
-    COEFFICIENTS,
-    OptimalTable,
-    linear_gains,
-    optimal_table,
-    paper_slots,
-    standard_deviations,
-)
-from tumble.planning.record import Record, record_of
-from tumble.stand import OPTIMAL, SecondOrder
+from tumble.solving.gain_record import Record, record_of
+from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, paper_slots, standard_deviations
+from tumble.stand import SecondOrder
 
 
 @dataclass(frozen=True)

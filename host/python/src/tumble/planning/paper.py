@@ -10,7 +10,6 @@ import numpy as np
 
 from tumble.planning import weights
 from tumble.planning.case import Case
-from tumble.planning.gains import linear_gains, linearise
 from tumble.planning.published import (
     EQUATION_6_PPM,
     EQUATION_18,
@@ -30,6 +29,7 @@ from tumble.planning.published import (
 )
 from tumble.planning.require import Requirements, requirements
 from tumble.planning.requirement_report import printed as evaluate_printed
+from tumble.solving.gains import linear_gains, linearise
 
 # Misalignments that no two formulas confuse: K_ij/K_ii off the diagonal.
 AUDIT_K = 2.0 * np.array([[1.0, 0.020, 0.016], [0.014, 1.0, 0.018], [0.012, 0.010, 1.0]])

@@ -14,13 +14,13 @@ from itertools import product
 
 import numpy as np
 
-from tumble.core_averaging import MAX_SAMPLES
+from tumble.core.averaging import MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.planning import weights
 from tumble.planning.case import Case
-from tumble.planning.gains import linearise
 from tumble.planning.published import NAMES, SOURCES
 from tumble.reference.estimators import paper_slots
+from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
 
 ROWS = ("K_xx", "K_yy", "K_zz", "a0_x", "a0_y", "a0_z", "noise")

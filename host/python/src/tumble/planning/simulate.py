@@ -6,7 +6,7 @@ import numpy as np
 
 from tumble import reference
 from tumble.planning.case import Case
-from tumble.planning.gains import mean_sigma, shared_sigmas
+from tumble.solving.gains import mean_sigma, shared_sigmas
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 

@@ -11,12 +11,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tumble import core, weighted
-from tumble.core_optimal import GainRecord, estimate_runs, optimal_runs
+from tumble import core
+from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
+from tumble.estimators import LINEAR
 from tumble.planning.case import Case
-from tumble.planning.gains import (
-    LINEAR,
+from tumble.planning.simulate import U0_V, position_means
+from tumble.solving import optimal_run
+from tumble.solving.gain_record import record_of, to_bytes
+from tumble.solving.gains import (
     gains,
     linearise,
     mean_sigma,
@@ -25,8 +28,6 @@ from tumble.planning.gains import (
     shared_sigmas,
     standard_deviations,
 )
-from tumble.planning.record import record_of, to_bytes
-from tumble.planning.simulate import U0_V, position_means
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
@@ -149,11 +150,11 @@ def _stated(case: Case, weights: np.ndarray) -> Callable[[np.ndarray], np.ndarra
 def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """As a solve: weights for each run's own K."""
     all_measured, lone = np.ones(len(schedule), dtype=bool), np.ones(len(schedule), dtype=int)
-    weighting = weighted.Weighting(case.stand, lone, case.step_v)
+    weighting = optimal_run.Weighting(case.stand, lone, case.step_v)
     found, u = np.empty((2, len(means), 12))
     for index, run in enumerate(means):
-        table = weighted.make_table(schedule, run, all_measured, weighting)
-        estimate = weighted.apply_table(table, schedule, run)
+        table = optimal_run.make_table(schedule, run, all_measured, weighting)
+        estimate = optimal_run.apply_table(table, schedule, run)
         found[index] = np.concatenate([estimate.k.ravel(), estimate.u0])
         u[index] = optimal_table(case.fitted, estimate.k, case.stand, case.step_v).u
     return found, u

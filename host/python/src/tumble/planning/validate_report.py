@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from tumble.estimators import COEFFICIENTS
 from tumble.planning import tables
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.gains import COEFFICIENTS
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
 from tumble.planning.verdict import CHANCE_SIGMAS, COVERAGE_LIMITS, Judged, bias_limit, tolerance
 

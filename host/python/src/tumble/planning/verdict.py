@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.planning.gains import COEFFICIENTS
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
-from tumble.stand import OPTIMAL
 
 CHANCE_SIGMAS = 4.0  # room for chance; about 300 figures are judged, and 1 in 16,000 lies further out
 LARGEST_BIAS_U = 0.2

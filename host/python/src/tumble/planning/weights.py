@@ -12,10 +12,11 @@ from itertools import product
 import numpy as np
 
 from tumble.errors import UsageError
+from tumble.estimators import PAPER
 from tumble.planning.case import Case
-from tumble.planning.gains import Linearised, gains, linearise
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
 from tumble.reference.estimators import paper_slots
+from tumble.solving.gains import Linearised, gains, linearise
 from tumble.stand import COMMON
 
 WORST = "worst"
@@ -74,7 +75,7 @@ def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
 
     Raises UsageError for an estimator that the paper does not have.
     """
-    if estimator not in ("averaged", "refined"):
+    if estimator not in PAPER:
         raise UsageError(f"--weights published: the paper has averaged and refined, not {estimator}")
     rows = {name: list(formulas) for name, formulas in TABLE_1.items()}
     for (name, source), formula in TABLE_1_CORRECTED.items():

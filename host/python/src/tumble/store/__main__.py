@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from tumble.errors import TumbleError, UsageError
-from tumble.files import read_bytes
+from tumble.files.disk import read_bytes
 from tumble.store.image import MIN_SECTOR, describe, read_image
 
 

@@ -1,0 +1,224 @@
+"""`tumble bench`: the firmware calibrates a block on a simulated stand; numpy confirms; the truth stands beside it."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+
+from tumble.cli import options
+from tumble.errors import (
+    EXIT_LIMITS_FAILED,
+    EXIT_PASS,
+    BadInput,
+    BenchFault,
+    Interrupted,
+    UsageError,
+    file_name,
+    quoted,
+)
+from tumble.estimators import OPTIMAL
+from tumble.messages import on_terminal, tell
+
+# This machine may hold user-mode Linux up for half a second: no fault of the stand.
+_UML_HEARTBEAT_TIMEOUT_MS = 3000
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "bench",
+        help="calibrate on a simulated stand: the firmware itself, in virtual time",
+        description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
+        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
+        " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
+        " check failed, 2 bad input, 3 fault, or firmware and numpy disagree, 77 the bus is not to be had here,"
+        " 130 interrupted, the table stopped.",
+    )
+    options.add_seed(parser, "; replays a run exactly")
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
+    parser.add_argument("--block", metavar="FILE", help="file of [block] and [block.true]; overrides the stand's")
+    options.add_schedule(parser)
+    parser.add_argument("--samples", metavar="N", help="averaged at a position; default: the stand file's, else 50")
+    parser.add_argument(
+        "--error-budget",
+        metavar="V",
+        help="average at a position only until the standard error of every channel's mean is at most this; --samples"
+        " is then the most that may be taken",
+    )
+    options.add_estimator(parser)
+    parser.add_argument(
+        "--bus",
+        metavar="BUS",
+        default="inprocess",
+        help="inprocess: simulated, in virtual time; socketcan:IF: on this CAN interface, in real time; uml: likewise,"
+        " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
+    )
+    options.add_firmware(parser, "zcu102: on a real bus only, and not with --interactive; ")
+    parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
+    options.add_limit(parser)
+    parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
+    options.add_json(parser)
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
+    from tumble.bench import board, folder, gains, outcome, realbus, setup
+    from tumble.cli.output import print_solution, warn
+
+    bus = realbus.require_bus(arguments.bus)
+    if arguments.firmware == board.FIRMWARE and arguments.interactive:
+        raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
+    if arguments.firmware == board.FIRMWARE:
+        board.require_there(bus)
+    given = _read_files(arguments)
+    wanted, stand_file = _read_setup(arguments, given)
+    scenario = setup.scenario_text(wanted)
+    gain_record = gains.record(wanted) if wanted.estimator == OPTIMAL else None
+    path = folder.default_path(wanted.seed) if arguments.out is None else arguments.out
+    with folder.RunFolder(path, may_make_parent=folder.is_in_default_parent(path)) as made:
+        scenario_path = made.add_inputs(given, scenario, gain_record)
+        document = _simulate(arguments, wanted, scenario_path, made)
+        try:
+            outcome.require_done(document)
+            solution = outcome.confirm(document, made.stage, wanted)
+        except BenchFault:
+            made.keep(outcome.DOCUMENT, renamed="fault.json")
+            tell(f"run folder: {file_name(path)}")
+            raise
+        text = _result_text(solution, wanted, arguments, stand_file)
+        made.keep(outcome.DOCUMENT, result=text)
+    tell(f"run folder: {file_name(path)}")
+    warn(solution)
+    print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
+    return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
+
+
+def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
+    """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
+    from tumble.files.disk import read_bytes
+
+    given = (arguments.stand, arguments.block, arguments.schedule)
+    return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
+
+
+def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
+    """Everything that the files and options say: the setup, and the stand file or None."""
+    seed = options.parse_seed(arguments.seed)
+    limit_g = options.parse_limit(arguments.limit)
+
+    from dataclasses import replace
+
+    from tumble.bench import realbus
+    from tumble.bench.setup import Setup
+    from tumble.core.averaging import MAX_SAMPLES
+    from tumble.files.stand_file import read_block, read_stand
+    from tumble.stand import PAPER_STAND
+
+    samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
+    error_budget_v = _parse_budget(arguments.error_budget)
+    schedule = _read_schedule(arguments, given)
+    file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
+    stand = PAPER_STAND if file is None else file.stand
+    block, truth = (None, None) if file is None else (file.block, file.truth)
+    if arguments.block is not None:
+        block, truth = read_block(arguments.block, given[arguments.block])
+    if limit_g is None:
+        limit_g = options.DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+    samples = stand.samples if samples is None else samples
+    return Setup(
+        seed=seed,
+        stand=replace(stand, samples=samples),
+        block=block,
+        truth=truth,
+        motion=None if file is None else file.motion,
+        schedule=schedule,
+        samples=samples,
+        error_budget_v=error_budget_v,
+        heartbeat_timeout_ms=_UML_HEARTBEAT_TIMEOUT_MS if arguments.bus == realbus.UML else None,
+        estimator=arguments.estimator,
+        limit_g=limit_g,
+        stand_file=arguments.stand or "",
+        block_file=arguments.block or arguments.stand or "",
+    ), file
+
+
+def _parse_budget(text: str | None) -> float:
+    """The value of --error-budget, V; 0 without one. Raises UsageError."""
+    if text is None:
+        return 0.0
+    budget = options.parse_number(text)
+    if not 0.0 < budget < 1e9:
+        raise UsageError(f"--error-budget: {quoted(text)} is not a number of volts above 0")
+    return budget
+
+
+def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
+    """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files.schedule_file import read_schedule
+
+    if arguments.schedule is None:
+        return CoreSchedule(paper_schedule())
+    return read_schedule(arguments.schedule, given[arguments.schedule], arguments.estimator)
+
+
+def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
+    """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
+    from tumble.bench import board, folder, outcome, program, realbus
+
+    words = [str(scenario_path), "--seed", str(wanted.seed), "--out", str(made.stage / "bench")]
+    if wanted.estimator == OPTIMAL:
+        words += ["--gain-record", str(scenario_path.with_name(folder.GAINS))]
+    with _progress(wanted.schedule.data, arguments.interactive) as progress:
+        if arguments.bus == realbus.INPROCESS:
+            ended = program.run(words, progress, arguments.interactive)
+        elif arguments.firmware == board.FIRMWARE:
+            ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
+        else:
+            ended = realbus.run(
+                arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive
+            )
+    document = outcome.read_document(made.stage / "bench")
+    if ended.interrupted or ended.code == Interrupted.exit_code:
+        never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
+        at_rest = never_began or (document is not None and document["table"]["at_rest"])
+        raise Interrupted("interrupted; " + ("the table is at rest" if at_rest else "THE TABLE MAY STILL TURN"))
+    _require_written(ended, made)
+    complaint = ended.complaint.replace(str(scenario_path), "scenario")
+    if ended.code == BadInput.exit_code:
+        raise UsageError(f"this cannot be simulated: {complaint}")
+    if document is None:
+        raise BenchFault(f"tumble-bench failed ({ended.code}): {complaint or 'it says nothing'}")
+    for file in (made.stage / "bench").iterdir():
+        file.rename(made.stage / file.name)
+    (made.stage / "bench").rmdir()
+    return document
+
+
+def _require_written(ended, made) -> None:
+    """Raise BadInput if the program could not write what it had to."""
+    at_fault, _, why = ended.complaint.removeprefix("tumble-bench: ").partition(f"{made.stage / 'bench'}: ")
+    if ended.code == BadInput.exit_code and why and not at_fault:
+        raise BadInput(why, made.path)
+
+
+def _progress(schedule, interactive: bool):
+    if on_terminal():
+        from tumble.bench.live import LiveProgress
+
+        return LiveProgress(schedule, interactive)
+    from tumble.bench.progress import Progress
+
+    return Progress(schedule, interactive)
+
+
+def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) -> str:
+    from tumble.files.documents import to_json
+    from tumble.solving import result
+
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
+    serial = None if wanted.block is None else wanted.block.get("serial")
+    document = result.document(solution, item, environment, serial, "run.csv")
+    origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
+    return to_json({**document, **origin, "truth": result.truth(solution.truth)})

@@ -1,0 +1,178 @@
+"""`tumble fixture check`: is the stand what its file declares, and good enough?"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+
+from tumble.cli.options import (
+    DEFAULT_LIMIT_G,
+    add_estimator,
+    add_limit,
+    add_schedule,
+    add_subjects,
+    parse_limit,
+    parse_number,
+)
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
+
+LEVELLED = ("once", "anew")
+AGAINST = ("declared", "needed")
+DEFAULT_CONFIDENCE = 0.95
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    subjects = add_subjects(subparsers, "fixture", "judge a stand by the runs made on it")
+    parser = subjects.add_parser(
+        "check",
+        help="runs against a stand file and an acceptance limit",
+        description="What the runs show of every source of error, against what the stand file declares and what the"
+        " limit of the gravity check needs. Several runs of one block are combined into one result.",
+        epilog="Exit codes: 0 pass, 1 a limit is exceeded, 2 bad input, 3 core and numpy disagree, 130 interrupted.",
+    )
+    parser.add_argument("--stand", metavar="FILE", required=True, help="stand file (TOML)")
+    parser.add_argument("runs", metavar="RUN.csv", nargs="+", help="run files with columns mounting,position,ux,uy,uz")
+    add_schedule(parser)
+    add_estimator(parser)
+    add_limit(parser)
+    parser.add_argument(
+        "--against",
+        choices=AGAINST,
+        default="declared",
+        help="which limits decide: the stand file's (default), or the needed ones",
+    )
+    parser.add_argument(
+        "--levelled",
+        choices=LEVELLED,
+        help="was the stand levelled once for all these runs, or anew before each? default: as their axis tilts show",
+    )
+    parser.add_argument("--confidence", metavar="P", help="of all verdicts together, 0.5 to 0.9999; default: 0.95")
+    parser.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.fixture/1")
+    parser.set_defaults(run_command=check)
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Check and print. Returns the exit code; raises TumbleError."""
+    limit_g = parse_limit(arguments.limit)
+    confidence = DEFAULT_CONFIDENCE if arguments.confidence is None else _parse_confidence(arguments.confidence)
+    _refuse_repetition(arguments.runs)
+
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files.documents import to_json
+    from tumble.files.schedule_file import read_schedule
+    from tumble.files.stand_file import read_stand
+    from tumble.fixture import report
+    from tumble.fixture.judge import Judge, Limits
+
+    stand_file = read_stand(arguments.stand)
+    schedule = None
+    if arguments.schedule is not None:
+        schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
+    limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
+    views = _views(arguments, stand_file, schedule, limit_g)
+    mountings = len((schedule or CoreSchedule(paper_schedule())).data.fitted_mountings)
+    once, combined = _combined(arguments, views, confidence, stand_file.step_v)
+    judge = Judge(views, confidence, once)
+    needed = _needed(arguments, stand_file, schedule, limit_g, mountings)
+    outcome = report.Outcome(
+        stand=stand_file.stand,
+        views=views,
+        judged=judge.judge(Limits.declared(stand_file.stand, mountings)),
+        needed=needed,
+        needs=None if needed is None else judge.judge_need(needed),
+        against=arguments.against,
+        limit_g=limit_g,
+        confidence=confidence,
+        levelled="once" if once else "anew",
+        combined=combined,
+    )
+    text = to_json(report.document(outcome)) if arguments.json else report.render(outcome)
+    sys.stdout.write(text)
+    return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
+
+
+def _parse_confidence(text: str) -> float:
+    confidence = parse_number(text)
+    if not 0.5 <= confidence <= 0.9999:
+        raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.9999")
+    return confidence
+
+
+def _refuse_repetition(runs: list[str]) -> None:
+    """A run given twice would count as two."""
+    seen: set[str] = set()
+    for run in runs:
+        path = os.path.realpath(run)
+        if path in seen:
+            raise UsageError(f"the run {quoted(run)} is given twice")
+        seen.add(path)
+
+
+def _combined(arguments: argparse.Namespace, views: list, confidence: float, step_v: float):
+    """Was the stand levelled once for all runs, and several runs in one: None of one run.
+
+    Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
+    of the table angle, which no run shows by itself, must then have moved.
+    """
+    from tumble.fixture.combination import combine
+    from tumble.fixture.judge import levelled_once
+
+    def combined(once: bool):
+        return combine([view.solution for view in views], once, confidence, step_v)
+
+    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
+    if len(views) == 1:
+        return once, None
+    found = combined(once)
+    if arguments.levelled is None and once and not found.consistent:
+        anew = combined(False)
+        return (False, anew) if anew.consistent else (once, found)
+    return once, found
+
+
+def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) -> list:
+    """Every run, solved and looked at. Raises TumbleError."""
+    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files.run_file import read_run
+    from tumble.fixture.judge import RunView
+    from tumble.solving.solution import solve
+
+    core_schedule = schedule or CoreSchedule(paper_schedule())
+    views = []
+    for file in arguments.runs:
+        run = read_run(file, core_schedule.data)
+        if views and run.unit != views[0].solution.run.unit:
+            raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
+        solution = solve(run, schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
+        views.append(RunView.of(solution, core_schedule, file))
+    return views
+
+
+def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float, mountings: int):
+    """What the acceptance limit needs of the stand; None where the stand file does not describe the block,
+    or nothing can be said.
+
+    Raises BadInput, UsageError where that is what the verdict should go by.
+    """
+    if stand_file.block is None:
+        if arguments.against == "needed":
+            raise BadInput("no table [block]: what a limit needs depends on the block", arguments.stand)
+        return None
+    import numpy as np
+
+    from tumble.fixture.judge import Limits
+    from tumble.planning.case import Case
+    from tumble.planning.require import allowed
+
+    case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
+    try:
+        found = allowed(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+    except UsageError:
+        if arguments.against == "needed":
+            raise
+        return None
+    found[4] *= math.sqrt(stand_file.stand.samples)
+    return Limits.needed(found, stand_file.stand.remounting, mountings)

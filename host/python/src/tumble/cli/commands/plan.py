@@ -1,0 +1,21 @@
+"""`tumble plan ...`: what a stand is worth, before anything is measured on it."""
+
+from __future__ import annotations
+
+from tumble.cli.commands import plan_budget, plan_optimize, plan_paper, plan_require, plan_validate
+from tumble.cli.options import add_subjects
+
+# each is a module with add_to(subparsers), as a command is
+_SUBJECTS = (plan_budget, plan_require, plan_optimize, plan_validate, plan_paper)
+
+
+def add_to(subparsers) -> None:
+    """Describe the command and its subjects to argparse."""
+    subjects = add_subjects(
+        subparsers,
+        "plan",
+        "what a stand is worth before a run: error budget, requirements, optimal weights",
+        "What a stand is worth, before anything is measured on it.",
+    )
+    for subject in _SUBJECTS:
+        subject.add_to(subjects)

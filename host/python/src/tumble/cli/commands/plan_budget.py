@@ -1,0 +1,58 @@
+"""`tumble plan budget`: what a stand leaves of the accuracy of every coefficient."""
+
+from __future__ import annotations
+
+import argparse
+
+from tumble.cli.commands.plan_options import add_case_options, add_subject, add_weights_option, read_case, write_json
+from tumble.errors import EXIT_PASS
+
+
+def add_to(subparsers) -> None:
+    """Describe the subject to argparse."""
+    parser = add_subject(
+        subparsers,
+        "budget",
+        run,
+        help="error budget: five contributions to every coefficient, and their sum",
+        description="Error budget: what each source of error of a stand contributes to every coefficient.",
+    )
+    add_case_options(parser)
+    add_weights_option(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute and print. Raises TumbleError."""
+    case = read_case(arguments)
+    from tumble.planning.budget import budget, document
+
+    found = budget(case, arguments.weights, arguments.estimator)
+    if arguments.json:
+        write_json(document(found, case))
+    else:
+        _show(found, case)
+    return EXIT_PASS
+
+
+def _show(found, case) -> None:
+    from tumble.planning import tables
+    from tumble.planning.budget import numbers_are
+    from tumble.planning.published import NAMES
+
+    out = tables.console()
+    out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
+    out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
+    out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
+    units = ("size", "rad", "rad", "rad", "rad", "V, mean", "")
+    sizes = ("", *(tables.number(size) for size in found.sizes), "")
+    rows = [units, sizes]
+    for index, name in enumerate(NAMES):
+        unit = "ug" if name.startswith("a0") else "ppm"
+        cells = [tables.number(1e6 * value) for value in (*found.terms[index], found.total[index])]
+        rows.append((f"{name}, {unit}", *cells))
+    out.print(tables.table(("", "alpha1", "alpha2", "alpha3", "alpha4", "noise", "all"), rows))
+    out.print("alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles")
+    if found.second_order.matters:
+        for shift in found.second_order.shifts:
+            out.print(f"Beware: {shift}", style="yellow")
+        out.print("That is a bias of the scale factors, and in no column above", style="yellow")

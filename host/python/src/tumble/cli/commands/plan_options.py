@@ -1,0 +1,74 @@
+"""What the subjects of `tumble plan` have in common: their options, and how these become a case to plan for."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+from tumble.cli.options import add_estimator, add_schedule, parse_number
+from tumble.errors import UsageError, quoted
+
+PUBLISHED = "published"
+DERIVED = "derived"
+EXIT_CODES = "Exit codes: 0 done, 2 bad input, 130 interrupted."
+
+
+def add_subject(subparsers, name: str, run, **texts: str) -> argparse.ArgumentParser:
+    """A subject's parser, with the options that all have."""
+    parser = subparsers.add_parser(name, **{"epilog": EXIT_CODES, **texts})
+    parser.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.plan/1")
+    parser.set_defaults(run_command=run)
+    return parser
+
+
+def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
+    """--stand, --schedule, and --estimator if there is a choice of one."""
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    add_schedule(parser)
+    if choose_estimator:
+        add_estimator(parser)
+
+
+def add_weights_option(parser: argparse.ArgumentParser) -> None:
+    """--weights."""
+    parser.add_argument(
+        "--weights",
+        choices=(PUBLISHED, DERIVED),
+        default=DERIVED,
+        help="derived: the estimator's own, on the exact geometry (default); published: the paper's Tables 1 and 4",
+    )
+
+
+def read_case(arguments: argparse.Namespace):
+    """The planning.case.Case that the options describe. Raises TumbleError."""
+    from tumble.planning.case import Case
+
+    stand_file = schedule = None
+    if arguments.stand is not None:
+        from tumble.files.stand_file import read_stand
+
+        stand_file = read_stand(arguments.stand)
+    if arguments.schedule is not None:
+        from tumble.files.schedule_file import read_schedule
+
+        derived = getattr(arguments, "weights", DERIVED) == DERIVED
+        estimator = getattr(arguments, "estimator", None) if derived else None
+        schedule = read_schedule(arguments.schedule, estimator=estimator).data
+    return Case.of(stand_file, arguments.stand, schedule)
+
+
+def parse_positive(text: str, option: str) -> float:
+    """A finite number above 0. Raises UsageError."""
+    value = parse_number(text)
+    if not 0.0 < value < math.inf:
+        raise UsageError(f"{option}: {quoted(text)} is not a number above 0")
+    return value
+
+
+def write_json(document: dict) -> None:
+    """Print a plan as JSON."""
+    import sys
+
+    from tumble.files.documents import to_json
+
+    sys.stdout.write(to_json(document))

@@ -1,0 +1,30 @@
+"""`tumble plan paper`: the paper's tables and formulas computed again, side by side with what is printed."""
+
+from __future__ import annotations
+
+import argparse
+
+from tumble.cli.commands.plan_options import add_subject, write_json
+from tumble.errors import EXIT_PASS
+
+
+def add_to(subparsers) -> None:
+    """Describe the subject to argparse."""
+    add_subject(
+        subparsers,
+        "paper",
+        run,
+        help="the paper, audited: its tables and formulas beside what they should be",
+        description="Tables 1 to 5 and formulas (6), (18) and (19) of the paper, computed again and compared.",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute and print."""
+    from tumble.planning.paper_report import document, show
+
+    if arguments.json:
+        write_json(document())
+    else:
+        show()
+    return EXIT_PASS

@@ -1,0 +1,76 @@
+"""`tumble plan require`: how good the stand must be for a limit of the gravity check."""
+
+from __future__ import annotations
+
+import argparse
+
+from tumble.cli.commands.plan_options import (
+    add_case_options,
+    add_subject,
+    add_weights_option,
+    parse_positive,
+    read_case,
+    write_json,
+)
+from tumble.cli.options import add_limit, parse_limit
+from tumble.errors import EXIT_PASS, UsageError, quoted
+
+
+def add_to(subparsers) -> None:
+    """Describe the subject to argparse."""
+    parser = add_subject(
+        subparsers,
+        "require",
+        run,
+        help="requirements: how bad each source may be for a limit of the gravity check",
+        description="Requirements: how bad each source of error of a stand may be for a limit of the gravity check.",
+    )
+    add_case_options(parser)
+    add_weights_option(parser)
+    add_limit(parser)
+    parser.add_argument(
+        "--split",
+        metavar="SOURCE=PART,...",
+        help="how alpha1, alpha2, alpha3, alpha4 and noise share a row, as parts of its square; default: 1 each",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute and print. Raises TumbleError."""
+    limit_g = parse_limit(arguments.limit)
+    case = read_case(arguments)
+    limit_g = case.limit_g if limit_g is None else limit_g
+    split = _split(arguments.split)
+
+    from tumble.planning.headroom import headroom, margins
+    from tumble.planning.require import requirements
+    from tumble.planning.requirement_report import document, show
+
+    found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
+    room = headroom(case, arguments.weights, arguments.estimator, limit_g)
+    of_all = margins(case, limit_g) if arguments.weights == "derived" else {arguments.estimator: room.margin}
+    plan = document(found, room, of_all, case, arguments.weights, arguments.estimator, limit_g, split)
+    if arguments.json:
+        write_json(plan)
+    else:
+        show(plan, case)
+    return EXIT_PASS
+
+
+def _split(text: str | None):
+    """Parts by source, in the order of SOURCES."""
+    import numpy as np
+
+    from tumble.planning.published import SOURCES
+
+    parts = dict.fromkeys(SOURCES, 1.0)
+    given = [] if text is None else text.split(",")
+    named = [item.partition("=")[0].strip() for item in given]
+    for item in given:
+        source, equals, part = item.partition("=")
+        if not equals or source.strip() not in parts:
+            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(SOURCES)}")
+        if named.count(source.strip()) > 1:
+            raise UsageError(f"--split: {source.strip()} is given twice")
+        parts[source.strip()] = parse_positive(part.strip(), "--split")
+    return np.array(list(parts.values()))

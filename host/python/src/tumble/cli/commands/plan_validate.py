@@ -1,0 +1,92 @@
+"""`tumble plan validate`: do thousands of simulated runs turn out as accurate as they claim to be?"""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import contextmanager
+
+from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
+from tumble.cli.options import add_seed, parse_seed, parse_whole
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
+from tumble.estimators import ESTIMATORS
+from tumble.messages import on_terminal
+
+DEFAULT_RUNS = 20_000
+FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
+
+
+def add_to(subparsers) -> None:
+    """Describe the subject to argparse."""
+    parser = add_subject(
+        subparsers,
+        "validate",
+        run,
+        help="Monte Carlo: thousands of simulated runs against what they claim",
+        description="Monte Carlo: the firmware's estimators on simulated runs of the exact geometry. Bias, spread,"
+        " coverage of the stated intervals, efficiency against the least possible spread.",
+        epilog="Exit codes: 0 every figure within its limits, 1 not so, 2 bad input, 130 interrupted.",
+    )
+    add_case_options(parser, choose_estimator=False)
+    parser.add_argument(
+        "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of the four; default: all that the schedule allows"
+    )
+    least = f"{FEWEST_RUNS} or more; "
+    parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"{least}default: {DEFAULT_RUNS}")
+    add_seed(parser)
+    parser.add_argument(
+        "--table",
+        choices=("known", "run"),
+        default="known",
+        help="optimal weights: for the block's known K (default), or made anew for each run, as solve does",
+    )
+    parser.add_argument("--plot", metavar="FILE.svg", help="also draw histograms of error over stated uncertainty")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate, judge, print. Returns the exit code; raises TumbleError."""
+    runs = parse_whole(arguments.runs, "--runs", FEWEST_RUNS, MOST_RUNS)
+    seed = parse_seed(arguments.seed)
+    if arguments.plot is not None and not arguments.plot.endswith(".svg"):
+        raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
+    case = read_case(arguments)
+
+    from tumble.files.disk import refuse_overwriting, write_text
+    from tumble.planning import validate_report
+    from tumble.planning.histograms import render
+    from tumble.planning.validate import validate
+    from tumble.planning.verdict import judge
+
+    refuse_overwriting(arguments.plot, arguments.stand, arguments.schedule, option="--plot")
+    with _progress(runs) as progress:
+        found = validate(case, _estimators(arguments, case), runs, seed, arguments.table, progress)
+    judged = [(one, judge(one)) for one in found]
+    if arguments.plot is not None:
+        write_text(arguments.plot, render(found, f"{case.stand.name}: error over stated u, {runs} runs"))
+    if arguments.json:
+        write_json(validate_report.document(case, judged, seed, arguments.table))
+    else:
+        validate_report.show(case, judged, seed)
+    return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
+
+
+def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
+    """The one asked for, or all that the schedule allows."""
+    from tumble.solving.gains import paper_slots
+
+    if arguments.estimator is not None:
+        return (arguments.estimator,)
+    return ESTIMATORS if paper_slots(case.fitted) is not None else ("least_squares", "optimal")
+
+
+@contextmanager
+def _progress(runs: int):
+    """A function that is told of runs done; on a terminal it moves a bar."""
+    if not on_terminal():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("simulating", total=runs)
+        yield lambda done: bar.advance(task, done)

@@ -1,0 +1,60 @@
+"""`tumble replay`: a recorded bus log through the firmware again, here or on the emulated board; same bits."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from tumble.cli.options import add_firmware, add_json
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
+from tumble.estimators import COEFFICIENTS
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "replay",
+        help="a recorded bus log through the firmware again, here or on the emulated board",
+        description="Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
+        " what it sends: the coefficients come out with the same bits as in the run, on every processor.",
+        epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
+        " emulator is not there, 130 interrupted.",
+    )
+    parser.add_argument("log", metavar="BUS.log", help="as candump -L writes it; of a run folder or of any interface")
+    add_firmware(parser)
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="of the recorded run; default: inputs/scenario.txt beside the log, else the paper's stand",
+    )
+    add_json(parser)
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Replay, print. Returns the exit code; raises TumbleError."""
+    import json
+
+    from tumble.bench import replay
+
+    scenario = arguments.scenario or replay.default_scenario(arguments.log)
+    document = replay.replay(arguments.log, scenario, arguments.firmware)
+    if document["K"] is None:
+        state, reason = document["state"], document["reason"]
+        raise BenchFault(f"{document['log']}: the firmware comes to no result in this log ({state}, {reason})")
+    if arguments.json:
+        print(json.dumps(document, allow_nan=False))
+    else:
+        _print(document)
+    return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
+
+
+def _print(document) -> None:
+    verdict = "passes" if document["pass"] else "FAILS"
+    counters = document["counters"]
+    print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
+    print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
+    numbers = [*sum(document["K"], []), *document["U0"]]
+    for name, number, bits in zip(COEFFICIENTS, numbers, document["bits"], strict=True):
+        print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
+    sys.stdout.flush()

@@ -1,0 +1,36 @@
+"""`tumble store dump`: what an image of a navigation computer's non-volatile memory holds."""
+
+from __future__ import annotations
+
+import argparse
+
+from tumble.cli.options import add_subjects, parse_whole
+from tumble.errors import EXIT_PASS
+
+_LARGEST_SECTOR = 1 << 24
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    subjects = add_subjects(subparsers, "store", "look into the non-volatile memory of a navigation computer")
+    parser = subjects.add_parser(
+        "dump",
+        help="what an image of the memory holds",
+        description="Which set of coefficients is active, what else an image of the memory holds, and what is torn.",
+        epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
+    )
+    parser.add_argument("image", metavar="IMAGE", help="the memory's bytes from its first sector on")
+    parser.add_argument("--sector", metavar="BYTES", help="size of a sector; default: 4096, the least")
+    parser.set_defaults(run_command=dump)
+
+
+def dump(arguments: argparse.Namespace) -> int:
+    """Read and print. Returns the exit code; raises TumbleError."""
+    from tumble.files.disk import read_bytes
+    from tumble.store.image import MIN_SECTOR, describe, read_image
+
+    sector = MIN_SECTOR
+    if arguments.sector is not None:
+        sector = parse_whole(arguments.sector, "--sector", MIN_SECTOR, _LARGEST_SECTOR)
+    print("\n".join(describe(read_image(read_bytes(arguments.image), sector, arguments.image))))
+    return EXIT_PASS

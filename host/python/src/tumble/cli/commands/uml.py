@@ -1,0 +1,29 @@
+"""`tumble uml`: any command on a machine whose kernel has no CAN, with vcan0."""
+
+from __future__ import annotations
+
+import argparse
+
+
+def add_to(subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "uml",
+        usage="%(prog)s [-h] [-- COMMAND ...]",
+        help="run any command inside user-mode Linux, with a CAN interface vcan0",
+        description="Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
+        " write in the directory it is called in, in the checkout, and in a TMPDIR that is gone afterwards; it has no"
+        " other network than vcan0 and 127.0.0.1. All that it started ends with it.",
+        epilog="Exit codes: the command's; 3 user-mode Linux does not start or hangs, 77 it is not installed, 130"
+        " interrupted.",
+    )
+    parser.add_argument("words", metavar="COMMAND ...", nargs=argparse.REMAINDER, help="default: a shell")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run it. Returns its exit code; raises TumbleError."""
+    from tumble.bench import uml_command
+
+    words = arguments.words
+    return uml_command.run(words[1:] if words[:1] == ["--"] else words)

@@ -1,0 +1,91 @@
+"""What several commands have in common: their options, and how the words given become values."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+
+from tumble.errors import UsageError, quoted
+from tumble.estimators import ESTIMATORS
+
+FIRMWARES = ("host", "zcu102")
+DEFAULT_LIMIT_G = 3e-4
+LARGEST_SEED = 2**64 - 1
+
+
+def add_subjects(subparsers, name: str, about: str, description: str = ""):
+    """A command that is nothing without a subject. Returns the subparsers of these. `description`: if it is not what
+    `about` says."""
+    said = description or f"{about[0].upper()}{about[1:]}."
+    parser = subparsers.add_parser(name, help=about, description=said)
+    return parser.add_subparsers(metavar="SUBJECT", required=True)
+
+
+def add_schedule(parser: argparse.ArgumentParser) -> None:
+    """--schedule."""
+    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+
+
+def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
+    """--estimator."""
+    parser.add_argument(
+        "--estimator",
+        choices=ESTIMATORS,
+        default="refined",
+        metavar="NAME",
+        help=f"averaged, refined, least_squares or optimal; default: refined{remark}",
+    )
+
+
+def add_limit(parser: argparse.ArgumentParser) -> None:
+    """--limit."""
+    parser.add_argument(
+        "--limit",
+        metavar="G",
+        help=f"limit of the gravity check in g; default: the stand file's, else {DEFAULT_LIMIT_G:g}",
+    )
+
+
+def add_firmware(parser: argparse.ArgumentParser, remark: str = "") -> None:
+    """--firmware."""
+    parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"{remark}default: {FIRMWARES[0]}")
+
+
+def add_seed(parser: argparse.ArgumentParser, remark: str = "") -> None:
+    """--seed."""
+    parser.add_argument("--seed", metavar="N", default="1", help=f"0 to 2^64 - 1{remark}; default: 1")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """--json, of a command that gives a result."""
+    parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+
+
+def parse_limit(text: str | None) -> float | None:
+    """The value of --limit, g; None without one. Raises UsageError."""
+    if text is None:
+        return None
+    limit_g = parse_number(text)
+    if not 0.0 < limit_g <= 1.0:
+        raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
+    return limit_g
+
+
+def parse_seed(text: str) -> int:
+    """The value of --seed. Raises UsageError."""
+    return parse_whole(text, "--seed", 0, LARGEST_SEED)
+
+
+def parse_whole(text: str, option: str, low: int, high: int) -> int:
+    """The value of an option, a whole number of a range. Raises UsageError."""
+    if re.fullmatch(r"[0-9]{1,20}", text, re.ASCII) and low <= int(text) <= high:
+        return int(text)
+    raise UsageError(f"{option}: {quoted(text)} is not a whole number from {low} to {high}")
+
+
+def parse_number(text: str) -> float:
+    """A number as run files have it, not a number where it is none: outside every range."""
+    from tumble.files.run_layout import NUMBER
+
+    return float(text) if NUMBER.fullmatch(text) else math.nan

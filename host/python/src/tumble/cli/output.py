@@ -1,0 +1,71 @@
+"""What a command says of a solution: warnings on stderr, and the solution as JSON, on a terminal, or as plain ASCII."""
+
+from __future__ import annotations
+
+import sys
+
+from tumble.cli import presentation
+from tumble.cli.presentation import BAR_WIDTH, GravityBar
+from tumble.fixture.stand_doubts import complaint
+from tumble.messages import tell
+from tumble.solving.solution import Solution
+from tumble.units import noise_unit
+
+_NOTABLE_MISFIT = 2.0
+
+
+def warn(solution: Solution) -> None:
+    """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
+    unit = solution.run.unit
+    if solution.stand is not None and noise_unit(unit) != "V":
+        noise = f"noise_v of the stand file, {solution.stand.noise:g}"
+        tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
+    for shift in [] if solution.second_order is None else solution.second_order.shifts:
+        tell(f"tumble: warning: {shift}")
+    if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
+        tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
+    doubt = complaint(solution)
+    if doubt is not None:
+        tell(f"tumble: warning: {doubt}; the uncertainties are too small")
+
+
+def print_solution(solution: Solution, json_text: str | None, title: str) -> None:
+    """As JSON, or for people: with rich on a terminal. `title`: what was solved."""
+    if json_text is not None:
+        sys.stdout.write(json_text)
+    elif sys.stdout.isatty():
+        from tumble.cli.terminal import show
+
+        show(solution, title)
+    else:
+        sys.stdout.write(_plain_text(solution, title))
+
+
+def _plain_text(solution: Solution, file: str) -> str:
+    """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
+    lines = [presentation.title(solution, file), ""]
+    lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
+    lines += ([presentation.HINT] if solution.u_k is None else []) + [""]
+    lines += [presentation.gravity_title(solution)]
+    lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
+    lines += [*presentation.remarks(solution), "", *presentation.beware(solution), presentation.verdict(solution)]
+    return "\n".join(lines) + "\n"
+
+
+def _table(rows: list[tuple[str, ...]]) -> list[str]:
+    """Columns as wide as need be, the first and the unit to the left, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return [
+        "  ".join(
+            cell.ljust(width) if column in (0, 2) else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def _bar(bar: GravityBar) -> str:
+    cells = list(("#" * bar.filled).ljust(BAR_WIDTH))
+    cells.insert(bar.limit, "|")
+    verdict = "  over" if bar.exceeds else ""
+    return f"{bar.label:>6}  {bar.use:<5}  {bar.delta_g}  {''.join(cells)}{verdict}".rstrip()

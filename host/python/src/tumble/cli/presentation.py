@@ -1,0 +1,201 @@
+"""What a person is told about a solution: the words and figures, whatever they are printed with."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.estimators import PAPER
+from tumble.fixture import stand_doubts
+from tumble.fixture.judge import SYSTEMATIC, Limits
+from tumble.schedule import CHECK
+from tumble.solving.solution import Solution
+from tumble.solving.stand_seen import NAMES
+from tumble.units import noise_unit, per_g, volts_per
+
+_HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+_HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
+HINT = "For uncertainties, describe the stand: --stand FILE"
+BAR_WIDTH = 36
+_UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class GravityBar:
+    """One position of the gravity check: `filled` of BAR_WIDTH cells, the limit standing in cell `limit`."""
+
+    label: str
+    use: str
+    delta_g: str
+    filled: int
+    limit: int
+    exceeds: bool
+
+
+def title(solution: Solution, file: str) -> str:
+    """What was solved, and how."""
+    counters = solution.run.counters
+    positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
+    return f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}"
+
+
+def coefficient_headings(solution: Solution) -> tuple[str, ...]:
+    """One for each column of `coefficient_rows`."""
+    return _HEADINGS if solution.truth is None else _HEADINGS_WITH_TRUTH
+
+
+def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
+    """The twelve coefficients: name, value, unit, standard uncertainty, the same relative, difference from numpy; of a
+    simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
+
+    An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
+    angle that it is, in urad, of U0 in ug.
+    """
+    unit, rows = solution.run.unit, []
+    errors = None if solution.truth is None else _errors_over_u(solution)
+    decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
+    for i, channel in enumerate("xyz"):
+        for j, axis in enumerate("xyz"):
+            u = None if solution.u_k is None else solution.u_k[i, j]
+            relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
+            difference = _difference(solution.comparison.k[i, j])
+            value = f"{solution.found.k[i, j]:+.{decimals}f}"
+            known = () if solution.truth is None else _known(solution.truth.k[i, j], errors[0][i, j], decimals)
+            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
+    for i, channel in enumerate("xyz"):
+        u = None if solution.u_u0 is None else solution.u_u0[i]
+        relative = _ratio(u, solution.found.k[i, i], "ug  ")
+        difference = _difference(solution.comparison.u0[i])
+        value = f"{solution.found.u0[i]:+.{decimals}f}"
+        known = () if solution.truth is None else _known(solution.truth.u0[i], errors[1][i], decimals)
+        rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
+    return rows
+
+
+def _errors_over_u(solution: Solution) -> tuple[np.ndarray, np.ndarray]:
+    """Estimate less truth over the standard uncertainty: (3, 3) and (3,). A stand without errors leaves none: NaN."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        of_k = (solution.found.k - solution.truth.k) / solution.u_k
+        of_u0 = (solution.found.u0 - solution.truth.u0) / solution.u_u0
+    return np.where(solution.u_k > 0, of_k, np.nan), np.where(solution.u_u0 > 0, of_u0, np.nan)
+
+
+def _known(truth: float, error: float, decimals: int) -> tuple[str, str]:
+    return f"{truth:+.{decimals}f}", "-" if math.isnan(error) else f"{error:+.2f}"
+
+
+def _u(u: float | None) -> str:
+    return _UNKNOWN if u is None else f"{u:.1e}"
+
+
+def _difference(difference: float) -> str:
+    return "0" if difference == 0.0 else f"{difference:.0e}"
+
+
+def _ratio(u: float | None, of: float, millionths: str) -> str:
+    if u is None or of == 0.0:
+        return "-"
+    ratio = abs(u / of) * 1e6
+    if ratio >= 1e5:
+        return f"{ratio:.0e} {millionths}"
+    return f"{ratio:.0f} {millionths}" if ratio >= 100 else f"{ratio:.3g} {millionths}"
+
+
+def gravity_title(solution: Solution) -> str:
+    """What the bars show."""
+    return f"Gravity check: delta_g in g at every position; | marks the limit, {solution.limit_g:g} g"
+
+
+def gravity_bars(solution: Solution) -> list[GravityBar]:
+    """One bar for each measured position, to one scale: the limit, or the largest error if that is larger."""
+    full = max(float(np.nanmax(np.abs(solution.found.gravity.delta_g))), solution.limit_g) / BAR_WIDTH
+    bars = []
+    for position, delta_g in zip(solution.schedule.positions, solution.found.gravity.delta_g.tolist()):
+        if not math.isnan(delta_g):
+            filled = min(BAR_WIDTH, math.ceil(abs(delta_g) / full))
+            limit = min(BAR_WIDTH, math.ceil(solution.limit_g / full))
+            exceeds = abs(delta_g) > solution.limit_g
+            bars.append(GravityBar(position.label, position.use, f"{delta_g:+.2e}", filled, limit, exceeds))
+    return bars
+
+
+def remarks(solution: Solution) -> list[str]:
+    """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
+    unit = solution.run.unit
+    lines = _fit_and_check(solution)
+    lines += [] if solution.truth is None else _truth_remarks(solution)
+    lines += [
+        f"Closure of mounting {mounting}: {_three(difference)} {unit}"
+        for mounting, difference in solution.found.closure.items()
+    ]
+    if solution.found.residual_rms is not None:
+        yaw = " (yaw included)" if solution.found.estimator in PAPER else ""
+        lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
+    return lines + _stand_remarks(solution)
+
+
+def _stand_remarks(solution: Solution) -> list[str]:
+    """What the run shows of every source, and what is declared of it: standard deviations."""
+    seen, stand, unit = solution.stand_seen, solution.stand, solution.run.unit
+    told = {f"{name}_rad": angle for name, angle in seen.angles.items()}
+    told |= {"alpha4_rad": seen.alpha4, "noise_v": seen.noise}
+    mountings = len(solution.measured_schedule.fitted_mountings)
+    declared = {} if stand is None else Limits.declared(stand, mountings).sigma
+    lines = []
+    for source, one in told.items():
+        if one is not None:
+            its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
+            has_u = seen.source is not None or source not in SYSTEMATIC
+            measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
+            end = f", declared {declared[source]:.2e}" if source in declared else ""
+            begin = "" if lines else "Stand seen:"
+            lines.append(f"{begin:11} {NAMES[source]:11} {measured} {its_unit}{end}")
+    return lines
+
+
+def _truth_remarks(solution: Solution) -> list[str]:
+    errors, names = np.concatenate([part.ravel() for part in _errors_over_u(solution)]), coefficient_rows(solution)
+    if np.isnan(errors).all():
+        return []
+    worst = int(np.nanargmax(np.abs(errors)))
+    return [f"Largest error against the truth: {abs(errors[worst]):.2f} u, of {names[worst][0]}"]
+
+
+def _fit_and_check(solution: Solution) -> list[str]:
+    """The largest gravity errors apart, if the schedule has check positions: on fitted ones the check is optimistic."""
+    planned = [index for index, position in enumerate(solution.schedule.positions) if position.use == CHECK]
+    if not planned:
+        return []
+    measured = sum(int(solution.run.samples[index] > 0) for index in planned)
+    gravity = solution.found.gravity
+    largest = f"{gravity.max_abs_check:.2g} g" if measured else "unknown"
+    where = f"check positions {largest} ({measured} of {len(planned)})"
+    return [f"Largest gravity error: fitted {gravity.max_abs_fit:.2g} g, {where}", ""]
+
+
+def _three(values: np.ndarray) -> str:
+    return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
+
+
+def _measured(seen, has_u: bool, factor: float, sign: str) -> str:
+    return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
+
+
+def beware(solution: Solution) -> list[str]:
+    """That the run does not fit the declared stand, if so: a paragraph, and an empty line."""
+    complaint = stand_doubts.complaint(solution)
+    if complaint is None:
+        return []
+    warning = f"Beware: {complaint}. The uncertainties above are too small."
+    return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
+
+
+def verdict(solution: Solution) -> str:
+    """Pass or fail and why, in one line."""
+    worst = solution.worst_position
+    outcome = "PASS" if solution.found.gravity.passed else "FAIL"
+    error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
+    return f"{outcome}: largest gravity error {error}, limit {solution.limit_g:g} g; numpy agrees"

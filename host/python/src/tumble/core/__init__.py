@@ -1,0 +1,50 @@
+"""The firmware core, for every room but `reference`: numpy arrays in and out, a refusal as an exception.
+
+Nothing is computed here; every number comes from the C functions that fly, through the extension `_tumble_core`. The
+names below are what most need: schedules, the linear estimators, the check of a calibration. The modules `averaging`,
+`optimal`, `uncertainty` and `stand_seen` offer what else the core can do.
+"""
+
+from tumble.core.binding import (
+    AXES,
+    MAX_MEAN,
+    MAX_MOUNTINGS,
+    MAX_POSITIONS,
+    MIN_ROW_RATIO,
+    Calibration,
+    CoreRefusal,
+    CoreSchedule,
+    GravityCheck,
+    Intrinsic,
+    closure,
+    estimate,
+    estimate_gains,
+    gravity_check,
+    intrinsic,
+    paper_schedule,
+    residual_rms,
+    sine_cosine,
+    statuses,
+)
+
+__all__ = [
+    "AXES",
+    "MAX_MEAN",
+    "MAX_MOUNTINGS",
+    "MAX_POSITIONS",
+    "MIN_ROW_RATIO",
+    "Calibration",
+    "CoreRefusal",
+    "CoreSchedule",
+    "GravityCheck",
+    "Intrinsic",
+    "closure",
+    "estimate",
+    "estimate_gains",
+    "gravity_check",
+    "intrinsic",
+    "paper_schedule",
+    "residual_rms",
+    "sine_cosine",
+    "statuses",
+]

@@ -1,0 +1,320 @@
+"""The firmware core, for Python: numpy arrays in and out, a refusal of the core as an exception.
+
+Nothing is computed here; every number comes from the C functions that fly. Arrays: `means` (positions, 3) in volts (or
+any unit, in which the coefficients then come out), in the schedule's order; `measured` (positions,) bool; K (3, 3) in
+volts per g, row i = channel i; U0 (3,) in volts. Rows of `means` that are not measured are never looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from _tumble_core import ffi, lib
+
+from tumble.estimators import LINEAR
+from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+
+MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
+MAX_MOUNTINGS: int = lib.TUMBLE_MAX_MOUNTINGS
+MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
+MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
+AXES = "xyz"
+
+LINEAR_ESTIMATORS = {name: getattr(lib, f"tumble_estimate_{name}") for name in LINEAR}
+
+
+class CoreRefusal(Exception):
+    """The core returned a status other than TUMBLE_OK.
+
+    `name`: such as "TUMBLE_E_RANK"; `sentence`: what that means; `details`: what else is known, by keyword:
+    `where` (index of a mounting or position), `missing` (labels of positions), `unidentified` (names of coefficients).
+    """
+
+    def __init__(self, status: int, **details):
+        self.status = status
+        self.name = ffi.string(lib.tumble_status_name(status)).decode()
+        self.sentence = ffi.string(lib.tumble_status_sentence(status)).decode()
+        self.details = details
+        super().__init__(self.sentence)
+
+
+@dataclass(frozen=True)
+class GravityCheck:
+    """Formula (8) at every position. `delta_g` (positions,) in g, NaN where not measured; maxima None if none of that
+    kind was judged."""
+
+    delta_g: np.ndarray
+    max_abs_fit: float | None
+    max_abs_check: float | None
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Intrinsic:
+    """What does not depend on how the block sits on the stand: `scale` (3,) V/g, cosines of the angles between the
+    sensitive axes xy, xz, yz (3,), `bias` (3,) in g."""
+
+    scale: np.ndarray
+    cosines: np.ndarray
+    bias: np.ndarray
+
+    @property
+    def angles(self) -> np.ndarray:
+        """The angles (3,) in radians: the core has no arc cosine."""
+        return np.arccos(np.clip(self.cosines, -1.0, 1.0))
+
+
+def require_ok(status: int, **details) -> None:
+    """Raise CoreRefusal unless `status` is TUMBLE_OK."""
+    if status != lib.TUMBLE_OK:
+        raise CoreRefusal(status, **details)
+
+
+def statuses() -> list[tuple[str, str]]:
+    """Name and sentence of every status, by number."""
+    refusals = [CoreRefusal(status) for status in range(lib.TUMBLE_STATUS_COUNT)]
+    return [(refusal.name, refusal.sentence) for refusal in refusals]
+
+
+def sine_cosine(angle_deg: float) -> tuple[float, float]:
+    """Sine and cosine of an angle in degrees, correctly rounded at every multiple of 30 and 45 degrees.
+
+    Degrees are reduced exactly before anything is turned into radians, so -315, 45 and 405 give the same bits.
+    """
+    if not math.isfinite(angle_deg):
+        return math.nan, math.nan
+    angle = math.fmod(angle_deg, 360.0)
+    quarter = round(angle / 90.0)
+    sine, cosine = _sine_cosine_within_45(angle - 90.0 * quarter)
+    turned = [(sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine)][quarter % 4]
+    return turned[0] + 0.0, turned[1] + 0.0  # no negative zeros
+
+
+def _sine_cosine_within_45(rest_deg: float) -> tuple[float, float]:
+    half, root_half, root_three_quarters = 0.5, math.sqrt(0.5), math.sqrt(0.75)
+    exact = {0.0: (0.0, 1.0), 30.0: (half, root_three_quarters), 45.0: (root_half, root_half)}
+    if abs(rest_deg) in exact:
+        sine, cosine = exact[abs(rest_deg)]
+        return math.copysign(sine, rest_deg), cosine
+    return math.sin(math.radians(rest_deg)), math.cos(math.radians(rest_deg))
+
+
+def _angle(angle_deg: float) -> dict:
+    sine, cosine = sine_cosine(angle_deg)
+    return {"deg": angle_deg, "sine": sine, "cosine": cosine}
+
+
+def _coefficient_names(bits: int) -> list[str]:
+    """Names of the coefficients in a mask of unknowns: bits 0 to 2 for K_ix, K_iy, K_iz, bit 3 for U0_i."""
+    columns = [f"K_{{}}{axis}" for axis in AXES] + ["U0_{}"]
+    return [column.format(axis) for bit, column in enumerate(columns) if bits >> bit & 1 for axis in AXES]
+
+
+class CoreSchedule:
+    """A schedule in the core's own memory, validated. Immutable; may be used by several estimations at once.
+
+    Raises CoreRefusal(where=index of the mounting or position at fault) when the core does not accept it.
+    """
+
+    def __init__(self, schedule: Schedule):
+        self.data = schedule
+        self._mountings = ffi.new(
+            "tumble_mounting_t[]",
+            [{"number": m.number, "matrix": m.matrix, "tilt": _angle(m.tilt_deg)} for m in schedule.mountings],
+        )
+        self._positions = ffi.new("tumble_position_t[]", [self._position(p) for p in schedule.positions])
+        counts = [min(len(rows), 255) for rows in (schedule.mountings, schedule.positions)]
+        self.struct = ffi.new("tumble_schedule_t *", [self._mountings, self._positions, *counts])
+        where = ffi.new("uint8_t *")
+        require_ok(lib.tumble_schedule_validate(self.struct, where), where=where[0])
+
+    @staticmethod
+    def _position(position: Position) -> dict:
+        use = lib.TUMBLE_USE_FIT if position.use == FIT else lib.TUMBLE_USE_CHECK
+        angle = _angle(position.angle_deg)
+        return {"mounting": position.mounting, "number": position.number, "use": use, "angle": angle}
+
+    def __len__(self) -> int:
+        return len(self.data.positions)
+
+    def part(self, measured: np.ndarray) -> CoreSchedule:
+        """The schedule without the positions that a run does not have."""
+        return self if measured.all() else CoreSchedule(self.data.part(measured))
+
+    def attitudes(self) -> np.ndarray:
+        """Specific force (g) on the block axes at every position of the ideal stand: (positions, 3)."""
+        attitudes = np.empty((len(self), 3))
+        for index, row in enumerate(attitudes):
+            lib.tumble_schedule_attitude(self.struct, index, ffi.from_buffer("double[]", row))
+        return attitudes
+
+    def identify(self, measured: np.ndarray | None = None) -> None:
+        """Raise CoreRefusal(unidentified=names) unless the (measured) fit positions identify all coefficients."""
+        bits = ffi.new("uint8_t *")
+        status = lib.tumble_schedule_identify(self.struct, self.flags(measured), bits)
+        require_ok(status, unidentified=_coefficient_names(bits[0]))
+
+    def harmonic(self, measured: np.ndarray | None = None) -> np.ndarray:
+        """Where the paper's positions are: indices (2, 9). Raises CoreRefusal(missing=labels in paper's numbers)."""
+        harmonic_map, bits = ffi.new("tumble_harmonic_map_t *"), ffi.new("uint32_t *")
+        status = lib.tumble_schedule_harmonic(self.struct, self.flags(measured), harmonic_map, bits)
+        require_ok(status, missing=[f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits[0])])
+        return np.array(list(map(list, harmonic_map.index)))
+
+    def missing_labels(self, bits: int) -> list[str]:
+        """The labels of empty slots of the paper's schedule: in this schedule's numbers where it has the positions."""
+        try:
+            indices = self.harmonic().ravel()
+        except CoreRefusal:
+            return [f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits)]
+        return [self.data.positions[indices[slot]].label for slot in _set_bits(bits)]
+
+    def flags(self, measured: np.ndarray | None):
+        """One flag per position as the core has them; null for None. Raises ValueError for another number of them."""
+        if measured is None:
+            return ffi.NULL
+        flags = np.ascontiguousarray(measured, dtype=bool)
+        if flags.shape != (len(self),):
+            raise ValueError(f"measured must have shape ({len(self)},), not {flags.shape}")
+        return ffi.from_buffer("bool[]", flags)
+
+    def means(self, means: np.ndarray, measured: np.ndarray | None = None):
+        """The core's structure of means, filled. Raises ValueError for arrays of another shape."""
+        values = np.ascontiguousarray(means, dtype=float)
+        if values.shape != (len(self), 3):
+            raise ValueError(f"means must have shape ({len(self)}, 3), not {values.shape}")
+        struct = ffi.new("tumble_means_t *")
+        ffi.memmove(struct.u_v, ffi.from_buffer(values), values.nbytes)
+        flags = self.flags(np.ones(len(self), dtype=bool) if measured is None else measured)
+        ffi.memmove(struct.measured, flags, len(self))
+        return struct
+
+
+def _set_bits(bits: int) -> list[int]:
+    return [bit for bit in range(bits.bit_length()) if bits >> bit & 1]
+
+
+def paper_schedule() -> Schedule:
+    """The default schedule as the core holds it: the paper's two mountings of nine positions."""
+    paper = lib.tumble_schedule_paper
+    mountings = [paper.mountings[m] for m in range(paper.mounting_count)]
+    positions = [paper.positions[p] for p in range(paper.position_count)]
+    return Schedule(
+        tuple(Mounting(m.number, tuple(map(tuple, m.matrix)), m.tilt.deg) for m in mountings),
+        tuple(Position(p.mounting, p.number, p.angle.deg, CHECK if p.use else FIT) for p in positions),
+    )
+
+
+def pack(k: np.ndarray, u0: np.ndarray):
+    """K and U0 as the core has them."""
+    values = np.concatenate([np.asarray(k, dtype=float).ravel(), np.asarray(u0, dtype=float).ravel()])
+    if values.shape != (lib.TUMBLE_COEFFICIENTS,):
+        raise ValueError("K must have shape (3, 3) and U0 shape (3,)")
+    struct = ffi.new("tumble_coefficients_t *")
+    ffi.memmove(struct, ffi.from_buffer(values), values.nbytes)
+    return struct
+
+
+def unpack(struct) -> tuple[np.ndarray, np.ndarray]:
+    """K and U0 of a tumble_coefficients_t."""
+    values = np.frombuffer(ffi.buffer(struct)).copy()
+    return values[:9].reshape(3, 3), values[9:]
+
+
+def estimate(
+    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None = None, estimator: str = "refined"
+) -> tuple[np.ndarray, np.ndarray]:
+    """K and U0 by one of estimators.LINEAR. Raises CoreRefusal(missing=..., unidentified=...)."""
+    coefficients, refusal = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_refusal_t *")
+    status = LINEAR_ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
+    require_estimable(schedule, status, refusal)
+    return unpack(coefficients)
+
+
+def require_estimable(schedule: CoreSchedule, status: int, refusal) -> None:
+    """Raise CoreRefusal(missing=..., unidentified=...) unless `status` is TUMBLE_OK; `refusal`: a tumble_refusal_t."""
+    if status != lib.TUMBLE_OK:
+        missing, unidentified = schedule.missing_labels(refusal.missing), _coefficient_names(refusal.unidentified)
+        raise CoreRefusal(status, missing=missing, unidentified=unidentified)
+
+
+def estimate_gains(
+    schedule: CoreSchedule, gains: np.ndarray, means: np.ndarray, measured: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """K and U0 from a constant gain table (12, 3 x fit positions): rows K row by row, then U0; channel fastest."""
+    table = np.ascontiguousarray(gains, dtype=float)
+    if table.ndim != 2 or table.shape[0] != lib.TUMBLE_COEFFICIENTS or table.shape[1] % 3:
+        raise ValueError(f"gains must have shape (12, 3 x fit positions), not {table.shape}")
+    struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+    coefficients = ffi.new("tumble_coefficients_t *")
+    require_ok(lib.tumble_estimate_gains(struct, schedule.struct, schedule.means(means, measured), coefficients))
+    return unpack(coefficients)
+
+
+class Calibration:
+    """Coefficients turned round: a = K^-1 (U - U0). Raises CoreRefusal when K is singular or not finite."""
+
+    def __init__(self, k: np.ndarray, u0: np.ndarray):
+        self.struct = ffi.new("tumble_calibration_t *")
+        require_ok(lib.tumble_calibration_invert(pack(k, u0), self.struct))
+
+    def apply(self, outputs: np.ndarray) -> np.ndarray:
+        """Specific force (g) from outputs (V), both (3,)."""
+        outputs, force = np.ascontiguousarray(outputs, dtype=float).reshape(3), np.empty(3)
+        pointers = ffi.from_buffer("double[]", outputs), ffi.from_buffer("double[]", force)
+        lib.tumble_calibration_apply(self.struct, *pointers)
+        return force
+
+    def apply_counts(self, v_per_count: float, counts: np.ndarray) -> np.ndarray:
+        """Specific force (g) from raw counts (3,) of `v_per_count` volts each."""
+        counts, force = np.ascontiguousarray(counts, dtype=np.int32).reshape(3), np.empty(3)
+        pointers = ffi.from_buffer("int32_t[]", counts), ffi.from_buffer("double[]", force)
+        lib.tumble_calibration_apply_counts(self.struct, v_per_count, *pointers)
+        return force
+
+
+def intrinsic(k: np.ndarray, u0: np.ndarray) -> Intrinsic:
+    """Scales, cosines between the axes and biases. Raises CoreRefusal for a row of K that is (nearly) zero."""
+    found = ffi.new("tumble_intrinsic_t *")
+    require_ok(lib.tumble_calibration_intrinsic(pack(k, u0), found))
+    cosines = np.array([found.cosine_xy, found.cosine_xz, found.cosine_yz])
+    return Intrinsic(np.array(list(found.scale_v_per_g)), cosines, np.array(list(found.bias_g)))
+
+
+def gravity_check(
+    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, calibration: Calibration, limit_g: float
+) -> GravityCheck:
+    """Judge every measured position by formula (8). `limit_g` finite and above 0. Raises CoreRefusal."""
+    check, struct = ffi.new("tumble_gravity_check_t *"), schedule.means(means, measured)
+    require_ok(lib.tumble_gravity_check(schedule.struct, struct, calibration.struct, limit_g, check))
+    judged = np.frombuffer(ffi.buffer(check.delta_g_g), count=len(schedule))
+    delta_g = np.where(np.ones(len(schedule), bool) if measured is None else measured, judged, np.nan)
+    max_abs_fit = check.max_abs_fit_g if check.fit_positions else None
+    max_abs_check = check.max_abs_check_g if check.check_positions else None
+    return GravityCheck(delta_g, max_abs_fit, max_abs_check, getattr(check, "pass"))
+
+
+def closure(schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, mounting: int) -> np.ndarray | None:
+    """Outputs (3,) at the last measured position of a mounting less those at an earlier one of the same attitude;
+    None when the mounting has no such pair."""
+    difference = np.empty(3)
+    struct = schedule.means(means, measured)
+    status = lib.tumble_closure(schedule.struct, struct, mounting, ffi.from_buffer("double[]", difference))
+    if status == lib.TUMBLE_E_MISSING_POSITION:
+        return None
+    require_ok(status)
+    return difference
+
+
+def residual_rms(
+    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, k: np.ndarray, u0: np.ndarray
+) -> np.ndarray | None:
+    """Root mean square (3,) of the residuals of the fit positions; None with fewer than five of them."""
+    rms, struct = np.empty(3), schedule.means(means, measured)
+    status = lib.tumble_residual_rms(schedule.struct, struct, pack(k, u0), ffi.from_buffer("double[]", rms))
+    if status == lib.TUMBLE_E_TOO_FEW:
+        return None
+    require_ok(status)
+    return rms

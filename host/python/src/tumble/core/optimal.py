@@ -1,0 +1,93 @@
+"""The core's stand-optimal estimator and its gain record, for Python; and any estimator for many runs at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from _tumble_core import ffi, lib
+
+from tumble.core.binding import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
+
+
+@dataclass(frozen=True)
+class OptimalEstimate:
+    """K (3, 3), U0 (3,), and the errors of the stand (rad): `alpha1`, `alpha2`, `alpha3` (mountings,)."""
+
+    k: np.ndarray
+    u0: np.ndarray
+    alpha1: float
+    alpha2: float
+    alpha3: np.ndarray
+
+
+class GainRecord:
+    """A gain record (docs/gain-record.md) opened by the core for one schedule. Raises CoreRefusal."""
+
+    def __init__(self, schedule: CoreSchedule, record: bytes):
+        self.schedule = schedule
+        self._memory = ffi.new("double[]", (len(record) + 7) // 8)  # aligned as the record demands
+        ffi.memmove(self._memory, record, len(record))
+        opened = ffi.new("const tumble_gain_record_t **")
+        require_ok(lib.tumble_gain_record_open(self._memory, len(record), schedule.struct, opened))
+        self.struct = opened[0]
+
+    @property
+    def gains(self) -> np.ndarray:
+        """The rows of the coefficients (12, 3 x fit positions), K row by row, then U0."""
+        return self._table(lib.tumble_gain_record_gains(self.struct), lib.TUMBLE_COEFFICIENTS)
+
+    @property
+    def stand_gains(self) -> np.ndarray:
+        """The rows of alpha1, alpha2 and the yaws: (2 + yaws, 3 x fit positions)."""
+        return self._table(lib.tumble_gain_record_stand_gains(self.struct), 2 + self.struct.yaws)
+
+    def _table(self, numbers, rows: int) -> np.ndarray:
+        shape = rows, 3 * self.struct.fit_positions
+        return np.frombuffer(ffi.buffer(numbers, 8 * rows * shape[1])).reshape(shape).copy()
+
+
+def schedule_crc(schedule: CoreSchedule) -> int:
+    """The fingerprint that a record for this schedule must carry."""
+    return lib.tumble_gain_record_schedule_crc(schedule.struct)
+
+
+def optimal(
+    record: bytes, schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None = None
+) -> OptimalEstimate:
+    """Coefficients and the stand's errors from one run's means (positions, 3). Raises CoreRefusal."""
+    opened = GainRecord(schedule, record)
+    found, work = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_optimal_t *")
+    filled = schedule.means(means, measured)
+    require_ok(lib.tumble_estimate_optimal(opened.struct, schedule.struct, filled, found, work))
+    stand = work.stand
+    alpha3 = np.array(list(stand.alpha3_rad))[: opened.struct.mountings]
+    return OptimalEstimate(*unpack(found), stand.alpha1_rad, stand.alpha2_rad, alpha3)
+
+
+def estimate_runs(schedule: CoreSchedule, means: np.ndarray, estimator: str) -> np.ndarray:
+    """Coefficients (runs, 12), K row by row, then U0, of means (runs, positions, 3), all measured, by one of
+    estimators.LINEAR. Raises CoreRefusal(run=index) at the first run refused."""
+    means, found, where = _arrays(schedule, means)
+    pointers = ffi.from_buffer("double[]", means), ffi.from_buffer("double[]", found)
+    status = lib.batch_estimate(LINEAR_ESTIMATORS[estimator], schedule.struct, len(means), *pointers, where)
+    require_ok(status, run=where[0])
+    return found
+
+
+def optimal_runs(record: GainRecord, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1,
+    alpha2, alpha3 by mounting, rad."""
+    means, found, where = _arrays(record.schedule, means)
+    stand = np.empty((len(means), 2 + lib.TUMBLE_MAX_MOUNTINGS))
+    pointers = [ffi.from_buffer("double[]", array) for array in (means, found, stand)]
+    status = lib.batch_optimal(record.struct, record.schedule.struct, len(means), *pointers, where)
+    require_ok(status, run=where[0])
+    return found, stand[:, : 2 + record.struct.mountings]
+
+
+def _arrays(schedule: CoreSchedule, means: np.ndarray):
+    means = np.ascontiguousarray(means, dtype=float)
+    if means.ndim != 3 or means.shape[1:] != (len(schedule), 3):
+        raise ValueError(f"means must have shape (runs, {len(schedule)}, 3), not {means.shape}")
+    return means, np.empty((len(means), lib.TUMBLE_COEFFICIENTS)), ffi.new("size_t *")

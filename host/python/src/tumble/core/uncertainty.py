@@ -1,0 +1,75 @@
+"""The core's standard uncertainties, for Python."""
+
+from __future__ import annotations
+
+import numpy as np
+from _tumble_core import ffi, lib
+
+from tumble.core.binding import CoreSchedule, pack, require_estimable, require_ok, unpack
+from tumble.estimators import LINEAR
+from tumble.stand import COMMON, Stand
+
+_OF = {name: getattr(lib, f"tumble_uncertainty_{name}") for name in LINEAR}
+
+
+class _JudgedRun:
+    """A run as the core has it; keeps what the structure points at."""
+
+    def __init__(
+        self,
+        schedule: CoreSchedule,
+        k: np.ndarray,
+        stand: Stand,
+        samples: np.ndarray,
+        measured: np.ndarray | None,
+        least_noise: float = 0.0,
+    ):
+        sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
+        record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
+        self._stand = ffi.new("tumble_stand_record_t *", record)
+        self._coefficients = pack(k, np.zeros(3))
+        self._samples = ffi.new("uint32_t[]", np.where(samples > 1, samples, stand.samples).tolist())
+        self._flags = schedule.flags(measured)
+        self.struct = ffi.new(
+            "tumble_judged_run_t *", [schedule.struct, self._stand, self._coefficients, self._flags, self._samples]
+        )
+
+
+def uncertainties(
+    schedule: CoreSchedule,
+    k: np.ndarray,
+    stand: Stand,
+    samples: np.ndarray,
+    estimator: str,
+    measured: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
+
+    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, a lone one being a mean of the
+    stand's `samples`; `measured` (positions,) bool. Raises CoreRefusal(missing=..., unidentified=...).
+    """
+    run, found = _JudgedRun(schedule, k, stand, samples, measured), ffi.new("tumble_uncertainty_t *")
+    refusal = ffi.new("tumble_refusal_t *")
+    require_estimable(schedule, _OF[estimator](run.struct, found, refusal), refusal)
+    return unpack(found)
+
+
+def uncertainties_of_gains(
+    schedule: CoreSchedule,
+    k: np.ndarray,
+    stand: Stand,
+    samples: np.ndarray,
+    gains: np.ndarray,
+    measured: np.ndarray | None = None,
+    least_noise: float = 0.0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same for an estimate by constant gains (12, 3 x fit positions). The noise of a mean never counts as less than
+    `least_noise`. Raises CoreRefusal."""
+    table = np.ascontiguousarray(gains, dtype=float)
+    if table.ndim != 2 or table.shape[0] != lib.TUMBLE_COEFFICIENTS or table.shape[1] % 3:
+        raise ValueError(f"gains must have shape (12, 3 x fit positions), not {table.shape}")
+    run = _JudgedRun(schedule, k, stand, samples, measured, least_noise)
+    found = ffi.new("tumble_uncertainty_t *")
+    struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
+    require_ok(lib.tumble_uncertainty_gains(struct, run.struct, found))
+    return unpack(found)

@@ -1,0 +1,11 @@
+"""Files of the user's: run files, stand files, schedule files, read strictly; and whole files read and written.
+
+For every room from here up. A complaint is one line with file, row and column (errors.BadInput).
+
+    run_file       a recorded run: one mean a position, from CSV in many layouts (run_layout)
+    stand_file     stand files, and files of a [block] alone
+    schedule_file  schedule files
+    toml           TOML with every key and every value checked, for files of other kinds too
+    documents      JSON, and results read back
+    disk           bytes of a file; files written as a whole or not at all
+"""

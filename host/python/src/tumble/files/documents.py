@@ -1,0 +1,92 @@
+"""JSON documents: how they are written, and results, schema tumble.result/1, read back for what comes after.
+
+Unknown is null, never NaN. Numbers have as many digits as it takes to read back the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from typing import Any
+
+from tumble.errors import BadInput, quoted
+from tumble.files.disk import read_bytes
+from tumble.units import UNIT
+
+RESULT = "tumble.result/1"
+
+
+def to_json(result: dict[str, Any]) -> str:
+    """A document as text, innermost arrays on one line. A NaN would be a programming error and raises ValueError."""
+    text = json.dumps(result, indent=2, allow_nan=False)
+    return re.sub(r"\[\n\s+([^\[\]{}]*?)\n\s+\]", lambda array: f"[{' '.join(array[1].split())}]", text) + "\n"
+
+
+def read_coefficients(file: str) -> dict[str, Any]:
+    """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
+    it has them serial, run_file, item, environment and stand_doubts, else None.
+
+    Raises BadInput.
+    """
+    result = _parse(file)
+    checks = {
+        "schema": lambda value: value == RESULT,
+        "estimator": lambda value: isinstance(value, str) and value.isidentifier() and value.isascii(),
+        "unit": lambda value: isinstance(value, str) and UNIT.fullmatch(value) is not None,
+        "K": lambda value: _is_array(value, 3, lambda row: _is_array(row, 3, _is_number)),
+        "U0": lambda value: _is_array(value, 3, _is_number),
+        "u_K": lambda value: value is None or _is_array(value, 3, lambda row: _is_array(row, 3, _is_uncertainty)),
+        "u_U0": lambda value: value is None or _is_array(value, 3, _is_uncertainty),
+    }
+    for key, is_valid in checks.items():
+        _require(result, key, is_valid, file)
+    if (result["u_K"] is None) != (result["u_U0"] is None):
+        raise BadInput("u_K and u_U0 must be both known or both null", file)
+    _require(result, "verification", lambda value: isinstance(value, dict), file)
+    for key, is_valid in {
+        "pass": lambda value: isinstance(value, bool),
+        "max_abs_delta_g_g": _is_uncertainty,
+        "limit_g": _is_uncertainty,
+    }.items():
+        _require(result["verification"], key, is_valid, file, "verification.")
+    for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
+        _require(result, key, lambda value: value is None or isinstance(value, kind), file, default=None)
+    return result
+
+
+def _parse(file: str) -> dict[str, Any]:
+    def refuse_constant(name: str) -> None:
+        raise ValueError(f"{name} is not a number")
+
+    try:
+        result = json.loads(read_bytes(file).decode("utf-8-sig"), parse_constant=refuse_constant)
+    except json.JSONDecodeError as error:
+        raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"not valid JSON: {quoted(error)}", file) from None
+    if not isinstance(result, dict):
+        raise BadInput("not a result: an object is expected", file)
+    return result
+
+
+def _require(table: dict[str, Any], key: str, is_valid, file: str, prefix: str = "", **otherwise: Any) -> None:
+    """`default`, if given, is what a key that is not there comes to."""
+    if key not in table and "default" in otherwise:
+        table[key] = otherwise["default"]
+    if key not in table:
+        raise BadInput(f"not a result of schema {RESULT}: no {prefix}{key}", file)
+    if not is_valid(table[key]):
+        raise BadInput(f"not a result of schema {RESULT}: {prefix}{key} is {quoted(table[key])}", file)
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)
+
+
+def _is_uncertainty(value: Any) -> bool:
+    return _is_number(value) and value >= 0
+
+
+def _is_array(value: Any, length: int, is_item) -> bool:
+    return isinstance(value, list) and len(value) == length and all(map(is_item, value))

@@ -1,0 +1,261 @@
+"""Run files: recorded samples in, one mean per position and channel out.
+
+A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is plain,
+carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of delimiters
+and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it leaves to the
+careful way, which reads line by line and is the one that complains: so both accept the same files, and every complaint
+knows its row.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.core import MAX_MEAN
+from tumble.errors import BadInput, quoted
+from tumble.files.disk import read_bytes
+from tumble.files.run_layout import (
+    COLUMNS,
+    NO_WISHES,
+    NUMBER,
+    Layout,
+    Wishes,
+    decoded,
+    detect,
+    is_blank,
+    is_comment,
+    split,
+)
+from tumble.schedule import Schedule
+
+_NOT_FINITE = {"nan", "inf", "infinity"}
+
+
+@dataclass(frozen=True)
+class Run:
+    """A recorded run, position by position in the schedule's order.
+
+    `samples` (positions,): rows of each, 0 where none; `means` (positions, 3); `scatter` (positions, 3): standard
+    deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file.
+    """
+
+    samples: np.ndarray
+    means: np.ndarray
+    scatter: np.ndarray
+    unit: str
+    counters: dict[str, int]
+
+    @property
+    def measured(self) -> np.ndarray:
+        """Which positions have a mean: (positions,) bool."""
+        return self.samples > 0
+
+
+def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
+    """Read a run file (CSV). Raises BadInput with file, row and column."""
+    data = read_bytes(file)
+    _require_text(data, file)
+    layout = detect(data, wishes, file)
+    table = read_table(data, layout, PositionIndex(schedule), file)
+    samples, means, scatter = _average(table, len(schedule.positions))
+    measured = int((samples > 0).sum())
+    counters = {
+        "rows": len(table.index),
+        "positions": measured,
+        "positions_missing": len(schedule.positions) - measured,
+        "blank_lines": table.blanks,
+        "comment_lines": table.comments,
+        "columns_ignored": layout.width - len(COLUMNS),
+    }
+    return Run(samples, means, scatter, layout.unit, counters)
+
+
+def _require_text(data: bytes, file: str) -> None:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
+    zero = data.find(b"\0")
+    if zero >= 0:
+        raise BadInput("not a text file", file, data.count(b"\n", 0, zero) + 1)
+    if not data.strip():
+        raise BadInput("the file is empty", file, 1)
+
+
+@dataclass(frozen=True)
+class RunTable:
+    """`index` (rows,): each row's position in the schedule; `outputs` (rows, 3); lines that were passed over."""
+
+    index: np.ndarray
+    outputs: np.ndarray
+    blanks: int
+    comments: int
+
+
+class PositionIndex:
+    """From mounting and position numbers to the index of a position in the schedule."""
+
+    def __init__(self, schedule: Schedule):
+        self._mountings = {mounting.number for mounting in schedule.mountings}
+        self._table = np.full((256, 256), -1)
+        for index, position in enumerate(schedule.positions):
+            self._table[position.mounting, position.number] = index
+
+    def of_arrays(self, mountings: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Indices of many rows; -1 where a number is not whole or the schedule does not have it."""
+        known = (mountings >= 0) & (mountings <= 255) & (positions >= 0) & (positions <= 255)
+        known &= (mountings == np.floor(mountings)) & (positions == np.floor(positions))
+        rows = np.where(known, mountings, 0).astype(np.intp)
+        return np.where(known, self._table[rows, np.where(known, positions, 0).astype(np.intp)], -1)
+
+    def of_row(self, mounting: float, position: float) -> int:
+        """Index of one row. Raises _Refused, saying what the schedule does not have."""
+        for column, number in (("mounting", mounting), ("position", position)):
+            if number != math.floor(number):
+                raise _Refused(f"{number!r} is not a whole number", column)
+        if mounting not in self._mountings:
+            raise _Refused(f"the schedule has no mounting {mounting:.15g}", "mounting")
+        index = int(self._table[int(mounting), int(position)]) if 0 <= position <= 255 else -1
+        if index < 0:
+            raise _Refused(f"the schedule has no position {position:.15g} in mounting {mounting:.15g}", "position")
+        return index
+
+
+class _Refused(Exception):
+    """What is wrong with a row, and in which column."""
+
+    def __init__(self, message: str, column: str | None = None):
+        super().__init__(message)
+        self.column = column
+
+
+def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
+    """All rows of a run file. Raises BadInput with row and column."""
+    table = _read_fast(data, layout, positions)
+    return table if table is not None else _read_carefully(data, layout, positions, file)
+
+
+def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTable | None:
+    """All rows, or None where the file is not plain or not in order."""
+    body = _end_of_line(data, layout.header_row)
+    if not _is_plain(data, body, layout):
+        return None
+    blanks = _blank_lines(data, body, layout)
+    if blanks is None:
+        return None
+    if layout.decimal == ",":
+        data = data.replace(b",", b".")
+    try:
+        values = np.loadtxt(
+            io.BytesIO(data),
+            delimiter=layout.delimiter,
+            skiprows=layout.header_row,
+            usecols=layout.indices,
+            comments=None,
+            encoding="latin-1",
+            ndmin=2,
+        )
+    except ValueError:
+        return None
+    index = positions.of_arrays(values[:, 0], values[:, 1])
+    outputs = values[:, 2:]
+    if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
+        return None
+    return RunTable(index, outputs, layout.blanks + blanks, layout.comments)
+
+
+def _end_of_line(data: bytes, row: int) -> int:
+    """Where the line after line number `row` begins."""
+    end = 0
+    for _ in range(row):
+        newline = data.find(b"\n", end)
+        end = len(data) if newline < 0 else newline + 1
+    return end
+
+
+def _is_plain(data: bytes, body: int, layout: Layout) -> bool:
+    """No quotes, comments or lone carriage returns; one decimal mark, and that not the delimiter."""
+    unusual = [b'"', b"#"] + ([b"."] if layout.decimal == "," else [])
+    return (
+        not any(data.find(sign, body) >= 0 for sign in unusual)
+        and data.count(b"\r") == data.count(b"\r\n")
+        and layout.decimal != layout.delimiter
+        and layout.delimiter.isascii()
+    )
+
+
+def _blank_lines(data: bytes, body: int, layout: Layout) -> int | None:
+    """How many lines of the body are empty; None unless each of the others has as many fields as the header."""
+    signs = np.frombuffer(data, dtype=np.uint8)[body:]
+    ends = np.append(np.flatnonzero(signs == ord("\n")), len(signs))
+    delimiters = np.searchsorted(np.flatnonzero(signs == ord(layout.delimiter)), ends)
+    lengths = np.diff(ends, prepend=-1) - 1
+    carriage_returns = np.zeros(len(ends), dtype=bool)
+    carriage_returns[lengths == 1] = signs[ends[lengths == 1] - 1] == ord("\r")
+    empty = (lengths == 0) | carriage_returns
+    full = np.diff(delimiters, prepend=0) == layout.width - 1
+    if not (empty | full).all() or empty.all():
+        return None
+    return int(empty.sum()) - (1 if empty[-1] else 0)  # what follows the last line end is no line
+
+
+def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
+    """All rows, line by line."""
+    indices, outputs = [], []
+    blanks, comments = layout.blanks, layout.comments
+    for row, line in enumerate(io.StringIO(decoded(data), newline=None), start=1):
+        if row <= layout.header_row:
+            continue
+        if is_blank(line) or is_comment(line):
+            blanks, comments = blanks + is_blank(line), comments + is_comment(line)
+            continue
+        try:
+            index, values = _read_row(line, layout, positions)
+        except _Refused as refused:
+            raise BadInput(str(refused), file, row, refused.column) from None
+        indices.append(index)
+        outputs.append(values)
+    if not indices:
+        raise BadInput("no samples after the header", file, layout.header_row)
+    return RunTable(np.array(indices), np.array(outputs), blanks, comments)
+
+
+def _read_row(line: str, layout: Layout, positions: PositionIndex) -> tuple[int, list[float]]:
+    try:
+        fields = split(line, layout.delimiter)
+    except csv.Error as error:
+        raise _Refused(f"cannot be split into columns: {error}") from None
+    if len(fields) != layout.width:
+        raise _Refused(f"{len(fields)} fields, but the header has {layout.width}")
+    values = [_number(fields[index], column, layout) for column, index in zip(COLUMNS, layout.indices)]
+    return positions.of_row(*values[:2]), values[2:]
+
+
+def _number(text: str, column: str, layout: Layout) -> float:
+    if text.lower().lstrip("+-") in _NOT_FINITE:
+        raise _Refused(f"{quoted(text)} is not a finite number", column)
+    pointed = text.replace(",", ".") if layout.decimal == "," and "." not in text else text
+    if not NUMBER.fullmatch(pointed) or (layout.decimal == "," and "." in text):
+        other = "." if layout.decimal == "," else ","
+        hint = f" (its decimal mark? see --decimal {other})" if other in text else ""
+        raise _Refused((f"{quoted(text)} is not a number" + hint) if text else "no value", column)
+    value = float(pointed)
+    if abs(value) > MAX_MEAN:
+        raise _Refused(f"{quoted(text)} is out of range", column)
+    return value
+
+
+def _average(table: RunTable, positions: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples, means and scatter per position. Sums are exact (fsum), so their order does not matter."""
+    samples = np.bincount(table.index, minlength=positions)
+    means, scatter = np.full((2, positions, 3), np.nan)
+    grouped = np.split(table.outputs[np.argsort(table.index, kind="stable")], np.cumsum(samples)[:-1])
+    for index, rows in enumerate(grouped):
+        if len(rows) > 0:
+            means[index] = [math.fsum(channel) / len(rows) for channel in rows.T.tolist()]
+        if len(rows) > 1:
+            scatter[index] = rows.std(axis=0, ddof=1)
+    return samples, means, scatter

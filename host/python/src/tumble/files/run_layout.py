@@ -1,0 +1,179 @@
+"""How a run file is laid out: header, delimiter, decimal mark, which column is which, and the unit of the outputs.
+
+What the user says wins; the rest is read off the header line and the first rows.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, field
+
+from tumble.errors import BadInput, quoted
+from tumble.units import UNIT
+
+COLUMNS = ("mounting", "position", "ux", "uy", "uz")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+_HEAD_BYTES = 1 << 16
+_ROWS_TO_LOOK_AT = 200
+_DEFAULT_UNIT = "V"
+_BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
+_TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
+_ALIASES = {
+    "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
+    "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
+    **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
+}
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the user says about a run file; whatever is empty or None is detected.
+
+    `columns`: names of columns in the file, by name in COLUMNS. `delimiter`: one character. `decimal`: "." or ",".
+    `unit`: of the outputs.
+    """
+
+    columns: dict[str, str] = field(default_factory=dict)
+    delimiter: str | None = None
+    decimal: str | None = None
+    unit: str | None = None
+
+
+NO_WISHES = Wishes()
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns."""
+
+    header_row: int
+    comments: int
+    blanks: int
+    delimiter: str
+    decimal: str
+    indices: tuple[int, ...]
+    width: int
+    unit: str
+
+
+def decoded(data: bytes) -> str:
+    """Text of a file: UTF-8 with or without a mark, or else one byte a character (only names can differ then)."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def is_blank(line: str) -> bool:
+    """Is there nothing on this line?"""
+    return not line.strip()
+
+
+def is_comment(line: str) -> bool:
+    """Is this line a comment, starting with #?"""
+    return line.startswith("#")
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """The fields of one line, quotes removed, blanks around them too. Raises csv.Error for a quote left open."""
+    return [name.strip() for name in next(csv.reader((line,), delimiter=delimiter, strict=True), [])]
+
+
+def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
+    """Find out how a run file is laid out. Raises BadInput."""
+    head = data[:_HEAD_BYTES]
+    if len(data) > len(head):
+        head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
+    return _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
+
+
+def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layout | None:
+    """From the beginning of a file, or from the whole of it; None if there is no header line in the beginning."""
+    lines = decoded(head).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    blanks = comments = 0
+    for row, line in enumerate(lines, start=1):
+        if not is_blank(line) and not is_comment(line):
+            return _from_header(row, line, lines[row:], (comments, blanks), wishes, file)
+        blanks, comments = blanks + is_blank(line), comments + is_comment(line)
+    if whole:
+        raise BadInput("no header line", file, len(lines))
+    return None
+
+
+def _from_header(
+    row: int, line: str, following: list[str], skipped: tuple[int, int], wishes: Wishes, file: str
+) -> Layout:
+    if any(not (sign.isprintable() or sign == "\t") for sign in line):
+        raise BadInput("not a text file", file, row)
+    candidates = [wishes.delimiter] if wishes.delimiter else [",", ";", "\t"]
+    attempts = []
+    for delimiter in candidates:
+        try:
+            names = split(line, delimiter)
+            indices = tuple(_find(wanted, names, wishes.columns) for wanted in COLUMNS)
+        except (csv.Error, ValueError) as error:
+            attempts.append((line.count(delimiter), str(error)))
+            continue
+        decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
+        unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit)
+    if _TOML.match(line):
+        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+    fields = re.split(r"[,;\t]", line)
+    if all(NUMBER.fullmatch(name.strip()) for name in fields):
+        raise BadInput(f"no header line; the first line must name the columns {','.join(COLUMNS)}", file, row)
+    raise BadInput(max(attempts)[1], file, row)
+
+
+def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int:
+    """Index of a column: by the user's name for it, else by its own, else by one that means the same."""
+    asked = renamed.get(wanted)
+    bare = [_bare(name) for name in names]
+    tests = (
+        [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
+        if asked
+        else [lambda i: bare[i] == wanted, lambda i: bare[i] in _ALIASES[wanted]]
+    )
+    for test in tests:
+        found = [index for index in range(len(names)) if test(index)]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            if len({names[index] for index in found}) == 1:
+                raise ValueError(f"{len(found)} columns are named {quoted(names[found[0]])}")
+            several = " and ".join(quoted(names[index]) for index in found)
+            raise ValueError(f"columns {several} could both be {wanted}; say which with --columns {wanted}=NAME")
+    if asked:
+        raise ValueError(f"no column {quoted(asked)}, which --columns asks for as {wanted}")
+    option = f"--columns {wanted}=NAME" if len(names) > 1 else "--delimiter"
+    raise ValueError(f"no column {wanted} among {quoted(','.join(names))}; say how it is with {option}")
+
+
+def _bare(name: str) -> str:
+    """A column's name without unit, case, blanks and signs: "U_x [mV]" is "ux"."""
+    return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
+
+
+def _detect_unit(names: list[str], file: str, row: int) -> str:
+    """The unit in brackets after the names of the outputs, V where none has one. Raises BadInput if they differ."""
+    units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
+    if len(set(units)) > 1:
+        raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
+    return units[0] if UNIT.fullmatch(units[0]) else _DEFAULT_UNIT
+
+
+def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:
+    """A comma if the first output with a mark has one that is no point."""
+    for line in lines[:_ROWS_TO_LOOK_AT]:
+        try:
+            fields = [] if is_comment(line) else split(line, delimiter)
+        except csv.Error:
+            continue
+        for index in indices[2:]:
+            mark = set(fields[index] if index < len(fields) else "") & {".", ","}
+            if mark:
+                return mark.pop() if len(mark) == 1 else "."
+    return "."

@@ -1,0 +1,164 @@
+"""Stand files: what a stand, its block and its limits are declared to be (TOML).
+
+[stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount
+[block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
+[block.true]   K, U0                                               for simulation
+[motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
+[item]         labels of your own: serial numbers, operator, date; carried into the result
+[environment]  gravity_m_s2, temperature_c, pressure_hpa, humidity_percent, and texts; carried into the result
+[accept]       delta_g_limit_g
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from tumble.core.averaging import MAX_SAMPLES
+from tumble.errors import BadInput
+from tumble.files.toml import Table, read_toml
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
+
+_LARGEST_ANGLE_RAD = 0.5
+_LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
+_ENVIRONMENT_RANGES = {
+    "gravity_m_s2": (9.7, 9.9),
+    "temperature_c": (-100.0, 300.0),
+    "pressure_hpa": (0.0, 2000.0),
+    "humidity_percent": (0.0, 100.0),
+}
+
+
+@dataclass(frozen=True)
+class StandFile:
+    """A stand file's contents. `block`, `truth`, `motion`: the tables' numbers and texts by key; `item` and
+    `environment` as they go into the result. Whatever the file does not have is None."""
+
+    stand: Stand
+    block: dict[str, Any] | None
+    truth: dict[str, Any] | None
+    motion: dict[str, float] | None
+    item: dict[str, Any] | None
+    environment: dict[str, Any] | None
+    delta_g_limit_g: float | None
+
+    @property
+    def serial(self) -> str | None:
+        """Of the block; None if unknown."""
+        return None if self.block is None else self.block.get("serial")
+
+    @property
+    def step_v(self) -> float:
+        """Size of a count of the block's converter, whose range is from -range_v to +range_v; 0 if unknown."""
+        return 0.0 if self.block is None else converter_step_v(self.block)
+
+
+def read_stand(file: str, data: bytes | None = None) -> StandFile:
+    """Read a stand file; `data`: what is in it, if that has been read. Raises BadInput with file and row."""
+    top = read_toml(file, data)
+    if top.keys and top.keys <= {"mounting", "position"}:
+        raise BadInput("is a schedule file (--schedule), not a stand file", file)
+    top.only("stand", "block", "motion", "item", "environment", "accept")
+    stand, block, motion = top.table("stand"), top.table("block"), top.table("motion")
+    item, environment, accept = top.table("item"), top.table("environment"), top.table("accept")
+    if stand is None:
+        raise top.refuse("no table [stand]")
+    return StandFile(
+        stand=_stand(stand),
+        block=None if block is None else _block(block),
+        truth=None if block is None else _truth(block),
+        motion=None if motion is None else _motion(motion),
+        item=None if item is None else item.labels(),
+        environment=None if environment is None else _environment(environment),
+        delta_g_limit_g=None if accept is None else _limit(accept),
+    )
+
+
+def converter_step_v(block: dict[str, Any]) -> float:
+    """Size of a count of a block's converter; 0 if unknown."""
+    if block["converter_bits"] is None or block["range_v"] is None:
+        return 0.0
+    return math.ldexp(block["range_v"], 1 - block["converter_bits"])
+
+
+def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """Read a file of [block] and [block.true] alone, which overrides a stand file's. `data`: as for `read_stand`.
+    Raises BadInput."""
+    top = read_toml(file, data)
+    block = top.table("block")
+    if block is None:
+        raise top.refuse("no table [block]: a block file holds [block] and [block.true] alone")
+    try:
+        top.only("block")
+    except BadInput as error:
+        raise BadInput(f"{error.fault}: a block file holds [block] and [block.true] alone", file, error.row) from None
+    return _block(block), _truth(block)
+
+
+def _stand(table: Table) -> Stand:
+    angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
+    table.only("name", *angles, "noise_v", "samples", "limits", "remount")
+    axis_tilt, level, remount, angle = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in angles)
+    return Stand(
+        axis_tilt=axis_tilt,
+        level=level,
+        remount=remount,
+        angle=angle,
+        noise=table.number("noise_v", 0.0, _LARGEST_V),
+        samples=table.integer("samples", 1, MAX_SAMPLES),
+        limits=table.choice("limits", LIMIT_KINDS),
+        remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
+        name=table.text("name", default=""),
+    )
+
+
+def _block(table: Table) -> dict[str, Any]:
+    table.only("scale_v_per_g", "misalignment_rad", "serial", "converter_bits", "range_v", "sample_rate_hz", "true")
+    block = {
+        "scale_v_per_g": table.number("scale_v_per_g"),
+        "misalignment_rad": table.number("misalignment_rad", 0.0, _LARGEST_ANGLE_RAD),
+        "serial": table.text("serial", default=None),
+        "converter_bits": table.integer("converter_bits", 8, 32, default=None),
+        "range_v": table.number("range_v", 0.0, default=None),
+        "sample_rate_hz": table.number("sample_rate_hz", 0.0, default=None),
+    }
+    for key in ("scale_v_per_g", "range_v", "sample_rate_hz"):
+        if block[key] == 0.0:
+            raise table.refuse("must not be 0", key)
+    for key in ("scale_v_per_g", "range_v"):
+        if block[key] is not None and not 1.0 / _LARGEST_V <= abs(block[key]) <= _LARGEST_V:
+            raise table.refuse(f"must be of a size from {1.0 / _LARGEST_V:g} to {_LARGEST_V:g}", key)
+    return block
+
+
+def _truth(block: Table) -> dict[str, Any] | None:
+    table = block.table("true")
+    if table is None:
+        return None
+    table.only("K", "U0")
+    return {"K": table.matrix("K"), "U0": table.vector("U0", 3)}
+
+
+def _motion(table: Table) -> dict[str, float]:
+    keys = ("velocity_deg_per_s", "acceleration_deg_per_s2", "settling_s")
+    table.only(*keys)
+    return {key: value for key in keys if (value := table.number(key, 0.0, default=None)) is not None}
+
+
+def _environment(table: Table) -> dict[str, Any]:
+    """Texts under any key, but numbers only under keys whose unit and range are known."""
+    labels = table.labels()
+    for key, label in labels.items():
+        if key in _ENVIRONMENT_RANGES:
+            table.number(key, *_ENVIRONMENT_RANGES[key])
+        elif not isinstance(label, str):
+            table.only(*_ENVIRONMENT_RANGES, *(other for other in labels if other != key))
+    return labels
+
+
+def _limit(table: Table) -> float | None:
+    limit = table.only("delta_g_limit_g").number("delta_g_limit_g", 0.0, 1.0, default=None)
+    if limit == 0.0:
+        raise table.refuse("must not be 0", "delta_g_limit_g")
+    return limit

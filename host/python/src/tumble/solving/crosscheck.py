@@ -1,0 +1,152 @@
+"""The core against its numpy witness. A result that the witness does not confirm is not given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import reference
+from tumble.errors import Disagreement
+from tumble.reference.optimal import OptimalEstimate
+from tumble.reference.stand_seen import Estimate
+from tumble.schedule import Schedule
+from tumble.solving.computation import Computation
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
+from tumble.stand import Stand
+
+RELATIVE_LIMIT = 1e-12
+OPTIMAL_LIMIT_U = 1e-6
+UNCERTAINTY_LIMIT = 1e-9
+_ROUNDED_U = 1e-13
+SEEN_LIMIT_U = 1e-6
+_ROUNDED_RAD = 1e-11
+_SUMMED = 100.0
+_LAST_BITS = 16 * np.finfo(float).eps
+_MAGNIFIED_BITS = 2 * np.finfo(float).eps
+_DERIVED = 10.0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Core less witness: `k` (3, 3), `u0` (3,), in the unit of the outputs (per g)."""
+
+    k: np.ndarray
+    u0: np.ndarray
+
+
+def compare(
+    found: Computation,
+    schedule: Schedule,
+    means: np.ndarray,
+    delta_g: np.ndarray,
+    optimal: OptimalEstimate | None = None,
+) -> Comparison:
+    """Compute all of it again and compare. Raises Disagreement, naming the quantity that differs.
+
+    `schedule`, `means` (positions, 3) and the core's `delta_g` (positions,) hold the measured positions only.
+    `optimal`: what the witness of the optimal estimator found, where that is the one in use.
+
+    Coefficients may differ by 1e-12 of max|K|, or where that is coarser by 16 times the last bit of the largest output
+    (offsets of hundreds of g), or by twice that bit as a weak schedule magnifies it; those of the optimal estimator by
+    1e-6 of their standard uncertainty, or by that bit as its weights magnify it. What follows from the coefficients may
+    differ by ten times that, times the condition of K where K is inverted or its rows are compared.
+    """
+    if optimal is None:
+        k, u0 = reference.estimate(schedule, means, found.estimator)
+        allowed_k = allowed_u0 = np.array(_allowed(schedule, means, np.abs(k).max()))
+    else:
+        k, u0 = optimal.k, optimal.u0
+        allowed_k, allowed_u0 = _allowed_of_optimal(optimal, means)
+    _require("K", found.k, k, allowed_k)
+    _require("U0", found.u0, u0, allowed_u0)
+
+    largest_k = np.abs(k).max()
+    relative = max(allowed_k.max(), allowed_u0.max()) / largest_k
+    follows = _DERIVED * relative
+    conditioned = follows * largest_k * np.linalg.norm(np.linalg.inv(k), 2)
+    largest_force = np.abs(np.linalg.solve(k, (means - u0).T)).max()
+    _require("delta_g", delta_g, reference.gravity_errors(means, k, u0), conditioned * max(1.0, largest_force**2))
+    scale, angles, bias = reference.intrinsic(k, u0)
+    _require("intrinsic scale", found.intrinsic.scale, scale, follows * largest_k)
+    _require("intrinsic angle_rad", found.intrinsic.angles, angles, conditioned)
+    _require("intrinsic bias_g", found.intrinsic.bias, bias, conditioned * (1.0 + np.abs(bias).max()))
+    rms = reference.residual_rms(schedule, means, k, u0)
+    _require_same("residual_rms", found.residual_rms, rms, follows * largest_k)
+    for mounting in schedule.mountings:
+        closure = reference.closure(schedule, means, mounting.number)
+        _require_same(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
+    return Comparison(found.k - k, found.u0 - u0)
+
+
+def compare_seen(
+    found: StandSeen, run: reference.RunSeen, samples: np.ndarray, scatter: np.ndarray, stand: Stand | None,
+    trust_stand: bool = True,
+) -> None:
+    """Look at the stand again, through the witness. Raises Disagreement.
+
+    Values may differ by 1e-6 of their standard uncertainty, or where that is less by 1e-11 rad or by what rounding
+    leaves of the largest output; uncertainties likewise. Where the outputs fit worse than the noise allows, as behind a
+    coarse converter, the uncertainty is that which they show: times their misfit.
+    """
+    noise, u_noise = reference.pooled_noise(samples, scatter)
+    rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
+    seen = None if noise is None else Estimate(noise, u_noise)
+    witness = look(run, seen, samples, stand, trust_stand)
+    variances = [own_variance(one, samples, stand) for one in (seen, None)]  # by the run and by the stand
+    misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
+    _require_seen("noise", found.noise, witness.noise, 0.0)
+    _require_seen("alpha4", found.alpha4, witness.alpha4, rounded, misfit)
+    for name in ANGLES:
+        _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
+        _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
+
+
+def compare_uncertainties(
+    stated: tuple[np.ndarray, np.ndarray], witness: tuple[np.ndarray, np.ndarray], optimal: bool
+) -> None:
+    """Standard uncertainties of K and U0 by the core and by numpy. Raises Disagreement.
+
+    They may differ by 1e-9, relative; those of the optimal estimator, whose weights both make on their own, by 1e-6.
+    Below 1e-13 of the largest one, all is rounding.
+    """
+    rounded = _ROUNDED_U * max(part.max() for part in witness)
+    for name, mine, other in zip(("u_K", "u_U0"), stated, witness):
+        _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
+
+
+def _require_seen(name: str, core, witness, rounded: float, misfit: float = 1.0) -> None:
+    if core is None or witness is None:
+        _require_same(f"{name} of the stand seen", core, witness, 0.0)
+        return
+    allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
+    _require(f"{name} of the stand seen", core.value, witness.value, allowed)
+    _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
+
+
+def _allowed(schedule: Schedule, means: np.ndarray, largest_k: float) -> float:
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * reference.magnification(schedule))
+    return max(RELATIVE_LIMIT * largest_k, bits * np.abs(means).max())
+
+
+def _allowed_of_optimal(optimal: OptimalEstimate, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification) * np.abs(means).max()
+    return np.maximum(OPTIMAL_LIMIT_U * optimal.u_k, bits), np.maximum(OPTIMAL_LIMIT_U * optimal.u_u0, bits)
+
+
+def _require_same(name: str, core: np.ndarray | None, witness: np.ndarray | None, limit: float) -> None:
+    if (core is None) != (witness is None):
+        raise Disagreement(f"the C core and numpy disagree: only one of them gives {name}; no result is given")
+    if core is not None:
+        _require(name, core, witness, limit)
+
+
+def _require(name: str, core: np.ndarray, witness: np.ndarray, limit: np.ndarray | float) -> None:
+    difference, limit = np.broadcast_arrays(np.abs(core - witness), limit)
+    if not (difference <= limit).all():
+        worst = int(np.argmin(limit - difference))  # the first that is not a number, if there is one
+        raise Disagreement(
+            f"the C core and numpy disagree: {name} differs by {difference.flat[worst]:.2g},"
+            f" allowed is {limit.flat[worst]:.2g};"
+            " no result is given"
+        )

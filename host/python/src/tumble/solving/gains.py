@@ -1,0 +1,187 @@
+"""Linear gains of every estimator on a schedule: coefficients = gains times position means.
+
+Gains have the shape (12, 3 x fit positions): rows K row by row, then U0; one column per fit position and channel, in
+the schedule's order, the channel running fastest. K in V/g (or any unit of the outputs per g); a stand's noise is in
+that unit too.
+
+The optimal estimator is generalised least squares of the outputs, linearised at a known K,
+
+    y = A beta + J s + D delta + e
+
+in which beta are the twelve coefficients, s = (alpha1, alpha2, alpha3 of each mounting, or one alpha3 for all) and
+delta the errors of the set angles, with the stand's variances as their prior, and e the noise of the means. It is
+solved by QR of the whitened system, augmented by the prior: no covariance matrix is ever inverted, so sources may be
+zero or large.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import reference
+from tumble.errors import UsageError
+from tumble.estimators import OPTIMAL, PAPER
+from tumble.reference.estimators import fit_indices, paper_slots, unidentified
+from tumble.schedule import Schedule
+from tumble.stand import COMMON, Stand
+
+NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
+_LARGEST_SIGMA = 1e100
+_LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """The outputs of the fit positions to first order: ideal force and its derivatives in g, (P, 3) each.
+
+    `alpha3` is the derivative by the yaw of a position's own mounting; `delta` also that by alpha2. `mounting` (P,):
+    index of each position's mounting.
+    """
+
+    force: np.ndarray
+    alpha1: np.ndarray
+    alpha3: np.ndarray
+    delta: np.ndarray
+    mounting: np.ndarray
+
+
+@dataclass(frozen=True)
+class OptimalTable:
+    """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
+
+    `gains` (12, 3P); `nuisance_gains` (2 + yaws, 3P): alpha1, alpha2, alpha3...; `sigma_shared` (2 + yaws,) and
+    `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u` (12,): standard deviations of the estimate,
+    which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
+    """
+
+    k: np.ndarray
+    gains: np.ndarray
+    nuisance_gains: np.ndarray
+    sigma_shared: np.ndarray
+    sigma_angle: float
+    sigma_mean: float
+    u: np.ndarray
+    floored: bool
+
+
+def gains(schedule: Schedule, estimator: str, k: np.ndarray, stand: Stand, step: float = 0.0) -> np.ndarray:
+    """Gains (12, 3P) of an estimator; `k`, `stand` and `step` (see `optimal_table`) matter to optimal alone."""
+    return optimal_table(schedule, k, stand, step).gains if estimator == OPTIMAL else linear_gains(schedule, estimator)
+
+
+def linear_gains(schedule: Schedule, estimator: str) -> np.ndarray:
+    """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
+    if estimator in PAPER and paper_slots(schedule) is None:
+        raise UsageError(f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule")
+    _require_rank(schedule)
+    positions = len(schedule.positions)
+    k, u0 = reference.estimate(schedule, np.eye(3 * positions).reshape(-1, positions, 3), estimator)
+    columns = np.concatenate([k.reshape(-1, 9), u0], axis=1).reshape(positions, 3, 12)[fit_indices(schedule)]
+    return columns.reshape(-1, 12).T.copy()
+
+
+def optimal_table(
+    schedule: Schedule, k: np.ndarray, stand: Stand, step: float = 0.0, samples: float | None = None
+) -> OptimalTable:
+    """The optimal estimator. `step`: of the converter, in the outputs' unit, 0 if unknown; `samples`: in a mean, the
+    stand's unless given.
+
+    Raises UsageError where the schedule cannot identify all coefficients, or the numbers are beyond any stand.
+    """
+    _require_rank(schedule)
+    k = np.asarray(k, dtype=float)
+    sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
+    shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
+    model = linearise(schedule)
+    system = _augmented(model, k, shared, angle, sigma_mean)
+    nuisances = len(shared) + len(model.force)
+    q, r = np.linalg.qr(system)
+    data = q[: 3 * len(model.force)].T
+    with np.errstate(all="ignore"):
+        beta = np.linalg.solve(r[nuisances:, nuisances:], data[nuisances:])
+        prior = np.linalg.solve(r[:nuisances, :nuisances], data[:nuisances] - r[:nuisances, nuisances:] @ beta)
+        u = sigma_mean * np.sqrt((np.linalg.inv(r[nuisances:, nuisances:]) ** 2).sum(axis=1))
+        lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(12)).max()
+        claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
+    if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
+        raise UsageError("no optimal weights: the stand's errors are too large, or too unequal, to compute with")
+    return OptimalTable(k, beta, shared[:, None] * prior[: len(shared)], shared, angle, sigma_mean, u, floored)
+
+
+def standard_deviations(
+    schedule: Schedule, weights: np.ndarray, k: np.ndarray, stand: Stand, sigma_mean: float
+) -> np.ndarray:
+    """Standard deviations (12,) of an estimate with gains `weights` (12, 3P), for a block of sensitivity `k`."""
+    model, shared = linearise(schedule), shared_sigmas(schedule, stand)
+    by_shared = weights @ (shared_derivatives(model, k, len(shared)) * shared)
+    by_angle = np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ k.T) * stand.sigma("angle")
+    return np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + (weights**2).sum(axis=1) * sigma_mean**2)
+
+
+def shared_sigmas(schedule: Schedule, stand: Stand) -> np.ndarray:
+    """Standard deviations of what positions share: alpha1, alpha2, then alpha3 of each mounting or of all."""
+    yaws = 1 if stand.remounting == COMMON else len(schedule.mountings)
+    return np.array([stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws])
+
+
+def mean_sigma(k: np.ndarray, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
+    """Standard deviation of a position's mean, and whether that is only the floor, NOISE_FLOOR_G of max|K|."""
+    floor = NOISE_FLOOR_G * float(np.abs(k).max())
+    sigma = max(stand.sigma("noise"), abs(step) / 12**0.5) / samples**0.5
+    if not 0.0 < max(sigma, floor) < _LARGEST_SIGMA:
+        raise UsageError("no optimal weights: K is zero, or the noise beyond any number of volts")
+    return max(sigma, floor), sigma < floor
+
+
+def linearise(schedule: Schedule) -> Linearised:
+    """Forces and derivatives at zero error, from the geometry differentiated by hand."""
+    fit = [schedule.positions[index] for index in fit_indices(schedule)]
+    numbers = [mounting.number for mounting in schedule.mountings]
+    mounting = np.array([numbers.index(position.mounting) for position in fit])
+    rotation = np.array([m.matrix for m in schedule.mountings], dtype=float)[mounting]
+    tilt = np.deg2rad([schedule.mountings[index].tilt_deg for index in mounting])
+    phi = np.deg2rad([position.angle_deg for position in fit])
+    s, c, sine, cosine, zero = np.sin(phi), np.cos(phi), np.sin(tilt), np.cos(tilt), np.zeros(len(fit))
+
+    def on_block(*table_axes: np.ndarray) -> np.ndarray:
+        return np.einsum("pij,pj->pi", rotation, np.stack(table_axes, axis=-1))
+
+    return Linearised(
+        force=on_block(cosine * s, sine, cosine * c),
+        alpha1=on_block(-sine * s, cosine, -sine * c),
+        alpha3=on_block(sine, -cosine * s, zero),
+        delta=on_block(cosine * c, zero, -cosine * s),
+        mounting=mounting,
+    )
+
+
+def design(model: Linearised) -> np.ndarray:
+    """A (3P, 12): outputs by coefficients."""
+    with_bias = np.column_stack([model.force, np.ones(len(model.force))])
+    by_channel = np.einsum("pj,ic->picj", with_bias, np.eye(3))
+    return np.concatenate([by_channel[..., :3].reshape(-1, 9), by_channel[..., 3].reshape(-1, 3)], axis=1)
+
+
+def shared_derivatives(model: Linearised, k: np.ndarray, shared: int) -> np.ndarray:
+    """J (3P, shared): outputs by alpha1, alpha2 and each alpha3, `shared` of them in all."""
+    yaws = np.eye(shared - 2)[model.mounting] if shared > 3 else np.ones((len(model.force), shared - 2))
+    force = np.concatenate([model.alpha1[:, None], model.delta[:, None], yaws[..., None] * model.alpha3[:, None]], 1)
+    return np.swapaxes(force @ k.T, 1, 2).reshape(-1, shared)
+
+
+def _augmented(model: Linearised, k: np.ndarray, shared: np.ndarray, angle: float, sigma_mean: float) -> np.ndarray:
+    """[J S, D sigma4, A] over the prior's rows, all times the noise: unknowns of the prior have unit variance."""
+    positions = len(model.force)
+    by_angle = np.zeros((positions, 3, positions))
+    by_angle[np.arange(positions), :, np.arange(positions)] = angle * model.delta @ k.T
+    errors = np.column_stack([shared_derivatives(model, k, len(shared)) * shared, by_angle.reshape(-1, positions)])
+    data = np.column_stack([errors, design(model)])
+    return np.vstack([data, sigma_mean * np.eye(errors.shape[1], data.shape[1])])
+
+
+def _require_rank(schedule: Schedule) -> None:
+    lost = unidentified(schedule)
+    if lost:
+        raise UsageError(f"these positions cannot identify {', '.join(lost)}")

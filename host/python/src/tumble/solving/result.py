@@ -1,0 +1,107 @@
+"""Results as JSON documents of schema tumble.result/1, made by solve and bench. files.documents reads them back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tumble.files.documents import RESULT
+from tumble.solving import stand_seen
+from tumble.solving.solution import Solution, Truth
+from tumble.units import per_g, volts_per
+
+
+def document(
+    solution: Solution,
+    item: dict[str, Any] | None,
+    environment: dict[str, Any] | None,
+    serial: str | None = None,
+    run_file: str | None = None,
+) -> dict[str, Any]:
+    """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved."""
+    unit = solution.run.unit
+    return {
+        "schema": RESULT,
+        "run_file": run_file,
+        "serial": serial,
+        "estimator": solution.found.estimator,
+        "unit": unit,
+        "units": {"K": per_g(unit), "U0": unit, "u_K": per_g(unit), "u_U0": unit},
+        "K": solution.found.k.tolist(),
+        "U0": solution.found.u0.tolist(),
+        "u_K": None if solution.u_k is None else solution.u_k.tolist(),
+        "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
+        "second_order": None if solution.second_order is None else solution.second_order.document(),
+        "misfit": solution.misfit,
+        "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
+        "verification": _verification(solution),
+        "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
+        "intrinsic": {
+            "scale": solution.found.intrinsic.scale.tolist(),
+            "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),
+            "bias_g": solution.found.intrinsic.bias.tolist(),
+        },
+        "reference": {
+            "max_abs_difference_K": float(np.abs(solution.comparison.k).max()),
+            "max_abs_difference_U0": float(np.abs(solution.comparison.u0).max()),
+            "difference_K": solution.comparison.k.tolist(),
+            "difference_U0": solution.comparison.u0.tolist(),
+        },
+        "means": _means(solution),
+        "counters": solution.run.counters,
+        "item": item,
+        "environment": environment,
+    }
+
+
+def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:
+    """Index and names of every measured position."""
+    return [
+        (index, {"mounting": position.mounting, "position": position.number, "use": position.use})
+        for index, position in enumerate(solution.schedule.positions)
+        if solution.run.samples[index] > 0
+    ]
+
+
+def _verification(solution: Solution) -> dict[str, Any]:
+    gravity, rms = solution.found.gravity, solution.found.residual_rms
+    judged = [largest for largest in (gravity.max_abs_fit, gravity.max_abs_check) if largest is not None]
+    return {
+        "delta_g_g": [{**place, "delta_g_g": float(gravity.delta_g[index])} for index, place in _places(solution)],
+        "max_abs_delta_g_g": max(judged),
+        "max_abs_delta_g_fit_g": gravity.max_abs_fit,
+        "max_abs_delta_g_check_g": gravity.max_abs_check,
+        "limit_g": solution.limit_g,
+        "pass": gravity.passed,
+        "closure": [
+            {"mounting": mounting, "difference": difference.tolist()}
+            for mounting, difference in solution.found.closure.items()
+        ],
+        "residual_rms": None if rms is None else rms.tolist(),
+    }
+
+
+def _means(solution: Solution) -> list[dict[str, Any]]:
+    run = solution.run
+    return [
+        {
+            **place,
+            "samples": int(run.samples[index]),
+            "mean": run.means[index].tolist(),
+            "scatter": run.scatter[index].tolist() if run.samples[index] > 1 else None,
+        }
+        for index, place in _places(solution)
+    ]
+
+
+def truth(known: Truth) -> dict[str, Any]:
+    """What a simulated run was made of."""
+    return {
+        "K": known.k.tolist(),
+        "U0": known.u0.tolist(),
+        "alpha1_rad": known.alpha1,
+        "alpha2_rad": known.alpha2,
+        "alpha3_rad": list(known.alpha3),
+        "alpha4_rad": list(known.alpha4),
+    }

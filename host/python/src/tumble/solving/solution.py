@@ -1,0 +1,158 @@
+"""Solve a run: the core computes, the numpy witness confirms, and only then is there a solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import core, reference
+from tumble.core.stand_seen import RunSeen, noise
+from tumble.errors import BadInput
+from tumble.estimators import OPTIMAL
+from tumble.files.run_file import Run
+from tumble.schedule import Schedule
+from tumble.solving import optimal_run, uncertainty
+from tumble.solving.computation import Computation, DeadChannels, compute
+from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
+from tumble.solving.stand_seen import StandSeen, look
+from tumble.stand import SecondOrder, Stand
+from tumble.units import volts_per
+
+
+LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3` by mounting and
+    `alpha4` by position."""
+
+    k: np.ndarray
+    u0: np.ndarray
+    alpha1: float
+    alpha2: float
+    alpha3: tuple[float, ...]
+    alpha4: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Everything known after a run: one row per position of `schedule`, in its order.
+
+    `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
+    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
+    `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
+    that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
+    looked.
+    """
+
+    schedule: Schedule
+    run: Run
+    limit_g: float
+    found: Computation
+    comparison: Comparison
+    u_k: np.ndarray | None
+    u_u0: np.ndarray | None
+    stand: Stand | None
+    stand_seen: StandSeen
+    misfit: float | None = None
+    truth: Truth | None = None
+    doubts: tuple | None = None
+
+    @property
+    def measured_schedule(self) -> Schedule:
+        """The schedule without the positions that the run does not have."""
+        return self.schedule.part(self.run.measured)
+
+    @property
+    def second_order(self) -> SecondOrder | None:
+        """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
+        if self.stand is None:
+            return None
+        claimed = np.diag(self.found.k), np.diag(self.u_k)
+        return SecondOrder.of(self.stand.shared_angles, *claimed, self.found.estimator)
+
+    @property
+    def worst_position(self) -> int:
+        """Index of the position with the largest gravity error."""
+        return int(np.nanargmax(np.abs(self.found.gravity.delta_g)))
+
+
+def solve(
+    run: Run,
+    schedule: core.CoreSchedule | None,
+    estimator: str,
+    limit_g: float,
+    stand: Stand | None,
+    file: str,
+    step_v: float = 0.0,
+    known: optimal_run.Known | None = None,
+) -> Solution:
+    """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
+
+    The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
+    was made for, None if it is to be made for this run.
+
+    Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
+    """
+    step = step_v / volts_per(run.unit)
+    declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
+    core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
+    weighting = None
+    if estimator == OPTIMAL:
+        weighting = optimal_run.Weighting(declared, run.samples, step, known)
+    try:
+        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explain(refusal, estimator), file) from None
+    except DeadChannels as error:
+        raise BadInput(str(error), file) from None
+    witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
+    means, samples, scatter = (rows[run.measured] for rows in (run.means, run.samples, run.scatter))
+    optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
+    comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
+    u_k, u_u0, misfit = None, None, None
+    if declared is not None:
+        u_k, u_u0 = _state(core_schedule, run, found.k, declared, estimator, step, file)
+        if optimal is None:
+            witness = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
+        else:
+            witness, misfit = (optimal.u_k, optimal.u_u0), optimal.misfit
+        compare_uncertainties((u_k, u_u0), witness, optimal is not None)
+    shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
+    seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
+    compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
+    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, misfit)
+
+
+def _state(
+    schedule: core.CoreSchedule, run: Run, k: np.ndarray, stand: Stand, estimator: str, step: float, file: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
+    try:
+        return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+    except core.CoreRefusal as refusal:
+        raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
+
+
+def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighting: optimal_run.Weighting, file: str):
+    """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
+    for errors that are not there would mislead."""
+    known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    found = reference.optimal(schedule, means, weighting.stand, samples, weighting.step, *known)
+    if not found.misfit <= LARGEST_MISFIT:
+        raise BadInput(f"residuals {found.misfit:.2g} times what the stand declares: no optimal weights for it", file)
+    return found
+
+
+def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
+    """A refusal of the core, in terms of what the user gave."""
+    if refusal.name == "TUMBLE_E_MISSING_POSITION":
+        missing = ", ".join(refusal.details["missing"])
+        return f"{estimator} needs all 2 x 9 positions (for other ones: --schedule FILE); missing {missing}"
+    if refusal.name == "TUMBLE_E_NOT_HARMONIC":
+        return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
+    if refusal.name == "TUMBLE_E_RANK":
+        return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
+    return str(refusal)

@@ -1,0 +1,41 @@
+"""The standard uncertainties that a result states: by the core, from the declared stand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tumble import core
+from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
+from tumble.estimators import OPTIMAL
+from tumble.solving import optimal_run
+from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
+from tumble.stand import Stand
+
+
+def standard_uncertainties(
+    schedule: core.CoreSchedule,
+    measured: np.ndarray,
+    k: np.ndarray,
+    stand: Stand,
+    samples: np.ndarray,
+    estimator: str,
+    step: float = 0.0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate, in its units; `stand` and the converter's `step` in the outputs' unit.
+
+    `samples` and `measured` (positions,). Those of the optimal estimator are for weights made at the solved `k`: the
+    second order, which it takes out, makes up for weights made elsewhere. Raises CoreRefusal.
+    """
+    if estimator != OPTIMAL:
+        return uncertainties(schedule, k, stand, samples, estimator, measured)
+    part = schedule.part(measured)
+    weighting = optimal_run.Weighting(stand, samples, step)
+    averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
+    gains = optimal_table(part.data, k, stand, step, averaged_over).gains
+    angles = {name: stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")}
+    one_sample = max(stand.sigma("noise"), abs(step) / 12**0.5)
+    used = replace(stand, **angles, noise=one_sample, limits="sigma1")
+    least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it
+    return uncertainties_of_gains(part, k, used, samples[measured], gains, least_noise=least_noise)

@@ -1,0 +1,22 @@
+"""Units of a block's outputs: the volt, its multiples, and whatever a run file names."""
+
+import re
+
+UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
+_VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
+
+
+def volts_per(unit: str) -> float:
+    """Size in volts of a unit of the outputs; 1 for a unit that is no multiple of the volt, which takes the volt's
+    place in the stand file and in the result."""
+    return _VOLTS_PER_UNIT.get(unit, 1.0)
+
+
+def noise_unit(unit: str) -> str:
+    """The unit that noise is declared and reported in, for outputs in `unit`."""
+    return "V" if unit in _VOLTS_PER_UNIT else unit
+
+
+def per_g(unit: str) -> str:
+    """The unit of K for outputs in `unit`."""
+    return f"({unit})/g" if "/" in unit else f"{unit}/g"
