@@ -12,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+INCLUDES = ["-Ifirmware", "-Ifirmware/include"]
 NOT_THERE = 77
 
 
@@ -28,7 +29,7 @@ def misra(files, whole):
         ignored.append("unmatchedSuppression")
     return run(program, "--quiet", "--addon=misra", "--std=c11", "--enable=all", "--check-level=exhaustive",
                "--platform=arm32-wchar_t4", "--suppressions-list=tools/misra_deviations.txt", "--error-exitcode=1",
-               *(f"--suppress={name}" for name in ignored), "--template={file}:{line}: {id}: {message}", "-Ifirmware",
+               *(f"--suppress={name}" for name in ignored), "--template={file}:{line}: {id}: {message}", *INCLUDES,
                *files)
 
 
@@ -45,7 +46,7 @@ def tidy(files, _whole):
     checks = ("-*,bugprone-*,cert-*,clang-analyzer-*,-bugprone-easily-swappable-parameters,"
               "-clang-analyzer-security.insecureAPI.DeprecatedOrUnsafeBufferHandling")
     return run(program, "--quiet", f"--checks={checks}", "--header-filter=.*", "--warnings-as-errors=*", *files,
-               "--", "-std=c11", "-Ifirmware", "-Xclang", "-analyzer-opt-analyze-headers")
+               "--", "-std=c11", *INCLUDES, "-Xclang", "-analyzer-opt-analyze-headers")
 
 
 def analyzer(files, _whole):
@@ -56,7 +57,7 @@ def analyzer(files, _whole):
         for file in files:
             worst = max(worst, run(
                 "gcc", "-std=c11", "-O0", "-fanalyzer", "-Wno-analyzer-use-of-uninitialized-value", "-Wall", "-Werror",
-                "-fdiagnostics-path-format=none", "-Ifirmware", "-c", "-o", f"{folder}/object", file))
+                "-fdiagnostics-path-format=none", *INCLUDES, "-c", "-o", f"{folder}/object", file))
     return worst
 
 

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_LINUX_FRAME_QUEUE_H
 #define TUMBLE_LINUX_FRAME_QUEUE_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

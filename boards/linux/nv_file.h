@@ -1,4 +1,4 @@
-/* nv_file.h - the firmware's non-volatile memory (port/port.h) as a file that behaves like flash.
+/* nv_file.h - the firmware's non-volatile memory (tumble/port.h) as a file that behaves like flash.
  *
  * The file holds nothing but the memory's bytes. A granule that is not erased is not programmed: TUMBLE_E_NV. A thread
  * of its own writes, and waits until the medium has what was written; an operation that takes it longer than 2 ms
@@ -8,7 +8,7 @@
 #ifndef TUMBLE_LINUX_NV_FILE_H
 #define TUMBLE_LINUX_NV_FILE_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <pthread.h>
 #include <stdint.h>

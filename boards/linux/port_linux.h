@@ -1,4 +1,4 @@
-/* port_linux.h - the firmware's port (port/port.h) on a CAN socket and the monotonic clock.
+/* port_linux.h - the firmware's port (tumble/port.h) on a CAN socket and the monotonic clock.
  *
  * Only classic data frames with 11-bit identifiers get to the firmware; others are counted. Every frame that it takes
  * or gives can be watched, in the order in which the firmware has them.
@@ -7,7 +7,7 @@
 #define TUMBLE_LINUX_PORT_LINUX_H
 
 #include "can_socket.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdint.h>
 

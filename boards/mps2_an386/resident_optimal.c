@@ -1,7 +1,7 @@
 /* resident_optimal.c - what a navigation computer with the stand-optimal estimator keeps besides, for the budget: the
  * estimator's working memory, and how the procedure reaches it. The record is the board's own, in non-volatile memory.
  */
-#include "core/optimal.h"
+#include "tumble/core.h"
 #include "navcomp/navcomp.h"
 
 extern const tumble_weighted_t tumble_resident_weighted;

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_BOARDS_NV_RULES_H
 #define TUMBLE_BOARDS_NV_RULES_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

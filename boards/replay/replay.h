@@ -13,7 +13,7 @@
 #define TUMBLE_BOARDS_REPLAY_H
 
 #include "navcomp/navcomp.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stddef.h>

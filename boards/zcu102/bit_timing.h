@@ -6,7 +6,7 @@
 #ifndef ZCU102_BIT_TIMING_H
 #define ZCU102_BIT_TIMING_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdint.h>
 

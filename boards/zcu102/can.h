@@ -13,7 +13,7 @@
 #define ZCU102_CAN_H
 
 #include "bit_timing.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

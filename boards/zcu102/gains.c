@@ -1,6 +1,6 @@
 #include "gains.h"
 
-#include "core/optimal.h"
+#include "tumble/core.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* nv_memory.h - a stand-in for the board's flash: memory that behaves like it (port/port.h), as long as power is on.
+/* nv_memory.h - a stand-in for the board's flash: memory that behaves like it (tumble/port.h), as long as power is on.
  *
  * The chip's own flash (QSPI) is not driven. In the emulator a file can be loaded to where this memory lies, so that a
  * run finds there what an earlier one might have left; what it leaves itself is gone with the emulator. On the chip,
@@ -9,7 +9,7 @@
 #ifndef ZCU102_NV_MEMORY_H
 #define ZCU102_NV_MEMORY_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdint.h>
 

@@ -3,7 +3,7 @@
 #define ZCU102_PORT_H
 
 #include "can.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 typedef struct {
     tumble_port_t port; /* what the firmware gets */

@@ -5,7 +5,7 @@
 #ifndef TUMBLE_CANOPEN_LINK_H
 #define TUMBLE_CANOPEN_LINK_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdint.h>
 

@@ -7,7 +7,7 @@
 
 #include "canopen/abort.h"
 #include "canopen/link.h"
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdbool.h>
 #include <stdint.h>

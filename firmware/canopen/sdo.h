@@ -8,7 +8,7 @@
 
 #include "canopen/dictionary.h"
 #include "canopen/link.h"
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "core/averaging.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/averaging_state.h"

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_CORE_AVERAGING_STATE_H
 #define TUMBLE_CORE_AVERAGING_STATE_H
 
-#include "core/averaging.h"
+#include "tumble/core.h"
 
 #define NONE_OPEN UINT8_MAX
 

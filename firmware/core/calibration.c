@@ -1,4 +1,4 @@
-#include "core/calibration.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/vector.h"

@@ -1,4 +1,4 @@
-#include "core/estimator.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/means.h"

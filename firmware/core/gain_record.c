@@ -1,7 +1,6 @@
-#include "core/gain_record.h"
+#include "tumble/core.h"
 
 #include "core/crc32.h"
-#include "core/estimator.h"
 #include "core/means.h"
 
 #include <stdbool.h>

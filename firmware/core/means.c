@@ -1,7 +1,7 @@
 #include "core/means.h"
 
 #include "core/arith.h"
-#include "core/estimator.h"
+#include "tumble/core.h"
 
 bool tumble_means_are_numbers(const tumble_schedule_t *schedule, const tumble_means_t *means)
 {

@@ -2,7 +2,7 @@
 #ifndef TUMBLE_CORE_MEANS_H
 #define TUMBLE_CORE_MEANS_H
 
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 

@@ -1,4 +1,4 @@
-#include "core/misfit.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 

@@ -7,8 +7,7 @@
 #ifndef TUMBLE_CORE_NORMAL_H
 #define TUMBLE_CORE_NORMAL_H
 
-#include "core/limits.h"
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "core/optimal.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/means.h"

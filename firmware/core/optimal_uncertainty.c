@@ -1,7 +1,5 @@
-#include "core/optimal_uncertainty.h"
+#include "tumble/core.h"
 
-#include "core/gain_record.h"
-#include "core/optimal.h"
 
 #include <stddef.h>
 

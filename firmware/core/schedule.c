@@ -1,4 +1,4 @@
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/normal.h"

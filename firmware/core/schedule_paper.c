@@ -1,4 +1,4 @@
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 #define HALF_SQRT2 0.70710678118654752440
 

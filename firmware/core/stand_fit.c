@@ -1,8 +1,7 @@
-#include "core/stand_seen.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/normal.h"
-#include "core/verification.h"
 
 #include <stddef.h>
 

@@ -1,4 +1,4 @@
-#include "core/stand_seen.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 

@@ -1,4 +1,4 @@
-#include "core/status.h"
+#include "tumble/status.h"
 
 const char *tumble_status_name(tumble_status_t status)
 {

@@ -1,4 +1,4 @@
-#include "core/verification.h"
+#include "tumble/core.h"
 
 #include "core/arith.h"
 #include "core/normal.h"

@@ -13,7 +13,7 @@
 #ifndef TUMBLE_NAVCOMP_AT_REST_H
 #define TUMBLE_NAVCOMP_AT_REST_H
 
-#include "core/limits.h"
+#include "tumble/core.h"
 #include "procedure/procedure.h"
 
 #include <assert.h>
@@ -22,7 +22,7 @@
 
 #define TUMBLE_AT_REST_MIN_SAMPLES 2U
 
-static_assert(UINT16_MAX <= TUMBLE_MAX_SAMPLES, "the sums of core/limits.h hold as many samples");
+static_assert(UINT16_MAX <= TUMBLE_MAX_SAMPLES, "the sums of tumble/core.h hold as many samples");
 
 /* Private; all zero: nothing is measured. */
 typedef struct {

@@ -17,7 +17,7 @@
 #ifndef TUMBLE_NAVCOMP_BLOCK_FRAMES_H
 #define TUMBLE_NAVCOMP_BLOCK_FRAMES_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "procedure/procedure.h"
 
 #include <stdbool.h>

@@ -18,7 +18,7 @@
 #ifndef TUMBLE_NAVCOMP_KEEPER_H
 #define TUMBLE_NAVCOMP_KEEPER_H
 
-#include "core/misfit.h"
+#include "tumble/core.h"
 #include "navcomp/at_rest.h"
 #include "navcomp/keeping.h"
 #include "navcomp/navcomp.h"

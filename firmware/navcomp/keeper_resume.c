@@ -4,7 +4,7 @@
 
 #include "canopen/bytes.h"
 #include "core/crc32.h"
-#include "core/gain_record.h"
+#include "tumble/core.h"
 #include "navcomp/uncertainty.h"
 
 #include <stddef.h>

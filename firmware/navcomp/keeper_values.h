@@ -6,7 +6,7 @@
 #define TUMBLE_NAVCOMP_KEEPER_VALUES_H
 
 #include "canopen/dictionary.h"
-#include "core/limits.h"
+#include "tumble/core.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
 

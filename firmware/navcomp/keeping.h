@@ -7,7 +7,7 @@
 #define TUMBLE_NAVCOMP_KEEPING_H
 
 #include "canopen/node.h"
-#include "core/status.h"
+#include "tumble/status.h"
 #include "navcomp/commands.h"
 #include "procedure/procedure.h"
 

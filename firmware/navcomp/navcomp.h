@@ -26,7 +26,7 @@
 #include "navcomp/objects.h"
 #include "navcomp/sample_source.h"
 #include "navcomp/service.h"
-#include "port/port.h"
+#include "tumble/port.h"
 #include "procedure/procedure.h"
 #include "stand/drive402.h"
 #include "stand/operator.h"

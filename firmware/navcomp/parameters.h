@@ -16,8 +16,8 @@
 #define TUMBLE_NAVCOMP_PARAMETERS_H
 
 #include "canopen/node.h"
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/status.h"
+#include "tumble/port.h"
 #include "store/nv_writer.h"
 #include "store/regions.h"
 

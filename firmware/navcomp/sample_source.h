@@ -8,7 +8,7 @@
 #ifndef TUMBLE_NAVCOMP_SAMPLE_SOURCE_H
 #define TUMBLE_NAVCOMP_SAMPLE_SOURCE_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 #include "procedure/procedure.h"
 
 typedef struct {

@@ -10,7 +10,7 @@
 #ifndef TUMBLE_NAVCOMP_SERVICE_H
 #define TUMBLE_NAVCOMP_SERVICE_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* stand_view.h - what the run at hand tells about its stand, for the object dictionary (core/stand_seen.h).
+/* stand_view.h - what the run at hand tells about its stand, for the object dictionary (tumble/core.h).
  *
  * For boards that have the memory and the time: some 4 kB of RAM, and once a result a few generalised least-squares
  * fits of all positions in double precision. It is done when somebody asks for it, between runs. A board that names
@@ -8,7 +8,7 @@
 #define TUMBLE_NAVCOMP_STAND_VIEW_H
 
 #include "core/means.h"
-#include "core/stand_seen.h"
+#include "tumble/core.h"
 #include "navcomp/navcomp.h"
 
 #include <stdbool.h>

@@ -6,14 +6,14 @@
 #ifndef TUMBLE_NAVCOMP_UNCERTAINTY_H
 #define TUMBLE_NAVCOMP_UNCERTAINTY_H
 
-#include "core/uncertainty.h"
+#include "tumble/core.h"
 #include "navcomp/navcomp.h"
 
 /* The stand as declared, const data of the board. */
 typedef struct tumble_declared {
     const tumble_stand_record_t *stand; /* its `samples` are not looked at: the run knows them */
 
-    /* Of TUMBLE_ESTIMATE_OPTIMAL: tumble_optimal_uncertainty of core/optimal_uncertainty.h; else may be null. */
+    /* Of TUMBLE_ESTIMATE_OPTIMAL: tumble_optimal_uncertainty of tumble/core.h; else may be null. */
     tumble_status_t (*weighted)(const void *source, const tumble_judged_run_t *run,
                                 tumble_uncertainty_t *uncertainty);
 } tumble_declared_t;
@@ -26,7 +26,7 @@ typedef struct tumble_declared {
  * (`least_squares`) for 18 positions: a control loop takes one a step, coefficient 0 first, which alone has a gain record
  * checked. `uncertainty` is written on TUMBLE_OK, and all of it set to zero on _NOT_FINITE.
  * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; no coefficient; a number out of
- * range), or as the function of core/uncertainty.h or core/optimal_uncertainty.h. */
+ * range), or as the function of tumble/core.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);
 

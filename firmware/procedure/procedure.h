@@ -16,11 +16,7 @@
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_H
 #define TUMBLE_PROCEDURE_PROCEDURE_H
 
-#include "core/averaging.h"
-#include "core/calibration.h"
-#include "core/estimator.h"
-#include "core/schedule.h"
-#include "core/verification.h"
+#include "tumble/core.h"
 #include "procedure/states.h"
 #include "stand/stand.h"
 
@@ -35,7 +31,7 @@ typedef enum {
 } tumble_estimate_t;
 
 /* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own: a computer that does not use it need not hold it. Set
- * to tumble_optimal_check and tumble_optimal_estimate of core/optimal.h, `source` to a tumble_optimal_source_t. */
+ * to tumble_optimal_check and tumble_optimal_estimate of tumble/core.h, `source` to a tumble_optimal_source_t. */
 typedef struct {
     tumble_status_t (*check)(const void *source, const tumble_schedule_t *schedule);
     tumble_status_t (*estimate)(const void *source, const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -288,7 +284,7 @@ void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progr
 tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, double mean_v[TUMBLE_CHANNELS],
                                          double standard_error_v[TUMBLE_CHANNELS]);
 
-/* The finished means, as in core/averaging.h; valid as long as the object. */
+/* The finished means, as in tumble/core.h; valid as long as the object. */
 const tumble_averaging_t *tumble_procedure_averages(const tumble_procedure_t *procedure);
 
 /* What a run found. A result that fails the gravity check is a result all the same, with `pass` false. */
@@ -309,7 +305,7 @@ bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t inde
  * scale, in g; 0 before it is complete, or when it has no such pair. */
 double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index);
 
-/* Which positions or coefficients made an estimator or a schedule be refused (core/estimator.h); zeros otherwise. */
+/* Which positions or coefficients made an estimator or a schedule be refused (tumble/core.h); zeros otherwise. */
 tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure);
 
 const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure);

@@ -72,7 +72,7 @@ typedef enum {
     TUMBLE_REASON_COUNT
 } tumble_reason_t;
 
-/* Name and sentence, as in core/status.h; safe for values outside the lists, never null. */
+/* Name and sentence, as in tumble/status.h; safe for values outside the lists, never null. */
 const char *tumble_state_name(tumble_state_t state);
 const char *tumble_state_sentence(tumble_state_t state);
 const char *tumble_reason_name(tumble_reason_t reason);

@@ -39,7 +39,7 @@
 
 #include "canopen/cia402.h"
 #include "canopen/node.h"
-#include "core/status.h"
+#include "tumble/status.h"
 #include "stand/stand.h"
 
 #include <stdbool.h>

@@ -6,7 +6,7 @@
 #ifndef TUMBLE_STAND_OPERATOR_H
 #define TUMBLE_STAND_OPERATOR_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 #include "stand/stand.h"
 
 #include <stdbool.h>

@@ -9,7 +9,7 @@
 #ifndef TUMBLE_STAND_STAND_H
 #define TUMBLE_STAND_STAND_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdint.h>
 

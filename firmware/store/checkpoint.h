@@ -8,10 +8,8 @@
 #ifndef TUMBLE_STORE_CHECKPOINT_H
 #define TUMBLE_STORE_CHECKPOINT_H
 
-#include "core/averaging.h"
-#include "core/limits.h"
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/core.h"
+#include "tumble/port.h"
 #include "store/nv_writer.h"
 #include "store/regions.h"
 

@@ -14,12 +14,12 @@
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
  * the active set that is unknown counts as 0: what is not known excuses no change.
  *
- * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (core/misfit.h).
+ * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (tumble/core.h).
  */
 #ifndef TUMBLE_STORE_COMMIT_RULES_H
 #define TUMBLE_STORE_COMMIT_RULES_H
 
-#include "core/limits.h"
+#include "tumble/core.h"
 #include "store/set_record.h"
 
 #include <stdbool.h>

@@ -9,9 +9,8 @@
 #ifndef TUMBLE_STORE_HISTORY_H
 #define TUMBLE_STORE_HISTORY_H
 
-#include "core/limits.h"
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/core.h"
+#include "tumble/port.h"
 #include "store/nv_writer.h"
 #include "store/regions.h"
 #include "store/set_record.h"

@@ -6,8 +6,8 @@
 #ifndef TUMBLE_STORE_NV_WRITER_H
 #define TUMBLE_STORE_NV_WRITER_H
 
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/status.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

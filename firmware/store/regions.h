@@ -6,8 +6,8 @@
 #ifndef TUMBLE_STORE_REGIONS_H
 #define TUMBLE_STORE_REGIONS_H
 
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/status.h"
+#include "tumble/port.h"
 
 enum {
     TUMBLE_REGION_FACTORY = 0,    /* the factory set: written once, never erased by the firmware */

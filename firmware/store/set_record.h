@@ -6,10 +6,7 @@
 #ifndef TUMBLE_STORE_SET_RECORD_H
 #define TUMBLE_STORE_SET_RECORD_H
 
-#include "core/estimator.h"
-#include "core/limits.h"
-#include "core/status.h"
-#include "core/uncertainty.h"
+#include "tumble/core.h"
 
 #include <stdint.h>
 

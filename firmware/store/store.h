@@ -12,8 +12,8 @@
 #ifndef TUMBLE_STORE_STORE_H
 #define TUMBLE_STORE_STORE_H
 
-#include "core/status.h"
-#include "port/port.h"
+#include "tumble/status.h"
+#include "tumble/port.h"
 #include "store/nv_writer.h"
 #include "store/regions.h"
 #include "store/set_record.h"

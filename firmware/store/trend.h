@@ -7,7 +7,7 @@
 #ifndef TUMBLE_STORE_TREND_H
 #define TUMBLE_STORE_TREND_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 #include "bench/config.h"
 
-#include "core/optimal_uncertainty.h"
+#include "tumble/core.h"
 #include "navcomp/standard.h"
 #include "simulation/sensor.h"
 

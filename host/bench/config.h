@@ -8,7 +8,7 @@
 #define TUMBLE_BENCH_CONFIG_H
 
 #include "bench/keeping.h"
-#include "core/optimal.h"
+#include "tumble/core.h"
 #include "navcomp/navcomp.h"
 #include "navcomp/uncertainty.h"
 #include "simulation/frame_bits.h"

@@ -12,7 +12,7 @@
 #define TUMBLE_BENCH_FOLDER_H
 
 #include "bench/world.h"
-#include "core/limits.h"
+#include "tumble/core.h"
 #include "procedure/procedure.h"
 
 #include <stdbool.h>

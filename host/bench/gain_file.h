@@ -2,7 +2,7 @@
 #ifndef TUMBLE_BENCH_GAIN_FILE_H
 #define TUMBLE_BENCH_GAIN_FILE_H
 
-#include "core/optimal.h"
+#include "tumble/core.h"
 
 /* Read the file at `path` into memory of its own (one record a process) and let `source` point there. What the bytes are is
  * judged by the firmware. Null, or what went wrong. */

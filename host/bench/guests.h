@@ -16,7 +16,7 @@
 #define TUMBLE_BENCH_GUESTS_H
 
 #include "bench/world.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

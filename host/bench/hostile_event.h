@@ -3,7 +3,7 @@
 #define TUMBLE_BENCH_HOSTILE_EVENT_H
 
 #include "navcomp/commands.h"
-#include "port/port.h"
+#include "tumble/port.h"
 #include "simulation/scenario.h"
 
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 #include "bench/hostile_text.h"
 
-#include "core/limits.h"
+#include "tumble/core.h"
 
 #include <stdarg.h>
 #include <stdio.h>

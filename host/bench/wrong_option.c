@@ -2,7 +2,7 @@
 
 #include "bench/wrong_option.h"
 
-#include "core/version.h"
+#include "tumble/version.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* poller.h - the side of the gateway that speaks CAN: reads the node's objects again and again by SDO, and writes
  * commands, with a read of a poll that is due between two of them. One transfer at a time; never waits. A seam for
- * tests: all it knows of the bus is a port (port/port.h).
+ * tests: all it knows of the bus is a port (tumble/port.h).
  *
  * A snapshot is published whole or not at all. Objects named as marks are read before and after all others: when one
  * has changed meanwhile, the results may be a mixture, and all is read again; likewise when a transfer fails because

@@ -14,7 +14,7 @@
 #define TUMBLE_REPLAY_LOG_H
 
 #include "bench/config.h"
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stddef.h>
 #include <stdint.h>

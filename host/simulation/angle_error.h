@@ -6,7 +6,7 @@
 #ifndef TUMBLE_SIMULATION_ANGLE_ERROR_H
 #define TUMBLE_SIMULATION_ANGLE_ERROR_H
 
-#include "core/schedule.h"
+#include "tumble/core.h"
 #include "simulation/law.h"
 #include "simulation/random.h"
 

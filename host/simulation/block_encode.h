@@ -6,7 +6,7 @@
 #ifndef TUMBLE_SIMULATION_BLOCK_ENCODE_H
 #define TUMBLE_SIMULATION_BLOCK_ENCODE_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "procedure/procedure.h"
 
 /* One sample on its way to the bus. */

@@ -9,7 +9,7 @@
 #ifndef TUMBLE_SIMULATION_BUS_H
 #define TUMBLE_SIMULATION_BUS_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "simulation/bus_fault.h"
 #include "simulation/clock.h"
 #include "simulation/frame_bits.h"

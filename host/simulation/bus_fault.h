@@ -2,7 +2,7 @@
 #ifndef TUMBLE_SIMULATION_BUS_FAULT_H
 #define TUMBLE_SIMULATION_BUS_FAULT_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "simulation/random.h"
 
 #include <stdbool.h>

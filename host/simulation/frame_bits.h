@@ -7,7 +7,7 @@
 #ifndef TUMBLE_SIMULATION_FRAME_BITS_H
 #define TUMBLE_SIMULATION_FRAME_BITS_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdint.h>
 

@@ -10,7 +10,7 @@
 #ifndef TUMBLE_SIMULATION_GEOMETRY_H
 #define TUMBLE_SIMULATION_GEOMETRY_H
 
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 typedef struct {
     double a[3][3];   /* block axes x, y, z over (sin p, cos p, 1) */

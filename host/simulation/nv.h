@@ -1,4 +1,4 @@
-/* nv.h - a simulated flash memory (port/port.h) in virtual time.
+/* nv.h - a simulated flash memory (tumble/port.h) in virtual time.
  *
  * Operations take the time that they are given; until it is over every call answers TUMBLE_E_PORT_BUSY. A granule that
  * is not erased is not programmed: TUMBLE_E_NV. The bytes can be looked at, kept and put back: they are what outlives
@@ -7,7 +7,7 @@
 #ifndef TUMBLE_SIMULATION_NV_H
 #define TUMBLE_SIMULATION_NV_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "simulation/clock.h"
 
 #include <stdbool.h>

@@ -6,7 +6,7 @@
 #ifndef TUMBLE_SIMULATION_SCENARIO_H
 #define TUMBLE_SIMULATION_SCENARIO_H
 
-#include "core/schedule.h"
+#include "tumble/core.h"
 #include "simulation/axis.h"
 #include "simulation/law.h"
 #include "simulation/sensor.h"

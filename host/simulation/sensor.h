@@ -7,7 +7,7 @@
 #ifndef TUMBLE_SIMULATION_SENSOR_H
 #define TUMBLE_SIMULATION_SENSOR_H
 
-#include "core/limits.h"
+#include "tumble/core.h"
 #include "simulation/law.h"
 #include "simulation/random.h"
 

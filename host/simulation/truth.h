@@ -2,7 +2,7 @@
 #ifndef TUMBLE_SIMULATION_TRUTH_H
 #define TUMBLE_SIMULATION_TRUTH_H
 
-#include "core/estimator.h"
+#include "tumble/core.h"
 #include "simulation/scenario.h"
 
 #include <stdint.h>

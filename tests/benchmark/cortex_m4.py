@@ -235,7 +235,7 @@ def rows_of(matrix):
 
 def compile_c(source, folder, optimise, *more):
     target = folder / f"{source.stem}.o"
-    include = f"-I{ROOT / 'firmware'}", f"-I{HERE}"
+    include = f"-I{ROOT / 'firmware'}", f"-I{ROOT / 'firmware/include'}", f"-I{HERE}"
     level = [optimise, *(SMALL if optimise == "-Os" else []), *(FAST if source.stem in FAST_SOURCES else [])]
     subprocess.run(["arm-none-eabi-gcc", *FLAGS, *level, *more, *include, "-c", source, "-o", target], check=True)
     return target

@@ -38,7 +38,7 @@ def sources_of(tree):
 
 def compile_file(tree, objects, source):
     target = objects / (source.relative_to(tree).as_posix().replace("/", "_") + ".o")
-    includes = [f"-I{tree / room}" for room in ("firmware", "host", "boards")]
+    includes = [f"-I{tree / room}" for room in ("firmware", "firmware/include", "host", "boards")]
     subprocess.run(["cc", *OPTIONS, *includes, "-c", source, "-o", target], check=True)
 
 

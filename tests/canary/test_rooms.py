@@ -4,14 +4,15 @@ from conftest import run
 
 PACKAGE = "host/python/src/tumble"
 CLEAN = {
-    "firmware/core/status.h": "int status;\n",
+    "firmware/include/tumble/core.h": "int core;\n" * 900,
+    "firmware/include/tumble/status.h": "int status;\n",
     "firmware/core/arith.h": "#include <math.h>\nstatic double root(double x) { return sqrt(x); }\n",
-    "firmware/core/means.c": '#include "core/status.h"\n#include <stdint.h>\n/* malloc( and <stdio.h> are banned */\n'
+    "firmware/core/means.c": '#include "tumble/core.h"\n#include <stdint.h>\n/* malloc( and <stdio.h> are banned */\n'
                              'const char *text = "free(";\n',
-    "firmware/port/port.h": '#include <stdint.h>\n#include "core/status.h"\n',
+    "firmware/include/tumble/port.h": '#include <stdint.h>\n#include "tumble/status.h"\n',
     "firmware/navcomp/objects.c": "int a;\n" * 400,
-    "firmware/navcomp/navcomp.c": '#include "core/status.h"\n#include "port/port.h"\n',
-    "boards/demo/port.c": '#include "port/port.h"\n#include "uart.h"\n',
+    "firmware/navcomp/navcomp.c": '#include "core/arith.h"\n#include "tumble/port.h"\n',
+    "boards/demo/port.c": '#include "tumble/port.h"\n#include "uart.h"\n',
     "boards/demo/uart.h": "int uart;\n",
     "boards/linux/can.h": "int can;\n",
     "host/gateway/poll.c": '#include "can.h"\n#include "canopen/node.h"\n',
@@ -30,10 +31,10 @@ CLEAN = {
 }
 LONG_FUNCTION_C = "int f(void)\n{\n" + "    if (x) {\n    }\n" * 40 + "}\n"
 DEFECTS = {
-    "core knows port": ("firmware/core/means.c", '\n#include "port/port.h"\n', "2: core may not know port"),
-    "port knows canopen": ("firmware/port/port.h", '#include "canopen/node.h"\n', '1: "canopen/node.h" is not a header'),
-    "stand knows port": ("firmware/stand/a.c", '#include "port/port.h"\n', "1: stand may not know port"),
-    "a way round": ("firmware/core/means.c", '#include "../port/port.h"\n', '1: "../port/port.h" is not a header'),
+    "core knows port": ("firmware/core/means.c", '\n#include "tumble/port.h"\n', "2: core may not know port"),
+    "port knows canopen": ("firmware/include/tumble/port.h", '#include "canopen/node.h"\n', '1: "canopen/node.h" is not a header'),
+    "stand knows port": ("firmware/stand/a.c", '#include "tumble/port.h"\n', "1: stand may not know port"),
+    "a way round": ("firmware/core/means.c", '#include "../tumble/port.h"\n', '1: "../tumble/port.h" is not a header'),
     "a hidden name": ("firmware/core/means.c", "#include HEADER\n", "1: include of HEADER"),
     "an unknown room": ("firmware/attic/a.c", "int a;\n", "1: no such room: attic"),
     "a program's own rooms": ("host/gateway/poll.c", '#include "navcomp/navcomp.h"\n',
@@ -74,7 +75,7 @@ def plant(root, files):
 
 def test_accepts_a_clean_tree(tmp_path):
     result = plant(tmp_path, CLEAN)
-    assert (result.returncode, result.stdout) == (0, "rooms: 9 firmware files, 22 sources, no violations\n")
+    assert (result.returncode, result.stdout) == (0, "rooms: 10 firmware files, 23 sources, no violations\n")
 
 
 @pytest.mark.parametrize("name", DEFECTS)

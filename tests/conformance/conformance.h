@@ -13,7 +13,7 @@
 #ifndef TUMBLE_TESTS_CONFORMANCE_H
 #define TUMBLE_TESTS_CONFORMANCE_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -12,7 +12,7 @@
  *     !write NODE INDEX SUB BYTES      SDO client: write; answers "=STATUS ABORT -"
  * MS, NODE, SUB, N and CAPACITY are decimal, the rest hexadecimal. Ends with its input; exit code 2 for bad usage.
  */
-#include "core/schedule.h"
+#include "tumble/core.h"
 #include "navcomp/keeper.h"
 #include "navcomp/navcomp.h"
 #include "simulation/block_objects.h"

@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 import pytest
+from c_compiler import INCLUDES
 
 ROOT = Path(__file__).resolve().parents[2]
 FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g", "-O1"]
@@ -45,7 +46,7 @@ def build(folder):
     sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")]
     sources += [f"boards/linux/{name}.c" for name in ("arguments", "signals")]
     sources += ["host/bench/wrong_option.c"]
-    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, "-Ifirmware", "-Ihost", "-Ihost/gateway",
+    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Ihost/gateway",
                "-Iboards/linux", "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o",
                str(program)]
     subprocess.run(command, cwd=ROOT, check=True)

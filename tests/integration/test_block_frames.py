@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from c_compiler import INCLUDES
 
 cantools = pytest.importorskip("cantools")
 
@@ -27,7 +28,7 @@ def codec(tmp_path_factory):
     program = tmp_path_factory.mktemp("codec") / "codec"
     sources = ["tests/integration/block_frames_harness.c", "firmware/navcomp/block_frames.c",
                "host/simulation/block_encode.c"]
-    subprocess.run([compiler, *FLAGS, "-Ifirmware", "-Ihost", *sources, "-o", program], cwd=ROOT, check=True)
+    subprocess.run([compiler, *FLAGS, *INCLUDES, "-Ihost", *sources, "-o", program], cwd=ROOT, check=True)
 
     def ask(requests):
         done = subprocess.run([program], input="\n".join(requests) + "\n", text=True, capture_output=True, check=True)

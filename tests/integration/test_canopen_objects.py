@@ -19,7 +19,7 @@ PRODUCTS = (
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
-    "firmware/core/version.h", "host/python/src/tumble/_version.py",
+    "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
 )  # fmt: skip
 LISTS = ("VERSION", "firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/store/commit_rules.h")
 
@@ -85,7 +85,7 @@ def test_what_is_saved_follows_from_the_tables(tree, tables):
 
 def compiles(tree):
     """Whether the extension's table is C; and what the compiler says."""
-    command = ["cc", "-std=c11", "-fsyntax-only", f"-I{tree}/firmware", f"-I{ROOT}/firmware"]
+    command = ["cc", "-std=c11", "-fsyntax-only", f"-I{tree}/firmware", f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/include"]
     done = subprocess.run([*command, tree / "firmware/navcomp/keeper_objects.c"], text=True, capture_output=True)
     return done.returncode == 0, done.stderr
 

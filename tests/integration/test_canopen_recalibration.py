@@ -7,6 +7,7 @@ import struct
 import subprocess
 
 import pytest
+from c_compiler import INCLUDES
 from canopen_bridge import FLAGS, ROOMS, ROOT, SANITIZERS, PipeBus, canopen
 
 from recalibration import Computer, entries_of, refusal_of, signature
@@ -25,7 +26,7 @@ def build(folder):
     assert compiler, "no C compiler: set CC"
     program = folder / "recalibration_harness"
     sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
-    includes = ["-Itests/integration/plain_unity", "-Ifirmware", "-Ihost", "-Itests/unit", "-DUNITY_INCLUDE_DOUBLE"]
+    includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/unit", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
     subprocess.run([compiler, *FLAGS, *SANITIZERS, *includes, *own, *sources, "-lm", "-o", str(program)], cwd=ROOT,
                    check=True)

@@ -10,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from c_compiler import INCLUDES
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/store/commit_rules.c", "firmware/core/arith.c"]
@@ -28,7 +29,7 @@ def rules(tmp_path_factory):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = tmp_path_factory.mktemp("rules") / "keeper_rules"
-    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", "-Ifirmware", *SOURCES, "-lm", "-o", program], cwd=ROOT,
+    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, *SOURCES, "-lm", "-o", program], cwd=ROOT,
                    check=True)
 
     def judge(cases):

@@ -79,7 +79,7 @@ def test_estimators_offered_are_those_of_the_core():
 
 def test_every_status_has_a_name_and_a_sentence():
     names, sentences = zip(*core.statuses())
-    header = (ROOT / "firmware/core/status.h").read_text()
+    header = (ROOT / "firmware/include/tumble/status.h").read_text()
     assert list(names) == re.findall(r"X\((TUMBLE_\w+),", header)
     assert all(sentences) and len(set(sentences)) == len(sentences)
 
@@ -119,7 +119,7 @@ def test_one_version(tumble):
     """The file VERSION, and what CMake, C, the object dictionaries and Python make of it."""
     version = (ROOT / "VERSION").read_text().strip()
     assert __version__ == version and tumble("--version").stdout == f"tumble {version}\n"
-    assert f'#define TUMBLE_VERSION "{version}"' in (ROOT / "firmware/core/version.h").read_text()
+    assert f'#define TUMBLE_VERSION "{version}"' in (ROOT / "firmware/include/tumble/version.h").read_text()
     for name in ("navcomp", "drive", "block"):
         assert re.search(r"^ParameterName=Manufacturer software version\n(?:.*\n)*?DefaultValue=(.*)$",
                          (ROOT / f"docs/eds/tumble_{name}.eds").read_text(), re.MULTILINE)[1] == version

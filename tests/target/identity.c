@@ -3,10 +3,8 @@
  *
  * Inputs come from an integer generator (support.h) and the arithmetic of random_schedule.h, compiled into both.
  */
-#include "core/calibration.h"
-#include "core/estimator.h"
+#include "tumble/core.h"
 #include "core/vector.h"
-#include "core/verification.h"
 #include "random_schedule.h"
 #include "target.h"
 

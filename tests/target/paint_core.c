@@ -1,8 +1,5 @@
 /* paint_core.c - the stack that the core's functions really take, for paint.py to hold against what tools/budget says. */
-#include "core/averaging.h"
-#include "core/calibration.h"
-#include "core/estimator.h"
-#include "core/verification.h"
+#include "tumble/core.h"
 #include "measure.h"
 
 #include <stddef.h>

@@ -4,7 +4,7 @@
 #ifndef TUMBLE_TESTS_UNIT_ANGLES_H
 #define TUMBLE_TESTS_UNIT_ANGLES_H
 
-#include "core/schedule.h"
+#include "tumble/core.h"
 
 #define LEVEL {0.0, 0.0, 1.0}
 

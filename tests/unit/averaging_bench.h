@@ -2,7 +2,7 @@
 #ifndef TUMBLE_TESTS_UNIT_AVERAGING_BENCH_H
 #define TUMBLE_TESTS_UNIT_AVERAGING_BENCH_H
 
-#include "core/averaging.h"
+#include "tumble/core.h"
 #include "support.h"
 
 #define MOST_SAMPLES ((uint32_t)TUMBLE_MAX_SAMPLES)

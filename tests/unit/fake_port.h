@@ -6,7 +6,7 @@
 #ifndef TUMBLE_TESTS_FAKE_PORT_H
 #define TUMBLE_TESTS_FAKE_PORT_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stddef.h>

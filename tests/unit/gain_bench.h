@@ -4,7 +4,7 @@
 #ifndef TUMBLE_TESTS_UNIT_GAIN_BENCH_H
 #define TUMBLE_TESTS_UNIT_GAIN_BENCH_H
 
-#include "core/gain_record.h"
+#include "tumble/core.h"
 #include "random_schedule.h"
 
 #define GAIN_HEAD 232U

@@ -7,8 +7,7 @@
 #define TUMBLE_TESTS_UNIT_MODEL_H
 
 #include "angles.h"
-#include "core/estimator.h"
-#include "core/schedule.h"
+#include "tumble/core.h"
 #include "double_double.h"
 #include "support.h"
 

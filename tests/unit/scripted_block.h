@@ -6,7 +6,7 @@
 #define TUMBLE_TESTS_SCRIPTED_BLOCK_H
 
 #include "canopen/nmt.h"
-#include "core/schedule.h"
+#include "tumble/core.h"
 #include "fake_port.h"
 #include "simulation/block_encode.h"
 

@@ -4,7 +4,7 @@
 #ifndef STORE_NV_H
 #define STORE_NV_H
 
-#include "port/port.h"
+#include "tumble/port.h"
 #include "store/regions.h"
 
 #include <stdbool.h>

@@ -5,7 +5,7 @@
 #ifndef TUMBLE_TESTS_UNIT_SUPPORT_H
 #define TUMBLE_TESTS_UNIT_SUPPORT_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 #include "unity.h"
 
 #include <math.h>

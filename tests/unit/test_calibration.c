@@ -1,5 +1,5 @@
 /* Turning coefficients round, applying them, and what is intrinsic to a block. */
-#include "core/calibration.h"
+#include "tumble/core.h"
 #include "model.h"
 
 void setUp(void) {}

@@ -1,6 +1,5 @@
 /* The fit of a run: against plain elimination with dense weights, and what it must not see. */
-#include "core/misfit.h"
-#include "core/uncertainty.h"
+#include "tumble/core.h"
 #include "simulation/random.h"
 #include "support.h"
 

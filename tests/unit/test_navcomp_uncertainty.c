@@ -1,6 +1,5 @@
 /* The uncertainties that the navigation computer states: those of its own result, estimator, samples and stand. */
-#include "core/optimal.h"
-#include "core/optimal_uncertainty.h"
+#include "tumble/core.h"
 #include "gain_bench.h"
 #include "navcomp/uncertainty.h"
 #include "sim_bench.h"

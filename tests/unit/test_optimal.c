@@ -1,5 +1,5 @@
 /* The stand-optimal estimator against a transcription of its definition in matrices, on arbitrary gains. */
-#include "core/optimal.h"
+#include "tumble/core.h"
 #include "estimator_bench.h"
 #include "optimal_definition.h"
 

@@ -1,5 +1,5 @@
 /* The procedure with the stand-optimal estimator: it solves with the record, and never without a right one. */
-#include "core/optimal.h"
+#include "tumble/core.h"
 #include "gain_bench.h"
 #include "procedure_bench.h"
 

@@ -1,6 +1,5 @@
 /* The stand seen in the data: exact small cases. The statistics are tested from Python, on many runs. */
-#include "core/stand_seen.h"
-#include "core/verification.h"
+#include "tumble/core.h"
 #include "support.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The closed list of outcomes: names, sentences, and the numbers that travel on wires. */
-#include "core/status.h"
+#include "tumble/status.h"
 #include "support.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
 /* The gravity check, closure, and residuals. */
-#include "core/verification.h"
+#include "tumble/core.h"
 #include "model.h"
 #include "random_schedule.h"
 

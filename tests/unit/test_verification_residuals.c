@@ -1,5 +1,5 @@
 /* Closure of a mounting, and what the ideal geometry leaves unexplained. */
-#include "core/verification.h"
+#include "tumble/core.h"
 #include "model.h"
 #include "random_schedule.h"
 #include "six_faces.h"

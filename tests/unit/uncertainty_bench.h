@@ -2,7 +2,7 @@
 #ifndef TUMBLE_TESTS_UNIT_UNCERTAINTY_BENCH_H
 #define TUMBLE_TESTS_UNIT_UNCERTAINTY_BENCH_H
 
-#include "core/uncertainty.h"
+#include "tumble/core.h"
 #include "estimator_bench.h"
 
 typedef tumble_status_t judge_t(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,

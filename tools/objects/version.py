@@ -6,12 +6,12 @@ BY = "Written by tools/objects/generate from the file VERSION; not to be edited.
 
 
 def header(number: str) -> str:
-    return f"""/* version.h - the version of firmware and programs.
+    return f"""/* tumble/version.h - the version of firmware and programs.
  *
  * {BY}
  */
-#ifndef TUMBLE_CORE_VERSION_H
-#define TUMBLE_CORE_VERSION_H
+#ifndef TUMBLE_VERSION_H
+#define TUMBLE_VERSION_H
 
 #define TUMBLE_VERSION "{number}"
 

@@ -13,16 +13,7 @@ from pathlib import Path
 import cffi
 
 HEADERS = """
-#include "core/averaging.h"
-#include "core/calibration.h"
-#include "core/estimator.h"
-#include "core/gain_record.h"
-#include "core/optimal.h"
-#include "core/schedule.h"
-#include "core/stand_seen.h"
-#include "core/status.h"
-#include "core/uncertainty.h"
-#include "core/verification.h"
+#include "tumble/core.h"
 """
 
 LIMITS = """

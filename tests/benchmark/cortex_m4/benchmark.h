@@ -2,7 +2,7 @@
 #ifndef TUMBLE_BENCHMARK_H
 #define TUMBLE_BENCHMARK_H
 
-#include "core/estimator.h"
+#include "tumble/core.h"
 
 #include <stdint.h>
 

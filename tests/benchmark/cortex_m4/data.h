@@ -2,9 +2,7 @@
 #ifndef TUMBLE_BENCHMARK_DATA_H
 #define TUMBLE_BENCHMARK_DATA_H
 
-#include "core/estimator.h"
-#include "core/gain_record.h"
-#include "core/uncertainty.h"
+#include "tumble/core.h"
 
 extern const tumble_means_t benchmark_means;
 extern const tumble_gain_record_t *const benchmark_record;

@@ -2,7 +2,7 @@
  * status and the bits of its result. With QEMU's -icount shift=0 an instruction takes 1 ns, so a tick is 40 instructions.
  */
 #include "benchmark.h"
-#include "core/optimal.h"
+#include "tumble/core.h"
 #include "data.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
  * division that makes means of a run.
  */
 #include "benchmark.h"
-#include "core/averaging.h"
+#include "tumble/core.h"
 
 #define KINDS 64U
 #define POSITIONS 18

@@ -2,7 +2,7 @@
  * get here a frame must pass its checksum while a run averages; to fail, two in a row must carry values that the block
  * never sends.
  */
-#include "core/averaging.h"
+#include "tumble/core.h"
 
 #define RANGE_COUNTS 8388608
 #define COUNTS_PER_BIN_BITS 21

@@ -119,7 +119,7 @@ _HEADER = """\
 #ifndef TUMBLE_OPTIMAL_GAINS_H
 #define TUMBLE_OPTIMAL_GAINS_H
 
-#include "core/gain_record.h"
+#include "tumble/core.h"
 
 #include <assert.h>
 #include <stdint.h>

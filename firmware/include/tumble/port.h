@@ -1,14 +1,14 @@
-/* port.h - everything the firmware needs of a board: a clock, CAN frames and, where it keeps coefficients, non-volatile
+/* tumble/port.h - everything the firmware needs of a board: a clock, CAN frames and, where it keeps coefficients, non-volatile
  * memory.
  *
  * A board fills in one const table of non-blocking functions; nothing else reaches hardware. Every call returns at once.
  * What a port returns is checked and counted by its caller: a status outside the lists below counts as
  * TUMBLE_E_PORT_DOWN, a frame longer than eight bytes or with an identifier beyond eleven bits is dropped.
  */
-#ifndef TUMBLE_PORT_PORT_H
-#define TUMBLE_PORT_PORT_H
+#ifndef TUMBLE_PORT_H
+#define TUMBLE_PORT_H
 
-#include "core/status.h"
+#include "tumble/status.h"
 
 #include <stdint.h>
 

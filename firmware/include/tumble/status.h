@@ -1,11 +1,11 @@
-/* status.h - the closed list of outcomes of every function that can fail.
+/* tumble/status.h - the closed list of outcomes of every function that can fail.
  *
  * One value, one name, one sentence. TUMBLE_OK is 0; everything else is a refusal, and a function that refuses leaves
  * its outputs as it found them unless its own comment says otherwise. New values go to the end: the numbers travel
  * over CAN and Modbus.
  */
-#ifndef TUMBLE_CORE_STATUS_H
-#define TUMBLE_CORE_STATUS_H
+#ifndef TUMBLE_STATUS_H
+#define TUMBLE_STATUS_H
 
 #define TUMBLE_STATUS_LIST(X)                                                                                          \
     X(TUMBLE_OK, "done")                                                                                               \

@@ -1,9 +1,9 @@
-/* version.h - the version of firmware and programs.
+/* tumble/version.h - the version of firmware and programs.
  *
  * Written by tools/objects/generate from the file VERSION; not to be edited.
  */
-#ifndef TUMBLE_CORE_VERSION_H
-#define TUMBLE_CORE_VERSION_H
+#ifndef TUMBLE_VERSION_H
+#define TUMBLE_VERSION_H
 
 #define TUMBLE_VERSION "0.2.0"
 

@@ -1,0 +1,746 @@
+/* tumble/core.h - the mathematics of a calibration: from raw samples to coefficients that are checked and known to be
+ * good.
+ *
+ * What a block measures is U = U0 + K a: three outputs (V), a 3 x 3 matrix K (V per g), a bias U0 (V), the specific
+ * force a (g). The twelve coefficients come from mean outputs at known test positions in gravity. In the order of use:
+ *
+ *     schedule       the test positions: mountings of the block, angles of the table
+ *     averaging      samples of a position to a mean, by exact integer sums, through gates
+ *     estimators     means to K and U0: averaged, refined, least_squares, or optimal by a gain record
+ *     calibration    K and U0 turned round: outputs to specific force
+ *     verification   the gravity check: does the calibrated block find 1 g at every position?
+ *     uncertainty    how far K and U0 may be from the truth, from what the stand is declared to be
+ *     the stand seen, misfit    what the run itself says about the stand
+ *
+ * The shortest program, for means that are there already:
+ *
+ *     tumble_means_t means = {0};                       // u_v in V, measured = true, position by position
+ *     tumble_coefficients_t found;
+ *     tumble_calibration_t calibration;
+ *     tumble_gravity_check_t check;
+ *     if ((tumble_estimate_refined(&tumble_schedule_paper, &means, &found, NULL) == TUMBLE_OK) &&
+ *         (tumble_calibration_invert(&found, &calibration) == TUMBLE_OK) &&
+ *         (tumble_gravity_check(&tumble_schedule_paper, &means, &calibration, 3e-4, &check) == TUMBLE_OK) &&
+ *         check.pass) {
+ *         double a_g[TUMBLE_CHANNELS];
+ *         tumble_calibration_apply(&calibration, means.u_v[0], a_g);
+ *     }
+ *
+ * All functions are pure: no clock, no I/O, nothing allocated, nothing kept but in memory that the caller owns, no libm
+ * but the square root. They may be called from anywhere, also at once on different objects. A function that refuses
+ * leaves its outputs as they were, unless its own comment says otherwise. Formulas in brackets, such as (7), are those
+ * of Chernyak, Rybak, Paliushok, "Ensuring the given accuracy of calibrating a three-axis block of navigation
+ * accelerometers on a single-axis rotary stand"; docs/method.md derives the others.
+ */
+#ifndef TUMBLE_CORE_H
+#define TUMBLE_CORE_H
+
+#include "tumble/status.h"
+#include "tumble/version.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Sizes: compile-time constants, and the relations between them that must hold. ---- */
+
+#define TUMBLE_CHANNELS 3
+#define TUMBLE_COEFFICIENTS 12 /* K row by row, then U0 */
+#define TUMBLE_UNKNOWNS 4      /* of one channel: K_ix, K_iy, K_iz, U0_i */
+#define TUMBLE_MAX_POSITIONS 36
+#define TUMBLE_MAX_MOUNTINGS 6
+
+/* Averaging. A raw count is any int32; a sample may lie this far from the first one of its position. */
+#define TUMBLE_MAX_SAMPLES (INT64_C(1) << 20)
+#define TUMBLE_MAX_DEVIATION_COUNTS (INT64_C(1) << 21)
+
+static_assert(TUMBLE_MAX_POSITIONS >= 18, "the default schedule must fit");
+static_assert(TUMBLE_MAX_POSITIONS <= UINT8_MAX, "a position index is one byte");
+
+/* The sum of counts must be exact as a double, or the mean would be rounded twice. */
+static_assert(TUMBLE_MAX_SAMPLES <= (INT64_C(1) << 53) / (INT64_C(1) << 31),
+              "a sum of int32 counts must stay within 2^53");
+
+/* The sum of squared deviations must fit 64 bits for any allowed number of samples. */
+static_assert(TUMBLE_MAX_SAMPLES <= INT64_MAX / (TUMBLE_MAX_DEVIATION_COUNTS * TUMBLE_MAX_DEVIATION_COUNTS),
+              "a sum of squared deviations must fit an int64");
+
+/* ---- Schedules: test positions: how the block is mounted and how far the table is turned.
+ *
+ * A schedule is constant data that the caller owns; these functions only read it.
+ *
+ * Frames. The table frame turns with the table: h horizontal across the axis, n along the axis, v up at angle 0.
+ * There the specific force of gravity, in units of local g, is the unit vector
+ *
+ *     f = (cos t sin p,  sin t,  cos t cos p)       p: table angle, t: known tilt of the axis (0 on a level stand)
+ *
+ * and the block feels a = M f, with M the matrix of the mounting: its rows are the block axes x, y, z in (h, n, v).
+ *
+ * The core has no trigonometry (libraries differ in the last bit): every angle comes with its sine and cosine as
+ * data, and validation checks that the three agree.
+ */
+
+/* An angle as data. Range -3600 to 3600 degrees; sine and cosine good to 1e-12. */
+typedef struct {
+    double deg;
+    double sine;
+    double cosine;
+} tumble_angle_t;
+
+typedef struct {
+    uint8_t number;      /* what people call it: 1, 2, ... unique in the schedule */
+    double matrix[3][3]; /* proper rotation, orthonormal to 1e-9; rows: block axes x, y, z; columns: h, n, v */
+    tumble_angle_t tilt; /* known tilt of the axis out of the horizontal; {0, 0, 1} on a level stand */
+} tumble_mounting_t;
+
+typedef enum {
+    TUMBLE_USE_FIT = 0,  /* measured, used by the estimator, judged */
+    TUMBLE_USE_CHECK = 1 /* measured and judged only */
+} tumble_use_t;
+
+typedef struct {
+    uint8_t mounting; /* number of a mounting of this schedule */
+    uint8_t number;   /* unique within its mounting */
+    tumble_use_t use;
+    tumble_angle_t angle;
+} tumble_position_t;
+
+typedef struct {
+    const tumble_mounting_t *mountings;
+    const tumble_position_t *positions;
+    uint8_t mounting_count; /* 1 to TUMBLE_MAX_MOUNTINGS */
+    uint8_t position_count; /* 1 to TUMBLE_MAX_POSITIONS */
+} tumble_schedule_t;
+
+/* The mean outputs of a run, one row per position of the schedule, in the schedule's order. A row is read only where
+ * `measured` is true. The unit is the caller's (volts here); the coefficients come out in that unit. */
+typedef struct {
+    double u_v[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS];
+    bool measured[TUMBLE_MAX_POSITIONS];
+} tumble_means_t;
+
+/* The schedule of the paper: two mountings, nine positions each, table angle (l - 1) * 45 degrees for l = 1..9.
+ * Mounting 2 is mounting 1 turned by 180 degrees about the bisector of the block's y and z axes. */
+extern const tumble_schedule_t tumble_schedule_paper;
+
+/* Is this schedule usable data? Checks the sizes, then every mounting (number, rotation, tilt), then every position
+ * (mounting, number, use, angle), and stops at the first fault. `where` (may be null) then receives the index of that
+ * mounting or position; it is left alone when the fault has no place.
+ * Returns TUMBLE_OK, TUMBLE_E_SCHEDULE_SIZE, TUMBLE_E_SCHEDULE_ROTATION, TUMBLE_E_SCHEDULE_ANGLE,
+ * TUMBLE_E_SCHEDULE_MOUNTING, TUMBLE_E_SCHEDULE_DUPLICATE, or TUMBLE_E_ARGUMENT (null, or a `use` outside its list).
+ * Every other function expects a schedule that passed. */
+tumble_status_t tumble_schedule_validate(const tumble_schedule_t *schedule, uint8_t *where);
+
+/* Index of the position with these numbers, or position_count if there is none. */
+uint8_t tumble_schedule_find(const tumble_schedule_t *schedule, uint8_t mounting, uint8_t position);
+
+/* The mounting that the position at `index` is measured in. `index` below position_count, validated schedule. */
+const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *schedule, uint8_t index);
+
+/* Specific force a (g) on the block axes x, y, z at the position at `index`, on the ideal stand. */
+void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS]);
+
+/* Can these positions identify all twelve coefficients? Uses the fit positions, and of those only the measured ones
+ * when `measured` is not null (one flag per position). The three channels share one design, so the answer is four
+ * bits: bit 0..2 for K_ix, K_iy, K_iz, bit 3 for U0_i of every channel i; set in `unidentified` (may be null) when that
+ * coefficient is not determined. Returns TUMBLE_OK, TUMBLE_E_RANK, or TUMBLE_E_ARGUMENT (null schedule). */
+tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
+                                         uint8_t *unidentified);
+
+/* The strongest column of the design is taken first, then always the one of which the columns taken explain least. As
+ * long as what remains has at least this root mean square over the positions, its coefficient counts as identified;
+ * below it the noise of a mean would be magnified about a thousandfold. */
+#define TUMBLE_MIN_SENSITIVITY_G 1e-3
+
+/* Where a schedule holds the positions of the paper: index of the fit position in each slot [mounting - 1][l - 1]. */
+typedef struct {
+    uint8_t index[2][9];
+} tumble_harmonic_map_t;
+
+/* Find the 2 x 9 positions of the paper among the fit positions, by geometry (matrix, tilt, angle), whatever their
+ * numbers; extra positions do no harm. With `measured` (may be null) only measured ones count.
+ * `missing` (may be null) receives one bit per empty slot, bit (mounting - 1) * 9 + (l - 1), also on a refusal.
+ * Returns TUMBLE_OK; TUMBLE_E_NOT_HARMONIC when the schedule itself lacks one; TUMBLE_E_MISSING_POSITION when it has
+ * them all but not all are measured; TUMBLE_E_ARGUMENT (null). */
+tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
+                                         tumble_harmonic_map_t *map, uint32_t *missing);
+
+/* ---- Averaging: exact integer averaging of raw samples, position by position, with gates.
+ *
+ * Integer arithmetic only in the sample path: sums are exact, so a mean is one correctly rounded division of two exact
+ * numbers, the same on every target and for every order of the samples. The caller owns the state (one per block of
+ * accelerometers) and the constant configuration. Not re-entrant on one state; no other state is touched.
+ *
+ * Life of a position: begin, add (or accumulate) for every sample, finish. `finish` judges the gates; a position that
+ * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted;
+ * one that comes while no position is open, or when it is full, is a mistake of the caller: the status tells, nothing
+ * counts it.
+ */
+
+typedef struct {
+    int32_t counts[TUMBLE_CHANNELS];
+    uint16_t counter; /* the block's own sample counter; grows by one per sample and wraps */
+} tumble_sample_t;
+
+typedef struct {
+    int32_t saturation_counts; /* at or beyond +- this a sample is refused; 1 to INT32_MAX */
+    uint32_t min_samples;      /* of a finished position; 1 to TUMBLE_MAX_SAMPLES */
+    uint16_t max_lost;         /* samples that may be missing from a position */
+    uint16_t stuck_run;        /* equal values in a row that call a channel stuck, or all of a position with fewer
+                                * samples (but more than one); at least 2, or 0: gate off */
+    float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
+    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
+} tumble_averaging_config_t;
+
+/* Monotonic since init, over all positions; they stop at UINT32_MAX instead of wrapping. */
+typedef struct {
+    uint32_t saturated;
+    uint32_t deviating;
+    uint32_t repeated;
+    uint32_t reordered;
+    uint32_t lost;
+} tumble_averaging_counters_t;
+
+/* One finished position. samples == 0: empty. */
+typedef struct {
+    int64_t sum_counts[TUMBLE_CHANNELS];
+    uint32_t samples;
+    float scatter_counts[TUMBLE_CHANNELS]; /* standard deviation of one sample, n - 1; 0 for a single one */
+} tumble_average_t;
+
+/* The open position. */
+typedef struct {
+    uint8_t index;
+    uint8_t faults; /* bits private to averaging.c */
+    uint16_t last_counter;
+    uint32_t lost;
+    int64_t square_sum[TUMBLE_CHANNELS]; /* of deviations from `first` */
+    int32_t first[TUMBLE_CHANNELS];
+    int32_t last[TUMBLE_CHANNELS];
+    uint16_t run[TUMBLE_CHANNELS]; /* how often `last` has come in a row */
+} tumble_open_position_t;
+
+typedef struct {
+    tumble_open_position_t open;
+    tumble_averaging_counters_t counters;
+    tumble_average_t averages[TUMBLE_MAX_POSITIONS];
+} tumble_averaging_t;
+
+static_assert(sizeof(tumble_averaging_t) <= 1536, "the averaging state of 36 positions must stay within 1.5 kB");
+
+/* Empty every position and zero the counters. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (a configuration out of range). */
+tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
+
+/* Open the position at `index` of the schedule, forgetting what it held; an open one is abandoned and left empty.
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (index not below TUMBLE_MAX_POSITIONS). */
+tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t index);
+
+/* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
+ * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
+ * caller's timeout must come long before.
+ * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED,
+ * TUMBLE_E_DEVIATION. */
+tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                     const tumble_sample_t *sample);
+
+/* Take one sample without gates, for a caller that has gates of its own: sums and scatter only. Those of `add` that can
+ * be switched off are the stuck and the stillness gate (configuration); the others always judge. The caller vouches for
+ * an open position that is not full and for deviations within TUMBLE_MAX_DEVIATION_COUNTS. */
+void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS]);
+
+/* Close the open position and judge it. On any refusal the position is left empty.
+ * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, and in this order: TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION (such a sample was
+ * refused: the mean would be biased), TUMBLE_E_LOST, TUMBLE_E_TOO_FEW, TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. */
+tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
+
+/* Put back a position that `finish` had accepted, as it was kept elsewhere meanwhile; an open one is abandoned and left
+ * empty. It must pass the gates that can still be judged: TUMBLE_OK, TUMBLE_E_ARGUMENT (null, index, a sum that so many
+ * samples below saturation cannot have, more than TUMBLE_MAX_SAMPLES, a scatter that is none), TUMBLE_E_TOO_FEW,
+ * TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. On any refusal the position is left empty. */
+tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
+                                         uint8_t index, const tumble_average_t *average);
+
+/* Samples in the open position so far; 0 when none is open. */
+uint32_t tumble_averaging_samples(const tumble_averaging_t *averaging);
+
+/* Mean (counts) of the open position so far and its standard error, for progress and for stopping early.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_OPEN, or TUMBLE_E_TOO_FEW below two samples (the error is not
+ * known yet). */
+tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, double mean_counts[TUMBLE_CHANNELS],
+                                         double standard_error_counts[TUMBLE_CHANNELS]);
+
+/* Mean (counts) of the finished position at `index`, correctly rounded, and its standard error scatter / sqrt(n).
+ * `standard_error_counts` may be null.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, or TUMBLE_E_MISSING_POSITION when the position is empty. */
+tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8_t index,
+                                      double mean_counts[TUMBLE_CHANNELS],
+                                      double standard_error_counts[TUMBLE_CHANNELS]);
+
+/* All finished positions as means in volts, ready for an estimator; the others are marked as not measured.
+ * `v_per_count` finite and not 0. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, double v_per_count, tumble_means_t *means);
+
+/* ---- Estimators: from position means to the twelve coefficients of U = U0 + K a.
+ *
+ * K in volts per g (unit of the means per unit of local gravity), U0 in volts. Outputs are written only on TUMBLE_OK.
+ * The formulas are exact for an ideal stand, to rounding; every position counts as one mean whatever its number of
+ * samples. A measured mean that is not a number, or beyond TUMBLE_MAX_MEAN_V, is TUMBLE_E_NOT_FINITE, so no result can
+ * overflow. Source: formulas (3) and (7); s and b follow from the same harmonic pattern.
+ */
+
+#define TUMBLE_MAX_MEAN_V 1e100
+
+typedef struct {
+    double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* [i][j]: response of channel i to acceleration along j */
+    double u0_v[TUMBLE_CHANNELS];
+} tumble_coefficients_t;
+
+/* Which positions or coefficients made an estimator refuse; bits as tumble_schedule_harmonic and
+ * tumble_schedule_identify have them. Zero when they do not apply. */
+typedef struct {
+    uint32_t missing;
+    uint8_t unidentified;
+} tumble_refusal_t;
+
+/* `averaged`: what both mountings tell is averaged: K_ix = (K1_ix + K2_ix)/2, U0_i = (U1_0i + U2_0i)/2.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION (then refusal->missing),
+ * TUMBLE_E_NOT_FINITE. `refusal` may be null. */
+tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                         tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+/* `refined`, formula (7): as averaged, but K_yx from mounting 2 and K_zx from mounting 1, which keeps the yaw of the
+ * block on the platform out of them. Returns as tumble_estimate_averaged. */
+tumble_status_t tumble_estimate_refined(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                        tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+/* `least_squares`: ordinary least squares of the measured fit positions on the ideal geometry, any schedule. Solves the
+ * four-unknown normal matrix that the three channels share, then corrects the solution once from its residuals
+ * (corrected seminormal equations), so the error grows with the condition of the design, not with its square.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_RANK (then refusal->unidentified), TUMBLE_E_NOT_FINITE. */
+tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                              tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
+
+#define TUMBLE_MAX_GAIN 1e100
+
+/* A constant gain table: twelve rows (K row by row, then U0), in each one gain per fit position of the schedule and
+ * channel, in the schedule's order, the channel running fastest. Gains of K in 1/g, of U0 dimensionless. */
+typedef struct {
+    const double *gains;  /* TUMBLE_COEFFICIENTS x (3 x fit_positions) */
+    uint8_t fit_positions;
+} tumble_gain_table_t;
+
+/* Any estimator that is linear in the means, from its gain table. All fit positions must be measured.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_TABLE (wrong number of fit positions, or a gain that is not a
+ * number or beyond TUMBLE_MAX_GAIN), TUMBLE_E_MISSING_POSITION, TUMBLE_E_NOT_FINITE. */
+tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *table, const tumble_schedule_t *schedule,
+                                      const tumble_means_t *means, tumble_coefficients_t *coefficients);
+
+/* ---- Calibration: coefficients to specific force, and what is intrinsic to the block. */
+
+/* Coefficients turned round, ready to be applied: a = k_inverse (U - u0). */
+typedef struct {
+    double k_inverse_g_per_v[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
+    double u0_v[TUMBLE_CHANNELS];
+} tumble_calibration_t;
+
+/* At or below this, K counts as singular: a row's length over the longest row's, and the volume that the three unit
+ * rows span (1 for orthogonal channels, 0 for parallel ones). */
+#define TUMBLE_MIN_ROW_RATIO 1e-6
+#define TUMBLE_MIN_ROW_VOLUME 1e-3
+
+/* Invert the coefficients. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_SINGULAR. */
+tumble_status_t tumble_calibration_invert(const tumble_coefficients_t *coefficients, tumble_calibration_t *calibration);
+
+/* Outputs (V) to specific force (g). */
+void tumble_calibration_apply(const tumble_calibration_t *calibration, const double u_v[TUMBLE_CHANNELS],
+                              double a_g[TUMBLE_CHANNELS]);
+
+/* Raw counts to specific force (g); `v_per_count` is the size of one count of the converter. */
+void tumble_calibration_apply_counts(const tumble_calibration_t *calibration, double v_per_count,
+                                     const int32_t counts[TUMBLE_CHANNELS], double a_g[TUMBLE_CHANNELS]);
+
+/* Parameters that do not depend on how the block sits on the stand (Geist and Gaitan, NIST, J. Res. 122.032, 126.038):
+ * scale_i = |row i of K|, the angles between the sensitive axes as cosines (the core has no arc cosine), and the bias
+ * of a channel over its own scale, U0_i / |row i|. */
+typedef struct {
+    double scale_v_per_g[TUMBLE_CHANNELS];
+    double cosine_xy;
+    double cosine_xz;
+    double cosine_yz;
+    double bias_g[TUMBLE_CHANNELS];
+} tumble_intrinsic_t;
+
+/* Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_SINGULAR (a row of K that is zero or nearly so).
+ */
+tumble_status_t tumble_calibration_intrinsic(const tumble_coefficients_t *coefficients, tumble_intrinsic_t *intrinsic);
+
+/* ---- Verification: is a calibration to be believed? The gravity check, closure and residuals.
+ *
+ * Only measured positions are looked at.
+ */
+
+/* The gravity check, formula (8): at every position the calibrated block must find a specific force of 1 g,
+ *     delta_g = (|a|^2 - 1) / 2,     a = K^-1 (U - U0).
+ * On fit positions it is optimistic, so check positions are kept apart. */
+typedef struct {
+    double delta_g_g[TUMBLE_MAX_POSITIONS]; /* 0 where not measured */
+    double max_abs_fit_g;                   /* 0 when no fit position is measured */
+    double max_abs_check_g;                 /* 0 when no check position is measured */
+    uint8_t fit_positions;                  /* how many of each were judged */
+    uint8_t check_positions;
+    bool pass;                              /* both maxima at most the limit, and something was judged */
+} tumble_gravity_check_t;
+
+/* Judge a run by a limit (g), finite and above 0.
+ * Returns TUMBLE_OK (whatever the verdict), TUMBLE_E_ARGUMENT, or TUMBLE_E_NOT_FINITE (then `check` is all zero and
+ * does not pass). */
+tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                     const tumble_calibration_t *calibration, double limit_g,
+                                     tumble_gravity_check_t *check);
+
+/* Closure: the outputs at the last measured position of a mounting whose attitude equals that of an earlier one, less
+ * those at the earliest such one (in the paper's schedule U9 - U1): drift, slip of the table, or a block that moved.
+ * `mounting` is the mounting's number.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, or TUMBLE_E_MISSING_POSITION when the mounting has no such pair. */
+tumble_status_t tumble_closure(const tumble_schedule_t *schedule, const tumble_means_t *means, uint8_t mounting,
+                               double difference_v[TUMBLE_CHANNELS]);
+
+/* Residual (V) of the position at `index`: U - U0 - K a on the ideal geometry. `index` below position_count. */
+void tumble_residual(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                     const tumble_coefficients_t *coefficients, uint8_t index, double residual_v[TUMBLE_CHANNELS]);
+
+/* Root mean square of the residuals of the measured fit positions, per channel, over n - 4 degrees of freedom.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, or TUMBLE_E_TOO_FEW with fewer than five measured fit positions. */
+tumble_status_t tumble_residual_rms(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                    const tumble_coefficients_t *coefficients, double rms_v[TUMBLE_CHANNELS]);
+
+/* ---- Uncertainty: how far the twelve coefficients may be from the truth, from what the stand is declared to be.
+ *
+ * An estimate is linear in the means, so its standard uncertainty follows exactly to first order from the estimator's
+ * gains and from the derivatives of the specific force by each error of the stand, taken at zero error on the exact
+ * geometry, the known tilt of the axis included (docs/method.md, "Uncertainty"). Independent errors add in quadrature.
+ * The gains are computed row by row as they are needed: no table, no matrix. Cost: some 80 double operations for each
+ * of the twelve coefficients and each position, by least squares twice as many.
+ */
+
+#define TUMBLE_MAX_STAND_SIGMA_RAD 1.0
+
+/* What a stand is declared to be: standard deviations, 0 for an error that it does not have. */
+typedef struct {
+    double axis_tilt_rad; /* alpha1: the axis is not level; one for a run. Angles: 0 to TUMBLE_MAX_STAND_SIGMA_RAD */
+    double level_rad;     /* alpha2: the zero of the table angle; one for a run */
+    double remount_rad;   /* alpha3: yaw of the block on the platform; one for each mounting, or `common_yaw` */
+    double angle_rad;     /* alpha4: of a set table angle; one for each position */
+    double noise_v;       /* of one sample of one channel; 0 to TUMBLE_MAX_MEAN_V */
+    double least_noise_v; /* of a mean, however many samples it has: it never counts as less; 0 to TUMBLE_MAX_MEAN_V */
+    uint32_t samples;     /* in a mean, where the run does not say; at least 1 */
+    bool common_yaw;      /* every mounting has the same yaw */
+} tumble_stand_record_t;
+
+/* The run whose estimate is judged. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_stand_record_t *stand;
+    const tumble_coefficients_t *coefficients; /* the estimate; only its K matters */
+    const bool *measured;                      /* one flag per position; null: all are measured */
+    const uint32_t *samples;                   /* in the mean of each position, at least 1; null: the stand's */
+    uint16_t only; /* bits of the coefficients (0 to 11: K row by row, then U0) to be judged now, so that all twelve can
+                    * be judged in small steps; the others stay as they are. 0: all */
+} tumble_judged_run_t;
+
+/* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */
+typedef struct {
+    double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
+    double u0_v[TUMBLE_CHANNELS];
+} tumble_uncertainty_t;
+
+/* Of an estimate by tumble_estimate_averaged, tumble_estimate_refined or tumble_estimate_least_squares; each uses, and
+ * refuses, the positions that its estimator does. `refusal` may be null. `uncertainty` is written on TUMBLE_OK, and set
+ * to zero on TUMBLE_E_NOT_FINITE.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, or a number out of its range above); TUMBLE_E_NOT_FINITE (K is no number,
+ * or too large); TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION (refusal->missing) or TUMBLE_E_RANK
+ * (refusal->unidentified) as the estimator. */
+tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                            tumble_refusal_t *refusal);
+tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                           tumble_refusal_t *refusal);
+tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
+                                                 tumble_refusal_t *refusal);
+
+/* Of an estimate by tumble_estimate_gains, or by the table of a gain record.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_GAIN_TABLE (for another number of fit positions),
+ * TUMBLE_E_MISSING_POSITION. */
+tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
+                                         tumble_uncertainty_t *uncertainty);
+
+/* ---- Gain records: a table of stand-optimal gains as it lies in non-volatile memory, validated and read in place.
+ *
+ * docs/gain-record.md lays down the bytes. Nothing is copied: a record that passed is used where it is mapped, and must
+ * stay there, unchanged, as long as the pointer to it is in use.
+ */
+
+#if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)
+#error "a gain record is read in place and is little endian: this target needs a reader of its own"
+#endif
+
+#define TUMBLE_GAIN_RECORD_SCHEMA 1
+#define TUMBLE_MAX_SIGMA_RAD 1.0 /* of a stand's errors */
+
+/* The head of a record. Behind it, up to its last 8 bytes: the gains. */
+typedef struct {
+    uint8_t magic[4]; /* "TGR1" */
+    uint32_t size_bytes;
+    uint16_t schema;
+    uint8_t fit_positions;
+    uint8_t mountings;
+    uint8_t yaws; /* 1: one yaw for all mountings; else one for each */
+    uint8_t reserved[3];
+    uint32_t schedule_crc;
+    uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
+    double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
+    double sigma_rad[4];                                /* standard deviations of alpha1 .. alpha4; 0: no such error */
+    double sigma_mean_v;                                /* of a position mean; above 0 */
+    double u_k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* standard uncertainties of the result, at that K */
+    double u_u0_v[TUMBLE_CHANNELS];
+} tumble_gain_record_t;
+
+static_assert(offsetof(tumble_gain_record_t, k_v_per_g) == 24, "the numbers follow the head's first 24 bytes");
+static_assert(sizeof(tumble_gain_record_t) == 232, "the gains follow the head's 232 bytes");
+
+/* Is there a record of gains for this schedule in the `size` bytes at `memory`? Checks in this order: pointers and
+ * alignment (to 8 bytes); magic, size and schema; CRC-32; counts and schedule fingerprint; that every number is finite,
+ * at most TUMBLE_MAX_GAIN in magnitude, and in its range. The record may be shorter than the memory. `*record` is
+ * written only on TUMBLE_OK. The schedule has passed its own validation. Reads every byte once bitwise (about 50
+ * instructions a byte).
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_RECORD (nothing that this software reads), TUMBLE_E_CRC,
+ * TUMBLE_E_GAIN_TABLE (for another schedule), TUMBLE_E_NOT_FINITE (a number, K, sigma, u or gain, that is none or is
+ * out of range). */
+tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *schedule,
+                                        const tumble_gain_record_t **record);
+
+/* Gains of the coefficients: TUMBLE_COEFFICIENTS rows of 3 x fit_positions, as in tumble_gain_table_t. */
+const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
+
+/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, then each yaw; columns as above. */
+const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
+
+/* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
+uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
+
+/* ---- The stand-optimal estimator: constant gains for one stand, twice corrected to second order.
+ *
+ * The gains of a record are those of generalised least squares for the stand's declared errors: twelve rows for the
+ * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws). The gains are linear; the
+ * outputs are not, and on a stand with a yaw of 15 mrad a linear estimate of K_xx is off by 16 times its uncertainty.
+ * So what the exact geometry gives beyond its linearisation is taken out of the means and the gains are applied again,
+ * twice: docs/method.md, "stand-optimal weights".
+ */
+
+/* The series for sine and cosine are exact to a double's last bits up to here. No stand is that bad. */
+#define TUMBLE_MAX_STAND_ERROR_RAD 0.1
+
+/* What the run tells about the stand, best estimates (rad); an error that the record calls absent is 0. */
+typedef struct {
+    double alpha1_rad;
+    double alpha2_rad;
+    double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* per mounting of the schedule, in its order; beyond: 0 */
+} tumble_stand_errors_t;
+
+/* What the estimator works with beside its stack; the caller owns it. */
+typedef struct {
+    tumble_stand_errors_t stand;               /* a result, beside the coefficients */
+    float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
+} tumble_optimal_t;
+
+static_assert(sizeof(tumble_optimal_t) <= 208, "a navigation computer with the estimator must stay within 4 kB of RAM");
+
+/* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
+ * Outputs are working memory too: on TUMBLE_E_STAND_ERROR, and where a result is not finite, they are left zero.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE (a measured mean that is not a number or beyond
+ * TUMBLE_MAX_MEAN_V, or a result that is not finite), TUMBLE_E_GAIN_TABLE (the record has another number of fit
+ * positions or mountings than the schedule), TUMBLE_E_MISSING_POSITION (a fit position was not measured),
+ * TUMBLE_E_STAND_ERROR (an error of the stand, or of one table angle with alpha2, or its curvature, comes out beyond
+ * TUMBLE_MAX_STAND_ERROR_RAD: wrong record, mounting or means). */
+tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, const tumble_schedule_t *schedule,
+                                        const tumble_means_t *means, tumble_coefficients_t *coefficients,
+                                        tumble_optimal_t *optimal);
+
+/* The estimator for a procedure that knows no records: where the record is mapped, and the memory to work with. */
+typedef struct {
+    const void *record;
+    size_t record_bytes; /* of the memory; the record may be shorter */
+    tumble_optimal_t *work;
+} tumble_optimal_source_t;
+
+/* Is there a right record? `source`: a tumble_optimal_source_t. Returns as tumble_gain_record_open. */
+tumble_status_t tumble_optimal_check(const void *source, const tumble_schedule_t *schedule);
+
+/* Check the record again, whole, and estimate. Returns as tumble_gain_record_open and tumble_estimate_optimal; on any
+ * refusal `coefficients` holds no result. */
+tumble_status_t tumble_optimal_estimate(const void *source, const tumble_schedule_t *schedule,
+                                        const tumble_means_t *means, tumble_coefficients_t *coefficients);
+
+/* What the gains of a record make of the stand's errors, at the K that the record was made for. For a block that
+ * differs from it the second-order correction makes up, which a propagation through the gains alone would overstate
+ * (docs/method.md).
+ *
+ * `source`: a tumble_optimal_source_t. `run->coefficients` are not looked at, but may not be null. The record is
+ * checked whole, unless `run->only` leaves out the first coefficient: then it has been, with that one. Returns as
+ * tumble_gain_record_open and tumble_uncertainty_gains. */
+tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judged_run_t *run,
+                                           tumble_uncertainty_t *uncertainty);
+
+/* ---- The stand seen: what a run tells about the stand itself: its angles, the error of a set angle, the noise.
+ *
+ * There are two ways to the angles. The closed form takes the paper's positions: with the biases and the sensitivities
+ * to x that each mounting gives by itself, v = K^-1 (U1_0 - U2_0) and w = K^-1 (K2_x - K1_x),
+ *
+ *     alpha1 = (v_y - v_z) / 2,    w_y = alpha2 + alpha3 of mounting 1,    w_z = alpha2 + alpha3 of mounting 2.
+ *
+ * The fit takes any schedule: generalised least squares for coefficients and angles together, in which the error of a
+ * set angle counts for what it is, an error of three outputs at once along one direction. It is the best there is, up
+ * to six times sharper, and it alone gives alpha4 (docs/method.md, "the stand seen"). Only measured fit positions are
+ * looked at.
+ */
+
+/* One quantity with its standard uncertainty. What a run cannot tell is not known, and its numbers are 0. */
+typedef struct {
+    double value;
+    double u;
+    bool known;
+} tumble_seen_t;
+
+/* Angles of the stand, rad. */
+typedef struct {
+    tumble_seen_t alpha1;             /* the axis is not level */
+    tumble_seen_t alpha2_plus_alpha3; /* zero of the table angle, and mean yaw of all mountings */
+    tumble_seen_t alpha3_difference;  /* yaw in the first mounting less that in the second */
+} tumble_seen_angles_t;             /* mountings: those with measured fit positions, in the schedule's order */
+
+/* The random errors that the uncertainties come from. */
+typedef struct {
+    double angle_rad;                                /* alpha4, standard deviation; 0 or more, finite */
+    double mean_variance_v2[TUMBLE_MAX_POSITIONS];   /* noise of the mean of a channel; 0 or more, finite */
+} tumble_random_errors_t;
+
+/* Unknowns of the fit at most: coefficients, alpha1, alpha3 per mounting, alpha2; and room for them. */
+#define TUMBLE_FIT_UNKNOWNS (TUMBLE_COEFFICIENTS + 2 + TUMBLE_MAX_MOUNTINGS)
+
+/* Working memory of the fit, 2 kB. The caller owns it; its content is of no use to anybody. */
+typedef struct {
+    double r[(TUMBLE_FIT_UNKNOWNS * (TUMBLE_FIT_UNKNOWNS + 3)) / 2]; /* upper triangle and right sides, by rows */
+    double row[TUMBLE_FIT_UNKNOWNS + 1];
+    double residual_square;
+    double scale_v;     /* largest element of K */
+    double smallest_v2; /* noise variance that weights are relative to, in units of scale_v */
+    double angle_square;
+    uint8_t unknowns;
+} tumble_fit_work_t;
+
+/* Standard deviation of one sample, pooled over positions and channels, from the number of samples and the scatter of
+ * each position (n - 1; not read below two samples). Unit as the scatter. Not known without any scatter. */
+tumble_seen_t tumble_seen_noise(const uint32_t *samples, const double (*scatter)[TUMBLE_CHANNELS], uint8_t positions);
+
+/* The angles by the closed form. `errors` as declared, or as seen; null: uncertainties are 0.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION. */
+tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                   const tumble_calibration_t *calibration, const tumble_random_errors_t *errors,
+                                   tumble_seen_angles_t *angles);
+
+/* The angles by the fit, linearised at `coefficients` (any estimate of them) and an ideal stand; errors of second order
+ * in the angles remain. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_seen_fit(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                const tumble_coefficients_t *coefficients, const tumble_random_errors_t *errors,
+                                tumble_fit_work_t *work, tumble_seen_angles_t *angles);
+
+/* alpha4 from the run itself: what the residuals hold beyond the noise (`errors->angle_rad` is not read). The weighted
+ * residuals that errors of set angles move, m of them, are as large as they should be when their squares sum up to m
+ * (Paule and Mandel). `freedom` receives the degrees of freedom of the estimate: m without noise, less with it.
+ * Not known where m is 0, or where the residuals do not exceed the noise. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                        const tumble_coefficients_t *coefficients,
+                                        const tumble_random_errors_t *errors, tumble_fit_work_t *work,
+                                        tumble_seen_t *alpha4, double *freedom);
+
+/* How large those squares are if alpha4 were `errors->angle_rad`: chi-squared with `freedom` = m degrees of freedom
+ * where that is the truth. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule, const tumble_means_t *means,
+                                              const tumble_coefficients_t *coefficients,
+                                              const tumble_random_errors_t *errors, tumble_fit_work_t *work,
+                                              double *chi_squared, uint8_t *freedom);
+
+/* ---- Misfit: does a run fit the stand that is declared? A chi-squared test of every mounting, taken in small steps.
+ *
+ * In one mounting the specific force turns on a circle, so every channel is
+ *
+ *     U(phi) = b + s sin phi + c cos phi
+ *
+ * whatever K and U0 are, and whatever the systematic errors of the stand (alpha1, alpha2, the yaw alpha3, a known
+ * tilt): each of them changes b, s and c alone. What is left of a generalised least-squares fit of these nine numbers
+ * comes from the errors of the set angles and from the noise of the means, and from what nobody declared: steps, drift,
+ * slip, curvature of the block. With V = v I + alpha4^2 d d^T the covariance of the three means at a position (d: how
+ * the outputs answer to its angle), the sum of r^T V^-1 r is chi-squared with 3 (n - 3) degrees of freedom.
+ *
+ * A fault of one channel drowns in the sum over three. So each channel is judged again, given the other two: the sum
+ * less the sum without that channel is chi-squared with n - 3 degrees of freedom. Hence four tests a mounting. Each
+ * fails an honest run in TUMBLE_MISFIT_CHANCE of cases, so that all tests of TUMBLE_MAX_MOUNTINGS together stay below
+ * 1e-3.
+ *
+ * What two mountings say about each other is not looked at: a step between them, and a tilt of the seat, pass.
+ *
+ * Every measured position counts, also one that is for checks alone. A mounting with fewer than four positions cannot
+ * be judged, and passes.
+ */
+
+#define TUMBLE_MISFIT_UNKNOWNS 9 /* b, s and c of three channels */
+#define TUMBLE_MISFIT_TESTS 4    /* of a mounting: all channels, and each given the others */
+#define TUMBLE_MISFIT_SIGMAS 4.0 /* one-sided quantile of the normal distribution that the limit is taken at */
+#define TUMBLE_MISFIT_CHANCE 3.2e-5
+
+static_assert((TUMBLE_MISFIT_TESTS * TUMBLE_MAX_MOUNTINGS * TUMBLE_MISFIT_CHANCE) < 1e-3,
+              "an honest run must be doubted in less than one case of a thousand");
+
+/* The run and its stand. All must stay as they are from the first step to the last. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_averaging_t *averaging;       /* its finished positions */
+    const tumble_coefficients_t *coefficients; /* any estimate: residuals are taken from it before they are fitted */
+    const tumble_stand_record_t *stand;        /* angle_rad, noise_v and least_noise_v count; checked by its owner */
+    double v_per_count;
+} tumble_misfit_run_t;
+
+/* Working memory, 0.5 kB. The caller owns it; all of it is private. */
+typedef struct {
+    double triangle[(TUMBLE_MISFIT_UNKNOWNS * (TUMBLE_MISFIT_UNKNOWNS + 1)) / 2]; /* lower, by rows */
+    double right[TUMBLE_MISFIT_UNKNOWNS];
+    double square;     /* of the whitened residuals */
+    double all_square; /* what the fit of all three channels left, */
+    uint8_t all_freedom;
+    uint8_t counted;   /* means in the sums */
+    uint8_t mounting;  /* index in the schedule */
+    uint8_t test;      /* 0: all channels; else all but channel test - 1 */
+    uint8_t position;  /* the next to be looked at */
+    bool misfit;       /* some test has failed */
+} tumble_misfit_work_t;
+
+/* Begin. */
+void tumble_misfit_begin(tumble_misfit_work_t *work);
+
+/* Go on: one position, or the end of one test; some 20,000 instructions on a Cortex-M4 without floating point hardware.
+ * Returns true as long as there is more to do. */
+bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
+
+/* The largest chi-squared of an honest run, by Wilson and Hilferty (1931): k (1 - 2/(9 k) + z sqrt(2/(9 k)))^3 with
+ * z = TUMBLE_MISFIT_SIGMAS: never below the true quantile, and above it by 9 % (1 degree), 2.4 % (6), 0.8 % (18). */
+double tumble_misfit_limit(int freedom);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
