@@ -172,3 +172,18 @@ void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *s
         }
     }
 }
+
+tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
+                                         uint8_t *unidentified)
+{
+    if (schedule == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    tumble_normal_t normal;
+    tumble_normal_build(&normal, schedule, measured);
+    const uint8_t missing = tumble_normal_unidentified(&normal);
+    if (unidentified != NULL) {
+        *unidentified = missing;
+    }
+    return (missing == 0U) ? TUMBLE_OK : TUMBLE_E_RANK;
+}

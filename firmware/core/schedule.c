@@ -149,21 +149,6 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
     }
 }
 
-tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
-                                         uint8_t *unidentified)
-{
-    if (schedule == NULL) {
-        return TUMBLE_E_ARGUMENT;
-    }
-    tumble_normal_t normal;
-    tumble_normal_build(&normal, schedule, measured);
-    const uint8_t missing = tumble_normal_unidentified(&normal);
-    if (unidentified != NULL) {
-        *unidentified = missing;
-    }
-    return (missing == 0U) ? TUMBLE_OK : TUMBLE_E_RANK;
-}
-
 static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b)
 {
     bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE) && tumble_is_positive(a->tilt.cosine);

@@ -8,8 +8,6 @@
 #define RETRY_US 1000U /* after the port had no room or was off the bus */
 #define MAX_NODE 127U
 #define STATE_PDO 2U /* the first two belong to the drive */
-#define WATCHES_DRIVE 1U /* subindices of 1016h */
-#define WATCHES_BLOCK 2U
 
 /* Getting ready. */
 
@@ -42,33 +40,6 @@ static bool is_usable(const tumble_navcomp_config_t *config)
            nodes_are_distinct(config) && (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
 }
 
-/* 1016h:1 and :2 as configured. */
-static uint32_t watched_drive(const tumble_navcomp_t *navcomp)
-{
-    const tumble_navcomp_config_t *config = navcomp->config;
-    return tumble_has_drive(navcomp) ? (((uint32_t)config->drive_node << 16) | config->heartbeat_timeout_ms) : 0U;
-}
-
-static uint32_t watched_block(const tumble_navcomp_t *navcomp)
-{
-    const tumble_navcomp_config_t *config = navcomp->config;
-    return tumble_has_block(navcomp) ? (((uint32_t)config->block_node << 16) | config->heartbeat_timeout_ms) : 0U;
-}
-
-/* What the configuration says instead of the dictionary's power-on values. A node that is watched twice for a moment
- * would be refused: so nobody first. */
-static void set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
-{
-    const tumble_navcomp_config_t *config = navcomp->config;
-    tumble_nmt_t *nmt = &navcomp->node.nmt;
-    tumble_nmt_set_producer(nmt, config->heartbeat_ms, now_us);
-    for (uint8_t subindex = 1; subindex <= TUMBLE_MAX_CONSUMERS; subindex++) {
-        (void)tumble_nmt_set_consumer(nmt, subindex, 0);
-    }
-    (void)tumble_nmt_set_consumer(nmt, WATCHES_DRIVE, watched_drive(navcomp));
-    (void)tumble_nmt_set_consumer(nmt, WATCHES_BLOCK, watched_block(navcomp));
-}
-
 static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
@@ -93,7 +64,7 @@ static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
 /* All that a fresh node needs, at power-on and after an NMT reset. */
 static tumble_status_t join_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
-    set_heartbeats(navcomp, now_us);
+    tumble_set_heartbeats(navcomp, now_us);
     tumble_node_set_state(&navcomp->node, TUMBLE_NMT_OPERATIONAL);
     tumble_block_receiver_restart(&navcomp->block);
     navcomp->block_start_us = 0;
@@ -165,16 +136,6 @@ static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 }
 
 /* The step. */
-
-/* Whoever is to stop the axis when something falls silent must hear and be heard. The process data need no look: while
- * there is a drive they are held, and its bring-up sets them. */
-bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
-{
-    const tumble_nmt_t *nmt = &navcomp->node.nmt;
-    return (tumble_nmt_consumer(nmt, WATCHES_DRIVE) == watched_drive(navcomp)) &&
-           (tumble_nmt_consumer(nmt, WATCHES_BLOCK) == watched_block(navcomp)) &&
-           (nmt->producer_ms == navcomp->config->heartbeat_ms);
-}
 
 /* The state PDO goes when one of these has changed, and by its event timer. */
 static void show_state(tumble_navcomp_t *navcomp)

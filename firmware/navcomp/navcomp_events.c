@@ -2,14 +2,6 @@
 
 #include <stddef.h>
 
-void tumble_tell_block_alive(tumble_navcomp_t *navcomp)
-{
-    const uint8_t block_node = navcomp->config->block_node;
-    const bool alive = !tumble_has_block(navcomp) ||
-                       (tumble_nmt_state_of(&navcomp->node.nmt, block_node) == TUMBLE_NMT_OPERATIONAL);
-    tumble_procedure_set_block_alive(&navcomp->procedure, alive);
-}
-
 static bool is_drive(const tumble_navcomp_t *navcomp, uint8_t node)
 {
     return tumble_has_drive(navcomp) && (node == navcomp->config->drive_node);

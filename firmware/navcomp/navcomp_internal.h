@@ -5,6 +5,7 @@
  *     navcomp_objects.c  the object dictionary's values
  *     navcomp_report.c   commands and the readable side
  *     service.c          the service level, and how many runs there were
+ *     supervision.c      who watches whom by heartbeats
  */
 #ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 #define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
@@ -41,6 +42,9 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
 
 /* A command that no keeper deals with. Returns as tumble_navcomp_command. */
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
+
+/* Set 1016h and 1017h as configured, instead of the dictionary's power-on values. */
+void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us);
 
 /* Are 1016h and 1017h such that stand and block are watched, and hear us, as configured? */
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp);

@@ -1,43 +1,5 @@
 #include "procedure/procedure_internal.h"
 
-#include <stddef.h>
-
-/* What a refusal of a position means, and whether measuring it again may help. The last row stands for any other. */
-typedef struct {
-    uint8_t status;
-    uint8_t reason;
-    bool mendable;
-} refusal_row_t;
-
-#define REFUSAL(status, reason, mendable) {(uint8_t)TUMBLE_E_##status, (uint8_t)TUMBLE_REASON_##reason, (mendable)}
-
-outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status)
-{
-    static const refusal_row_t refusals[] = {
-        REFUSAL(LOST, SAMPLES_LOST, true),
-        REFUSAL(TOO_FEW, SAMPLES_LOST, true),
-        REFUSAL(CRC, SAMPLES_CORRUPTED, true),
-        REFUSAL(NOT_STILL, NOT_STILL, true),
-        REFUSAL(DEVIATION, NOT_STILL, true),
-        REFUSAL(SATURATED, SATURATED, false),
-        REFUSAL(UNCERTAIN, UNCERTAIN, true),
-        REFUSAL(STUCK, STUCK, false),
-    };
-    const size_t last = (sizeof refusals / sizeof refusals[0]) - 1U;
-    size_t row = 0;
-    while ((row < last) && (refusals[row].status != (uint8_t)status)) {
-        row++;
-    }
-    procedure->status = status;
-    tumble_add_up(&procedure->counters.refused, 1U);
-    if (refusals[row].mendable && (procedure->attempt < procedure->config->retries)) {
-        procedure->attempt++;
-        tumble_add_up(&procedure->counters.retries, 1U);
-        return OUTCOME_OTHER;
-    }
-    return tumble_fail(procedure, (tumble_reason_t)refusals[row].reason);
-}
-
 outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 {
     procedure->closure_g[tumble_mounting_index(procedure->config->schedule, procedure->index)] = 0.0F;

@@ -3,6 +3,7 @@
  *     procedure_table.c       the table: every state, what it does, where it leads, how long it may last
  *     procedure_states.c      what the rows of the table do: entry actions, polls, samples, late endings
  *     procedure_average.c     the same for AVERAGE: taking samples, judging a position
+ *     procedure_refusal.c     what goes wrong: reasons of the stand, a slipped table, a position refused
  *     procedure_solve.c       SOLVE, VERIFY, PROPOSE
  *     procedure_checks.c      is the configuration usable, is the block mounted as it should be, did it slip
  *     procedure.c             time, samples and commands; the engine that follows the table

@@ -4,36 +4,6 @@
 
 #define UNHEALTHY (TUMBLE_SAMPLE_SELF_TEST | TUMBLE_SAMPLE_CONVERTER)
 
-outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason)
-{
-    procedure->reason = reason;
-    return OUTCOME_FAULT;
-}
-
-tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
-{
-    return procedure->stand->state(procedure->stand->self);
-}
-
-tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
-{
-    static const uint8_t reasons[TUMBLE_STAND_FAULT_FOREIGN + 1] = {
-        [TUMBLE_STAND_FAULT_NONE] = TUMBLE_REASON_DRIVE_FAULT,
-        [TUMBLE_STAND_FAULT_DRIVE] = TUMBLE_REASON_DRIVE_FAULT,
-        [TUMBLE_STAND_FAULT_STALL] = TUMBLE_REASON_STALL,
-        [TUMBLE_STAND_FAULT_HEARTBEAT] = TUMBLE_REASON_STAND_HEARTBEAT,
-        [TUMBLE_STAND_FAULT_HOMING] = TUMBLE_REASON_HOMING,
-        [TUMBLE_STAND_FAULT_PROTOCOL] = TUMBLE_REASON_STAND_PROTOCOL,
-        [TUMBLE_STAND_FAULT_POWER] = TUMBLE_REASON_DRIVE_POWER,
-        [TUMBLE_STAND_FAULT_TIMEOUT] = TUMBLE_REASON_TARGET_NOT_REACHED,
-        [TUMBLE_STAND_FAULT_STOP] = TUMBLE_REASON_STOP_NOT_CONFIRMED,
-        [TUMBLE_STAND_FAULT_POSITION] = TUMBLE_REASON_SLIP,
-        [TUMBLE_STAND_FAULT_FOREIGN] = TUMBLE_REASON_FOREIGN_COMMAND,
-    };
-    const unsigned fault = (unsigned)procedure->stand->fault(procedure->stand->self);
-    return (fault < sizeof reasons) ? (tumble_reason_t)reasons[fault] : TUMBLE_REASON_DRIVE_FAULT;
-}
-
 /* The stand should have taken this command: it was there and at rest. */
 static outcome_t follow_command(tumble_procedure_t *procedure, tumble_status_t status)
 {
@@ -254,12 +224,6 @@ outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
     procedure->settled_ms = 0;
     procedure->marked = false;
     return OUTCOME_STAY;
-}
-
-bool tumble_table_slipped(const tumble_procedure_t *procedure)
-{
-    const double off_deg = procedure->stand->angle_deg(procedure->stand->self) - procedure->target_deg;
-    return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
 }
 
 outcome_t tumble_settle_poll(tumble_procedure_t *procedure)

@@ -334,11 +334,6 @@ void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_
     }
 }
 
-bool tumble_drive402_is_limited(const tumble_drive402_t *drive)
-{
-    return drive->low_counts != drive->high_counts;
-}
-
 bool tumble_drive402_is_present(const tumble_drive402_t *drive)
 {
     return drive->present || (drive->phase != (uint8_t)PHASE_ABSENT);

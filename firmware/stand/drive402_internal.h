@@ -1,6 +1,7 @@
 /* drive402_internal.h - what the files of drive402 share (private to it).
  *
  *     drive402.c          what the node tells, time, the stand's functions
+ *     drive402_axis.c     words to and from the drive, and what they tell of the axis
  *     drive402_phases.c   the table of phases: what each does, how long it may last, what it is for the stand
  *     drive402_start.c    what the phases do up to Operation enabled
  *     drive402_motion.c   what they do from there: homing, moving, stopping

@@ -2,63 +2,6 @@
 
 #include <stddef.h>
 
-/* Words. */
-
-bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits)
-{
-    return (drive->mirror->statusword & bits) != 0U;
-}
-
-uint16_t tumble_drive_power_state(const tumble_drive402_t *drive)
-{
-    const unsigned word = drive->mirror->statusword;
-    switch (word & TUMBLE_402_STATE_MASK_SHORT) {
-    case TUMBLE_402_STATE_NOT_READY:
-    case TUMBLE_402_STATE_SWITCH_ON_DISABLED:
-    case TUMBLE_402_STATE_FAULT_REACTION:
-    case TUMBLE_402_STATE_FAULT:
-        return (uint16_t)(word & TUMBLE_402_STATE_MASK_SHORT);
-    default:
-        return (uint16_t)(word & TUMBLE_402_STATE_MASK);
-    }
-}
-
-bool tumble_drive_is_faulty(const tumble_drive402_t *drive)
-{
-    const uint16_t state = tumble_drive_power_state(drive);
-    return (state == TUMBLE_402_STATE_FAULT) || (state == TUMBLE_402_STATE_FAULT_REACTION);
-}
-
-bool tumble_drive_may_turn(const tumble_drive402_t *drive)
-{
-    const uint16_t state = tumble_drive_power_state(drive);
-    return (state == TUMBLE_402_STATE_OPERATION_ENABLED) || (state == TUMBLE_402_STATE_QUICK_STOP_ACTIVE);
-}
-
-bool tumble_drive_is_sent(const tumble_drive402_t *drive)
-{
-    bool sent = true;
-    for (unsigned i = 0; i < drive->profile->receive_count; i++) {
-        sent = sent && !drive->node->pdos.transmit[i].pdo.due;
-    }
-    return sent;
-}
-
-void tumble_drive_control(tumble_drive402_t *drive, unsigned word)
-{
-    drive->mirror->controlword = (uint16_t)word;
-    for (uint8_t i = 0; i < drive->profile->receive_count; i++) {
-        tumble_pdo_trigger(&drive->node->pdos, i);
-    }
-}
-
-/* Must the process data still go before there is anything to look at? */
-bool tumble_drive_is_blocked(tumble_drive402_t *drive)
-{
-    drive->blocked = !tumble_drive_is_sent(drive);
-    return drive->blocked;
-}
-
 void tumble_drive_go(tumble_drive402_t *drive, tumble_drive_phase_t phase)
 {
     drive->phase = (uint8_t)phase;

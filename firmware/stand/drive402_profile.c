@@ -307,3 +307,8 @@ tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, 
                        pdos_are_valid(profile) && identifiers_are_valid(profile, node) && writes_are_valid(profile);
     return valid ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
+
+bool tumble_drive402_is_limited(const tumble_drive402_t *drive)
+{
+    return drive->low_counts != drive->high_counts;
+}

@@ -2,14 +2,6 @@
 
 /* CONFIGURE and the changes of mode: one SDO after the other. */
 
-void tumble_drive_leave_sdo(tumble_drive402_t *drive)
-{
-    if ((drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ)) {
-        tumble_sdo_client_cancel(&drive->node->client);
-    }
-    drive->asked = ASKED_NOTHING;
-}
-
 static void ask_write(tumble_drive402_t *drive, const tumble_object_write_t *write)
 {
     const tumble_status_t status = tumble_sdo_client_write(&drive->node->client, drive->drive_node, write->index,

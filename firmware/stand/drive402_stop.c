@@ -11,9 +11,6 @@
 
 #define US_PER_MS UINT64_C(1000)
 
-/* So many reports without a change are standstill: one or two may come at the same moment, for other reasons. */
-#define STILL_REPORTS 3U
-
 static uint64_t since_us(const tumble_drive402_t *drive, unsigned rung)
 {
     static const uint16_t after_ms[TUMBLE_RUNG_UNCONFIRMED + 1] = {
@@ -26,26 +23,9 @@ static uint64_t since_us(const tumble_drive402_t *drive, unsigned rung)
     return drive->told_us + (((uint64_t)after_ms[rung] + more_ms) * US_PER_MS);
 }
 
-bool tumble_drive_is_stopping(const tumble_drive402_t *drive)
-{
-    return (drive->rung != (uint8_t)TUMBLE_RUNG_NONE) && (drive->rung < (uint8_t)TUMBLE_RUNG_UNCONFIRMED);
-}
-
 uint64_t tumble_drive_next_rung_us(const tumble_drive402_t *drive)
 {
     return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;
-}
-
-/* A stop within a stop goes on where the first one is. */
-void tumble_drive_watch_stop(tumble_drive402_t *drive)
-{
-    if (tumble_drive_is_stopping(drive)) {
-        return;
-    }
-    drive->rung = (uint8_t)TUMBLE_RUNG_TOLD;
-    drive->begun = false;
-    drive->still = 0;
-    drive->told_us = drive->node->now_us;
 }
 
 void tumble_drive_end_stop(tumble_drive402_t *drive)
@@ -73,11 +53,6 @@ bool tumble_drive_rests(tumble_drive402_t *drive)
     /* Under Halt bit 10 may be that of the target before, so the position tells where it is told by a timer. */
     return tumble_drive_stands_still(drive) ||
            (tumble_drive_has(drive, TUMBLE_402_STATUS_TARGET_REACHED) && !(halting && drive->timed));
-}
-
-bool tumble_drive_stands_still(const tumble_drive402_t *drive)
-{
-    return drive->still >= STILL_REPORTS;
 }
 
 /* The rungs. */
