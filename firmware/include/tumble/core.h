@@ -688,8 +688,8 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
  *
  * A fault of one channel drowns in the sum over three. So each channel is judged again, given the other two: the sum
  * less the sum without that channel is chi-squared with n - 3 degrees of freedom. Hence four tests a mounting. Each
- * fails an honest run in TUMBLE_MISFIT_CHANCE of cases, so that all tests of TUMBLE_MAX_MOUNTINGS together stay below
- * 1e-3.
+ * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million, so that all tests of TUMBLE_MAX_MOUNTINGS
+ * together stay below 1e-3.
  *
  * What two mountings say about each other is not looked at: a step between them, and a tilt of the seat, pass.
  *
@@ -700,9 +700,9 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
 #define TUMBLE_MISFIT_UNKNOWNS 9 /* b, s and c of three channels */
 #define TUMBLE_MISFIT_TESTS 4    /* of a mounting: all channels, and each given the others */
 #define TUMBLE_MISFIT_SIGMAS 4.0 /* one-sided quantile of the normal distribution that the limit is taken at */
-#define TUMBLE_MISFIT_CHANCE 3.2e-5
+#define TUMBLE_MISFIT_CHANCE_PER_MILLION 32
 
-static_assert((TUMBLE_MISFIT_TESTS * TUMBLE_MAX_MOUNTINGS * TUMBLE_MISFIT_CHANCE) < 1e-3,
+static_assert((TUMBLE_MISFIT_TESTS * TUMBLE_MAX_MOUNTINGS * TUMBLE_MISFIT_CHANCE_PER_MILLION) < 1000,
               "an honest run must be doubted in less than one case of a thousand");
 
 /* The run and its stand. All must stay as they are from the first step to the last. */

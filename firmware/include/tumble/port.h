@@ -12,6 +12,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define TUMBLE_CAN_MAX_BYTES 8
 #define TUMBLE_CAN_MAX_ID 0x7FFU
 
@@ -62,5 +66,9 @@ typedef struct {
 
     const tumble_nv_t *nv; /* null: the board has none, and keeps nothing */
 } tumble_port_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

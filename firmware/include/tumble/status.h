@@ -7,6 +7,10 @@
 #ifndef TUMBLE_STATUS_H
 #define TUMBLE_STATUS_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define TUMBLE_STATUS_LIST(X)                                                                                          \
     X(TUMBLE_OK, "done")                                                                                               \
     X(TUMBLE_E_ARGUMENT, "an argument is null or outside its documented range")                                        \
@@ -59,5 +63,9 @@ const char *tumble_status_name(tumble_status_t status);
 
 /* One sentence for a person, without full stop; "this status is not in the list" for a value outside it. Never null. */
 const char *tumble_status_sentence(tumble_status_t status);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
