@@ -105,7 +105,7 @@ def test_the_header_compiles_to_the_record(arguments, tumble, tmp_path):
     (tmp_path / "main.c").write_text(PROGRAM)
     flags = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"]
     compiler = shutil.which("gcc") or "cc"
-    command = [compiler, *flags, f"-I{ROOT / 'firmware'}", "main.c", "-o", "main"]
+    command = [compiler, *flags, f"-I{ROOT / 'firmware/include'}", "main.c", "-o", "main"]
     subprocess.run(command, cwd=tmp_path, check=True)
     printed = subprocess.run([tmp_path / "main"], capture_output=True, check=True).stdout
     assert printed == (tmp_path / "table.bin").read_bytes()

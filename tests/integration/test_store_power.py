@@ -89,7 +89,7 @@ def build(firmware, program):
     assert compiler, "no C compiler: set CC"
     sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
     subprocess.run(
-        [compiler, *FLAGS, f"-I{firmware}", f"-I{ROOT}/tests/unit", ROOT / "tests/integration/store_power_harness.c",
+        [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/unit", ROOT / "tests/integration/store_power_harness.c",
          *sources, "-lm", "-o", program],
         check=True,
     )
@@ -112,7 +112,7 @@ def plant(firmware, file, good, bad):
 @pytest.mark.parametrize("bug", BUGS)
 def test_a_planted_bug_is_found(bug, tmp_path):
     *edits, complaint = BUGS[bug]
-    for room in ("core", "port", "store"):
+    for room in ("core", "include", "store"):
         shutil.copytree(ROOT / "firmware" / room, tmp_path / "firmware" / room)
     for edit in zip(*[iter(edits)] * 3):
         plant(tmp_path / "firmware", *edit)
