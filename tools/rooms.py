@@ -13,17 +13,18 @@ from pathlib import Path
 MAY_INCLUDE = {
     "core": set(),
     "port": {"core"},
+    "sample": {"core", "port"},
     "canopen": {"core", "port"},
     "store": {"core", "port"},
     "stand": {"core", "canopen"},
-    "procedure": {"core", "stand"},
-    "navcomp": {"core", "port", "canopen", "store", "stand", "procedure"},
+    "procedure": {"core", "sample", "stand"},
+    "navcomp": {"core", "port", "sample", "canopen", "store", "stand", "procedure"},
     "boards": {"core", "port", "store", "navcomp"},
 }
 # The same for programs of an operating system. A name without a room is beside the file, or in one of these folders.
 FIRMWARE = set(MAY_INCLUDE) - {"boards"}
 PROGRAMS = {
-    "host/simulation": ({"core", "port", "canopen", "procedure", "nv"}, []),
+    "host/simulation": ({"core", "port", "sample", "canopen", "nv"}, []),
     "host/bench": (FIRMWARE | {"simulation"}, []),
     "host/replay": ({"port", "bench"}, ["boards/zcu102"]),
     "host/gateway": ({"core", "port", "canopen", "bench"}, ["boards/linux"]),

@@ -1,6 +1,6 @@
 #include "stand_bridge.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "port_linux.h"
 
 #define TURN_COMMAND CAN_EFF_FLAG /* with identifier 0 */

@@ -1,6 +1,6 @@
 #include "canopen/communication.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #define ERROR_REGISTER 0x1001U
 #define ERROR_HISTORY 0x1003U

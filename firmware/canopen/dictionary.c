@@ -1,6 +1,6 @@
 #include "canopen/dictionary.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <stdbool.h>
 #include <stddef.h>

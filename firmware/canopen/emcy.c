@@ -1,6 +1,6 @@
 #include "canopen/emcy.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
 #include "core/one_copy.h"

@@ -19,7 +19,7 @@
 #define TUMBLE_NAVCOMP_KEEPER_H
 
 #include "tumble/core.h"
-#include "navcomp/at_rest.h"
+#include "sample/at_rest.h"
 #include "navcomp/keeping.h"
 #include "navcomp/navcomp.h"
 #include "navcomp/parameters.h"

@@ -2,9 +2,9 @@
 #include "navcomp/keeper_objects.h"
 
 #include "canopen/table_checks.h"
-#include "navcomp/at_rest.h"
 #include "navcomp/keeper.h"
 #include "navcomp/keeper_values.h"
+#include "sample/at_rest.h"
 
 #include <stddef.h>
 

@@ -2,7 +2,7 @@
 #include "navcomp/keeper_internal.h"
 #include "navcomp/navcomp_internal.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "core/crc32.h"
 #include "tumble/core.h"
 #include "navcomp/uncertainty.h"

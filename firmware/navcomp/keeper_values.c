@@ -1,6 +1,6 @@
 #include "navcomp/keeper_values.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "navcomp/keeper_internal.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/navcomp_internal.h"

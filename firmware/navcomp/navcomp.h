@@ -20,16 +20,16 @@
 
 #include "canopen/cia402.h"
 #include "canopen/node.h"
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 #include "navcomp/commands.h"
 #include "navcomp/keeping.h"
 #include "navcomp/objects.h"
-#include "navcomp/sample_source.h"
+#include "sample/source.h"
 #include "navcomp/service.h"
 #include "tumble/port.h"
 #include "procedure/procedure.h"
-#include "stand/drive402.h"
-#include "stand/operator.h"
+#include "stand/drive402/drive402.h"
+#include "stand/operator/operator.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 #include "navcomp/navcomp_internal.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <stddef.h>
 

@@ -1,6 +1,6 @@
 #include "navcomp/parameters.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "core/crc32.h"
 #include "navcomp/keeper_objects.h"
 

@@ -3,7 +3,7 @@
 #include "bench/guests.h"
 
 #include "bench/interrupt.h"
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* What an event does when its moment has come. */
 #include "bench/hostile_invariants.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "simulation/block_encode.h"
 
 #define NEXT_US 1000U    /* from one frame of a group to the next */

@@ -1,7 +1,7 @@
 /* Frames that a stranger, or a node gone mad, puts on the bus. */
 #include "bench/hostile_plan.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #define BURST_FRAMES 150U
 

@@ -1,7 +1,7 @@
 #include "bench/hostile_life.h"
 
 #include "bench/hostile_invariants.h"
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* The invariants of the coefficient sets and of what can be read. */
 #include "bench/hostile_invariants.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 #include <math.h>
 

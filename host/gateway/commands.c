@@ -1,6 +1,6 @@
 #include "commands.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/dictionary.h"
 
 #include <float.h>

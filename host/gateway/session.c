@@ -1,6 +1,6 @@
 #include "session.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "image.h"
 
 #include <string.h>

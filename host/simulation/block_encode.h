@@ -7,7 +7,7 @@
 #define TUMBLE_SIMULATION_BLOCK_ENCODE_H
 
 #include "tumble/port.h"
-#include "procedure/procedure.h"
+#include "sample/block_sample.h"
 
 /* One sample on its way to the bus. */
 typedef struct {

@@ -1,6 +1,6 @@
 #include "simulation/drive.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "simulation/drive_internal.h"
 
 #include <stddef.h>

@@ -15,25 +15,25 @@ OPTIONS = ("-std=gnu11", "-O1", "-w", "-ffp-contract=off", "-fno-math-errno", "-
 # Invariant: (file, the mend, what stands there without it), one or more.
 PLANTED = {
     "homing": [
-        ("firmware/stand/drive402_position.c", "(drive->travel > drive->homing_counts)", "false"),
+        ("firmware/stand/drive402/position.c", "(drive->travel > drive->homing_counts)", "false"),
     ],
     "rest": [
         ("firmware/navcomp/navcomp.c", "held = tumble_run_is_on(navcomp) || has_axis(navcomp);",
          "held = tumble_run_is_on(navcomp);"),
         ("firmware/navcomp/navcomp.c", "server.service = tumble_service_is_open(navcomp);", "server.service = true;"),
-        ("firmware/stand/drive402_stop.c",
+        ("firmware/stand/drive402/stop.c",
          "return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;",
          "return TUMBLE_NEVER;"),
     ],
     "cable": [
-        ("firmware/stand/drive402_position.c", "if (!is_plausible(drive, change)) {", "if (false) {"),
+        ("firmware/stand/drive402/position.c", "if (!is_plausible(drive, change)) {", "if (false) {"),
     ],
 }
 
 
 def sources_of(tree):
     """What tumble-bench is made of."""
-    return sorted([*tree.glob("firmware/*/*.c"), *tree.glob("host/bench/*.c"), *tree.glob("host/simulation/*.c")])
+    return sorted([*tree.glob("firmware/**/*.c"), *tree.glob("host/bench/*.c"), *tree.glob("host/simulation/*.c")])
 
 
 def compile_file(tree, objects, source):

@@ -4,7 +4,7 @@
  * unrepaired checksum hardly a byte of the input would be looked at.
  */
 #include "fuzz_input.h"
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 #include "simulation/block_encode.h"
 
 const size_t fuzz_header_bytes = 0;

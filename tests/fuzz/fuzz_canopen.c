@@ -4,7 +4,7 @@
  * there some writes are answered later. Then come records of an opcode byte and
  * its operands. What is checked beside the sanitizers: the invariants in `check`, `check_frame` and `check_rest`.
  */
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/node.h"
 #include "fuzz_input.h"
 #include "navcomp/keeper_objects.h"

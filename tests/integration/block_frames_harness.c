@@ -4,7 +4,7 @@
  *     encode x y z counter timestamp status temperature   ->   id data id data     (hexadecimal)
  *     receive id data                                     ->   event [x y z counter timestamp status temperature]
  */
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 #include "simulation/block_encode.h"
 
 #include <inttypes.h>

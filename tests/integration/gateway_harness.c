@@ -17,7 +17,7 @@
 
 #include "server.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/sdo_frame.h"
 
 #include <fcntl.h>

@@ -26,7 +26,7 @@ def codec(tmp_path_factory):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = tmp_path_factory.mktemp("codec") / "codec"
-    sources = ["tests/integration/block_frames_harness.c", "firmware/navcomp/block_frames.c",
+    sources = ["tests/integration/block_frames_harness.c", "firmware/sample/block_frames.c",
                "host/simulation/block_encode.c"]
     subprocess.run([compiler, *FLAGS, *INCLUDES, "-Ihost", *sources, "-o", program], cwd=ROOT, check=True)
 
@@ -132,7 +132,7 @@ def test_identifiers_are_free_of_every_canopen_service(dbc):
 
 
 def test_the_header_names_the_same_identifiers(dbc):
-    header = (ROOT / "firmware/navcomp/block_frames.h").read_text()
+    header = (ROOT / "firmware/sample/block_frames.h").read_text()
     named = {int(value, 16) for value in re.findall(r"#define TUMBLE_BLOCK_ID_\w+ (0x[0-9A-F]+)U", header)}
     assert named == {message.frame_id for message in dbc.messages}
 

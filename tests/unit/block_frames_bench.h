@@ -2,7 +2,7 @@
 #ifndef TUMBLE_TESTS_UNIT_BLOCK_FRAMES_BENCH_H
 #define TUMBLE_TESTS_UNIT_BLOCK_FRAMES_BENCH_H
 
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 #include "simulation/block_encode.h"
 #include "unity.h"
 

@@ -6,7 +6,7 @@
 #ifndef TUMBLE_TESTS_CANOPEN_FIXTURE_H
 #define TUMBLE_TESTS_CANOPEN_FIXTURE_H
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/node.h"
 #include "fake_port.h"
 #include "unity.h"

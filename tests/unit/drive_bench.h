@@ -3,7 +3,7 @@
 #define TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
 
 #include "played_drive.h"
-#include "stand/drive402.h"
+#include "stand/drive402/drive402.h"
 
 #include <stddef.h>
 

@@ -6,7 +6,7 @@
 #ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
 #define TUMBLE_TESTS_GATEWAY_BENCH_H
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/sdo_frame.h"
 #include "fake_port.h"
 #include "poller.h"

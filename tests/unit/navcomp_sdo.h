@@ -3,7 +3,7 @@
 #define TUMBLE_TESTS_NAVCOMP_SDO_H
 
 #include "canopen/abort.h"
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "navcomp_bench.h"
 
 static bench_t bench;

@@ -6,13 +6,13 @@
 #ifndef TUMBLE_TESTS_SCRIPTED_DRIVE_H
 #define TUMBLE_TESTS_SCRIPTED_DRIVE_H
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "canopen/cia402.h"
 #include "canopen/emcy.h"
 #include "canopen/nmt.h"
 #include "canopen/sdo.h"
 #include "fake_port.h"
-#include "stand/drive402.h"
+#include "stand/drive402/drive402.h"
 
 #include <stdbool.h>
 #include <stdint.h>

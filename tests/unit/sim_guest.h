@@ -2,7 +2,7 @@
 #ifndef TUMBLE_TESTS_UNIT_SIM_GUEST_H
 #define TUMBLE_TESTS_UNIT_SIM_GUEST_H
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "sim_bench.h"
 
 #define WAITS "firmware.starts = no\n"

@@ -1,5 +1,5 @@
 /* The measurement at rest: means to the last bit, the scatter against numbers of exact fractions, what is spoilt. */
-#include "navcomp/at_rest.h"
+#include "sample/at_rest.h"
 #include "support.h"
 
 #define FULL_SCALE 8388607

@@ -1,6 +1,6 @@
 /* No way leads past the ladder: bring-ups that fail, messages that are not the drive's, Halt, an axis in FAULT. */
 #include "drive_bench.h"
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 void setUp(void) {}
 void tearDown(void) {}

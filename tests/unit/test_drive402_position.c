@@ -1,6 +1,6 @@
 /* Where the axis is: reports that are not believed, an axis that strays, homing that has no end, who else commands it. */
 #include "drive_bench.h"
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 #include <stdlib.h>
 

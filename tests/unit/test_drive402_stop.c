@@ -1,6 +1,6 @@
 /* A stop is a state that is seen: every rung of the ladder, when it is climbed, what it tells, and when it is left. */
 #include "drive_bench.h"
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 void setUp(void) {}
 void tearDown(void) {}

@@ -1,7 +1,7 @@
 /* The keeper: from a result to the active set or a proposal, and the commands about sets. */
 #include "keeper_bench.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 void setUp(void)
 {

@@ -1,7 +1,7 @@
 /* The keeper, and an active set that decays in the memory: the one before counts, and no sequence is given twice. */
 #include "keeper_bench.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 static uint8_t events; /* in the history, besides the sets */
 

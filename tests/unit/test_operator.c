@@ -1,5 +1,5 @@
 /* The operator at a dividing head: asked, confirming, late, stopped. */
-#include "stand/operator.h"
+#include "stand/operator/operator.h"
 #include "support.h"
 
 static const tumble_operator_config_t config = {.tolerance_deg = 0.1, .timeout_ms = 1000};

@@ -2,7 +2,7 @@
  * operation, once and twice. The node's table is written here by hand, for the objects that tumble_keeper_saved lists.
  */
 #define NV_SECTORS 10U
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 #include "core/crc32.h"
 #include "fake_port.h"
 #include "navcomp/keeper_objects.h"

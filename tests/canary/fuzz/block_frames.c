@@ -1,5 +1,5 @@
 /* Planted: a gap in the sample counter is counted one too large where the counter wraps. */
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 
 tumble_block_event_t __real_tumble_block_receive(tumble_block_receiver_t *receiver, const tumble_can_frame_t *frame,
                                                  tumble_block_sample_t *sample);

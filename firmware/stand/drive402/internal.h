@@ -1,19 +1,19 @@
-/* drive402_internal.h - what the files of drive402 share (private to it).
+/* internal.h - what the files of drive402 share (private to it).
  *
- *     drive402.c          what the node tells, time, the stand's functions
- *     drive402_axis.c     words to and from the drive, and what they tell of the axis
- *     drive402_phases.c   the table of phases: what each does, how long it may last, what it is for the stand
- *     drive402_start.c    what the phases do up to Operation enabled
- *     drive402_motion.c   what they do from there: homing, moving, stopping
- *     drive402_stop.c     the ladder of a stop
- *     drive402_position.c which position reports are believed, how far homing turns
- *     drive402_profile.c  the profile: is it usable, what to write into the drive, our own PDOs
- *     drive402_units.c    angles and counts
+ *     drive402.c  what the node tells, time, the stand's functions
+ *     axis.c      words to and from the drive, and what they tell of the axis
+ *     phases.c    the table of phases: what each does, how long it may last, what it is for the stand
+ *     start.c     what the phases do up to Operation enabled
+ *     motion.c    what they do from there: homing, moving, stopping
+ *     stop.c      the ladder of a stop
+ *     position.c  which position reports are believed, how far homing turns
+ *     profile.c   the profile: is it usable, what to write into the drive, our own PDOs
+ *     units.c     angles and counts
  */
 #ifndef TUMBLE_STAND_DRIVE402_INTERNAL_H
 #define TUMBLE_STAND_DRIVE402_INTERNAL_H
 
-#include "stand/drive402.h"
+#include "stand/drive402/drive402.h"
 
 typedef enum {
     PHASE_ABSENT = 0, /* no heartbeat; it is asked for one */

@@ -1,4 +1,4 @@
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 /* Statuswords that are not believed when they show the end of homing right after its start: of a method that homes where
  * the axis stands, and so may be over before anything else is seen. Of any other one the bits must have been seen clear: a

@@ -1,15 +1,15 @@
-/* sample_source.h - where samples come from: frames over CAN, or a board's own converter.
+/* source.h - where samples come from: frames over CAN, or a board's own converter.
  *
  * Either way a sample ends in the same call into the procedure, with the block's own counter, timestamp and status, so
  * nothing behind this seam can tell the two apart. Frames over CAN are the default and need no table: navcomp hands the
  * frames that it drains to the receiver of block_frames.h. A board that reads its converter itself fills in this const
  * table of one non-blocking function instead; navcomp then ignores the block's frames and its heartbeat.
  */
-#ifndef TUMBLE_NAVCOMP_SAMPLE_SOURCE_H
-#define TUMBLE_NAVCOMP_SAMPLE_SOURCE_H
+#ifndef TUMBLE_SAMPLE_SOURCE_H
+#define TUMBLE_SAMPLE_SOURCE_H
 
 #include "tumble/status.h"
-#include "procedure/procedure.h"
+#include "sample/block_sample.h"
 
 typedef struct {
     void *context; /* handed to the function */

@@ -1,4 +1,4 @@
-#include "navcomp/at_rest.h"
+#include "sample/at_rest.h"
 
 #include "core/arith.h"
 

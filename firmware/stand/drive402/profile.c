@@ -1,4 +1,4 @@
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 #include "core/arith.h"
 

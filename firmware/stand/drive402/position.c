@@ -7,7 +7,7 @@
  *
  * The constant is for reports that waited for each other: all that a step finds have the same time.
  */
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 #include "core/one_copy.h"
 

@@ -1,6 +1,6 @@
-#include "navcomp/block_frames.h"
+#include "sample/block_frames.h"
 
-#include "canopen/bytes.h"
+#include "core/bytes.h"
 
 enum { PENDING_XY = 1, PENDING_Z = 2, HAS_COUNTER = 4 };
 

@@ -10,11 +10,11 @@
  *
  * The caller owns the object; nothing is allocated, nothing waits. Not re-entrant on one object.
  */
-#ifndef TUMBLE_NAVCOMP_AT_REST_H
-#define TUMBLE_NAVCOMP_AT_REST_H
+#ifndef TUMBLE_SAMPLE_AT_REST_H
+#define TUMBLE_SAMPLE_AT_REST_H
 
 #include "tumble/core.h"
-#include "procedure/procedure.h"
+#include "sample/block_sample.h"
 
 #include <assert.h>
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-/* drive402_axis.c - words to and from the drive, and what they tell of the axis. */
-#include "stand/drive402_internal.h"
+/* axis.c - words to and from the drive, and what they tell of the axis. */
+#include "stand/drive402/internal.h"
 
 /* So many reports without a change are standstill: one or two may come at the same moment, for other reasons. */
 #define STILL_REPORTS 3U

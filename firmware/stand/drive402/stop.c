@@ -7,7 +7,7 @@
  * the drive out of operation, and goes on there: from that rung on no process data tell of the axis any more, so only
  * the next bring-up can see it at rest.
  */
-#include "stand/drive402_internal.h"
+#include "stand/drive402/internal.h"
 
 #define US_PER_MS UINT64_C(1000)
 

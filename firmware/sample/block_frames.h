@@ -14,11 +14,11 @@
  * Nothing is allocated; the caller owns the receiver, one per block. Not re-entrant on one receiver. No clock: only the
  * frames and their order matter.
  */
-#ifndef TUMBLE_NAVCOMP_BLOCK_FRAMES_H
-#define TUMBLE_NAVCOMP_BLOCK_FRAMES_H
+#ifndef TUMBLE_SAMPLE_BLOCK_FRAMES_H
+#define TUMBLE_SAMPLE_BLOCK_FRAMES_H
 
 #include "tumble/port.h"
-#include "procedure/procedure.h"
+#include "sample/block_sample.h"
 
 #include <stdbool.h>
 #include <stddef.h>

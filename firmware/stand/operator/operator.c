@@ -1,4 +1,4 @@
-#include "stand/operator.h"
+#include "stand/operator/operator.h"
 
 #include "core/arith.h"
 

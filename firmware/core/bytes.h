@@ -3,8 +3,8 @@
  * Byte by byte with shifts: no alignment, no byte order of the machine, no aliasing. `at` must hold the bytes named by
  * the function. Signed values travel as two's complement, REAL32 and REAL64 as IEEE 754.
  */
-#ifndef TUMBLE_CANOPEN_BYTES_H
-#define TUMBLE_CANOPEN_BYTES_H
+#ifndef TUMBLE_CORE_BYTES_H
+#define TUMBLE_CORE_BYTES_H
 
 #include <assert.h>
 #include <stdint.h>
