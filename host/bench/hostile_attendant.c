@@ -1,5 +1,5 @@
 /* Who stands at the bench: he mounts the block and confirms, mends faults, and goes on after a loss of power. */
-#include "bench/hostile_life.h"
+#include "bench/hostile_state.h"
 
 #define US_PER_S 1e6
 

@@ -1,5 +1,5 @@
 /* Frames that a stranger, or a node gone mad, puts on the bus. */
-#include "bench/hostile_plan.h"
+#include "bench/hostile_draw.h"
 
 #include "core/bytes.h"
 

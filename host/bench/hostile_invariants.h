@@ -2,7 +2,7 @@
 #ifndef TUMBLE_BENCH_HOSTILE_INVARIANTS_H
 #define TUMBLE_BENCH_HOSTILE_INVARIANTS_H
 
-#include "bench/hostile_life.h"
+#include "bench/hostile_state.h"
 
 void bench_watch_init(bench_life_t *life);
 

@@ -1,5 +1,5 @@
 /* The memory of a life: what it begins with, and what a loss of power leaves in it. */
-#include "bench/hostile_life.h"
+#include "bench/hostile_state.h"
 
 #include "store/store.h"
 

@@ -1,5 +1,5 @@
 /* What belongs together: a fault alone or a frame alone seldom meets the moment at which it hurts. */
-#include "bench/hostile_plan.h"
+#include "bench/hostile_draw.h"
 
 #define FOR_GOOD 0.0
 #define LIFE_FAULTS 4U
