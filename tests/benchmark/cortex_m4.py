@@ -146,7 +146,7 @@ def navcomp_steps(folder, optimise):
     if unity is None:
         return None
     target = ROOT / "tests/target"
-    include = ["firmware", "host", "tests/unit", "tests/target", unity.relative_to(ROOT)]
+    include = ["firmware", "host", "tests/lib", "tests/target", unity.relative_to(ROOT)]
     options = [*FLAGS, optimise, *(SMALL if optimise == "-Os" else []), *UNITY_FLAGS]
     options += [f"-I{ROOT / path}" for path in include]
     rooms = ("core", "canopen", "stand", "procedure", "navcomp")

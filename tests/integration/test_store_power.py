@@ -89,7 +89,7 @@ def build(firmware, program):
     assert compiler, "no C compiler: set CC"
     sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
     subprocess.run(
-        [compiler, *FLAGS, f"-I{firmware}", f"-I{ROOT}/tests/unit", ROOT / "tests/integration/store_power_harness.c",
+        [compiler, *FLAGS, f"-I{firmware}", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
          *sources, "-lm", "-o", program],
         check=True,
     )
