@@ -12,7 +12,7 @@
 
 #define POSITIONS 18U /* of the schedule */
 
-static memory_t memory;
+static nv_memory_t memory;
 static bench_t bench;
 static tumble_keeper_t keeper;
 static tumble_stand_record_t declared_stand;

@@ -6,7 +6,7 @@
 #include "navcomp/uncertainty.h"
 #include "sim_bench.h"
 
-static memory_t memory;
+static nv_memory_t memory;
 static tumble_keeper_t keeper;
 static tumble_keeper_settings_t settings;
 static tumble_keeper_config_t keeper_config;

@@ -61,7 +61,7 @@ static campaign_t run_campaign(bool all_twice, const char *part)
     } parts[] = {{"store", store_scenarios, COUNT_SCENARIOS(store_scenarios)},
                  {"history", history_scenarios, COUNT_SCENARIOS(history_scenarios)},
                  {"checkpoint", checkpoint_scenarios, COUNT_SCENARIOS(checkpoint_scenarios)}};
-    campaign_t campaign = {0};
+    campaign_t campaign = {.sectors = TUMBLE_REGION_COUNT};
     for (size_t p = 0; p < 3U; p++) {
         if (part != NULL && strcmp(part, parts[p].name) != 0) {
             continue;

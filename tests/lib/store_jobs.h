@@ -20,7 +20,7 @@ typedef struct {
 static sets_t jobs_before;
 enum { FACTORY = 1, FIRST = 2, SECOND = 3, THIRD = 4, HELD = 5, NEW = 6, TAGS = 7, MIXED = 255 };
 
-static inline bool jobs_boot(store_nv_t *memory)
+static inline bool jobs_boot(nv_memory_t *memory)
 {
     return tumble_store_init(&jobs_store, &memory->nv) == TUMBLE_OK && store_settles(&jobs_store);
 }
@@ -109,7 +109,7 @@ static inline void put_hold(unsigned tag)
     (void)ended(tumble_store_hold(&jobs_store, &set));
 }
 
-static inline void prepare(store_nv_t *memory, bool factory, unsigned commits, bool held, unsigned rollbacks)
+static inline void prepare(nv_memory_t *memory, bool factory, unsigned commits, bool held, unsigned rollbacks)
 {
     const tumble_set_t set = set_of(FACTORY);
     (void)jobs_boot(memory);
@@ -128,18 +128,18 @@ static inline void prepare(store_nv_t *memory, bool factory, unsigned commits, b
     jobs_before = jobs_sets();
 }
 
-static inline void with_nothing(store_nv_t *memory) { prepare(memory, false, 0, false, 0); }
-static inline void with_factory(store_nv_t *memory) { prepare(memory, true, 0, false, 0); }
-static inline void with_one(store_nv_t *memory) { prepare(memory, true, 1, false, 0); }
-static inline void with_two(store_nv_t *memory) { prepare(memory, true, 2, false, 0); }
-static inline void with_two_alone(store_nv_t *memory) { prepare(memory, false, 2, false, 0); }
-static inline void with_three(store_nv_t *memory) { prepare(memory, true, 3, false, 0); }
-static inline void with_held(store_nv_t *memory) { prepare(memory, true, 2, true, 0); }
-static inline void with_held_first(store_nv_t *memory) { prepare(memory, false, 0, true, 0); }
-static inline void with_rolled_back(store_nv_t *memory) { prepare(memory, true, 2, false, 1); }
+static inline void with_nothing(nv_memory_t *memory) { prepare(memory, false, 0, false, 0); }
+static inline void with_factory(nv_memory_t *memory) { prepare(memory, true, 0, false, 0); }
+static inline void with_one(nv_memory_t *memory) { prepare(memory, true, 1, false, 0); }
+static inline void with_two(nv_memory_t *memory) { prepare(memory, true, 2, false, 0); }
+static inline void with_two_alone(nv_memory_t *memory) { prepare(memory, false, 2, false, 0); }
+static inline void with_three(nv_memory_t *memory) { prepare(memory, true, 3, false, 0); }
+static inline void with_held(nv_memory_t *memory) { prepare(memory, true, 2, true, 0); }
+static inline void with_held_first(nv_memory_t *memory) { prepare(memory, false, 0, true, 0); }
+static inline void with_rolled_back(nv_memory_t *memory) { prepare(memory, true, 2, false, 1); }
 
 /* An accepted proposal that has not been cleared. */
-static inline void with_stale(store_nv_t *memory)
+static inline void with_stale(nv_memory_t *memory)
 {
     prepare(memory, true, 2, true, 0);
     nv_arm(memory, (nv_fault_t){3, DONE_NOTHING, THEN_CUT});
@@ -148,7 +148,7 @@ static inline void with_stale(store_nv_t *memory)
     jobs_before = (sets_t){HELD, THIRD - 1, 0, FACTORY, TUMBLE_ORIGIN_ACCEPTED, 0};
 }
 
-static inline void with_torn_factory(store_nv_t *memory)
+static inline void with_torn_factory(nv_memory_t *memory)
 {
     memset(memory->bytes, 0x5A, 200);
     prepare(memory, false, 1, false, 0);

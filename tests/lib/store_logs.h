@@ -20,7 +20,7 @@ static inline bool history_settles(void)
     return steps < STEPS_AT_MOST;
 }
 
-static inline bool history_boot(store_nv_t *memory)
+static inline bool history_boot(nv_memory_t *memory)
 {
     return tumble_history_init(&logs_history, &memory->nv) == TUMBLE_OK && history_settles();
 }
@@ -88,7 +88,7 @@ static inline state_t look_append(void)
     return (news > 0U) ? STATE_AFTER : STATE_BEFORE;
 }
 
-static inline void prepare_history(store_nv_t *memory, uint32_t entries)
+static inline void prepare_history(nv_memory_t *memory, uint32_t entries)
 {
     (void)history_boot(memory);
     for (logs_entries = 0; logs_entries < entries; logs_entries++) {
@@ -96,14 +96,14 @@ static inline void prepare_history(store_nv_t *memory, uint32_t entries)
     }
 }
 
-static inline void with_no_history(store_nv_t *memory) { prepare_history(memory, 0); }
-static inline void with_five(store_nv_t *memory) { prepare_history(memory, 5); }
-static inline void with_full_sector(store_nv_t *memory) { prepare_history(memory, 32); }
-static inline void with_second_sector(store_nv_t *memory) { prepare_history(memory, 40); }
-static inline void with_both_full(store_nv_t *memory) { prepare_history(memory, 64); }
+static inline void with_no_history(nv_memory_t *memory) { prepare_history(memory, 0); }
+static inline void with_five(nv_memory_t *memory) { prepare_history(memory, 5); }
+static inline void with_full_sector(nv_memory_t *memory) { prepare_history(memory, 32); }
+static inline void with_second_sector(nv_memory_t *memory) { prepare_history(memory, 40); }
+static inline void with_both_full(nv_memory_t *memory) { prepare_history(memory, 64); }
 
 /* Every second entry torn in the sector before the change. */
-static inline void with_torn_entries(store_nv_t *memory)
+static inline void with_torn_entries(nv_memory_t *memory)
 {
     prepare_history(memory, 32);
     for (uint32_t i = 0; i < 16U; i++) {
@@ -137,7 +137,7 @@ static inline bool checkpoint_settles(void)
     return steps < STEPS_AT_MOST;
 }
 
-static inline bool checkpoint_boot(store_nv_t *memory)
+static inline bool checkpoint_boot(nv_memory_t *memory)
 {
     return tumble_checkpoint_init(&logs_checkpoint, &memory->nv) == TUMBLE_OK && checkpoint_settles();
 }
@@ -252,7 +252,7 @@ static inline state_t look_clear(void)
     return nothing_is_kept() ? STATE_AFTER : STATE_BAD;
 }
 
-static inline void prepare_run(store_nv_t *memory, uint32_t fingerprint, uint32_t entries)
+static inline void prepare_run(nv_memory_t *memory, uint32_t fingerprint, uint32_t entries)
 {
     (void)checkpoint_boot(memory);
     (void)checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, fingerprint));
@@ -261,17 +261,17 @@ static inline void prepare_run(store_nv_t *memory, uint32_t fingerprint, uint32_
     }
 }
 
-static inline void with_no_run(store_nv_t *memory)
+static inline void with_no_run(nv_memory_t *memory)
 {
     logs_kept = 0;
     (void)checkpoint_boot(memory);
 }
 
-static inline void with_old_run(store_nv_t *memory) { prepare_run(memory, OLD_RUN, 80); }
-static inline void with_new_run(store_nv_t *memory) { prepare_run(memory, NEW_RUN, 0); }
-static inline void with_some_kept(store_nv_t *memory) { prepare_run(memory, NEW_RUN, 17); }
-static inline void with_one_again(store_nv_t *memory) { prepare_run(memory, NEW_RUN, 36); }
-static inline void with_sector_kept(store_nv_t *memory) { prepare_run(memory, NEW_RUN, 63); }
+static inline void with_old_run(nv_memory_t *memory) { prepare_run(memory, OLD_RUN, 80); }
+static inline void with_new_run(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 0); }
+static inline void with_some_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 17); }
+static inline void with_one_again(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 36); }
+static inline void with_sector_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 63); }
 
 static const scenario_t checkpoint_scenarios[] = {
     {"the first run", with_no_run, checkpoint_boot, job_begin, look_begin},

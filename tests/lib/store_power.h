@@ -7,7 +7,7 @@
 #ifndef STORE_POWER_H
 #define STORE_POWER_H
 
-#include "store_nv.h"
+#include "nv_memory.h"
 
 #include <stdio.h>
 
@@ -15,8 +15,8 @@ typedef enum { STATE_BAD, STATE_BEFORE, STATE_BETWEEN, STATE_AFTER } state_t;
 
 typedef struct {
     const char *name;
-    void (*prepare)(store_nv_t *memory);           /* on an erased memory */
-    bool (*boot)(store_nv_t *memory);              /* a new object; false: it never ends */
+    void (*prepare)(nv_memory_t *memory);           /* on an erased memory */
+    bool (*boot)(nv_memory_t *memory);              /* a new object; false: it never ends */
     tumble_status_t (*job)(void);                  /* begin, and step to the end */
     state_t (*look)(void);                         /* by what the object answers */
 } scenario_t;
@@ -27,6 +27,7 @@ typedef struct {
     const char *scenario;
     uint32_t granule;
     uint32_t sector;
+    uint32_t sectors;
     nv_fault_t faults[NV_FAULTS];
     char first[200]; /* the first bad case */
 } campaign_t;
@@ -36,7 +37,7 @@ typedef struct {
     unsigned done_count;
 } fault_list_t;
 
-static store_nv_t power_memory;
+static nv_memory_t power_memory;
 static uint8_t power_image[NV_MAX_BYTES];
 
 static inline void power_bad(campaign_t *campaign, const char *what)
@@ -54,7 +55,7 @@ static inline void power_bad(campaign_t *campaign, const char *what)
 /* What is seen now, and what is seen after power has been off: the same, where it was not lost just now. */
 static inline state_t power_look(campaign_t *campaign, const scenario_t *scenario, state_t least)
 {
-    store_nv_t *memory = &power_memory;
+    nv_memory_t *memory = &power_memory;
     state_t live = STATE_BAD;
     const bool was_on = !memory->is_off;
     if (was_on) {
@@ -83,7 +84,7 @@ static inline state_t power_look(campaign_t *campaign, const scenario_t *scenari
 /* Do the job with one fault armed. Returns the state, and in `hit` whether the fault came to pass. */
 static inline state_t power_once(campaign_t *campaign, const scenario_t *scenario, nv_fault_t fault, state_t least, bool *hit)
 {
-    store_nv_t *memory = &power_memory;
+    nv_memory_t *memory = &power_memory;
     nv_arm(memory, fault);
     tumble_status_t status = TUMBLE_E_STATE;
     if (!scenario->boot(memory)) {
@@ -106,7 +107,7 @@ static inline state_t power_once(campaign_t *campaign, const scenario_t *scenari
 
 static inline void power_case(campaign_t *campaign, const scenario_t *scenario, const nv_fault_t *second, bool hits[NV_FAULTS])
 {
-    store_nv_t *memory = &power_memory;
+    nv_memory_t *memory = &power_memory;
     bool ignored;
     memcpy(memory->bytes, power_image, memory->nv.size_bytes);
     memory->violations = 0;
@@ -139,7 +140,7 @@ static inline void power_scenario(campaign_t *campaign, const scenario_t *scenar
 {
     bool hits[NV_FAULTS] = {true, true};
     nv_fault_t *first = &campaign->faults[0];
-    nv_make(&power_memory, campaign->granule, campaign->sector);
+    nv_make(&power_memory, campaign->sectors, campaign->granule, campaign->sector);
     scenario->prepare(&power_memory);
     memcpy(power_image, power_memory.bytes, sizeof power_image);
     campaign->scenario = scenario->name;

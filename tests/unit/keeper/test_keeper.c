@@ -246,13 +246,13 @@ static void test_a_memory_that_fails_leaves_the_active_set(void)
     (void)run_and_judge();
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     drift(1e-5);
-    memory.fails_at = memory.changes; /* from now on */
+    nv_refuse(&memory, NV_NEVER); /* from now on */
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_FAILED, run_and_judge());
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_E_NV, state_of_keeper().status);
     TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_keeper_counters(&keeper)->failures);
     const tumble_set_t still = set_of(TUMBLE_SET_ACTIVE);
     TEST_ASSERT_EQUAL_MEMORY(&active, &still, sizeof active);
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge()); /* it was never stored: it is no replay */
     TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
 }
@@ -268,10 +268,10 @@ static void test_what_could_not_be_stored_is_not_lost(void)
     while (keeper.job == 0U) { /* until the commit begins */
         bench_event(&bench);
     }
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(18, state_of_keeper().resumable);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
@@ -288,11 +288,11 @@ static void test_a_memory_that_cannot_be_read_at_the_end(void)
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(17);
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
 }

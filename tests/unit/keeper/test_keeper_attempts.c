@@ -15,7 +15,7 @@ static const char USUAL[] = "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\
 static const char *const BLOCK[] = {"block.k = 2.01 0.02 0.01 0.03 1.99 -0.02 0.01 0.04 2.00\n",
                                     "block.u0 = 0.03 0.01 -0.02\n", "block.noise_v = 1.5e-4 1.5e-4 1.5e-4\n"};
 
-static memory_t good; /* with an active set of a first, good run */
+static nv_memory_t good; /* with an active set of a first, good run */
 
 typedef struct attempt {
     const char *name;
@@ -59,7 +59,7 @@ static void run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare
     world_settle();
 }
 
-static void copy_memory(memory_t *to, const memory_t *from)
+static void copy_memory(nv_memory_t *to, const nv_memory_t *from)
 {
     memcpy(to->bytes, from->bytes, sizeof to->bytes);
 }

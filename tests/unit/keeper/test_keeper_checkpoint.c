@@ -19,9 +19,9 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(6);
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     run_to_average(9);
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
@@ -31,12 +31,12 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
 /* One that could not be begun is tried again with every mean that is finished, and then has all of them. */
 static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
 {
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(3);
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, tumble_keeper_counters(&keeper)->failures);
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, memory.changes - memory.fails_at);
-    memory.fails_at = NEVER_FAILS;
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, memory.operations);
+    nv_arm(&memory, nv_no_fault);
     run_to_average(6);
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, tumble_keeper_counters(&keeper)->failures);
@@ -49,10 +49,10 @@ static void test_a_checkpoint_that_was_lost_is_begun_again(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(3);
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     run_to_average(6);
     TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_KEEPER_TRIES), tumble_keeper_counters(&keeper)->failures);
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     run_to_average(7);
     settle_memory();
     keeper_power_cycle();
@@ -63,10 +63,10 @@ static void test_a_checkpoint_that_was_lost_is_begun_again(void)
 static void test_the_means_of_two_runs_are_not_mixed(void)
 {
     start_and_cut(6);
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(2);
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     run_to_average(3);
     settle_memory();
     keeper_power_cycle();

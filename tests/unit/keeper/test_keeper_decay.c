@@ -136,16 +136,16 @@ static void test_not_decayed_but_unreadable_at_power_on(void)
 {
     commit_one(1);
     drift(2e-3);
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     keeper_power_cycle();
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
     drift(-2e-3);
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     keeper_power_cycle();
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     commit_one(2);
 }
 
@@ -154,11 +154,11 @@ static void test_and_unreadable_it_remains(void)
     commit_one(1);
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
 }
@@ -171,9 +171,9 @@ static void test_parameters_beside_some_that_cannot_be_read_are_refused(void)
         settle_memory();
         TEST_ASSERT_EQUAL_UINT32(saved, keeper.parameters.view.sequence);
     }
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     keeper_power_cycle();
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     TEST_ASSERT_EQUAL_UINT32(0, keeper.parameters.view.sequence);
     TEST_ASSERT_EQUAL(TUMBLE_ABORT_HARDWARE, tumble_parameters_save(&keeper.parameters));
     TEST_ASSERT_EQUAL(TUMBLE_ABORT_HARDWARE, tumble_parameters_forget(&keeper.parameters));
@@ -187,7 +187,7 @@ static uint32_t reads;
 static tumble_status_t read_every_other_time(void *context, uint32_t offset, uint8_t *bytes, uint32_t size)
 {
     reads++;
-    return ((reads % 2U) == 0U) ? TUMBLE_E_NV : memory_read(context, offset, bytes, size);
+    return ((reads % 2U) == 0U) ? TUMBLE_E_NV : nv_read(context, offset, bytes, size);
 }
 
 /* What was saved is in force although the memory fails now and then while it is read. */

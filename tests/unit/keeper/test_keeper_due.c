@@ -245,9 +245,9 @@ static void test_the_trend_of_a_drifting_bias(void)
     }
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, 0, &trend));
     TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, trend.per_month);
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     ASSERT_STATUS(TUMBLE_E_NV, tumble_keeper_trend(&keeper, 0, &trend));
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     tumble_history_entry_t entry;
     ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.history, 0, &entry));
     ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.history, &entry));

@@ -137,7 +137,7 @@ static void test_a_memory_that_cannot_be_read_now_or_at_all(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2160, 3));
     memory.busy_every = 0;
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2100, 1));
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, refusal_of(0x2160, 3));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2104, 9)); /* of a set: ask again, twice */
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2104, 9));

@@ -4,13 +4,12 @@
 /* From now on so many changes fail. */
 static void refuse(uint32_t times)
 {
-    memory.fails_at = memory.changes;
-    memory.fails = times;
+    nv_refuse(&memory, times);
 }
 
 static uint32_t refused(void)
 {
-    return (memory.changes >= memory.fails_at) ? (memory.changes - memory.fails_at) : 0U;
+    return (memory.fault.at == 0U) ? memory.operations : 0U;
 }
 
 static uint32_t failures(void)
@@ -142,7 +141,7 @@ static tumble_status_t read_after_all(void *context, uint32_t offset, uint8_t *b
 {
     const bool fails = blind && (refused() == 1U);
     blind = blind && !fails;
-    return fails ? TUMBLE_E_NV : memory_read(context, offset, bytes, size);
+    return fails ? TUMBLE_E_NV : nv_read(context, offset, bytes, size);
 }
 
 /* What cannot be read is not what is not there. */
@@ -241,9 +240,9 @@ static void test_the_next_set_is_tried_as_often(void)
 /* A history that could not be read looks what it holds before it takes more. */
 static void test_an_entry_is_written_once_the_history_can_be_read(void)
 {
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     keeper_power_cycle();
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     assert_history(1, 1);
 }
@@ -256,7 +255,7 @@ static uint32_t fails_every;
 static tumble_status_t read_sometimes(void *context, uint32_t offset, uint8_t *bytes, uint32_t size)
 {
     reads++;
-    return ((reads % fails_every) == 0U) ? TUMBLE_E_NV : memory_read(context, offset, bytes, size);
+    return ((reads % fails_every) == 0U) ? TUMBLE_E_NV : nv_read(context, offset, bytes, size);
 }
 
 /* The memory comes to rest (settle_memory), whatever becomes of the result, and nothing that was active is lost. */

@@ -141,12 +141,12 @@ static void test_no_start_while_a_busy_memory_is_waited_for(void)
 /* A memory that cannot be read holds nothing to wait for, nor does one without room. */
 static void test_a_start_where_nothing_can_be_read(void)
 {
-    memory.reads_fail = true;
+    memory.read_fails_at = 0;
     reset_application();
     bench_pass(&bench, 1.0);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    memory.reads_fail = false;
+    memory.read_fails_at = NV_NEVER;
     memory.nv.size_bytes = 8U * MEMORY_SECTOR;
     keeper_power_cycle();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));

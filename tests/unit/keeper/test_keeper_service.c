@@ -171,9 +171,9 @@ static void test_rules_that_could_not_be_saved_are_others(void)
 {
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 2e-4));
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, write_and_wait(0x1010, SAVE));
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     settle_memory();
     assert_judged(TUMBLE_VERDICT_HELD, OTHER_RULES);
 }

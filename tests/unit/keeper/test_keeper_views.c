@@ -64,9 +64,9 @@ static void test_saving_is_refused_with_the_right_code(void)
     }
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_STORE, write_and_wait(0x1011, SAVE));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_SUBINDEX, write_u32(0x1010, 2, SAVE));
-    memory.fails_at = memory.changes;
+    nv_refuse(&memory, NV_NEVER);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, write_and_wait(0x1010, SAVE));
-    memory.fails_at = NEVER_FAILS;
+    nv_arm(&memory, nv_no_fault);
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2170, 1, 4));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));

@@ -1,7 +1,6 @@
 /* Saved parameters: kept, forgotten, put in force under the dictionary's rules; power cuts and a lying memory at every
  * operation, once and twice. The node's table is written here by hand, for the objects that tumble_keeper_saved lists.
  */
-#define NV_SECTORS 10U
 #include "canopen/bytes.h"
 #include "core/crc32.h"
 #include "fake_port.h"
@@ -90,7 +89,7 @@ static bool finish(void)
 }
 
 /* Power on: variables as the board has them (pattern 0), then what was saved. */
-static bool boot(store_nv_t *memory)
+static bool boot(nv_memory_t *memory)
 {
     static const tumble_node_defaults_t quiet = {0};
     static const tumble_node_config_t config = {.table = &table, .defaults = &quiet, .node = 1};
@@ -120,11 +119,11 @@ static tumble_abort_t answer_to(tumble_abort_t begun)
                                             : (tumble_abort_t)tumble_get_u32(&node.server.answer[4]);
 }
 
-static store_nv_t memory;
+static nv_memory_t memory;
 
 static void set_up(void)
 {
-    nv_make(&memory, 8, TUMBLE_STORE_MIN_SECTOR);
+    nv_make(&memory, NV_MAX_SECTORS, 8, TUMBLE_STORE_MIN_SECTOR);
     TEST_ASSERT_TRUE(boot(&memory));
 }
 
@@ -305,7 +304,7 @@ static void test_a_memory_that_cannot_be_read_holds_nothing(void)
 
 /* The campaign: pattern 1 is saved, pattern 2 is to be. */
 
-static void prepare(store_nv_t *prepared)
+static void prepare(nv_memory_t *prepared)
 {
     (void)boot(prepared);
     variables = pattern(1);
@@ -336,7 +335,7 @@ static const fault_list_t all_faults = {all_kinds, sizeof all_kinds / sizeof all
 static void test_no_fault_at_any_operation_leaves_anything_between(void)
 {
     static const uint32_t granules[] = {1, 8, 32};
-    campaign_t campaign = {.cases = 0};
+    campaign_t campaign = {.sectors = NV_MAX_SECTORS};
     for (size_t i = 0; i < (sizeof granules / sizeof granules[0]); i++) {
         campaign.granule = granules[i];
         campaign.sector = TUMBLE_STORE_MIN_SECTOR;
@@ -350,7 +349,7 @@ static void test_no_fault_at_any_operation_leaves_anything_between(void)
 /* The canary: in this memory a mark is always there, as if it were programmed first. */
 static tumble_status_t program_marked(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size)
 {
-    store_nv_t *marked = context;
+    nv_memory_t *marked = context;
     if (size == 288U) {
         uint8_t torn[288]; /* and a CRC that is right whatever is torn */
         memcpy(&marked->bytes[offset + 288U], "TPARGOODTPARGOODTPARGOODTPARGOOD", 32);
@@ -364,7 +363,7 @@ static tumble_status_t program_marked(void *context, uint32_t offset, const uint
     return nv_program(context, offset, bytes, size);
 }
 
-static bool boot_marked(store_nv_t *marked)
+static bool boot_marked(nv_memory_t *marked)
 {
     marked->nv.program = program_marked;
     return boot(marked);
@@ -373,7 +372,7 @@ static bool boot_marked(store_nv_t *marked)
 static void test_the_campaign_finds_a_mixed_record(void)
 {
     static const scenario_t marked = {"mark first", prepare, boot_marked, job, look};
-    campaign_t campaign = {.granule = 8, .sector = TUMBLE_STORE_MIN_SECTOR};
+    campaign_t campaign = {.granule = 8, .sector = TUMBLE_STORE_MIN_SECTOR, .sectors = NV_MAX_SECTORS};
     power_scenario(&campaign, &marked, &all_faults, false);
     TEST_ASSERT_TRUE(campaign.bad > 0U);
 }

@@ -3,11 +3,11 @@
 #include "store/layout.h"
 #include "support.h"
 
-static store_nv_t memory;
+static nv_memory_t memory;
 
 static void set_up(void)
 {
-    nv_make(&memory, 8, 4096);
+    nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
     TEST_ASSERT_TRUE(jobs_boot(&memory));
 }
 
@@ -275,7 +275,7 @@ static void test_failures_are_counted_by_their_kind(void)
 static void test_a_rollback_cut_short_is_cleared_at_start_up(void)
 {
     for (uint32_t at = 6; at <= 7U; at++) {
-        nv_make(&memory, 8, 4096);
+        nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
         TEST_ASSERT_TRUE(jobs_boot(&memory));
         put_commit(FIRST);
         put_commit(SECOND);

@@ -3,11 +3,11 @@
 #include "store/layout.h"
 #include "support.h"
 
-static store_nv_t memory;
+static nv_memory_t memory;
 
 static void set_up(void)
 {
-    nv_make(&memory, 8, 4096);
+    nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
     with_new_run(&memory);
 }
 

@@ -4,11 +4,11 @@
 
 #include <float.h>
 
-static store_nv_t memory;
+static nv_memory_t memory;
 
 static void set_up(void)
 {
-    nv_make(&memory, 8, 4096);
+    nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
     TEST_ASSERT_TRUE(history_boot(&memory));
 }
 
