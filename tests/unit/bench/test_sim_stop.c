@@ -157,7 +157,7 @@ static void report(int32_t counts)
     uint8_t data[6];
     tumble_put_u16(data, 0x1637);
     tumble_put_i32(&data[2], counts);
-    send(0x182, 6, data);
+    guest_send(0x182, 6, data);
     pass(1000);
 }
 
@@ -210,8 +210,8 @@ static void test_a_foreign_set_point_is_noticed_and_stopped(void)
     ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
     pass(20U * SECOND);
     TEST_ASSERT_EQUAL_UINT8(0, progress().limited);
-    send(0x202, 6, ENABLE);
-    send(0x202, 6, GO);
+    guest_send(0x202, 6, ENABLE);
+    guest_send(0x202, 6, GO);
     pass(10U * SECOND);
     TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
     TEST_ASSERT_TRUE(most_deg < 30.0);
@@ -230,7 +230,7 @@ static void test_a_second_computer_is_noticed(void)
     while (world.progress.state != TUMBLE_STATE_AVERAGE) {
         TEST_ASSERT_TRUE(bench_world_advance(&world));
     }
-    send(0x701, 1, OPERATIONAL);
+    guest_send(0x701, 1, OPERATIONAL);
     bench_world_run(&world);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STATE_FAULT, world.progress.state);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_FOREIGN_COMMAND, world.progress.reason);
@@ -253,8 +253,8 @@ static void test_the_drive_keeps_to_the_cables_limits(void)
     sim_bus_set_down(&world.bus, BENCH_BUS_NAVCOMP, true); /* nobody notices */
     write_u32(2, 0x1016, 1, 0);
     pass(SECOND);
-    send(0x202, 6, ENABLE);
-    send(0x202, 6, GO);
+    guest_send(0x202, 6, ENABLE);
+    guest_send(0x202, 6, GO);
     pass(20U * SECOND);
     TEST_ASSERT_TRUE(most_deg <= 400.5);
 }
@@ -264,12 +264,12 @@ static void test_a_reset_of_the_node_in_a_run_leaves_its_reason(void)
     static const uint8_t RESET[] = {TUMBLE_NMT_RESET_NODE, 1};
     begin(WAITS, &NOBODY);
     pass(SECOND);
-    send(0x000, 2, RESET);
+    guest_send(0x000, 2, RESET);
     pass(100000);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_NONE, progress().run.reason); /* there was no run */
     ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_START, 0));
     pass(4U * SECOND);
-    send(0x000, 2, RESET);
+    guest_send(0x000, 2, RESET);
     pass(100000);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STATE_IDLE, progress().run.state);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_COMMAND, progress().run.reason);

@@ -56,7 +56,7 @@ static void test_every_key_is_found_as_the_table_has_it(void)
         for (unsigned sub = 0; sub < 11U; sub++) {
             tumble_abort_t wanted = TUMBLE_ABORT_NO_OBJECT;
 
-            for (size_t i = 0; (i < COUNT_OF(fixture_entries)) && (wanted != TUMBLE_ABORT_NONE); i++) {
+            for (size_t i = 0; (i < fixture_table.count) && (wanted != TUMBLE_ABORT_NONE); i++) {
                 if (fixture_entries[i].index == index) {
                     bool found = (fixture_entries[i].subindex == sub) || (sub == 0U);
                     wanted = found ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_NO_SUBINDEX;
@@ -66,7 +66,7 @@ static void test_every_key_is_found_as_the_table_has_it(void)
             TEST_ASSERT_EQUAL_HEX32(wanted, refusal);
         }
     }
-    for (size_t i = 0; i < COUNT_OF(fixture_entries); i++) {
+    for (size_t i = 0; i < fixture_table.count; i++) {
         TEST_ASSERT_EQUAL_MEMORY(&fixture_entries[i], find(fixture_entries[i].index, fixture_entries[i].subindex),
                                  sizeof(tumble_entry_t));
     }

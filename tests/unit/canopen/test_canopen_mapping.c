@@ -258,7 +258,7 @@ static void test_random_writes_never_leave_a_broken_mapping(void)
 
         seed = (seed * 1664525U) + 1013904223U;
         index = bases[(seed >> 8) % COUNT_OF(bases)];
-        entry = &fixture_entries[(seed >> 16) % COUNT_OF(fixture_entries)];
+        entry = &fixture_entries[(seed >> 16) % fixture_table.count];
         value = TUMBLE_MAP(entry->index, entry->subindex, entry->size * 8U);
         value = ((seed >> 11) % 4U == 0U) ? (seed >> 28) : value;
         if ((index & 0x0200U) == 0U) {

@@ -268,7 +268,7 @@ static void test_random_frames(void)
             frame.data[j] = (uint8_t)(seed >> 24);
         }
         if ((frame.id == 0x605) && ((seed & 7U) != 0U)) {
-            const tumble_entry_t *entry = &fixture_entries[(seed >> 3) % COUNT_OF(fixture_entries)];
+            const tumble_entry_t *entry = &fixture_entries[(seed >> 3) % fixture_table.count];
 
             tumble_put_u16(&frame.data[1], entry->index);
             frame.data[3] = entry->subindex;

@@ -335,7 +335,7 @@ static void test_random_requests_get_one_answer_each(void)
             frame.data[j] = (uint8_t)(seed >> 24);
         }
         if ((seed & 3U) != 0U) {
-            const tumble_entry_t *entry = &fixture_entries[(seed >> 8) % COUNT_OF(fixture_entries)];
+            const tumble_entry_t *entry = &fixture_entries[(seed >> 8) % fixture_table.count];
 
             tumble_put_u16(&frame.data[1], entry->index);
             frame.data[3] = entry->subindex;

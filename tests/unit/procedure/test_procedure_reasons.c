@@ -35,7 +35,7 @@ static void run_case(const fault_case_t *c, const char *which)
 
 static void test_every_fault_has_its_reason(void)
 {
-    for (size_t i = 0; i < COUNT_OF(fault_cases); i++) {
+    for (size_t i = 0; i < fault_case_count; i++) {
         char which[80];
         (void)snprintf(which, sizeof which, "case %u: %s", (unsigned)i, tumble_reason_name(fault_cases[i].reason));
         run_case(&fault_cases[i], which);
@@ -48,7 +48,7 @@ static void test_no_reason_is_left_out(void)
     for (int reason = 0; reason < (int)TUMBLE_REASON_COUNT; reason++) {
         bool found = (reason == (int)TUMBLE_REASON_NONE) || (reason == (int)TUMBLE_REASON_COMMAND) ||
                      (reason == (int)TUMBLE_REASON_GRAVITY_CHECK) || (reason == (int)TUMBLE_REASON_INHIBITED);
-        for (size_t i = 0; i < COUNT_OF(fault_cases); i++) {
+        for (size_t i = 0; i < fault_case_count; i++) {
             found = found || ((int)fault_cases[i].reason == reason);
         }
         TEST_ASSERT_TRUE_MESSAGE(found, tumble_reason_name((tumble_reason_t)reason));
@@ -62,7 +62,7 @@ static void test_every_state_that_waits_has_a_case_for_its_timeout(void)
                                              TUMBLE_STATE_AVERAGE};
     for (size_t s = 0; s < COUNT_OF(waiting); s++) {
         bool found = false;
-        for (size_t i = 0; i < COUNT_OF(fault_cases); i++) {
+        for (size_t i = 0; i < fault_case_count; i++) {
             found = found || (fault_cases[i].timeout && (fault_cases[i].failed_in == waiting[s]));
         }
         TEST_ASSERT_TRUE_MESSAGE(found, tumble_state_name(waiting[s]));
