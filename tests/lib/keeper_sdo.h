@@ -11,92 +11,22 @@
 #define SAVE 0x65766173U
 #define LOAD 0x64616F6CU
 
-static tumble_stand_memory_t stand_memory;
+extern tumble_stand_memory_t stand_memory;
 
 /* A fresh memory, and the computer on the bus for a second. */
-static inline void keeper_sdo_power_on(void)
-{
-    memset(&stand_memory, 0, sizeof stand_memory);
-    keeper_prepare();
-    keeper_config.stand_view = tumble_stand_view;
-    keeper_config.stand_memory = &stand_memory;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
-}
+void keeper_sdo_power_on(void);
 
 /* The abort code of a read; 0: none. */
-static inline uint32_t refusal_of(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    return sdo_read(index, subindex, bytes, &size);
-}
+uint32_t refusal_of(uint16_t index, uint8_t subindex);
 
-static inline double read_f64(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
-    TEST_ASSERT_EQUAL_UINT8(8, size);
-    return tumble_get_f64(bytes);
-}
-
-static inline float read_f32(uint16_t index, uint8_t subindex)
-{
-    const uint32_t bits = read_number(index, subindex, 4);
-    uint8_t bytes[4];
-    tumble_put_u32(bytes, bits);
-    return tumble_get_f32(bytes);
-}
-
-static inline uint64_t read_u64(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
-    TEST_ASSERT_EQUAL_UINT8(8, size);
-    return tumble_get_u64(bytes);
-}
-
-static inline uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value)
-{
-    uint8_t bytes[4];
-    tumble_put_u32(bytes, value);
-    return sdo_write(index, subindex, bytes, 4);
-}
-
-static inline uint32_t write_f32(uint16_t index, uint8_t subindex, float value)
-{
-    uint8_t bytes[4];
-    tumble_put_f32(bytes, value);
-    return sdo_write(index, subindex, bytes, 4);
-}
-
-static inline uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value)
-{
-    return sdo_write(index, subindex, &value, 1);
-}
+double read_f64(uint16_t index, uint8_t subindex);
+float read_f32(uint16_t index, uint8_t subindex);
+uint64_t read_u64(uint16_t index, uint8_t subindex);
+uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value);
+uint32_t write_f32(uint16_t index, uint8_t subindex, float value);
+uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value);
 
 /* A write whose answer waits for the memory: the abort code, or 0. */
-static inline uint32_t write_and_wait(uint16_t index, uint32_t signature)
-{
-    uint8_t request[8] = {0x23, (uint8_t)(index & 0xFFU), (uint8_t)(index >> 8), 1};
-    tumble_can_frame_t frame;
-    tumble_put_u32(&request[4], signature);
-    frame = fake_frame(0x601, 8, request);
-    fake_port_give(&bench.fake, &frame);
-    for (int steps = 0; steps < 2000; steps++) {
-        tumble_navcomp_step(&bench.navcomp);
-        while (fake_port_take(&bench.fake, &frame)) {
-            if (frame.id == 0x581U) {
-                TEST_ASSERT_EQUAL_HEX8((frame.data[0] == 0x80U) ? 0x80 : 0x60, frame.data[0]);
-                return tumble_get_u32(&frame.data[4]);
-            }
-        }
-        bench.fake.now_us += 1000;
-    }
-    TEST_FAIL_MESSAGE("no answer");
-    return 1;
-}
+uint32_t write_and_wait(uint16_t index, uint32_t signature);
 
 #endif

@@ -6,11 +6,6 @@
 #include "navcomp/uncertainty.h"
 #include "sim_bench.h"
 
-static nv_memory_t memory;
-static tumble_keeper_t keeper;
-static tumble_keeper_settings_t settings;
-static tumble_keeper_config_t keeper_config;
-
 /* The bench itself powers on without a keeper, and sends nothing before its first step: so it is powered on again. */
 static inline void world_power_on(uint64_t seed, uint64_t utc_s)
 {

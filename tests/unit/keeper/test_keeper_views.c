@@ -209,11 +209,9 @@ static unsigned listen_for_pdo(double seconds, uint8_t last[8])
                 memcpy(last, frame.data, 8);
                 heard++;
             }
-            scripted_drive_hear(&bench.drive, &bench.fake, &frame);
-            scripted_block_hear(&bench.block, &bench.fake, &frame);
+            bench_hear(&bench, &frame);
         }
-        scripted_drive_step(&bench.drive, &bench.fake);
-        scripted_block_step(&bench.block, &bench.fake, scripted_drive_angle_deg(&bench.drive));
+        bench_play(&bench);
         bench.fake.now_us += 1000;
     }
     return heard;

@@ -1,8 +1,6 @@
 /* The navigation computer as a node: configuration, NMT duties, a port with moods, frames that make no sense. */
 #include "navcomp_bench.h"
 
-static bench_t bench;
-
 static void set_up(void)
 {
     bench_init(&bench);

@@ -255,8 +255,7 @@ static void test_the_state_pdo_follows_the_procedure(void)
                 states |= UINT32_C(1) << frame.data[0];
                 seen++;
             }
-            scripted_drive_hear(&bench.drive, &bench.fake, &frame);
-            scripted_block_hear(&bench.block, &bench.fake, &frame);
+            bench_hear(&bench, &frame);
         }
         bench_event(&bench);
     }

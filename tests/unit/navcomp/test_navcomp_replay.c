@@ -1,7 +1,6 @@
 /* A recorded run gives the same bits again, whatever the clock does meanwhile. */
 #include "navcomp_bench.h"
 
-static bench_t bench;  /* the run that is recorded */
 static bench_t replay; /* the one that hears the record */
 
 static uint32_t shaken; /* a run with disturbances: some frames lost, some with wrong bits */

@@ -1,8 +1,6 @@
 /* Whole runs of the navigation computer, frame by frame, and what stops them. */
 #include "navcomp_bench.h"
 
-static bench_t bench;
-
 static void set_up(void)
 {
     bench_init(&bench);

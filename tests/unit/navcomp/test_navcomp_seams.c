@@ -1,8 +1,6 @@
 /* The other ends of the seams: samples from a board's own converter, and a person at a dividing head as the stand. */
 #include "navcomp_bench.h"
 
-static bench_t bench;
-
 /* A converter: what the block would have sent over the bus, without the bus. */
 static struct {
     tumble_block_sample_t queue[64];
@@ -91,8 +89,7 @@ static void one_millisecond(bool with_drive)
     tumble_can_frame_t frame;
     tumble_navcomp_step(&bench.navcomp);
     while (fake_port_take(&bench.fake, &frame)) {
-        scripted_drive_hear(&bench.drive, &bench.fake, &frame);
-        scripted_block_hear(&bench.block, &bench.fake, &frame);
+        bench_hear(&bench, &frame);
     }
     scripted_drive_step(&bench.drive, &bench.fake);
     const double angle_deg = with_drive ? scripted_drive_angle_deg(&bench.drive) : head_deg;

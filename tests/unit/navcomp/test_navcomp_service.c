@@ -31,8 +31,7 @@ static void hear(const tumble_can_frame_t *frame)
         memcpy(heard.emergency, frame->data, 8);
         heard.emergencies++;
     }
-    scripted_drive_hear(&bench.drive, &bench.fake, frame);
-    scripted_block_hear(&bench.block, &bench.fake, frame);
+    bench_hear(&bench, frame);
 }
 
 static void listen(double seconds)
@@ -45,8 +44,7 @@ static void listen(double seconds)
         while (fake_port_take(&bench.fake, &frame)) {
             hear(&frame);
         }
-        scripted_drive_step(&bench.drive, &bench.fake);
-        scripted_block_step(&bench.block, &bench.fake, scripted_drive_angle_deg(&bench.drive));
+        bench_play(&bench);
         bench.fake.now_us += 1000U;
     }
 }

@@ -1,8 +1,6 @@
 /* The navigation computer and the clock: its deadlines are all that a caller needs to be in time. */
 #include "navcomp_bench.h"
 
-static bench_t bench;
-
 static void set_up(void)
 {
     bench_init(&bench);
