@@ -38,6 +38,11 @@ void bench_init(bench_t *b)
     bench_configure(b);
 }
 
+void bench_begin(void)
+{
+    bench_init(&bench);
+}
+
 void bench_power_on(bench_t *b)
 {
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_init(&b->navcomp, &b->config));

@@ -49,6 +49,7 @@ extern bench_t bench; /* the one under test; who records has a second */
 
 /* Everything but the navcomp itself, which `bench_power_on` starts: a test may change the configuration in between. */
 void bench_init(bench_t *b);
+void bench_begin(void); /* with `bench`, before each case */
 
 void bench_power_on(bench_t *b);
 tumble_navcomp_progress_t bench_progress(const bench_t *b);

@@ -244,3 +244,41 @@ void boot_to_operational(void)
     give(0x000, "01 05");
     TEST_ASSERT_EQUAL_INT(TUMBLE_NMT_OPERATIONAL, tumble_node_state(&at.node));
 }
+
+void drain(void)
+{
+    at.fake.from_firmware.count = 0;
+}
+
+tumble_nmt_state_t state(void)
+{
+    return tumble_node_state(&at.node);
+}
+
+void fixture_quietly(void)
+{
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
+}
+
+void fixture_booted(void)
+{
+    fixture_quietly();
+    boot();
+}
+
+void fixture_operational(void)
+{
+    fixture_quietly();
+    boot_to_operational();
+}
+
+void fixture_beating(void)
+{
+    static const tumble_node_defaults_t beating = {.heartbeat_ms = 100, .consumers = {0x000201F4U, 0x000301F4U}};
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&beating));
+}
+
+void fixture_end(void)
+{
+    TEST_ASSERT_FALSE(at.fake.overflowed);
+}

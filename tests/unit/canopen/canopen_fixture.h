@@ -137,4 +137,16 @@ void boot(void);
 
 void boot_to_operational(void);
 
+/* What the node has sent does not matter. */
+void drain(void);
+
+tumble_nmt_state_t state(void);
+
+/* Before each case, and after: with no defaults; so, and booted; so, and Operational; with heartbeats both ways. */
+void fixture_quietly(void);
+void fixture_booted(void);
+void fixture_operational(void);
+void fixture_beating(void);
+void fixture_end(void);
+
 #endif

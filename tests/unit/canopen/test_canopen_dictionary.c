@@ -14,11 +14,6 @@ static void set_up(void)
     size = 0xA5;
 }
 
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static const tumble_entry_t *find(uint16_t index, uint8_t subindex)
 {
     static tumble_entry_t entry;
@@ -374,7 +369,7 @@ static void test_abort_codes_have_sentences(void)
     TEST_ASSERT_EQUAL_STRING("this abort code is not in the list", tumble_abort_sentence(0xFFFFFFFFU));
 }
 
-SUITE(canopen_dictionary, set_up, tear_down)
+SUITE(canopen_dictionary, set_up, fixture_end)
 {
     RUN_TEST(test_every_key_is_found_as_the_table_has_it);
     RUN_TEST(test_an_empty_table_has_nothing);

@@ -1,17 +1,6 @@
 /* Emergency messages: register, history, queue; those of other nodes. */
 #include "canopen_fixture.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static void raise_code(uint16_t code, uint8_t bits)
 {
     tumble_emcy_raise(&at.node.emcy, code, bits, NULL);
@@ -129,7 +118,7 @@ static void test_emergencies_of_others(void)
     TEST_ASSERT_EQUAL_UINT(2, at.emergencies);
 }
 
-SUITE(canopen_emcy, set_up, tear_down)
+SUITE(canopen_emcy, fixture_booted, fixture_end)
 {
     RUN_TEST(test_an_error_comes_and_goes);
     RUN_TEST(test_no_error_is_said_when_the_last_one_goes);

@@ -1,28 +1,6 @@
 /* Heartbeats both ways: the node's own, and those of the nodes that it watches. */
 #include "canopen_fixture.h"
 
-static const tumble_node_defaults_t beating = {.heartbeat_ms = 100, .consumers = {0x000201F4U, 0x000301F4U}};
-
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&beating));
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
-static void drain(void)
-{
-    at.fake.from_firmware.count = 0;
-}
-
-static tumble_nmt_state_t state(void)
-{
-    return tumble_node_state(&at.node);
-}
-
 static void expect_event(unsigned number, uint8_t node, tumble_heartbeat_event_t event, tumble_nmt_state_t heard)
 {
     TEST_ASSERT_EQUAL_UINT(number, at.heartbeats);
@@ -268,7 +246,7 @@ static void test_producer_time_by_sdo(void)
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
 }
 
-SUITE(canopen_heartbeat, set_up, tear_down)
+SUITE(canopen_heartbeat, fixture_beating, fixture_end)
 {
     RUN_TEST(test_boot_up_and_then_heartbeats);
     RUN_TEST(test_a_late_step_sends_one_heartbeat_and_keeps_the_period);

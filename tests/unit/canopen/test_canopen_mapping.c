@@ -1,17 +1,6 @@
 /* PDO parameters: the order in which they are written, what is refused, what is left behind. */
 #include "canopen_mapping.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot_to_operational();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static const tumble_pdo_setup_t setup = {
     .cob_id = 0x40000385U, .type = 255, .count = 2, .event_ms = 20, .map = {0x20050010U, 0x20030020U}};
 
@@ -284,7 +273,7 @@ static void test_random_writes_never_leave_a_broken_mapping(void)
     }
 }
 
-SUITE(canopen_mapping, set_up, tear_down)
+SUITE(canopen_mapping, fixture_operational, fixture_end)
 {
     RUN_TEST(test_power_on_state);
     RUN_TEST(test_the_whole_sequence_over_the_bus);

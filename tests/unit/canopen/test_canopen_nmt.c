@@ -1,28 +1,6 @@
 /* Network management: states and the commands that change them, boot-up, resets, master commands. */
 #include "canopen_fixture.h"
 
-static const tumble_node_defaults_t beating = {.heartbeat_ms = 100, .consumers = {0x000201F4U, 0x000301F4U}};
-
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&beating));
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
-static void drain(void)
-{
-    at.fake.from_firmware.count = 0;
-}
-
-static tumble_nmt_state_t state(void)
-{
-    return tumble_node_state(&at.node);
-}
-
 static void test_boot_up_waits_for_the_port(void)
 {
     at.fake.send_status = TUMBLE_E_PORT_BUSY;
@@ -186,7 +164,7 @@ static void test_nmt_alone(void)
     TEST_ASSERT_EQUAL_UINT8(0, tumble_nmt_receive(&nmt, &frame));
 }
 
-SUITE(canopen_nmt, set_up, tear_down)
+SUITE(canopen_nmt, fixture_beating, fixture_end)
 {
     RUN_TEST(test_boot_up_waits_for_the_port);
     RUN_TEST(test_commands_change_the_state);

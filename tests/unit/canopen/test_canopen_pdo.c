@@ -1,17 +1,6 @@
 /* Process data: receiving, sending, timers, a busy port. */
 #include "canopen_mapping.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot_to_operational();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static void test_a_received_pdo_is_written_in_order(void)
 {
     map_receive();
@@ -248,7 +237,7 @@ static void test_a_pdo_without_mapping_does_nothing(void)
     TEST_ASSERT_FALSE(hand(0x205, "00"));
 }
 
-SUITE(canopen_pdo, set_up, tear_down)
+SUITE(canopen_pdo, fixture_operational, fixture_end)
 {
     RUN_TEST(test_a_received_pdo_is_written_in_order);
     RUN_TEST(test_dummies_skip_bytes);

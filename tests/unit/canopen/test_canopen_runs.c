@@ -1,16 +1,6 @@
 /* The object dictionary's table: rows that stand for several entries. */
 #include "canopen_fixture.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 /* Rows that stand for several entries: the same keys must be found as in a table with a row for each, in their right places. */
 static void test_a_run_is_as_good_as_its_entries(void)
 {
@@ -79,7 +69,7 @@ static void test_the_highest_subindex_is_read_only(void)
                             tumble_pdo_write_parameter(&at.node.pdos, &at.node.dictionary, 0x1600, 1, 0x20000308U));
 }
 
-SUITE(canopen_runs, set_up, tear_down)
+SUITE(canopen_runs, fixture_quietly, fixture_end)
 {
     RUN_TEST(test_a_run_is_as_good_as_its_entries);
     RUN_TEST(test_the_highest_subindex_is_read_only);

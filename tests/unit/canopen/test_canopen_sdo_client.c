@@ -1,17 +1,6 @@
 /* The SDO client against hand-written answers of a server, and against its own server. */
 #include "canopen_client.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static void test_expedited_write(void)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write(client, 2, 0x6060, 0, 1, 1));
@@ -232,7 +221,7 @@ static void test_client_and_server_agree_on_every_length(void)
     }
 }
 
-SUITE(canopen_sdo_client, set_up, tear_down)
+SUITE(canopen_sdo_client, fixture_booted, fixture_end)
 {
     RUN_TEST(test_expedited_write);
     RUN_TEST(test_expedited_read);

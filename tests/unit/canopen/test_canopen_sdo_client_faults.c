@@ -1,17 +1,6 @@
 /* The SDO client and servers that are silent, late, wrong or mad, and a port without room. */
 #include "canopen_client.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 /* What is left over from an earlier transfer must not end the present one. */
 static void test_late_answers_are_ignored_and_counted(void)
 {
@@ -222,7 +211,7 @@ static void test_random_answers_always_come_to_an_end(void)
     }
 }
 
-SUITE(canopen_sdo_client_faults, set_up, tear_down)
+SUITE(canopen_sdo_client_faults, fixture_booted, fixture_end)
 {
     RUN_TEST(test_late_answers_are_ignored_and_counted);
     RUN_TEST(test_a_server_that_breaks_the_protocol_is_told);

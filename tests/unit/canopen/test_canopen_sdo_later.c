@@ -24,11 +24,6 @@ static void set_up(void)
     at.node.dictionary.application.hooks = &later;
 }
 
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static void answer(tumble_abort_t refusal)
 {
     tumble_sdo_server_answer(&at.node.server, refusal);
@@ -100,7 +95,7 @@ static void test_a_reset_forgets_it(void)
     expect_nothing();
 }
 
-SUITE(canopen_sdo_later, set_up, tear_down)
+SUITE(canopen_sdo_later, set_up, fixture_end)
 {
     RUN_TEST(test_it_is_confirmed_when_it_is_done);
     RUN_TEST(test_it_is_refused_when_it_failed);

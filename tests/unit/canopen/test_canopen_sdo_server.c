@@ -1,17 +1,6 @@
 /* The SDO server, frame by frame as CiA 301 draws them (7.2.4.3), and under abuse. */
 #include "canopen_fixture.h"
 
-static void set_up(void)
-{
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, fixture_start(&fixture_quiet));
-    boot();
-}
-
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static void test_expedited_upload_of_one_to_four_bytes(void)
 {
     at.variables.u8 = 0x11;
@@ -350,7 +339,7 @@ static void test_random_requests_get_one_answer_each(void)
     }
 }
 
-SUITE(canopen_sdo_server, set_up, tear_down)
+SUITE(canopen_sdo_server, fixture_booted, fixture_end)
 {
     RUN_TEST(test_expedited_upload_of_one_to_four_bytes);
     RUN_TEST(test_segmented_upload);

@@ -86,11 +86,6 @@ static void set_up(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, start_with(&further));
 }
 
-static void tear_down(void)
-{
-    TEST_ASSERT_FALSE(at.fake.overflowed);
-}
-
 static tumble_abort_t get(uint16_t index, uint8_t subindex, uint8_t *bytes, uint8_t *size)
 {
     return tumble_node_read(&at.node, index, subindex, bytes, size);
@@ -309,7 +304,7 @@ static void test_both_tables_together_have_255_entries_at_most(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&empty));
 }
 
-SUITE(dictionary_extension, set_up, tear_down)
+SUITE(dictionary_extension, set_up, fixture_end)
 {
     RUN_TEST(test_every_key_of_both_tables_is_found_and_no_other);
     RUN_TEST(test_places_run_on);

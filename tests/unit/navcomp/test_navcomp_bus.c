@@ -1,11 +1,6 @@
 /* The navigation computer as a node: configuration, NMT duties, a port with moods, frames that make no sense. */
 #include "navcomp_bench.h"
 
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static tumble_status_t init(void)
 {
     return tumble_navcomp_init(&bench.navcomp, &bench.config);
@@ -368,7 +363,7 @@ static void test_names_of_commands(void)
     TEST_ASSERT_EQUAL_STRING("this command is not in the list", tumble_command_sentence((tumble_command_t)99));
 }
 
-SUITE(navcomp_bus, set_up, NULL)
+SUITE(navcomp_bus, bench_begin, NULL)
 {
     RUN_TEST(test_init_refuses_what_it_cannot_work_with);
     RUN_TEST(test_nodes_may_swap_their_numbers);

@@ -1,11 +1,6 @@
 /* What outsiders cannot change by SDO while a run is on, or a drive is there: what the axis and its watching hang on. */
 #include "navcomp_sdo.h"
 
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 /* Whom we watch, the process data of the axis, and what these have brought. */
 typedef struct {
     uint16_t index;
@@ -86,7 +81,7 @@ static void test_without_a_drive_it_is_free(void)
     }
 }
 
-SUITE(navcomp_held, set_up, NULL)
+SUITE(navcomp_held, bench_begin, NULL)
 {
     RUN_TEST(test_a_run_keeps_what_the_axis_hangs_on);
     RUN_TEST(test_a_failed_run_and_a_drive_that_is_there_keep_it);

@@ -1,11 +1,6 @@
 /* The navigation computer's object dictionary as an outsider sees it: by SDO, and in the state PDO. */
 #include "navcomp_sdo.h"
 
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static const tumble_progress_t *run_of(const bench_t *of)
 {
     static tumble_navcomp_progress_t progress;
@@ -264,7 +259,7 @@ static void test_the_state_pdo_follows_the_procedure(void)
     TEST_ASSERT_TRUE((states & (UINT32_C(1) << TUMBLE_STATE_AVERAGE)) != 0U);
 }
 
-SUITE(navcomp_objects, set_up, NULL)
+SUITE(navcomp_objects, bench_begin, NULL)
 {
     RUN_TEST(test_identity);
     RUN_TEST(test_heartbeat_times_show_the_configuration);

@@ -1,11 +1,6 @@
 /* Whole runs of the navigation computer, frame by frame, and what stops them. */
 #include "navcomp_bench.h"
 
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static void assert_stopped_for(tumble_reason_t reason)
 {
     const tumble_navcomp_progress_t progress = bench_progress(&bench);
@@ -315,7 +310,7 @@ static void test_an_abort_stops_the_table_in_mid_move(void)
     assert_right_coefficients();
 }
 
-SUITE(navcomp_run, set_up, NULL)
+SUITE(navcomp_run, bench_begin, NULL)
 {
     RUN_TEST(test_a_whole_calibration_finds_the_coefficients);
     RUN_TEST(test_the_hook_tells_exactly_the_samples_that_were_averaged);

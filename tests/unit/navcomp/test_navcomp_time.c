@@ -1,11 +1,6 @@
 /* The navigation computer and the clock: its deadlines are all that a caller needs to be in time. */
 #include "navcomp_bench.h"
 
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static tumble_status_t init(void)
 {
     return tumble_navcomp_init(&bench.navcomp, &bench.config);
@@ -112,7 +107,7 @@ static void test_the_mark_follows_state_reason_position_and_attempt(void)
     TEST_ASSERT_TRUE(changes > 54U);
 }
 
-SUITE(navcomp_time, set_up, NULL)
+SUITE(navcomp_time, bench_begin, NULL)
 {
     RUN_TEST(test_the_sample_timeout_stays_below_the_wrap_of_the_counter);
     RUN_TEST(test_a_caller_that_sleeps_until_the_deadline_sees_a_timeout_when_it_is_due);
