@@ -12,37 +12,12 @@ void keeper_sdo_power_on(void)
     bench_pass(&bench, 1.0);
 }
 
-uint32_t refusal_of(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    return sdo_read(index, subindex, bytes, &size);
-}
-
-double read_f64(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
-    TEST_ASSERT_EQUAL_UINT8(8, size);
-    return tumble_get_f64(bytes);
-}
-
 float read_f32(uint16_t index, uint8_t subindex)
 {
     const uint32_t bits = read_number(index, subindex, 4);
     uint8_t bytes[4];
     tumble_put_u32(bytes, bits);
     return tumble_get_f32(bytes);
-}
-
-uint64_t read_u64(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
-    TEST_ASSERT_EQUAL_UINT8(8, size);
-    return tumble_get_u64(bytes);
 }
 
 uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value)

@@ -16,12 +16,7 @@ extern tumble_stand_memory_t stand_memory;
 /* A fresh memory, and the computer on the bus for a second. */
 void keeper_sdo_power_on(void);
 
-/* The abort code of a read; 0: none. */
-uint32_t refusal_of(uint16_t index, uint8_t subindex);
-
-double read_f64(uint16_t index, uint8_t subindex);
 float read_f32(uint16_t index, uint8_t subindex);
-uint64_t read_u64(uint16_t index, uint8_t subindex);
 uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value);
 uint32_t write_f32(uint16_t index, uint8_t subindex, float value);
 uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value);

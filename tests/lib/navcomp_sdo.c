@@ -78,6 +78,29 @@ uint32_t read_number(uint16_t index, uint8_t subindex, uint8_t expected_size)
     return tumble_get_u32(bytes);
 }
 
+uint32_t refusal_of(uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[64];
+    uint8_t size = 0;
+    return sdo_read(index, subindex, bytes, &size);
+}
+
+uint64_t read_u64(uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[64];
+    uint8_t size = 0;
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
+    TEST_ASSERT_EQUAL_UINT8(8, size);
+    return tumble_get_u64(bytes);
+}
+
+double read_f64(uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[8];
+    tumble_put_u64(bytes, read_u64(index, subindex));
+    return tumble_get_f64(bytes);
+}
+
 uint32_t give_key(uint32_t key)
 {
     uint8_t bytes[4];

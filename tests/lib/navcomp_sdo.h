@@ -13,6 +13,11 @@ void ask(const uint8_t request[8], uint8_t answer[8]);
 uint32_t sdo_read(uint16_t index, uint8_t subindex, uint8_t bytes[64], uint8_t *size);
 
 uint32_t sdo_write(uint16_t index, uint8_t subindex, const uint8_t *bytes, uint8_t size);
+/* The abort code of a read; 0: none. */
+uint32_t refusal_of(uint16_t index, uint8_t subindex);
+
+double read_f64(uint16_t index, uint8_t subindex);
+uint64_t read_u64(uint16_t index, uint8_t subindex);
 uint32_t read_number(uint16_t index, uint8_t subindex, uint8_t expected_size);
 
 /* 2006h:1; the abort code, or 0. */

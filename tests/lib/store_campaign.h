@@ -5,6 +5,8 @@
 #include "core/crc32.h"
 #include "store_logs.h"
 
+#include <stdio.h>
+
 /* The same function by a table, in place of the core's, which is small rather than fast: most of the time goes here. */
 uint32_t tumble_crc32(uint32_t crc, const void *bytes, size_t size)
 {

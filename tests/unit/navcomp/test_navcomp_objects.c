@@ -8,22 +8,6 @@ static const tumble_progress_t *run_of(const bench_t *of)
     return &progress.run;
 }
 
-static double read_double(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64] = {0};
-    uint8_t size = 0;
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(index, subindex, bytes, &size));
-    TEST_ASSERT_EQUAL_UINT8(8, size);
-    return tumble_get_f64(bytes);
-}
-
-static uint32_t refusal_of(uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    return sdo_read(index, subindex, bytes, &size);
-}
-
 static void test_identity(void)
 {
     uint8_t bytes[64] = {0};
@@ -66,14 +50,14 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
     tumble_result_t result;
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
     for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_TRUE(result.coefficients->u0_v[i] == read_double(0x2021, (uint8_t)(i + 1)));
+        TEST_ASSERT_TRUE(result.coefficients->u0_v[i] == read_f64(0x2021, (uint8_t)(i + 1)));
         for (int j = 0; j < 3; j++) {
-            TEST_ASSERT_TRUE(result.coefficients->k_v_per_g[i][j] == read_double(0x2020, (uint8_t)((3 * i) + j + 1)));
+            TEST_ASSERT_TRUE(result.coefficients->k_v_per_g[i][j] == read_f64(0x2020, (uint8_t)((3 * i) + j + 1)));
         }
     }
-    TEST_ASSERT_TRUE(result.check->max_abs_fit_g == read_double(0x2022, 1));
-    TEST_ASSERT_TRUE(read_double(0x2022, 2) == 0.0);
-    TEST_ASSERT_TRUE(read_double(0x2022, 3) == 3e-4);
+    TEST_ASSERT_TRUE(result.check->max_abs_fit_g == read_f64(0x2022, 1));
+    TEST_ASSERT_TRUE(read_f64(0x2022, 2) == 0.0);
+    TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 3e-4);
     TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2022, 4, 1));
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2022, 5, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2022, 6, 1));
@@ -120,12 +104,12 @@ static void test_progress_and_the_running_mean(void)
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2003, 6, 1));
     TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2003, 7, 4));
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2003, 8, 4));
-    TEST_ASSERT_TRUE(read_double(0x2003, 9) == 315.0);
-    TEST_ASSERT_TRUE(read_double(0x2003, 10) == progress.angle_deg);
+    TEST_ASSERT_TRUE(read_f64(0x2003, 9) == 315.0);
+    TEST_ASSERT_TRUE(read_f64(0x2003, 10) == progress.angle_deg);
     TEST_ASSERT_EQUAL_UINT32(50, read_number(0x2003, 11, 1));
     for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_TRUE(progress.mean_v[i] == read_double(0x2010, (uint8_t)(i + 1)));
-        TEST_ASSERT_TRUE(progress.standard_error_v[i] == read_double(0x2011, (uint8_t)(i + 1)));
+        TEST_ASSERT_TRUE(progress.mean_v[i] == read_f64(0x2010, (uint8_t)(i + 1)));
+        TEST_ASSERT_TRUE(progress.standard_error_v[i] == read_f64(0x2011, (uint8_t)(i + 1)));
         TEST_ASSERT_TRUE(progress.standard_error_v[i] > 0.0);
     }
 }
@@ -169,7 +153,7 @@ static void test_the_configuration_can_be_written_between_runs(void)
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_REFINED, read_number(0x2050, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(100, read_number(0x2050, 3, 2));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2050, 4, 1));
-    TEST_ASSERT_TRUE(read_double(0x2050, 5) == 3e-4);
+    TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 3e-4);
     tumble_put_u32(bytes, 7);
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 1, bytes, 4));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 2, &least_squares, 1));
@@ -187,8 +171,8 @@ static void test_the_configuration_can_be_written_between_runs(void)
     for (int p = 0; p < 18; p++) {
         TEST_ASSERT_EQUAL_UINT32(7, bench.recorded[p]);
     }
-    TEST_ASSERT_TRUE(read_double(0x2022, 3) == 1e-3);
-    TEST_ASSERT_TRUE(read_double(0x2050, 5) == 1e-3);
+    TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 1e-3);
+    TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 1e-3);
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_LEAST_SQUARES, read_number(0x2050, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(60, read_number(0x2050, 3, 2));
     TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2050, 4, 1));
