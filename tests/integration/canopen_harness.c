@@ -18,7 +18,7 @@
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
 
-#include "nv_memory.h"
+#include "flash.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
  */
 #include "store/checkpoint.h"
 #include "store/history.h"
-#include "nv_memory.h"
+#include "flash.h"
 #include "store/set_record.h"
 
 #include <inttypes.h>

@@ -32,7 +32,7 @@ def firmware(tmp_path_factory):
     program = tmp_path_factory.mktemp("codec") / "store_codec"
     sources = [f"firmware/store/{name}.c" for name in STORE] + ["firmware/core/arith.c", "firmware/core/crc32.c"]
     subprocess.run([compiler, "-std=c11", "-ffp-contract=off", "-Ifirmware", "-Itests/lib",
-                    "tests/integration/store_codec_harness.c", "tests/lib/nv_memory.c", *sources, "-lm", "-o", program],
+                    "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources, "-lm", "-o", program],
                    cwd=ROOT, check=True)
 
     def run(kind, record, fingerprint=0):

@@ -90,7 +90,7 @@ def build(firmware, program):
     sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
     subprocess.run(
         [compiler, *FLAGS, f"-I{firmware}", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
-         ROOT / "tests/lib/nv_memory.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
+         ROOT / "tests/lib/flash.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
         check=True,
     )
     return program

@@ -3,7 +3,7 @@
 #define TUMBLE_TESTS_KEEPER_MEMORY_H
 
 #include "navcomp/keeper.h"
-#include "nv_memory.h"
+#include "flash.h"
 #include "support.h"
 
 #define MEMORY_SECTOR 4096U

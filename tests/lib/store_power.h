@@ -7,7 +7,7 @@
 #ifndef STORE_POWER_H
 #define STORE_POWER_H
 
-#include "nv_memory.h"
+#include "flash.h"
 
 typedef enum { STATE_BAD, STATE_BEFORE, STATE_BETWEEN, STATE_AFTER } state_t;
 

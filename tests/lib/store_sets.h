@@ -3,7 +3,7 @@
 #define STORE_SETS_H
 
 #include "store/store.h"
-#include "nv_memory.h"
+#include "flash.h"
 
 /* Every field filled in, every one of them by `tag`. */
 static inline tumble_set_t set_of(unsigned tag)

@@ -1,4 +1,4 @@
-/* suite.h - a file of Unity tests as a suite of a program, which runs the suites of all its files (tests/lib/suite.cmake).
+/* suite.h - a file of Unity tests as a suite of a program, which runs the suites of all its files (suite.cmake).
  *
  * At the end of test_NAME.c, instead of setUp, tearDown and main:
  *

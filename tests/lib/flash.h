@@ -1,8 +1,8 @@
-/* nv_memory.h - a memory that behaves like flash, and lies like it: at a chosen operation power is lost, or it does nothing,
+/* flash.h - a memory that behaves like flash, and lies like it: at a chosen operation power is lost, or it does nothing,
  * or a part, or the wrong thing, and says so or does not. Needs no Unity.
  */
-#ifndef STORE_NV_H
-#define STORE_NV_H
+#ifndef TUMBLE_TESTS_FLASH_H
+#define TUMBLE_TESTS_FLASH_H
 
 #include "port/port.h"
 

@@ -1,4 +1,4 @@
-#include "nv_memory.h"
+#include "flash.h"
 
 static uint32_t nv_draw(nv_memory_t *memory)
 {
