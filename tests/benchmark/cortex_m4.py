@@ -147,13 +147,14 @@ def navcomp_steps(folder, optimise):
     if unity is None:
         return None
     target = ROOT / "tests/target"
-    include = ["firmware", "host", "tests/unit", "tests/target", unity.relative_to(ROOT)]
+    include = ["firmware", "host", "tests/lib", "tests/target", unity.relative_to(ROOT)]
     options = [*FLAGS, optimise, *(SMALL if optimise == "-Os" else []), *UNITY_FLAGS]
-    options += [f"-I{ROOT / path}" for path in include]
+    options += ["-DBENCH_LOG=64U", *(f"-I{ROOT / path}" for path in include)]
     rooms = ("core", "canopen", "stand", "procedure", "navcomp")
     sources = [source for room in rooms for source in (ROOT / "firmware" / room).glob("*.c")]
     played = [*(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]
     played.append(ROOT / "host/simulation/block_encode.c")
+    played += [*(ROOT / "tests/lib").glob("scripted_*.c"), ROOT / "tests/lib/navcomp_bench.c"]
     objects = []
     for source in [*sources, *played]:
         more = ["-flto"] if source in sources else ["-Wno-error"]

@@ -1,7 +1,7 @@
 /* The suite passes on the simulated bus, and finds every way in which a port can lie. */
 #include "conformance_print.h"
 #include "inprocess.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -21,17 +21,13 @@ static void keep(void *context, const char *check, conformance_verdict_t verdict
     TEST_ASSERT_TRUE((verdict == CONFORMANCE_PASSED) == (why == NULL));
 }
 
-void setUp(void)
+static void set_up(void)
 {
     memset(verdicts, 0, sizeof verdicts);
     memset(failed, 0, sizeof failed);
     inprocess_init(&inprocess);
     bench = inprocess_bench(&inprocess);
     bench.report = keep;
-}
-
-void tearDown(void)
-{
 }
 
 static void test_the_simulated_bus_conforms(void)
@@ -246,7 +242,7 @@ static const canary_t CANARIES[] = {
 static void test_every_defect_is_found(void)
 {
     for (size_t i = 0; i < (sizeof CANARIES / sizeof CANARIES[0]); i++) {
-        setUp();
+        set_up();
         calls = 0;
         kept = (tumble_can_frame_t){0};
         for (uint32_t n = 0; n < 2U; n++) {
@@ -262,11 +258,9 @@ static void test_every_defect_is_found(void)
     }
 }
 
-int main(void)
+SUITE(conformance, set_up, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_simulated_bus_conforms);
     RUN_TEST(test_what_a_board_cannot_do_is_skipped_not_passed);
     RUN_TEST(test_every_defect_is_found);
-    return UNITY_END();
 }

@@ -1,7 +1,7 @@
 /* The suite finds every way in which a non-volatile memory can lie. */
 #include "conformance_print.h"
 #include "inprocess.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -23,7 +23,7 @@ static void keep(void *context, const char *check, conformance_verdict_t verdict
     }
 }
 
-void setUp(void)
+static void set_up(void)
 {
     memset(failed, 0, sizeof failed);
     calls = 0;
@@ -35,10 +35,6 @@ void setUp(void)
     port = *bench.a;
     port.nv = &lying;
     bench.a = &port;
-}
-
-void tearDown(void)
-{
 }
 
 /* An honest memory, and what it does. */
@@ -306,7 +302,7 @@ static void plant(const canary_t *canary)
 static void test_every_defect_is_found(void)
 {
     for (size_t i = 0; i < (sizeof CANARIES / sizeof CANARIES[0]); i++) {
-        setUp();
+        set_up();
         plant(&CANARIES[i]);
         (void)printf("-- %s\n", CANARIES[i].defect);
         TEST_ASSERT_TRUE_MESSAGE(conformance_run_nv(&bench) > 0U, CANARIES[i].defect);
@@ -331,11 +327,9 @@ static void test_granules_of_a_byte(void)
     TEST_ASSERT_EQUAL_UINT32(1, skips);
 }
 
-int main(void)
+SUITE(conformance_nv, set_up, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_every_defect_is_found);
     RUN_TEST(test_a_board_without_such_a_memory_is_skipped_not_passed);
     RUN_TEST(test_granules_of_a_byte);
-    return UNITY_END();
 }

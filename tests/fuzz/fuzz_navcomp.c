@@ -6,8 +6,6 @@
  * order: behind an unrepaired checksum, and without the counters' order, hardly a byte of the input would be looked at.
  * What is checked beside the sanitizers: the invariants in `check`.
  */
-#define FAKE_PORT_QUEUE 128U
-
 #include "fake_port.h"
 #include "fuzz_input.h"
 #include "navcomp/navcomp.h"

@@ -32,7 +32,8 @@ def build_harness(folder):
     program = folder / "canopen_harness"
     sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
     sources += [f"host/simulation/{name}_objects.c" for name in ("drive", "block")]
-    command = [compiler, *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Itests/unit", "tests/integration/canopen_harness.c"]
+    own = ["tests/integration/canopen_harness.c", "tests/lib/flash.c"]
+    command = [compiler, *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Itests/lib", *own]
     subprocess.run([*command, *sources, "-lm", "-o", str(program)], cwd=ROOT, check=True)
     return program
 

@@ -18,8 +18,7 @@
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
 
-#define NV_SECTORS 10U
-#include "store_nv.h"
+#include "flash.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +33,7 @@ typedef struct {
     } variables;
     tumble_navcomp_t navcomp;
     tumble_keeper_t keeper;
-    store_nv_t memory;
+    nv_memory_t memory;
     bool is_navcomp;
     uint64_t now_us;
     tumble_can_frame_t inbox[256];
@@ -128,7 +127,7 @@ static void prepare_keeper(void)
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         settings.limits.uncertainty[c] = 1e-3F;
     }
-    nv_make(&harness.memory, 8, TUMBLE_STORE_MIN_SECTOR);
+    nv_make(&harness.memory, NV_MAX_SECTORS, 8, TUMBLE_STORE_MIN_SECTOR);
     harness.keeper.config = &config;
 }
 

@@ -45,18 +45,10 @@ static void event(uint64_t end_us)
     tumble_navcomp_step(&bench.navcomp);
     while (fake_port_take(&bench.fake, &frame)) {
         show(&frame);
-        scripted_drive_hear(&bench.drive, &bench.fake, &frame);
-        scripted_block_hear(&bench.block, &bench.fake, &frame);
+        bench_hear(&bench, &frame);
     }
-    scripted_drive_step(&bench.drive, &bench.fake);
-    scripted_block_step(&bench.block, &bench.fake, scripted_drive_angle_deg(&bench.drive));
-    if (bench.fake.to_firmware.count == 0U) {
-        uint64_t next_us = tumble_navcomp_next_deadline_us(&bench.navcomp);
-        next_us = bench_earliest(next_us, scripted_drive_next_us(&bench.drive));
-        next_us = bench_earliest(next_us, scripted_block_next_us(&bench.block));
-        next_us = bench_earliest(next_us, end_us);
-        bench.fake.now_us = (next_us > bench.fake.now_us) ? next_us : bench.fake.now_us;
-    }
+    bench_play(&bench);
+    bench_go_on(&bench, end_us);
 }
 
 static void pass(uint64_t us)

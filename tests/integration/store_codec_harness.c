@@ -5,7 +5,7 @@
  */
 #include "store/checkpoint.h"
 #include "store/history.h"
-#include "store_nv.h"
+#include "flash.h"
 #include "store/set_record.h"
 
 #include <inttypes.h>
@@ -85,7 +85,7 @@ static int print_entry(void)
     return (tumble_history_encode(&entry, bytes) == TUMBLE_OK) ? print_bytes(bytes, TUMBLE_HISTORY_BYTES) : 1;
 }
 
-static store_nv_t memory;
+static nv_memory_t memory;
 static tumble_checkpoint_t checkpoint;
 
 static int settle(void)
@@ -103,7 +103,7 @@ static int print_checkpoint(uint32_t fingerprint, bool position)
     uint8_t *const cell = &memory.bytes[(6U * 4096U) + (position ? TUMBLE_CHECKPOINT_BYTES : 0U)];
     tumble_average_t average = {.samples = 1};
     const uint8_t index = bytes[2];
-    nv_make(&memory, 8, 4096);
+    nv_make(&memory, TUMBLE_REGION_COUNT, 8, 4096);
     if (tumble_checkpoint_init(&checkpoint, &memory.nv) != TUMBLE_OK || settle() != 0 ||
         tumble_checkpoint_begin(&checkpoint, fingerprint) != TUMBLE_OK || settle() != 0) {
         return 1;

@@ -1,4 +1,4 @@
-/* store_power_harness.c - the campaign of tests/unit/store_campaign.h as a program: `long`, every pair of faults; else the
+/* store_power_harness.c - the campaign of tests/lib/store_campaign.h as a program: `long`, every pair of faults; else the
  * short one, of one part if it is named. Exit 0: none bad; 1, and the first bad case on stderr.
  */
 #include "store_campaign.h"

@@ -26,8 +26,10 @@ def build(folder):
     assert compiler, "no C compiler: set CC"
     program = folder / "recalibration_harness"
     sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
-    includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/unit", "-DUNITY_INCLUDE_DOUBLE"]
+    includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
+    own += [f"tests/lib/{name}.c" for name in ("keeper_bench", "keeper_memory", "navcomp_bench", "flash",
+                                               "scripted_block", "scripted_config", "scripted_drive")]
     subprocess.run([compiler, *FLAGS, *SANITIZERS, *includes, *own, *sources, "-lm", "-o", str(program)], cwd=ROOT,
                    check=True)
     return program

@@ -32,8 +32,9 @@ def firmware(tmp_path_factory):
     assert compiler, "no C compiler: set CC"
     program = tmp_path_factory.mktemp("codec") / "store_codec"
     sources = [f"firmware/store/{name}.c" for name in STORE] + ["firmware/core/arith.c", "firmware/core/crc32.c"]
-    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, "-Itests/unit",
-                    "tests/integration/store_codec_harness.c", *sources, "-lm", "-o", program], cwd=ROOT, check=True)
+    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, "-Itests/lib",
+                    "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources, "-lm", "-o", program],
+                   cwd=ROOT, check=True)
 
     def run(kind, record, fingerprint=0):
         done = subprocess.run([program, kind, hex(fingerprint)], input=record, capture_output=True, timeout=60)

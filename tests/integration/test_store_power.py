@@ -89,8 +89,8 @@ def build(firmware, program):
     assert compiler, "no C compiler: set CC"
     sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
     subprocess.run(
-        [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/unit", ROOT / "tests/integration/store_power_harness.c",
-         *sources, "-lm", "-o", program],
+        [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
+         ROOT / "tests/lib/flash.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
         check=True,
     )
     return program

@@ -3,158 +3,41 @@
 #define TUMBLE_TESTS_NV_FILE_BENCH_H
 
 #include "nv_file.h"
-#include "unity.h"
+#include "suite.h"
 
-#include <errno.h>
-#include <signal.h>
 #include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <time.h>
-#include <unistd.h>
+#include <stddef.h>
+#include <stdint.h>
 
-static char folder[] = "/tmp/tumble-nv-XXXXXX";
-static char path[100];
-static nv_file_t file;
-static bool is_open;
+extern char folder[];
+extern char path[100];
+extern nv_file_t file;
 
 /* What the system does wrong. */
+extern int killed_after;      /* bytes of the next write; -1: nobody is killed */
+extern int full_after;        /* bytes, then there is no room */
+extern uint32_t most_at_once; /* 0: as many as asked for */
+extern int interruptions;
+extern int sync_error;
+extern long sync_ms;
 
-static int killed_after = -1; /* bytes of the next write; -1: nobody is killed */
-static int full_after = -1;   /* bytes, then there is no room */
-static uint32_t most_at_once; /* 0: as many as asked for */
-static int interruptions;
-static int sync_error;
-static long sync_ms;
+/* Round the cases of a suite: `path` is in a folder that nobody else has. */
+void make_folder(void);
+void remove_folder(void);
 
-ssize_t __real_pwrite(int fd, const void *bytes, size_t size, off_t offset);
-ssize_t __wrap_pwrite(int fd, const void *bytes, size_t size, off_t offset);
-int __real_fdatasync(int fd);
-int __wrap_fdatasync(int fd);
+/* Round each case: no file, and nothing goes wrong. */
+void set_up(void);
+void tear_down(void);
 
-ssize_t __wrap_pwrite(int fd, const void *bytes, size_t size, off_t offset)
-{
-    if (killed_after >= 0) {
-        (void)!__real_pwrite(fd, bytes, (size_t)killed_after, offset);
-        (void)raise(SIGKILL);
-    }
-    if (interruptions > 0) {
-        interruptions--;
-        errno = EINTR;
-        return -1;
-    }
-    if (full_after == 0) {
-        errno = ENOSPC;
-        return -1;
-    }
-    if (full_after > 0 && size > (size_t)full_after) {
-        size = (size_t)full_after;
-        full_after = 0;
-    }
-    return __real_pwrite(fd, bytes, (most_at_once != 0U && size > most_at_once) ? most_at_once : size, offset);
-}
+void open_it(void);
+void close_it(void);
+void pause_us(void *context, uint32_t us);
+tumble_status_t erase(uint32_t offset);
+tumble_status_t program(uint32_t offset, const uint8_t *bytes, uint32_t size);
 
-int __wrap_fdatasync(int fd)
-{
-    const struct timespec pause = {sync_ms / 1000, (sync_ms % 1000) * 1000000L};
-    if (sync_ms > 0) {
-        (void)nanosleep(&pause, NULL);
-    }
-    if (sync_error != 0) {
-        errno = sync_error;
-        return -1;
-    }
-    return __real_fdatasync(fd);
-}
-
-void setUp(void)
-{
-    killed_after = -1;
-    full_after = -1;
-    most_at_once = 0;
-    interruptions = 0;
-    sync_error = 0;
-    sync_ms = 0;
-    (void)snprintf(path, sizeof path, "%s/memory", folder);
-    (void)unlink(path);
-}
-
-void tearDown(void)
-{
-    if (is_open) {
-        is_open = false;
-        nv_file_close(&file);
-    }
-}
-
-static inline void open_it(void)
-{
-    TEST_ASSERT_NULL(nv_file_open(&file, path));
-    is_open = true;
-}
-
-static inline void close_it(void)
-{
-    is_open = false;
-    nv_file_close(&file);
-}
-
-static inline void pause_us(void *context, uint32_t us)
-{
-    const struct timespec pause = {us / 1000000U, (long)(us % 1000000U) * 1000L};
-    (void)context;
-    (void)nanosleep(&pause, NULL);
-}
-
-static inline tumble_status_t erase(uint32_t offset)
-{
-    tumble_status_t status;
-    while ((status = file.nv.erase(&file, offset)) == TUMBLE_E_PORT_BUSY) {
-        pause_us(NULL, 100);
-    }
-    return status;
-}
-
-static inline tumble_status_t program(uint32_t offset, const uint8_t *bytes, uint32_t size)
-{
-    tumble_status_t status;
-    while ((status = file.nv.program(&file, offset, bytes, size)) == TUMBLE_E_PORT_BUSY) {
-        pause_us(NULL, 100);
-    }
-    return status;
-}
-
-static inline void write_file(const void *bytes, size_t size)
-{
-    FILE *const out = fopen(path, "wb");
-    TEST_ASSERT_NOT_NULL(out);
-    TEST_ASSERT_EQUAL_size_t(size, fwrite(bytes, 1, size, out));
-    TEST_ASSERT_EQUAL_INT(0, fclose(out));
-}
+void write_file(const void *bytes, size_t size);
 
 /* The whole file, and one byte more if there is one. Returns how many. */
-static inline size_t read_file(uint8_t bytes[NV_FILE_BYTES + 1U])
-{
-    FILE *const in = fopen(path, "rb");
-    TEST_ASSERT_NOT_NULL(in);
-    const size_t size = fread(bytes, 1, NV_FILE_BYTES + 1U, in);
-    (void)fclose(in);
-    return size;
-}
-
-static inline int run_in_a_folder(void (*tests)(void))
-{
-    UNITY_BEGIN();
-    if (mkdtemp(folder) == NULL) {
-        (void)printf("no temporary folder\n");
-        return 1;
-    }
-    tests();
-    setUp();
-    (void)rmdir(folder);
-    return UNITY_END();
-}
+size_t read_file(uint8_t bytes[NV_FILE_BYTES + 1U]);
 
 #endif

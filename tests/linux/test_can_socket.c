@@ -3,7 +3,7 @@
 
 #include "can_socket.h"
 #include "port_linux.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <errno.h>
 #include <linux/can/error.h>
@@ -182,14 +182,10 @@ static void give(uint32_t id, uint8_t length, uint8_t first)
     kernel.queue[kernel.last++] = (struct can_frame){.can_id = id, .can_dlc = length, .data = {first}};
 }
 
-void setUp(void)
+static void set_up(void)
 {
     kernel = (kernel_t){.hardware = ARPHRD_CAN, .is_up = true, .may_force = true};
     TEST_ASSERT_EQUAL(CAN_SOCKET_OK, can_socket_open(&can, "can0"));
-}
-
-void tearDown(void)
-{
 }
 
 /* Opening. */
@@ -284,7 +280,7 @@ static void test_an_interface_that_goes_down_and_comes_back(void)
     const struct can_frame frame = {.can_id = 1};
     struct can_frame got;
     for (size_t i = 0; i < sizeof REASONS / sizeof REASONS[0]; i++) {
-        setUp();
+        set_up();
         kernel.receive_error = REASONS[i];
         kernel.is_up = false;
         TEST_ASSERT_EQUAL(CAN_SOCKET_DOWN, can_socket_receive(&can, &got));
@@ -373,9 +369,8 @@ static void test_the_port_hands_on_classic_data_frames_alone(void)
     TEST_ASSERT_NULL(port.nv);
 }
 
-int main(void)
+SUITE(can_socket, set_up, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_what_is_asked_of_the_kernel);
     RUN_TEST(test_what_cannot_be_opened);
     RUN_TEST(test_frames_come_in_their_order_with_their_time);
@@ -386,5 +381,4 @@ int main(void)
     RUN_TEST(test_an_interface_that_is_removed_and_made_anew);
     RUN_TEST(test_bus_off_and_the_restart);
     RUN_TEST(test_the_port_hands_on_classic_data_frames_alone);
-    return UNITY_END();
 }

@@ -4,8 +4,14 @@
 #include "conformance_print.h"
 #include "nv_file_bench.h"
 
+#include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* Conformance. */
 
@@ -196,8 +202,9 @@ static void test_signals_are_not_taken_by_the_thread(void)
     (void)sigprocmask(SIG_UNBLOCK, &only, NULL);
 }
 
-static void all(void)
+SUITE(nv_file, set_up, tear_down)
 {
+    make_folder();
     RUN_TEST(test_it_conforms);
     RUN_TEST(test_a_slow_medium_is_busy_and_holds_nobody_up);
     RUN_TEST(test_closing_waits_for_what_was_begun);
@@ -210,9 +217,5 @@ static void all(void)
     RUN_TEST(test_what_is_not_a_file_is_refused);
     RUN_TEST(test_a_file_that_cannot_be_made_for_want_of_room);
     RUN_TEST(test_signals_are_not_taken_by_the_thread);
-}
-
-int main(void)
-{
-    return run_in_a_folder(all);
+    remove_folder();
 }

@@ -3,7 +3,10 @@
 
 #include "nv_file_bench.h"
 
+#include <signal.h>
+#include <string.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 /* A process that is killed after so many bytes of one operation. */
 static void die(bool erasing, uint32_t offset, const uint8_t *bytes, uint32_t size, int after)
@@ -42,7 +45,7 @@ static void test_killed_while_programming_after_every_byte(void)
         bytes[i] = (uint8_t)(i + 1U);
     }
     for (int after = 0; after <= SIZE; after++) {
-        setUp();
+        set_up();
         open_it();
         TEST_ASSERT_EQUAL(TUMBLE_OK, program(AT - 8, bytes, 8));
         TEST_ASSERT_EQUAL(TUMBLE_OK, program(AT + SIZE, bytes, 8));
@@ -68,7 +71,7 @@ static void test_killed_while_erasing(void)
     static uint8_t before[NV_FILE_BYTES + 1U];
     static const int AFTER[] = {0, 1, 7, 8, 9, 511, 512, 2048, 4095, 4096};
     for (size_t k = 0; k < sizeof AFTER / sizeof AFTER[0]; k++) {
-        setUp();
+        set_up();
         memset(before, 0x5A, sizeof before);
         write_file(before, NV_FILE_BYTES);
         die(true, NV_FILE_SECTOR, NULL, 0, AFTER[k]);
@@ -85,7 +88,7 @@ static void test_killed_while_the_file_is_made(void)
     static uint8_t all[NV_FILE_BYTES + 1U];
     static const int AFTER[] = {0, 1, 4096, 65535, 65536};
     for (size_t k = 0; k < sizeof AFTER / sizeof AFTER[0]; k++) {
-        setUp();
+        set_up();
         const pid_t child = fork();
         if (child == 0) {
             killed_after = AFTER[k];
@@ -101,14 +104,11 @@ static void test_killed_while_the_file_is_made(void)
     }
 }
 
-static void all(void)
+SUITE(nv_file_killed, set_up, tear_down)
 {
+    make_folder();
     RUN_TEST(test_killed_while_programming_after_every_byte);
     RUN_TEST(test_killed_while_erasing);
     RUN_TEST(test_killed_while_the_file_is_made);
-}
-
-int main(void)
-{
-    return run_in_a_folder(all);
+    remove_folder();
 }

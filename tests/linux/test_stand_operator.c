@@ -2,7 +2,7 @@
 #include "bench/config_prepare.h"
 #include "stand_bridge.h"
 #include "stand_operator.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -37,14 +37,6 @@ static void start(stand_operator_kind_t kind)
     TEST_ASSERT_EQUAL(TUMBLE_OK, bench_world_init(&world, &config, 1, &watcher));
     stand_operator_init(&operator, kind);
     sent_count = 0;
-}
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
 }
 
 /* The world and he, for so long. */
@@ -309,9 +301,8 @@ static void test_what_node_1_refuses_is_the_persons_affair(void)
     expect_command(2, TUMBLE_COMMAND_RESUME, 0);
 }
 
-int main(void)
+SUITE(stand_operator, NULL, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_a_mounting_is_made_and_confirmed_after_its_time);
     RUN_TEST(test_he_starts_once);
     RUN_TEST(test_who_does_not_answer_is_asked_again);
@@ -325,5 +316,4 @@ int main(void)
     RUN_TEST(test_a_person_says_what_is_to_be_done_after_a_fault);
     RUN_TEST(test_what_is_no_answer);
     RUN_TEST(test_what_node_1_refuses_is_the_persons_affair);
-    return UNITY_END();
 }

@@ -1,7 +1,6 @@
 /* navcomp_steps.c - a whole calibration on the target, the bus and the stand played beside it: what each step of the navigation
  * computer takes. The port that is played belongs to a step; the drive and the block that are played do not.
  */
-#define BENCH_LOG 64U
 #include "measure.h"
 #include "navcomp_bench.h"
 
@@ -18,7 +17,6 @@ typedef struct {
 
 enum { IDLE, SAMPLE, OTHER, KINDS };
 
-static bench_t bench;
 static bool averaged;
 static uint32_t stack_bytes;
 static kind_t kinds[KINDS] = {{.name = "idle"}, {.name = "sample"}, {.name = "other"}};
@@ -61,18 +59,11 @@ static void event(void)
     tumble_can_frame_t frame = {0};
     measure_step();
     while (fake_port_take(&bench.fake, &frame)) {
-        scripted_drive_hear(&bench.drive, &bench.fake, &frame);
-        scripted_block_hear(&bench.block, &bench.fake, &frame);
+        bench_hear(&bench, &frame);
     }
-    scripted_drive_step(&bench.drive, &bench.fake);
-    scripted_block_step(&bench.block, &bench.fake, scripted_drive_angle_deg(&bench.drive));
+    bench_play(&bench);
     bench_operate(&bench);
-    if (bench.fake.to_firmware.count == 0U) {
-        uint64_t next_us = tumble_navcomp_next_deadline_us(&bench.navcomp);
-        next_us = bench_earliest(next_us, scripted_drive_next_us(&bench.drive));
-        next_us = bench_earliest(next_us, scripted_block_next_us(&bench.block));
-        bench.fake.now_us = (next_us > bench.fake.now_us) ? next_us : bench.fake.now_us;
-    }
+    bench_go_on(&bench, UINT64_MAX);
 }
 
 /* Name, how many, then instructions: mean, least, most, and the state after the longest. */

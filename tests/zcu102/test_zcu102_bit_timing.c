@@ -1,19 +1,11 @@
 /* Bit timing, against a search of everything that the registers can hold. */
 #include "bit_timing.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stdbool.h>
 
 static const uint32_t CLOCKS[] = {24000000, 99990005, 100000000, 80000000, 40000000, 33333333, 25000000, 16000000};
 static const uint32_t RATES[] = {10000, 20000, 50000, 125000, 250000, 500000, 800000, 1000000};
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
 
 static uint32_t quanta_of(const zcu102_bit_timing_t *timing)
 {
@@ -97,11 +89,9 @@ static void test_what_cannot_be_reached_is_refused(void)
     TEST_ASSERT_EQUAL_UINT32(0, timing.prescaler);
 }
 
-int main(void)
+SUITE(zcu102_bit_timing, NULL, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_no_division_is_nearer_the_rate);
     RUN_TEST(test_the_usual_ones);
     RUN_TEST(test_what_cannot_be_reached_is_refused);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 #include "can.h"
 #include "conformance_print.h"
 #include "controller.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -70,12 +70,12 @@ static void init(zcu102_can_layout_t layout)
     }
 }
 
-void setUp(void)
+static void set_up(void)
 {
     init(ZCU102_CAN_SILICON);
 }
 
-void tearDown(void)
+static void tear_down(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, controllers[0].misuse);
     TEST_ASSERT_EQUAL_UINT32(0, controllers[1].misuse);
@@ -257,9 +257,8 @@ static void test_what_is_refused(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_can_init(&can, &config));
 }
 
-int main(void)
+SUITE(zcu102_can, set_up, tear_down)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_driver_conforms);
     RUN_TEST(test_the_registers);
     RUN_TEST(test_the_words_of_a_frame);
@@ -271,5 +270,4 @@ int main(void)
     RUN_TEST(test_foreign_frames_in_the_queue_are_dropped);
     RUN_TEST(test_acceptance_filters);
     RUN_TEST(test_what_is_refused);
-    return UNITY_END();
 }

@@ -2,7 +2,7 @@
 #include "bench/config.h"
 #include "configuration.h"
 #include "navcomp/standard.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -15,7 +15,7 @@ static uint8_t record[ZCU102_COMMISSIONING_BYTES];
 static uint8_t again[ZCU102_COMMISSIONING_BYTES];
 static size_t size;
 
-void setUp(void)
+static void set_up(void)
 {
     bench_config_defaults(&bench);
     TEST_ASSERT_NULL(bench_config_complete(&bench));
@@ -24,10 +24,6 @@ void setUp(void)
     memset(record, 0, sizeof record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
     size = zcu102_commissioning_write(&before, record);
-}
-
-void tearDown(void)
-{
 }
 
 /* Fill every field with something of its own: two that are mixed up, or one that is left out, shows. */
@@ -142,9 +138,8 @@ static void test_filters_open_for_a_drive_with_other_process_data(void)
     TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
 }
 
-int main(void)
+SUITE(zcu102_commissioning, set_up, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_what_goes_in_comes_out);
     RUN_TEST(test_no_field_is_left_out);
     RUN_TEST(test_every_wrong_bit_is_refused);
@@ -152,5 +147,4 @@ int main(void)
     RUN_TEST(test_what_does_not_fit_is_refused);
     RUN_TEST(test_without_a_record_the_board_has_what_is_built_in);
     RUN_TEST(test_filters_open_for_a_drive_with_other_process_data);
-    return UNITY_END();
 }

@@ -1,14 +1,6 @@
 /* The board hears whom it must hear. */
 #include "configuration.h"
-#include "unity.h"
-
-void setUp(void)
-{
-}
-
-void tearDown(void)
-{
-}
+#include "suite.h"
 
 static bool is_heard(uint16_t id)
 {
@@ -33,9 +25,7 @@ static void test_the_filters_let_in_what_is_needed_and_little_else(void)
     TEST_ASSERT_EQUAL_UINT32(22, heard);
 }
 
-int main(void)
+SUITE(zcu102_configuration, NULL, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_the_filters_let_in_what_is_needed_and_little_else);
-    return UNITY_END();
 }

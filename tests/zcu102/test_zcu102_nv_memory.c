@@ -1,7 +1,7 @@
 /* The stand-in for the board's flash: conformance, and what it takes for its own. */
 #include "conformance_print.h"
 #include "nv_memory.h"
-#include "unity.h"
+#include "suite.h"
 
 #include <string.h>
 
@@ -24,14 +24,10 @@ static const tumble_nv_t *reopen(void *context)
     return &nv;
 }
 
-void setUp(void)
+static void set_up(void)
 {
     memset(memory, 0, sizeof memory);
     (void)reopen(NULL);
-}
-
-void tearDown(void)
-{
 }
 
 static void test_it_conforms(void)
@@ -60,11 +56,9 @@ static void test_memory_that_was_loaded_is_kept(void)
     }
 }
 
-int main(void)
+SUITE(zcu102_nv_memory, set_up, NULL)
 {
-    UNITY_BEGIN();
     RUN_TEST(test_it_conforms);
     RUN_TEST(test_memory_that_nobody_has_written_is_erased);
     RUN_TEST(test_memory_that_was_loaded_is_kept);
-    return UNITY_END();
 }

@@ -1,4 +1,4 @@
-/* unity.h - the few checks that the benches of tests/unit make of themselves, for programs that are not Unity's. */
+/* unity.h - the few checks that the benches of tests/lib make of themselves, for programs that are not Unity's. */
 #ifndef TUMBLE_TESTS_PLAIN_UNITY_H
 #define TUMBLE_TESTS_PLAIN_UNITY_H
 

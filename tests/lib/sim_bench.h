@@ -1,0 +1,21 @@
+/* sim_bench.h - runs of the bench for tests: a scenario as text, and the world when it has ended. */
+#ifndef TUMBLE_TESTS_UNIT_SIM_BENCH_H
+#define TUMBLE_TESTS_UNIT_SIM_BENCH_H
+
+#include "bench/config.h"
+#include "bench/config_file.h"
+#include "bench/report.h"
+#include "bench/world.h"
+#include "support.h"
+
+extern bench_config_t config;
+extern bench_world_t world;
+extern bench_mistake_t mistake;
+
+/* Read lines into `config`. Null: taken; else what is wrong. */
+const char *read_lines(const char *text);
+
+void run_lines(const char *text, uint64_t seed, const bench_watcher_t *watcher);
+tumble_coefficients_t found(void);
+
+#endif

@@ -1,0 +1,25 @@
+# The sources of a program of suites (suite.h): those given, main, and the list of the suites in its test_*.c.
+function(tumble_suites program sources)
+  set(declared)
+  set(listed)
+  foreach(source IN LISTS ARGN)
+    if(source MATCHES "test_([a-z0-9_]+)\\.c$")
+      string(APPEND declared "extern const suite_t suite_${CMAKE_MATCH_1};\n")
+      string(APPEND listed "&suite_${CMAKE_MATCH_1}, ")
+    endif()
+  endforeach()
+  set(list ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.c)
+  file(CONFIGURE OUTPUT ${list} @ONLY
+    CONTENT "#include \"suite.h\"\n\n@declared@\nconst suite_t *const suites[] = {@listed@NULL};\n")
+  set(${sources} ${ARGN} ${list} ${PROJECT_SOURCE_DIR}/tests/lib/suite.c PARENT_SCOPE)
+endfunction()
+
+# A program of suites as a test. TEST_LIBRARIES of the calling folder is what it is linked with.
+function(tumble_test_program name)
+  tumble_suites(${name} sources ${ARGN})
+  add_executable(${name} ${sources})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/lib)
+  target_link_libraries(${name} PRIVATE tumble_flags ${TEST_LIBRARIES} unity m)
+  add_test(NAME ${name} COMMAND ${name})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,72 @@
+/* gateway_bench.h - the gateway's poller and a node that a test plays, on a clock that it holds.
+ *
+ * The node refuses all objects but 2020h:1, a REAL64 (`k_xx`), 2000h, which is 5, and those that the test gives it; it
+ * takes all writes, and remembers the last ones.
+ */
+#ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
+#define TUMBLE_TESTS_GATEWAY_BENCH_H
+
+#include "core/bytes.h"
+#include "canopen/sdo_frame.h"
+#include "fake_port.h"
+#include "poller.h"
+#include "support.h"
+
+#include <string.h>
+
+#define NODE 9U
+#define PERIOD_US 1000000U
+#define NO_DATA 0x08000024U
+#define BUSY_NOW 0x08000022U
+#define STEPS_OF_A_POLL 100000
+
+typedef struct {
+    uint16_t index;
+    uint8_t subindex;
+    uint8_t size;
+    uint8_t bytes[8];
+} bench_object_t;
+
+typedef struct {
+    fake_port_t fake;
+    gateway_counters_t counters;
+    gateway_poller_t poller;
+    double k_xx;         /* what 2020h:1 reads as; 0: refused */
+    bool silent;
+    unsigned reads;
+    unsigned busy_at;    /* this read of 2020h:1, from 1 on, is refused: its memory is at work; 0: none */
+    unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */
+    uint32_t refuse;     /* of writes */
+    uint32_t abort_next; /* of the next read */
+    bench_object_t writes[64];
+    unsigned written;
+    bench_object_t objects[32]; /* given by the test */
+    unsigned objects_given;
+    const bench_object_t *upload; /* under way in segments; null: k_xx */
+    unsigned reads_of[32];      /* of the objects given */
+    unsigned event_at;          /* so many reads from now on `event` happens, before the answer; 0: never */
+    void (*event)(void);
+    void (*on_write)(void);     /* null: nothing; `last_write` is what was written */
+} bench_t;
+
+extern bench_t bench;
+
+void bench_set_up(void);
+void bench_tear_down(void);
+
+/* From now on the object is the low `size` bytes of `bits`; 0 bytes: it is refused. */
+void give(uint16_t index, uint8_t subindex, uint8_t size, uint64_t bits);
+
+void give_f64(uint16_t index, uint8_t subindex, double number);
+bench_object_t *last_write(void);
+
+/* The node answers one frame. False: there was none. */
+bool serve(void);
+
+/* Until nothing more is to be done now. */
+void settle(void);
+
+void pass(uint64_t us);
+uint32_t count(int which);
+
+#endif

@@ -1,0 +1,240 @@
+/* The gateway's side of the bus: polls, snapshots, marks, what is kept, silence. */
+#include "gateway_bench.h"
+
+static void test_a_poll_in_each_period(void)
+{
+    bench.k_xx = 2.0;
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UNKNOWN, bench.poller.link_state);
+    settle();
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    for (uint32_t polls = 2; polls < 12U; polls++) {
+        pass(PERIOD_US);
+        TEST_ASSERT_EQUAL_UINT32(polls, bench.poller.published.number);
+        TEST_ASSERT_EQUAL_UINT32(polls, count(GATEWAY_COUNT_POLLS));
+    }
+    TEST_ASSERT_EQUAL_UINT64(bench.fake.now_us, bench.poller.published.taken_us);
+}
+
+static unsigned selectors(void)
+{
+    unsigned found = 0;
+    for (size_t i = 0; i < GATEWAY_GROUPS; i++) {
+        found += (gateway_selectors[i] < GATEWAY_KEYS) ? 1U : 0U;
+    }
+    return found;
+}
+
+/* Each object once, however many registers it has; each mark twice more, what selects others once more. */
+static void test_no_object_is_read_twice_in_a_row(void)
+{
+    unsigned objects = 0;
+    for (size_t i = 0; i < GATEWAY_VALUES; i++) {
+        const gateway_value_t *const value = &gateway_values[i];
+        const bool is_next = i > 0U && value->index == value[-1].index && value->subindex == value[-1].subindex;
+        objects += is_next ? 0U : 1U;
+    }
+    bench.k_xx = 2.0;
+    settle();
+    TEST_ASSERT_EQUAL_UINT(objects + 2U * GATEWAY_MARKS + selectors(), bench.reads);
+    TEST_ASSERT_EQUAL_UINT32(objects - 2U, count(GATEWAY_COUNT_VALUES_REFUSED));
+}
+
+static unsigned reads_of_next_poll(void)
+{
+    const unsigned before = bench.reads;
+    const uint32_t number = bench.poller.published.number;
+    while (bench.poller.published.number == number) {
+        pass(PERIOD_US / 10U);
+    }
+    return bench.reads - before;
+}
+
+static unsigned kept_objects(void)
+{
+    unsigned objects = 0;
+    for (size_t i = 0; i < GATEWAY_VALUES; i++) {
+        const gateway_value_t *const value = &gateway_values[i];
+        const bool is_next = i > 0U && value->index == value[-1].index && value->subindex == value[-1].subindex;
+        const bool is_kept = value->group != GATEWAY_GROUP_ALWAYS && value->key == GATEWAY_KEYS;
+        objects += (is_next || !is_kept) ? 0U : 1U;
+    }
+    return objects;
+}
+
+static void test_what_is_kept_is_read_when_it_may_have_changed(void)
+{
+    const tumble_can_frame_t boot_up = {.id = 0x700U + NODE, .length = 1};
+    bench.k_xx = 2.0;
+    const unsigned all = reads_of_next_poll();
+    const unsigned few = all - kept_objects() - selectors();
+    TEST_ASSERT_LESS_THAN_UINT(all, few);
+    for (unsigned i = 0; i < GATEWAY_KEPT_POLLS; i++) {
+        TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
+        TEST_ASSERT_EQUAL_HEX16(0x4000U, bench.poller.published.words[161]);
+        TEST_ASSERT_EQUAL_HEX16(1U, bench.poller.published.words[160]);
+    }
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
+    bench.k_xx = 3.0;
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_HEX16(0x4040U, bench.poller.published.words[161]);
+    TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
+    fake_port_give(&bench.fake, &boot_up);
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT(few, reads_of_next_poll());
+    bench.silent = true;
+    pass(2U * PERIOD_US);
+    bench.silent = false;
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+}
+
+static void test_a_node_that_boots_within_a_poll_tears_it(void)
+{
+    const tumble_can_frame_t boot_up = {.id = 0x700U + NODE, .length = 1};
+    bench.k_xx = 2.0;
+    for (int steps = 1; steps < 400; steps++) {
+        bench_set_up();
+        bench.k_xx = 2.0;
+        for (int i = 0; i < steps && bench.poller.published.number == 0U; i++) {
+            gateway_poller_step(&bench.poller);
+            (void)serve();
+        }
+        const bool is_over = bench.poller.published.number != 0U;
+        fake_port_give(&bench.fake, &boot_up);
+        settle();
+        TEST_ASSERT_EQUAL_UINT32(is_over ? 0U : 1U, count(GATEWAY_COUNT_POLLS_TORN));
+        TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS));
+    }
+}
+
+/* The first mark changes at any of the reads: then the poll counts only if it was before the first or after the last
+ * time that the mark itself is read. */
+static void test_a_change_at_any_read_is_no_mixture(void)
+{
+    bench.k_xx = 1.0;
+    settle();
+    const unsigned reads = bench.reads;
+    for (unsigned at = 1; at <= reads; at++) {
+        bench_set_up();
+        bench.k_xx = 1.0;
+        bench.tear_at = at;
+        settle();
+        const bool is_torn = at > 1U && at <= reads - selectors() - GATEWAY_MARKS + 1U;
+        TEST_ASSERT_EQUAL_UINT32(is_torn ? 1U : 0U, count(GATEWAY_COUNT_POLLS_TORN));
+        TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS));
+    }
+}
+
+static void test_torn_without_end_waits_for_the_next_period(void)
+{
+    bench.k_xx = 1.0;
+    for (unsigned period = 1; period <= 5U; period++) {
+        for (unsigned i = 0; i < GATEWAY_MAX_TORN; i++) {
+            const uint32_t before = count(GATEWAY_COUNT_POLLS_TORN);
+            bench.tear_at = 20;
+            while (count(GATEWAY_COUNT_POLLS_TORN) == before) {
+                gateway_poller_step(&bench.poller);
+                (void)serve();
+            }
+        }
+        settle();
+        TEST_ASSERT_EQUAL_UINT32(period * GATEWAY_MAX_TORN, count(GATEWAY_COUNT_POLLS_TORN));
+        TEST_ASSERT_EQUAL_UINT32(0, bench.poller.published.number);
+        TEST_ASSERT_GREATER_THAN_UINT64(bench.fake.now_us, gateway_poller_next_us(&bench.poller));
+        bench.fake.now_us = gateway_poller_next_us(&bench.poller);
+    }
+    settle();
+    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+}
+
+static void test_a_disturbed_transfer_is_no_refusal(void)
+{
+    bench.k_xx = 1.0;
+    const uint32_t codes[] = {0x05030000U, 0x05040000U, 0x05040001U};
+    for (size_t i = 0; i < COUNT_OF(codes); i++) {
+        bench.abort_next = codes[i];
+        pass(PERIOD_US);
+        TEST_ASSERT_EQUAL_UINT32(i + 1U, count(GATEWAY_COUNT_POLLS_TORN));
+        TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+    }
+}
+
+/* The node's memory is at work: the value is there again with the next poll, and not only when all is read anew. */
+static void test_a_value_that_cannot_be_read_now_is_read_soon(void)
+{
+    bench.k_xx = 2.0;
+    bench.busy_at = 2; /* as a mark, as a value, as a mark */
+    const unsigned all = reads_of_next_poll();
+    TEST_ASSERT_EQUAL_UINT(0, bench.busy_at);
+    TEST_ASSERT_EQUAL_UINT16(0, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_EQUAL_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+    TEST_ASSERT_LESS_THAN_UINT(all, reads_of_next_poll());
+    TEST_ASSERT_EQUAL_UINT16(1, bench.poller.published.words[160] & 1U);
+}
+
+/* A result that is held changes the proposal only when it is written, long after it was judged. */
+static void test_the_verdict_is_a_mark(void)
+{
+    bool is_mark = false;
+    for (size_t i = 0; i < GATEWAY_MARKS; i++) {
+        is_mark = is_mark || (gateway_marks[i].index == 0x2120U && gateway_marks[i].subindex == 7U);
+    }
+    TEST_ASSERT_TRUE(is_mark);
+}
+
+static void test_silence(void)
+{
+    settle();
+    bench.silent = true;
+    pass(PERIOD_US);
+    pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + 1U);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_SILENT, bench.poller.link_state);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    pass(10U * PERIOD_US);
+    TEST_ASSERT_UINT32_WITHIN(1, 7, count(GATEWAY_COUNT_POLLS_FAILED)); /* one each period and an answer's time */
+    bench.silent = false;
+    pass(2U * PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+    TEST_ASSERT_GREATER_THAN_UINT32(1, bench.poller.published.number);
+}
+
+static void test_a_bus_that_is_down(void)
+{
+    bench.fake.send_status = TUMBLE_E_PORT_DOWN;
+    bench.fake.receive_status = TUMBLE_E_PORT_DOWN;
+    pass(2U * PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_DOWN, bench.poller.link_state);
+    bench.fake.send_status = TUMBLE_OK;
+    bench.fake.receive_status = TUMBLE_OK;
+    pass(2U * PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+}
+
+static void test_a_port_without_room_is_asked_again(void)
+{
+    bench.fake.send_room = 0;
+    gateway_poller_step(&bench.poller);
+    TEST_ASSERT_LESS_THAN_UINT64(bench.fake.now_us + 10000U, gateway_poller_next_us(&bench.poller));
+    bench.fake.send_room = SIZE_MAX;
+    pass(10000);
+    TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
+}
+
+SUITE(gateway_poller, bench_set_up, bench_tear_down)
+{
+    RUN_TEST(test_a_poll_in_each_period);
+    RUN_TEST(test_no_object_is_read_twice_in_a_row);
+    RUN_TEST(test_what_is_kept_is_read_when_it_may_have_changed);
+    RUN_TEST(test_a_node_that_boots_within_a_poll_tears_it);
+    RUN_TEST(test_a_change_at_any_read_is_no_mixture);
+    RUN_TEST(test_torn_without_end_waits_for_the_next_period);
+    RUN_TEST(test_a_disturbed_transfer_is_no_refusal);
+    RUN_TEST(test_a_value_that_cannot_be_read_now_is_read_soon);
+    RUN_TEST(test_the_verdict_is_a_mark);
+    RUN_TEST(test_silence);
+    RUN_TEST(test_a_bus_that_is_down);
+    RUN_TEST(test_a_port_without_room_is_asked_again);
+}

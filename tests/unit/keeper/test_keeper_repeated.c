@@ -1,0 +1,42 @@
+/* A result that is offered again: recognised in every place of the store. */
+#include "keeper_bench.h"
+
+/* The proposal is in no history: it is recognised by looking at it, whatever else the store holds. */
+static void test_a_held_proposal_is_recognised_beside_a_set_before(void)
+{
+    (void)run_and_judge();
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    (void)set_of(TUMBLE_SET_PREVIOUS);
+    drift(2e-3);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    const tumble_set_t held = set_of(TUMBLE_SET_PROPOSAL);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
+                            state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->held);
+    const tumble_set_t still = set_of(TUMBLE_SET_PROPOSAL);
+    TEST_ASSERT_EQUAL_MEMORY(&held, &still, sizeof held);
+}
+
+/* Nor is the set before the active one, although it is in the history as well: that may be gone. */
+static void test_the_set_before_is_recognised_without_a_history(void)
+{
+    (void)run_and_judge();
+    drift(1e-5);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    drift(2e-3);
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    memset(&memory.bytes[(size_t)TUMBLE_REGION_HISTORY * MEMORY_SECTOR], 0xFF, 2U * MEMORY_SECTOR);
+    drift(-2e-3 - 1e-5);
+    keeper_power_cycle();
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
+    TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
+    TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
+}
+
+SUITE(keeper_repeated, keeper_power_on, NULL)
+{
+    RUN_TEST(test_a_held_proposal_is_recognised_beside_a_set_before);
+    RUN_TEST(test_the_set_before_is_recognised_without_a_history);
+}

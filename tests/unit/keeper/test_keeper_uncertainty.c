@@ -1,0 +1,131 @@
+/* The uncertainties of a result are computed once, one coefficient a step, and are read as often as anybody likes. */
+#include "keeper_sdo.h"
+
+#define MOST_CALLS 64U
+
+static uint16_t asked[MOST_CALLS];
+static uint64_t asked_us[MOST_CALLS];
+static uint32_t calls;
+static uint32_t fails_at;
+
+static tumble_status_t count_call(const tumble_navcomp_t *navcomp, uint16_t coefficients,
+                                  tumble_uncertainty_t *uncertainty)
+{
+    TEST_ASSERT_LESS_THAN_UINT32(MOST_CALLS, calls);
+    asked[calls] = coefficients;
+    asked_us[calls] = bench.fake.now_us;
+    calls++;
+    return (calls == fails_at) ? TUMBLE_E_NOT_FINITE
+                               : tumble_navcomp_uncertainty(navcomp, coefficients, uncertainty);
+}
+
+static void set_up(void)
+{
+    keeper_sdo_power_on();
+    keeper_config.uncertainty = count_call;
+    calls = 0;
+    fails_at = 0;
+}
+
+static void run_to_done(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+}
+
+static void test_every_coefficient_once_and_in_steps_of_its_own(void)
+{
+    run_to_done();
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_COEFFICIENTS, calls);
+    for (uint32_t c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        TEST_ASSERT_EQUAL_HEX16(1U << c, asked[c]);
+        TEST_ASSERT_TRUE((c == 0U) || (asked_us[c] > asked_us[c - 1U]));
+    }
+}
+
+static void test_reading_computes_nothing(void)
+{
+    tumble_uncertainty_t u;
+    (void)run_and_judge();
+    const uint32_t before = calls;
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, TUMBLE_ALL_COEFFICIENTS, &u));
+    for (int times = 0; times < 2; times++) {
+        for (int c = 0; c < 9; c++) {
+            TEST_ASSERT_TRUE(u.k_v_per_g[c / 3][c % 3] == read_f64(0x2023, (uint8_t)(c + 1)));
+        }
+        for (int c = 0; c < 3; c++) {
+            TEST_ASSERT_TRUE(u.u0_v[c] == read_f64(0x2024, (uint8_t)(c + 1)));
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(before, calls);
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START)); /* there is no result any more */
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2023, 1));
+}
+
+/* Between DONE and the twelfth coefficient: ask again. The verdict waits as well. */
+static void test_until_they_are_ready_reading_is_refused(void)
+{
+    run_to_done();
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2023, 1));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2024, 3));
+    TEST_ASSERT_LESS_THAN_UINT32(TUMBLE_COEFFICIENTS, calls);
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
+    TEST_ASSERT_TRUE(state_of_keeper().busy);
+    const uint64_t done_us = bench.fake.now_us;
+    settle_memory();
+    TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2023, 1));
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+    TEST_ASSERT_TRUE((bench.fake.now_us - done_us) < 500000U);
+}
+
+static void test_one_that_fails_leaves_none(void)
+{
+    fails_at = 5;
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    TEST_ASSERT_EQUAL_UINT32(5, calls);
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2023, 1));
+}
+
+/* Another estimator is written before they are all there: they would be those of neither. */
+static void test_of_another_estimator_there_are_none(void)
+{
+    run_to_done();
+    bench.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_AVERAGED;
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_HELD, state_of_keeper().verdict);
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), state_of_keeper().objections);
+}
+
+/* A reset takes the means away. What is in the checkpoint goes on, as after a loss of power. */
+static void test_a_reset_meanwhile_loses_nothing(void)
+{
+    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
+    run_to_done();
+    for (int i = 0; i < 200; i++) {
+        bench_event(&bench);
+        if (keeper.task == 2U) { /* does it fit? */
+            break;
+        }
+    }
+    fake_port_give(&bench.fake, &reset);
+    bench_event(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counter(&keeper));
+    TEST_ASSERT_EQUAL_UINT8(POSITIONS, state_of_keeper().resumable);
+    resume_to_end();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
+}
+
+SUITE(keeper_uncertainty, set_up, NULL)
+{
+    RUN_TEST(test_every_coefficient_once_and_in_steps_of_its_own);
+    RUN_TEST(test_reading_computes_nothing);
+    RUN_TEST(test_until_they_are_ready_reading_is_refused);
+    RUN_TEST(test_one_that_fails_leaves_none);
+    RUN_TEST(test_of_another_estimator_there_are_none);
+    RUN_TEST(test_a_reset_meanwhile_loses_nothing);
+}

@@ -1,0 +1,259 @@
+/* The navigation computer's object dictionary as an outsider sees it: by SDO, and in the state PDO. */
+#include "navcomp_sdo.h"
+
+static const tumble_progress_t *run_of(const bench_t *of)
+{
+    static tumble_navcomp_progress_t progress;
+    progress = bench_progress(of);
+    return &progress.run;
+}
+
+static void test_identity(void)
+{
+    uint8_t bytes[64] = {0};
+    uint8_t size = 0;
+    bench_power_on(&bench);
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_read(0x1008, 0, bytes, &size));
+    TEST_ASSERT_EQUAL_STRING_LEN("Tumble navigation computer", bytes, size);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ABORT_NO_OBJECT, refusal_of(0x3000, 0));
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ABORT_NO_SUBINDEX, refusal_of(0x2003, 99));
+}
+
+static void test_heartbeat_times_show_the_configuration(void)
+{
+    bench.config.heartbeat_ms = 70;
+    bench.config.heartbeat_timeout_ms = 333;
+    bench_power_on(&bench);
+    TEST_ASSERT_EQUAL_UINT32(70, read_number(0x1017, 0, 2));
+    TEST_ASSERT_EQUAL_HEX32(0x0002014D, read_number(0x1016, 1, 4));
+    TEST_ASSERT_EQUAL_HEX32(0x0003014D, read_number(0x1016, 2, 4));
+}
+
+static void test_an_outsider_runs_a_calibration_by_sdo(void)
+{
+    const uint8_t mounting[] = {1, 2};
+    bench.never_confirm = true; /* the scripted operator has the day off */
+    bench_power_on(&bench);
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_IDLE, read_number(0x2000, 0, 1));
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    for (size_t i = 0; i < sizeof mounting; i++) {
+        TEST_ASSERT_EQUAL(TUMBLE_STATE_WAIT_MOUNTING, bench_run(&bench, TUMBLE_STATE_WAIT_MOUNTING, 60.0));
+        TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_WAIT_MOUNTING, read_number(0x2000, 0, 1));
+        TEST_ASSERT_EQUAL_UINT32(mounting[i], read_number(0x2003, 4, 1));
+        bench.block.mounting = &tumble_schedule_paper.mountings[i];
+        TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2002, 1, &mounting[i], 1));
+        TEST_ASSERT_EQUAL_UINT32(mounting[i], read_number(0x2002, 1, 1));
+        TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_CONFIRM_MOUNTING));
+    }
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    tumble_result_t result;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_TRUE(result.coefficients->u0_v[i] == read_f64(0x2021, (uint8_t)(i + 1)));
+        for (int j = 0; j < 3; j++) {
+            TEST_ASSERT_TRUE(result.coefficients->k_v_per_g[i][j] == read_f64(0x2020, (uint8_t)((3 * i) + j + 1)));
+        }
+    }
+    TEST_ASSERT_TRUE(result.check->max_abs_fit_g == read_f64(0x2022, 1));
+    TEST_ASSERT_TRUE(read_f64(0x2022, 2) == 0.0);
+    TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 3e-4);
+    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2022, 4, 1));
+    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2022, 5, 1));
+    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2022, 6, 1));
+}
+
+static void test_commands_are_refused_with_the_right_code(void)
+{
+    bench_power_on(&bench);
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, command(TUMBLE_COMMAND_RESUME));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(200));
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_NONE));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_WRITE_ONLY, refusal_of(0x2002, 2));
+    TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2031, 4, 4)); /* commands refused */
+}
+
+static void test_what_there_is_not_yet_is_refused(void)
+{
+    bench_power_on(&bench);
+    bench_pass(&bench, 1.0);
+    for (uint8_t sub = 1; sub <= 3U; sub++) {
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2010, sub));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2011, sub));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2020, sub));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2021, sub));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2022, sub));
+    }
+}
+
+static void test_progress_and_the_running_mean(void)
+{
+    bench_start(&bench);
+    while ((run_of(&bench)->index != 7U) || (run_of(&bench)->samples != 5U)) {
+        bench_event(&bench);
+    }
+    const tumble_navcomp_progress_t progress = bench_progress(&bench);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_AVERAGE, read_number(0x2000, 0, 1));
+    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2001, 0, 1));
+    TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2003, 1, 1));
+    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2003, 2, 1));
+    TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2003, 3, 1));
+    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2003, 4, 1));
+    TEST_ASSERT_EQUAL_UINT32(8, read_number(0x2003, 5, 1));
+    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2003, 6, 1));
+    TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2003, 7, 4));
+    TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2003, 8, 4));
+    TEST_ASSERT_TRUE(read_f64(0x2003, 9) == 315.0);
+    TEST_ASSERT_TRUE(read_f64(0x2003, 10) == progress.angle_deg);
+    TEST_ASSERT_EQUAL_UINT32(50, read_number(0x2003, 11, 1));
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_TRUE(progress.mean_v[i] == read_f64(0x2010, (uint8_t)(i + 1)));
+        TEST_ASSERT_TRUE(progress.standard_error_v[i] == read_f64(0x2011, (uint8_t)(i + 1)));
+        TEST_ASSERT_TRUE(progress.standard_error_v[i] > 0.0);
+    }
+}
+
+static void test_a_failure_shows_state_reason_and_code(void)
+{
+    bench_start(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_MOVE, bench_run(&bench, TUMBLE_STATE_MOVE, 60.0));
+    scripted_drive_fail(&bench.drive, &bench.fake, 0x7121);
+    bench_pass(&bench, 0.1);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_FAULT, read_number(0x2000, 0, 1));
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_REASON_DRIVE_FAULT, read_number(0x2001, 0, 1));
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_MOVE, read_number(0x2004, 1, 1));
+    TEST_ASSERT_EQUAL_UINT32(run_of(&bench)->status, read_number(0x2004, 2, 1));
+    TEST_ASSERT_EQUAL_HEX32(0x7121, read_number(0x2004, 3, 2));
+}
+
+static void test_counters(void)
+{
+    bench_start(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    const tumble_navcomp_counters_t counters = bench_counters(&bench);
+    TEST_ASSERT_TRUE(read_number(0x2030, 1, 4) >= counters.link.sent);
+    TEST_ASSERT_TRUE(read_number(0x2030, 2, 4) >= counters.link.received);
+    TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2031, 6, 4)); /* boot-ups */
+    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2031, 7, 4)); /* starts */
+    TEST_ASSERT_EQUAL_UINT32(counters.block.samples, read_number(0x2032, 1, 4));
+    TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2033, 5, 4));
+    TEST_ASSERT_EQUAL_UINT32(18U * BENCH_SAMPLES, read_number(0x2034, 4, 4));
+    TEST_ASSERT_EQUAL_UINT32(18, read_number(0x2034, 5, 4));
+}
+
+/* Written between runs only, and then in force. */
+static void test_the_configuration_can_be_written_between_runs(void)
+{
+    uint8_t bytes[8];
+    const uint8_t least_squares = TUMBLE_ESTIMATE_LEAST_SQUARES;
+    bench_power_on(&bench);
+    bench_pass(&bench, 1.0);
+    TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2050, 1, 4));
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_REFINED, read_number(0x2050, 2, 1));
+    TEST_ASSERT_EQUAL_UINT32(100, read_number(0x2050, 3, 2));
+    TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2050, 4, 1));
+    TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 3e-4);
+    tumble_put_u32(bytes, 7);
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 1, bytes, 4));
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 2, &least_squares, 1));
+    tumble_put_u16(bytes, 60);
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 3, bytes, 2));
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 4, (const uint8_t[]){5}, 1));
+    tumble_put_f64(bytes, 1e-3);
+    unlock();
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 5, bytes, 8));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, sdo_write(0x2050, 2, (const uint8_t[]){3}, 1));
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    tumble_put_u32(bytes, 100);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, sdo_write(0x2050, 1, bytes, 4));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    for (int p = 0; p < 18; p++) {
+        TEST_ASSERT_EQUAL_UINT32(7, bench.recorded[p]);
+    }
+    TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 1e-3);
+    TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 1e-3);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_LEAST_SQUARES, read_number(0x2050, 2, 1));
+    TEST_ASSERT_EQUAL_UINT32(60, read_number(0x2050, 3, 2));
+    TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2050, 4, 1));
+    TEST_ASSERT_TRUE(bench.procedure.samples == BENCH_SAMPLES); /* the caller's own is const */
+}
+
+/* True: it could be read. */
+static bool answers(const tumble_entry_t *entry, uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[64];
+    uint8_t size = 0;
+    const uint32_t abort = sdo_read(index, subindex, bytes, &size);
+    const bool readable = (entry->access & TUMBLE_ACCESS_READ) != 0U;
+    if (abort == 0U) {
+        TEST_ASSERT_TRUE(readable);
+        TEST_ASSERT_TRUE((size == entry->size) || (entry->type == TUMBLE_TYPE_VISIBLE_STRING));
+    } else if (readable) {
+        TEST_ASSERT_TRUE((abort == TUMBLE_ABORT_NO_DATA) || (abort == TUMBLE_ABORT_NO_SUBINDEX));
+    } else {
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_WRITE_ONLY, abort);
+    }
+    return abort == 0U;
+}
+
+/* All objects of the table can be read, or are refused with a code that says why. */
+static void test_every_object_answers(void)
+{
+    bench_start(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    unsigned read = 0;
+    for (uint8_t i = 0; i < tumble_navcomp_table.count; i++) {
+        const tumble_entry_t *entry = &tumble_navcomp_table.entries[i];
+        for (unsigned object = 0; object <= entry->more_objects; object++) {
+            for (unsigned sub = 0; sub <= entry->more_subindices; sub++) {
+                read += answers(entry, (uint16_t)(entry->index + object), (uint8_t)(entry->subindex + sub)) ? 1U : 0U;
+            }
+        }
+    }
+    TEST_ASSERT_TRUE(read > 100U);
+}
+
+static void test_the_state_pdo_follows_the_procedure(void)
+{
+    uint32_t seen = 0;
+    uint32_t states = 0;
+    tumble_can_frame_t frame;
+    bench_start(&bench);
+    while (run_of(&bench)->state != TUMBLE_STATE_DONE) {
+        bench_inspect(&bench);
+        tumble_navcomp_step(&bench.navcomp);
+        while (fake_port_take(&bench.fake, &frame)) {
+            if (frame.id == 0x181U) {
+                TEST_ASSERT_EQUAL_UINT8(8, frame.length);
+                TEST_ASSERT_EQUAL_UINT8(run_of(&bench)->state, frame.data[0]);
+                TEST_ASSERT_EQUAL_UINT8(run_of(&bench)->reason, frame.data[1]);
+                TEST_ASSERT_EQUAL_UINT8(run_of(&bench)->index, frame.data[2]);
+                TEST_ASSERT_EQUAL_UINT8(run_of(&bench)->finished, frame.data[3]);
+                TEST_ASSERT_EQUAL_UINT32(run_of(&bench)->samples, tumble_get_u32(&frame.data[4]));
+                states |= UINT32_C(1) << frame.data[0];
+                seen++;
+            }
+            bench_hear(&bench, &frame);
+        }
+        bench_event(&bench);
+    }
+    TEST_ASSERT_TRUE(seen > 18U);
+    TEST_ASSERT_TRUE((states & (UINT32_C(1) << TUMBLE_STATE_MOVE)) != 0U);
+    TEST_ASSERT_TRUE((states & (UINT32_C(1) << TUMBLE_STATE_AVERAGE)) != 0U);
+}
+
+SUITE(navcomp_objects, bench_begin, NULL)
+{
+    RUN_TEST(test_identity);
+    RUN_TEST(test_heartbeat_times_show_the_configuration);
+    RUN_TEST(test_an_outsider_runs_a_calibration_by_sdo);
+    RUN_TEST(test_commands_are_refused_with_the_right_code);
+    RUN_TEST(test_what_there_is_not_yet_is_refused);
+    RUN_TEST(test_progress_and_the_running_mean);
+    RUN_TEST(test_a_failure_shows_state_reason_and_code);
+    RUN_TEST(test_counters);
+    RUN_TEST(test_the_configuration_can_be_written_between_runs);
+    RUN_TEST(test_every_object_answers);
+    RUN_TEST(test_the_state_pdo_follows_the_procedure);
+}

@@ -1,0 +1,240 @@
+/* The other ends of the seams: samples from a board's own converter, and a person at a dividing head as the stand. */
+#include "navcomp_bench.h"
+
+/* A converter: what the block would have sent over the bus, without the bus. */
+static struct {
+    tumble_block_sample_t queue[64];
+    size_t first;
+    size_t count;
+    tumble_status_t failing; /* returned once instead of a sample */
+    uint64_t next_us;
+    uint16_t counter;
+} converter;
+
+static double head_deg;
+
+static tumble_status_t take(void *context, tumble_block_sample_t *sample)
+{
+    TEST_ASSERT_EQUAL_PTR(&converter, context);
+    if (converter.failing != TUMBLE_OK) {
+        const tumble_status_t failing = converter.failing;
+        converter.failing = TUMBLE_OK;
+        return failing;
+    }
+    if (converter.count == 0U) {
+        return TUMBLE_E_PORT_EMPTY;
+    }
+    *sample = converter.queue[converter.first];
+    converter.first = (converter.first + 1U) % 64U;
+    converter.count--;
+    return TUMBLE_OK;
+}
+
+static const tumble_sample_source_t source = {.context = &converter, .take = take};
+static const tumble_operator_config_t person = {.tolerance_deg = 0.5, .timeout_ms = 60000};
+
+static void set_up(void)
+{
+    memset(&converter, 0, sizeof converter);
+    head_deg = 0.0;
+    bench_init(&bench);
+}
+
+static void convert(double angle_deg)
+{
+    double u_v[3];
+    tumble_block_sample_t sample = {
+        .raw = {.counter = converter.counter},
+        .timestamp_ms = (uint16_t)((bench.fake.now_us / 1000U) % TUMBLE_TIMESTAMP_PERIOD_MS),
+    };
+    scripted_block_outputs(&bench.block, angle_deg, u_v);
+    for (int i = 0; i < 3; i++) {
+        sample.raw.counts[i] = (int32_t)lround(u_v[i] / 1e-6) + ((int32_t)(converter.counter % 3U) - 1);
+    }
+    converter.queue[(converter.first + converter.count) % 64U] = sample;
+    converter.count++;
+    converter.counter++;
+}
+
+static void use_converter(void)
+{
+    bench.config.source = &source;
+    bench.block.dead = true;
+    fake_port_init(&bench.fake);
+    scripted_drive_init(&bench.drive, &bench.fake);
+}
+
+static void use_person(void)
+{
+    bench.config.drive = NULL;
+    bench.config.by_hand = &tumble_operator_calls;
+    bench.config.person = &person;
+    bench.drive.dead = true;
+    fake_port_init(&bench.fake);
+    scripted_block_init(&bench.block, &bench.fake, &tumble_schedule_paper.mountings[0]);
+}
+
+/* The head is turned exactly where it is asked to be. */
+static void turn_head(void)
+{
+    double asked_deg = 0.0;
+    if (tumble_navcomp_request(&bench.navcomp, &asked_deg)) {
+        head_deg = asked_deg;
+        TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_CONFIRM_ANGLE, 0));
+    }
+}
+
+static void one_millisecond(bool with_drive)
+{
+    tumble_can_frame_t frame;
+    tumble_navcomp_step(&bench.navcomp);
+    while (fake_port_take(&bench.fake, &frame)) {
+        bench_hear(&bench, &frame);
+    }
+    scripted_drive_step(&bench.drive, &bench.fake);
+    const double angle_deg = with_drive ? scripted_drive_angle_deg(&bench.drive) : head_deg;
+    scripted_block_step(&bench.block, &bench.fake, angle_deg);
+    if ((bench.config.source != NULL) && ((bench.fake.now_us % 10000U) == 0U)) {
+        convert(angle_deg);
+    }
+    bench_operate(&bench);
+    bench.fake.now_us += 1000U;
+}
+
+static void assert_calibrates(bool with_drive)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_START, 0));
+    tumble_navcomp_progress_t progress = bench_progress(&bench);
+    for (int ms = 0; (ms < 600000) && (progress.run.state != TUMBLE_STATE_DONE); ms++) {
+        one_millisecond(with_drive);
+        if (!with_drive) {
+            turn_head();
+        }
+        progress = bench_progress(&bench);
+        TEST_ASSERT_TRUE_MESSAGE(progress.run.state != TUMBLE_STATE_FAULT, tumble_reason_name(progress.run.reason));
+    }
+    tumble_result_t result;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
+    TEST_ASSERT_TRUE(result.pass);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.k_v_per_g[i][j], result.coefficients->k_v_per_g[i][j]);
+        }
+    }
+}
+
+static void test_a_boards_own_converter(void)
+{
+    use_converter();
+    bench_power_on(&bench);
+    assert_calibrates(true);
+    TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).block.samples);
+    TEST_ASSERT_EQUAL_UINT32(18U * BENCH_SAMPLES, bench_counters(&bench).procedure.averaged);
+}
+
+/* Frames of a block that is not wanted are frames like any other. */
+static void test_with_a_converter_the_frames_of_a_block_are_ignored(void)
+{
+    use_converter();
+    bench_power_on(&bench);
+    const tumble_block_sample_t sample = {.raw = {.counts = {1, 2, 3}}};
+    sim_block_frames_t frames;
+    sim_block_encode(&sample, &frames);
+    fake_port_give(&bench.fake, &frames.xy);
+    fake_port_give(&bench.fake, &frames.z);
+    tumble_navcomp_step(&bench.navcomp);
+    TEST_ASSERT_EQUAL_UINT32(2, bench_counters(&bench).events.frames_ignored);
+    TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).block.samples);
+}
+
+static void test_a_spoilt_conversion_is_corrupted_and_a_lie_is_a_fault_of_the_source(void)
+{
+    use_converter();
+    bench_power_on(&bench);
+    converter.failing = TUMBLE_E_CRC;
+    tumble_navcomp_step(&bench.navcomp);
+    converter.failing = TUMBLE_E_FRAME;
+    tumble_navcomp_step(&bench.navcomp);
+    TEST_ASSERT_EQUAL_UINT32(2, bench_counters(&bench).events.source_corrupted);
+    TEST_ASSERT_EQUAL_UINT32(2, bench_counters(&bench).procedure.corrupted);
+    TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).events.source_faults);
+    converter.failing = TUMBLE_E_RANK;
+    tumble_navcomp_step(&bench.navcomp);
+    TEST_ASSERT_EQUAL_UINT32(1, bench_counters(&bench).events.source_faults);
+}
+
+static tumble_status_t take_forever(void *context, tumble_block_sample_t *sample)
+{
+    uint32_t *taken = context;
+    *sample = (tumble_block_sample_t){.raw = {.counter = (uint16_t)*taken}};
+    (*taken)++;
+    return TUMBLE_OK;
+}
+
+static void test_an_endless_source_does_not_hold_a_step(void)
+{
+    uint32_t taken = 0;
+    const tumble_sample_source_t endless = {.context = &taken, .take = take_forever};
+    use_converter();
+    bench.config.source = &endless;
+    bench_power_on(&bench);
+    tumble_navcomp_step(&bench.navcomp);
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP, taken);
+    TEST_ASSERT_TRUE(tumble_navcomp_next_deadline_us(&bench.navcomp) <= bench.fake.now_us);
+}
+
+static void test_a_person_at_a_dividing_head(void)
+{
+    use_person();
+    bench_power_on(&bench);
+    assert_calibrates(false);
+}
+
+static void test_a_person_and_a_converter(void)
+{
+    use_converter();
+    use_person();
+    bench.block.dead = true;
+    bench_power_on(&bench);
+    assert_calibrates(false);
+}
+
+static void test_an_angle_far_from_the_one_asked_for_is_not_taken(void)
+{
+    double asked_deg = 0.0;
+    use_person();
+    bench_power_on(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_START, 0));
+    for (int ms = 0; (ms < 5000) && !tumble_navcomp_request(&bench.navcomp, &asked_deg); ms++) {
+        one_millisecond(false);
+    }
+    TEST_ASSERT_TRUE(tumble_navcomp_request(&bench.navcomp, &asked_deg));
+    TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, tumble_navcomp_confirm_angle(&bench.navcomp, asked_deg + 1.0));
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_confirm_angle(&bench.navcomp, asked_deg + 0.25));
+    TEST_ASSERT_TRUE(bench_progress(&bench).angle_deg == (asked_deg + 0.25));
+    TEST_ASSERT_EQUAL(0, tumble_navcomp_drive_refusal(&bench.navcomp).index);
+}
+
+static void test_a_person_who_does_not_answer_ends_the_run(void)
+{
+    use_person();
+    bench_power_on(&bench);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_START, 0));
+    for (int ms = 0; (ms < 200000) && (bench_progress(&bench).run.state != TUMBLE_STATE_FAULT); ms++) {
+        one_millisecond(false);
+    }
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_progress(&bench).run.state);
+    TEST_ASSERT_EQUAL_STRING("TUMBLE_REASON_HOMING", tumble_reason_name(bench_progress(&bench).run.reason));
+}
+
+SUITE(navcomp_seams, set_up, NULL)
+{
+    RUN_TEST(test_a_boards_own_converter);
+    RUN_TEST(test_with_a_converter_the_frames_of_a_block_are_ignored);
+    RUN_TEST(test_a_spoilt_conversion_is_corrupted_and_a_lie_is_a_fault_of_the_source);
+    RUN_TEST(test_an_endless_source_does_not_hold_a_step);
+    RUN_TEST(test_a_person_at_a_dividing_head);
+    RUN_TEST(test_a_person_and_a_converter);
+    RUN_TEST(test_an_angle_far_from_the_one_asked_for_is_not_taken);
+    RUN_TEST(test_a_person_who_does_not_answer_ends_the_run);
+}

@@ -1,0 +1,245 @@
+/* The bus: order of frames, times to the microsecond, queues, filters, load. */
+#include "simulation/bus.h"
+#include "simulation/frame_bits.h"
+#include "support.h"
+
+enum { NAVCOMP = 0, DRIVE = 1, BLOCK = 2 };
+#define MAX_HEARD 64
+
+static sim_clock_t virtual_clock;
+static sim_bus_t bus;
+static sim_wire_t wire;
+static struct {
+    uint64_t at_us;
+    uint16_t id;
+    uint8_t sender;
+} heard[MAX_HEARD];
+static uint32_t heard_count;
+
+static void tap(void *context, uint64_t time_us, uint8_t sender, const tumble_can_frame_t *frame)
+{
+    TEST_ASSERT_EQUAL_PTR(&heard_count, context);
+    TEST_ASSERT_TRUE(heard_count < MAX_HEARD);
+    heard[heard_count].at_us = time_us;
+    heard[heard_count].id = frame->id;
+    heard[heard_count].sender = sender;
+    heard_count++;
+}
+
+static void set_up(void)
+{
+    sim_clock_init(&virtual_clock);
+    sim_wire_init(&wire);
+    sim_bus_init(&bus, &virtual_clock, &wire, 500000);
+    sim_bus_attach(&bus, NAVCOMP, SIM_ACTOR_NAVCOMP);
+    sim_bus_attach(&bus, DRIVE, SIM_ACTOR_DRIVE);
+    sim_bus_attach(&bus, BLOCK, SIM_ACTOR_BLOCK);
+    bus.tap = tap;
+    bus.tap_context = &heard_count;
+    heard_count = 0;
+}
+
+static tumble_can_frame_t frame_of(uint16_t id, uint8_t mark)
+{
+    return (tumble_can_frame_t){.id = id, .length = 8, .data = {mark, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55}};
+}
+
+static void send(uint8_t node, uint16_t id, uint8_t mark)
+{
+    const tumble_can_frame_t frame = frame_of(id, mark);
+    ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&bus, node, &frame));
+}
+
+/* Run to the end; the nodes themselves do nothing. Returns how often nodes were woken. */
+static uint32_t run(void)
+{
+    sim_actor_t actor;
+    uint32_t woken = 0;
+    while (sim_clock_next(&virtual_clock, SIM_NEVER - 1U, &actor)) {
+        if (actor == SIM_ACTOR_BUS) {
+            sim_bus_on_alarm(&bus);
+        } else if (actor == SIM_ACTOR_DELAY) {
+            sim_bus_on_delay(&bus);
+        } else {
+            woken++;
+        }
+    }
+    return woken;
+}
+
+static void test_lowest_identifier_wins_among_frames_of_one_moment(void)
+{
+    send(BLOCK, 0x683, 1); /* handed in first */
+    send(DRIVE, 0x182, 2);
+    send(NAVCOMP, 0x202, 3);
+    send(NAVCOMP, 0x080, 4); /* behind 0x202 in its node's queue: a queue keeps its order */
+    (void)run();
+    static const uint16_t EXPECTED[] = {0x182, 0x202, 0x080, 0x683};
+    TEST_ASSERT_EQUAL_UINT32(4, heard_count);
+    for (size_t i = 0; i < 4; i++) {
+        TEST_ASSERT_EQUAL_HEX16(EXPECTED[i], heard[i].id);
+    }
+}
+
+/* A frame that comes while another is on the wire waits for its end, whatever its priority. */
+static void test_a_frame_on_the_wire_is_not_interrupted(void)
+{
+    sim_actor_t actor;
+    send(BLOCK, 0x683, 0);
+    TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, SIM_NEVER - 1U, &actor));
+    sim_bus_on_alarm(&bus);
+    send(DRIVE, 0x182, 0);
+    send(NAVCOMP, 0x000, 0);
+    (void)run();
+    TEST_ASSERT_EQUAL_HEX16(0x683, heard[0].id);
+    TEST_ASSERT_EQUAL_HEX16(0x000, heard[1].id);
+    TEST_ASSERT_EQUAL_HEX16(0x182, heard[2].id);
+}
+
+/* 500 kbit/s: 2 us a bit. A frame is received 3 bits before the next may begin. */
+static void test_times_to_the_bit(void)
+{
+    const tumble_can_frame_t first = frame_of(0x182, 0x55);
+    const tumble_can_frame_t second = frame_of(0x683, 0xFF);
+    sim_clock_set(&virtual_clock, SIM_ACTOR_OPERATOR, 1000);
+    sim_actor_t actor;
+    TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, SIM_NEVER - 1U, &actor));
+    send(DRIVE, 0x182, 0x55);
+    send(BLOCK, 0x683, 0xFF);
+    (void)run();
+    const uint32_t first_bits = sim_frame_bits(&wire, &first);
+    const uint32_t second_bits = sim_frame_bits(&wire, &second);
+    TEST_ASSERT_EQUAL_UINT64(1000U + 2U * (first_bits - 3U), heard[0].at_us);
+    TEST_ASSERT_EQUAL_UINT64(1000U + 2U * (first_bits + second_bits - 3U), heard[1].at_us);
+    TEST_ASSERT_EQUAL_UINT64(2, bus.load.frames);
+    TEST_ASSERT_EQUAL_UINT64(first_bits + second_bits, bus.load.bits);
+    TEST_ASSERT_EQUAL_UINT64(2U * (first_bits + second_bits), bus.load.busy_us);
+}
+
+static void test_interframe_space_separates_frames(void)
+{
+    sim_actor_t actor;
+    send(DRIVE, 0x182, 0x55);
+    TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, SIM_NEVER - 1U, &actor)); /* begins */
+    sim_bus_on_alarm(&bus);
+    TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, SIM_NEVER - 1U, &actor)); /* ends */
+    sim_bus_on_alarm(&bus);
+    const uint64_t received_us = virtual_clock.now_us;
+    const tumble_can_frame_t answer = frame_of(0x202, 0);
+    send(NAVCOMP, 0x202, 0); /* at once */
+    send(BLOCK, 0x181, 0);
+    (void)run();
+    TEST_ASSERT_EQUAL_HEX16(0x181, heard[1].id); /* both were there when the space was over */
+    const tumble_can_frame_t other = frame_of(0x181, 0);
+    TEST_ASSERT_EQUAL_UINT64(received_us + 6U + 2U * (sim_frame_bits(&wire, &other) - 3U), heard[1].at_us);
+    TEST_ASSERT_EQUAL_UINT64(heard[1].at_us + 6U + 2U * (sim_frame_bits(&wire, &answer) - 3U), heard[2].at_us);
+}
+
+static void test_everybody_but_the_sender_receives(void)
+{
+    tumble_can_frame_t frame;
+    send(DRIVE, 0x182, 7);
+    TEST_ASSERT_EQUAL_UINT32(2, run());
+    ASSERT_STATUS(TUMBLE_E_PORT_EMPTY, sim_bus_receive(&bus, DRIVE, &frame));
+    ASSERT_STATUS(TUMBLE_OK, sim_bus_receive(&bus, NAVCOMP, &frame));
+    TEST_ASSERT_EQUAL_HEX16(0x182, frame.id);
+    TEST_ASSERT_EQUAL_UINT8(7, frame.data[0]);
+    ASSERT_STATUS(TUMBLE_E_PORT_EMPTY, sim_bus_receive(&bus, NAVCOMP, &frame));
+    ASSERT_STATUS(TUMBLE_OK, sim_bus_receive(&bus, BLOCK, &frame));
+}
+
+static void test_an_acceptance_filter_keeps_frames_out(void)
+{
+    tumble_can_frame_t frame;
+    sim_bus_set_deaf(&bus, DRIVE, 0x680, 0x6FF);
+    send(BLOCK, 0x683, 1);
+    send(BLOCK, 0x693, 2);
+    send(BLOCK, 0x703, 3);
+    (void)run();
+    ASSERT_STATUS(TUMBLE_OK, sim_bus_receive(&bus, DRIVE, &frame));
+    TEST_ASSERT_EQUAL_HEX16(0x703, frame.id);
+    TEST_ASSERT_EQUAL_UINT32(3, bus.nodes[NAVCOMP].counters.received);
+}
+
+static void test_full_queues_are_refused_or_counted(void)
+{
+    tumble_can_frame_t frame = frame_of(0x182, 0);
+    for (int n = 0; n < SIM_BUS_TX_DEPTH; n++) {
+        send(DRIVE, 0x182, (uint8_t)n);
+    }
+    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, sim_bus_send(&bus, DRIVE, &frame));
+    TEST_ASSERT_EQUAL_UINT32(1, bus.nodes[DRIVE].counters.tx_overflow);
+    bus.tap = NULL;
+    (void)run();
+    for (int n = 0; n < 2 * SIM_BUS_RX_DEPTH; n++) {
+        send(DRIVE, 0x182, (uint8_t)(SIM_BUS_TX_DEPTH + n));
+        (void)run();
+    }
+    TEST_ASSERT_EQUAL_UINT32(SIM_BUS_TX_DEPTH + SIM_BUS_RX_DEPTH, bus.nodes[NAVCOMP].counters.rx_overflow);
+    for (int n = 0; n < SIM_BUS_RX_DEPTH; n++) { /* the oldest are kept, in order */
+        ASSERT_STATUS(TUMBLE_OK, sim_bus_receive(&bus, NAVCOMP, &frame));
+        TEST_ASSERT_EQUAL_UINT8(n, frame.data[0]);
+    }
+    ASSERT_STATUS(TUMBLE_E_PORT_EMPTY, sim_bus_receive(&bus, NAVCOMP, &frame));
+}
+
+static void test_a_node_that_is_down_neither_sends_nor_hears(void)
+{
+    tumble_can_frame_t frame = frame_of(0x182, 0);
+    send(DRIVE, 0x182, 1);
+    sim_bus_set_down(&bus, DRIVE, true);
+    ASSERT_STATUS(TUMBLE_E_PORT_DOWN, sim_bus_send(&bus, DRIVE, &frame));
+    ASSERT_STATUS(TUMBLE_E_PORT_DOWN, sim_bus_receive(&bus, DRIVE, &frame));
+    send(NAVCOMP, 0x202, 2);
+    (void)run();
+    TEST_ASSERT_EQUAL_UINT32(1, heard_count);
+    TEST_ASSERT_EQUAL_HEX16(0x202, heard[0].id);
+    sim_bus_set_down(&bus, DRIVE, false);
+    ASSERT_STATUS(TUMBLE_E_PORT_EMPTY, sim_bus_receive(&bus, DRIVE, &frame));
+    ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&bus, DRIVE, &frame));
+}
+
+static void test_what_is_no_classic_frame_is_refused(void)
+{
+    tumble_can_frame_t frame = frame_of(0x800, 0);
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, sim_bus_send(&bus, DRIVE, &frame));
+    frame.id = 0x7FF;
+    frame.length = 9;
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, sim_bus_send(&bus, DRIVE, &frame));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, sim_bus_send(&bus, 3, &frame));
+}
+
+static void test_alarms_of_one_moment_go_off_in_the_actors_order(void)
+{
+    sim_actor_t actor;
+    sim_clock_set(&virtual_clock, SIM_ACTOR_BUS, 50);
+    sim_clock_set(&virtual_clock, SIM_ACTOR_NAVCOMP, 50);
+    sim_clock_set(&virtual_clock, SIM_ACTOR_BLOCK, 50);
+    sim_clock_set(&virtual_clock, SIM_ACTOR_DRIVE, 49);
+    static const sim_actor_t EXPECTED[] = {SIM_ACTOR_DRIVE, SIM_ACTOR_BLOCK, SIM_ACTOR_NAVCOMP, SIM_ACTOR_BUS};
+    for (size_t i = 0; i < 4; i++) {
+        TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, 50, &actor));
+        TEST_ASSERT_EQUAL_INT(EXPECTED[i], actor);
+    }
+    TEST_ASSERT_FALSE(sim_clock_next(&virtual_clock, SIM_NEVER, &actor));
+    sim_clock_set(&virtual_clock, SIM_ACTOR_BUS, 61);
+    TEST_ASSERT_FALSE(sim_clock_next(&virtual_clock, 60, &actor));
+    TEST_ASSERT_EQUAL_UINT64(50, virtual_clock.now_us);
+    sim_clock_set(&virtual_clock, SIM_ACTOR_BUS, 10); /* the past is now */
+    TEST_ASSERT_TRUE(sim_clock_next(&virtual_clock, 60, &actor));
+    TEST_ASSERT_EQUAL_UINT64(50, virtual_clock.now_us);
+}
+
+SUITE(sim_bus, set_up, NULL)
+{
+    RUN_TEST(test_lowest_identifier_wins_among_frames_of_one_moment);
+    RUN_TEST(test_a_frame_on_the_wire_is_not_interrupted);
+    RUN_TEST(test_times_to_the_bit);
+    RUN_TEST(test_interframe_space_separates_frames);
+    RUN_TEST(test_everybody_but_the_sender_receives);
+    RUN_TEST(test_an_acceptance_filter_keeps_frames_out);
+    RUN_TEST(test_full_queues_are_refused_or_counted);
+    RUN_TEST(test_a_node_that_is_down_neither_sends_nor_hears);
+    RUN_TEST(test_what_is_no_classic_frame_is_refused);
+    RUN_TEST(test_alarms_of_one_moment_go_off_in_the_actors_order);
+}

@@ -1,0 +1,48 @@
+/* drive_bench.h - a drive402 on a node of its own, and a played drive at the other end of its port. */
+#ifndef TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
+#define TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
+
+#include "played_drive.h"
+#include "stand/drive402/drive402.h"
+
+typedef struct {
+    tumble_node_t node;
+    tumble_drive_mirror_t mirror;
+    tumble_drive402_t drive;
+    tumble_stand_t stand;
+} drive_bench_t;
+
+extern drive_bench_t bench;
+extern const tumble_node_config_t own_config; /* of the node */
+
+/* A millisecond of both. */
+void run_ms(unsigned ms);
+
+tumble_stand_state_t stand_state(void);
+
+/* Until the stand is in this state; fails after so many milliseconds. */
+void run_to(tumble_stand_state_t state, unsigned most_ms);
+
+/* With nobody there; with the drive ready; with it homed. */
+void bench_setup(const tumble_drive_profile_t *profile);
+void bring_up(const tumble_drive_profile_t *profile);
+void bring_home(const tumble_drive_profile_t *profile);
+
+void assert_fault(tumble_stand_fault_t fault);
+void assert_angle(double expected_deg);
+void move_to(double angle_deg);
+
+/* Homed, and on its way to 90 degrees. */
+void start_move(const tumble_drive_profile_t *profile);
+
+/* As soon as the axis has been seen at rest, or nothing is left to be tried. */
+void clear_fault(void);
+
+void assert_moves_again(void);
+
+/* The common drive: 36,000 counts a turn, one PDO each way. */
+extern const tumble_drive_pdo_t common_receive[];
+extern const tumble_drive_pdo_t common_transmit[];
+extern const tumble_drive_profile_t common;
+
+#endif

@@ -1,0 +1,370 @@
+/* The CiA 402 master with a drive that fails: every fault, and the way back. */
+#include "drive_bench.h"
+
+static void test_a_fault_of_the_drive(void)
+{
+    start_move(&common);
+    played_fault(0x3210);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(0x3210, bench.stand.fault_code(bench.stand.self));
+    TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.home(bench.stand.self));
+    const unsigned before = played.control_count;
+    clear_fault();
+    run_to(TUMBLE_STAND_STOPPED, 500); /* homed all the while */
+    TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* the edge of bit 7 */
+    TEST_ASSERT_EQUAL_HEX16(0x0080, played.controls[before + 1U].control);
+    TEST_ASSERT_EQUAL_HEX16(0x0006, played.controls[before + 2U].control);
+    assert_moves_again();
+}
+
+static void test_a_fault_reaction_is_a_fault_already(void)
+{
+    start_move(&common);
+    played.state = IS_FAULT_REACTION;
+    played_transmit();
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+}
+
+static void test_stall_by_emergency_message(void)
+{
+    start_move(&common);
+    played_fault(0x8611);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_STALL);
+}
+
+static void test_stall_by_a_late_emergency_message(void)
+{
+    start_move(&common);
+    played_fault(0);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    played_emergency(0x8611);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    played_emergency(0x0000); /* "no error" does not hide it */
+    run_ms(2);
+    TEST_ASSERT_EQUAL_HEX16(0x8611, bench.stand.fault_code(bench.stand.self));
+}
+
+static void test_stall_by_bit_13_in_fault(void)
+{
+    start_move(&common);
+    played.bits |= 0x2000U;
+    played_fault(0);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_STALL);
+}
+
+static void test_stall_by_bit_13_without_fault(void)
+{
+    start_move(&common);
+    played.bits |= 0x2000U;
+    played_transmit();
+    run_ms(3);
+    assert_fault(TUMBLE_STAND_FAULT_STALL);
+    TEST_ASSERT_FALSE(played.moving); /* it has been stopped */
+    played.bits = 0;
+    clear_fault();
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    assert_moves_again();
+}
+
+static void test_silence(void)
+{
+    start_move(&common);
+    played.powered_up = false;
+    run_ms(390);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    run_ms(200);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    clear_fault();
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    run_ms(100);
+    played.powered_up = true; /* the cable is back; it has never lost its power */
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    assert_moves_again();
+}
+
+static void test_silence_that_ends_before_it_is_cleared(void)
+{
+    start_move(&common);
+    played.powered_up = false;
+    run_ms(600);
+    played.powered_up = true;
+    run_ms(200);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    clear_fault();
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    assert_moves_again();
+}
+
+static void test_power_lost(void)
+{
+    static const uint16_t states[] = {IS_DISABLED, IS_READY, IS_ON, IS_QUICK_STOP, 0x00};
+    for (size_t i = 0; i < COUNT_OF(states); i++) {
+        start_move(&common);
+        played.state = states[i];
+        played.moving = false;
+        played_transmit();
+        run_ms(2);
+        assert_fault(TUMBLE_STAND_FAULT_POWER);
+        played.state = IS_DISABLED;
+        clear_fault();
+        run_to(TUMBLE_STAND_READY, 500); /* where it stands is not known any more */
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        run_to(TUMBLE_STAND_IN_POSITION, 500);
+    }
+}
+
+static void test_power_lost_at_rest(void)
+{
+    bring_home(&common);
+    played.state = IS_DISABLED;
+    run_ms(15);
+    assert_fault(TUMBLE_STAND_FAULT_POWER);
+}
+
+static void test_a_restart_of_the_drive(void)
+{
+    start_move(&common);
+    played.write_count = 0;
+    played_boot();
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_POWER);
+    run_ms(500);
+    assert_fault(TUMBLE_STAND_FAULT_POWER);
+    TEST_ASSERT_EQUAL_UINT(0, played.write_count); /* nothing by itself */
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500);
+    TEST_ASSERT_EQUAL_UINT(24, played.write_count);
+}
+
+static void test_a_restart_while_it_is_configured_starts_again(void)
+{
+    bench_setup(&common);
+    played_boot();
+    run_ms(6);
+    TEST_ASSERT_TRUE((played.write_count > 0U) && (played.write_count < 24U));
+    played.write_count = 0;
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 500);
+    TEST_ASSERT_EQUAL_UINT(24, played.write_count);
+}
+
+static void test_a_restart_after_a_fault(void)
+{
+    start_move(&common);
+    played_fault(0x1000);
+    run_ms(5);
+    played_boot();
+    run_ms(5);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500);
+}
+
+/* Its boot-up message was not heard, within the time of its heartbeat or long after. */
+static void test_a_restart_that_nobody_heard(void)
+{
+    static const unsigned silent_ms[] = {0, 600};
+    for (size_t i = 0; i < COUNT_OF(silent_ms); i++) {
+        start_move(&common);
+        played.powered_up = false;
+        run_ms(silent_ms[i]);
+        played_boot();
+        played.actual = 0; /* where it stands is its zero */
+        port.to_firmware.count = 0;
+        run_ms(200);
+        TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
+        clear_fault();
+        run_to(TUMBLE_STAND_READY, 500);
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 30.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        assert_moves_again();
+    }
+}
+
+static void test_somebody_stops_the_node(void)
+{
+    start_move(&common);
+    played.operational = false;
+    played_heartbeat(127);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    played.moving = false;
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500); /* for all we know it has booted, so it must be homed again */
+}
+
+static void test_a_refused_configuration(void)
+{
+    bench_setup(&common);
+    played.refuse_index = 0x6083;
+    played_boot();
+    run_ms(50);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    const tumble_drive_refusal_t refusal = tumble_drive402_refusal(&bench.drive);
+    TEST_ASSERT_EQUAL_HEX16(0x6083, refusal.index);
+    TEST_ASSERT_EQUAL_HEX8(0, refusal.subindex);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
+    played.refuse_index = 0;
+    clear_fault();
+    TEST_ASSERT_EQUAL_HEX16(0, tumble_drive402_refusal(&bench.drive).index);
+    run_to(TUMBLE_STAND_READY, 500);
+}
+
+static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
+{
+    bench_setup(&common);
+    played_boot();
+    played.state = IS_FAULT;
+    run_ms(100);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500);
+}
+
+/* The reset is asked for once: a fault that comes back while powering up is a fault again. */
+static void test_a_fault_that_comes_back_at_once(void)
+{
+    start_move(&common);
+    played_fault(0x4210);
+    run_ms(5);
+    clear_fault();
+    while (played.state != IS_READY) {
+        run_ms(1);
+    }
+    played_fault(0x4211);
+    run_ms(5);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(0x4211, bench.stand.fault_code(bench.stand.self));
+}
+
+static void test_homing_that_fails(void)
+{
+    bring_up(&common);
+    played.homing_fails = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(60);
+    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+    played.homing_fails = false;
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+}
+
+static void test_a_fault_while_homing_is_no_stall(void)
+{
+    bring_up(&common);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(20);
+    played.bits |= 0x2000U; /* in this mode: homing error */
+    played_fault(0x7300);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+}
+
+static void test_a_mode_that_is_refused(void)
+{
+    bring_up(&common);
+    played.refuse_index = 0x6060;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(5);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(0x6060, tumble_drive402_refusal(&bench.drive).index);
+}
+
+static void test_a_fault_while_stopping(void)
+{
+    start_move(&common);
+    played.ignores_stop = true;
+    bench.stand.stop(bench.stand.self);
+    run_ms(5);
+    played_fault(0x2220);
+    run_ms(2);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+}
+
+static void test_stop_in_fault_is_sent_all_the_same(void)
+{
+    start_move(&common);
+    played_fault(0x2220);
+    run_ms(5);
+    const unsigned before = played.control_count;
+    bench.stand.stop(bench.stand.self);
+    run_ms(2);
+    TEST_ASSERT_EQUAL_UINT(before + 1U, played.control_count);
+    TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+}
+
+/* The frame that stops it is lost, and so are the next ones. */
+static void test_a_stop_is_repeated_in_fault(void)
+{
+    for (unsigned lost = 0; lost < 5U; lost++) {
+        start_move(&common);
+        played.never_reaches = true;
+        played.misses = lost;
+        played.bits |= 0x2000U;
+        run_ms(70);
+        assert_fault(TUMBLE_STAND_FAULT_STALL);
+        TEST_ASSERT_FALSE(played.moving);
+        const unsigned told = played.control_count;
+        run_ms(100);
+        TEST_ASSERT_EQUAL_UINT(told, played.control_count); /* that was enough */
+    }
+}
+
+/* It was away when it was told, and tells nothing of its state now: its heartbeat is enough. */
+static void test_a_drive_that_comes_back_is_told_to_stop(void)
+{
+    start_move(&common);
+    played.never_reaches = true;
+    played.powered_up = false;
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    TEST_ASSERT_TRUE(played.moving);
+    played.event_only = true;
+    played.powered_up = true;
+    run_ms(105);
+    TEST_ASSERT_FALSE(played.moving);
+    TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+}
+
+SUITE(drive402_faults, NULL, NULL)
+{
+    RUN_TEST(test_a_fault_of_the_drive);
+    RUN_TEST(test_a_fault_reaction_is_a_fault_already);
+    RUN_TEST(test_stall_by_emergency_message);
+    RUN_TEST(test_stall_by_a_late_emergency_message);
+    RUN_TEST(test_stall_by_bit_13_in_fault);
+    RUN_TEST(test_stall_by_bit_13_without_fault);
+    RUN_TEST(test_silence);
+    RUN_TEST(test_silence_that_ends_before_it_is_cleared);
+    RUN_TEST(test_power_lost);
+    RUN_TEST(test_power_lost_at_rest);
+    RUN_TEST(test_a_restart_of_the_drive);
+    RUN_TEST(test_a_restart_while_it_is_configured_starts_again);
+    RUN_TEST(test_a_restart_after_a_fault);
+    RUN_TEST(test_a_restart_that_nobody_heard);
+    RUN_TEST(test_somebody_stops_the_node);
+    RUN_TEST(test_a_refused_configuration);
+    RUN_TEST(test_a_drive_found_in_fault_is_not_reset_unasked);
+    RUN_TEST(test_a_fault_that_comes_back_at_once);
+    RUN_TEST(test_homing_that_fails);
+    RUN_TEST(test_a_fault_while_homing_is_no_stall);
+    RUN_TEST(test_a_mode_that_is_refused);
+    RUN_TEST(test_a_fault_while_stopping);
+    RUN_TEST(test_stop_in_fault_is_sent_all_the_same);
+    RUN_TEST(test_a_stop_is_repeated_in_fault);
+    RUN_TEST(test_a_drive_that_comes_back_is_told_to_stop);
+}

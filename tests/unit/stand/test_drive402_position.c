@@ -1,0 +1,377 @@
+/* Where the axis is: reports that are not believed, an axis that strays, homing that has no end, who else commands it. */
+#include "drive_bench.h"
+#include "stand/drive402/internal.h"
+
+#include <stdlib.h>
+
+#define PER_DEG 100 /* counts */
+
+/* One report with another position than the drive's. */
+static void forge(int32_t counts)
+{
+    const int32_t actual = played.actual;
+    played.actual = counts;
+    played_transmit();
+    played.actual = actual;
+    run_ms(1);
+}
+
+static tumble_drive_profile_t wrapping(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.wrap_counts = 36000;
+    return profile;
+}
+
+static void assert_lost(void)
+{
+    assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_EMCY_POSITION, bench.node.emcy.history[0] & 0xFFFFU);
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 500);
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+}
+
+static void test_one_garbled_report_changes_nothing(void)
+{
+    bring_home(&common);
+    for (int i = 0; i < 20; i++) {
+        forge((i & 1) ? 12000 : -30000);
+        run_ms(10U + (unsigned)i);
+    }
+    assert_angle(0.0);
+    TEST_ASSERT_EQUAL_UINT32(20, bench.drive.counters.implausible);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    assert_moves_again();
+}
+
+static void test_nor_does_one_in_a_move(void)
+{
+    start_move(&common);
+    forge(-12000);
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    assert_angle(90.0);
+}
+
+static void test_two_in_a_row_lose_the_position(void)
+{
+    static const double angles_deg[] = {0.0, 60.0};
+    for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
+        bring_home(&common);
+        move_to(angles_deg[i]);
+        forge(12000);
+        forge(24000);
+        assert_lost();
+    }
+}
+
+/* 120 degrees apart they would be a turn on a drive that wraps: the table would go on a turn away. */
+static void test_a_wrapping_drive_does_not_lose_a_turn(void)
+{
+    const tumble_drive_profile_t profile = wrapping();
+    for (unsigned pause_ms = 0; pause_ms <= 150U; pause_ms += 50U) {
+        played_drive_t *d = &played;
+        bring_home(&profile);
+        d->wrap = 36000;
+        run_ms(pause_ms);
+        d->event_only = true; /* no true report comes between them */
+        forge(12000);
+        forge(24000);
+        d->event_only = false;
+        TEST_ASSERT_EQUAL_INT(0, tumble_drive402_stand(&bench.drive).angle_deg(&bench.drive) > 1.0);
+        assert_lost();
+        assert_angle(0.0);
+    }
+}
+
+/* Whoever was away for longer than half a turn takes does not know which one it is in. */
+static void test_a_turn_is_not_guessed_after_silence(void)
+{
+    const tumble_drive_profile_t profile = wrapping();
+    start_move(&profile);
+    played.wrap = 36000;
+    played.powered_up = false;
+    run_ms(3000);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
+    played.powered_up = true;
+    run_ms(300);
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 1000); /* not STOPPED: that would be homed */
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 10.0));
+}
+
+/* Slower than any limit of speed, but it was told to rest. */
+static void test_an_axis_that_creeps_at_rest(void)
+{
+    bring_home(&common);
+    run_ms(100);
+    for (int i = 0; i < 90; i++) { /* 0.9 degrees are forgiven */
+        played.actual++;
+        run_ms(10);
+    }
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
+    for (int i = 0; i < 20; i++) {
+        played.actual++;
+        run_ms(10);
+    }
+    assert_lost();
+}
+
+static void test_a_stopped_axis_that_is_turned_by_hand(void)
+{
+    start_move(&common);
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_STOPPED, 100);
+    run_ms(100);
+    played.actual += 20 * PER_DEG;
+    run_ms(30);
+    assert_lost();
+}
+
+/* Not homed and without power, nothing is known that could be lost. */
+static void test_before_homing_the_axis_may_be_turned(void)
+{
+    bring_up(&common);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(50);
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_READY, 100);
+    run_ms(100);
+    played.actual += 5000;
+    run_ms(100);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_READY, stand_state());
+    TEST_ASSERT_EQUAL_UINT32(0, bench.drive.counters.implausible);
+}
+
+/* Somebody else turns it, by a way that we do not see: it was told to rest. */
+static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.stop = TUMBLE_STOP_BY_HALT;
+    bring_up(&profile);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(50);
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_READY, 100);
+    played.homing = false;
+    run_ms(100);
+    played.control = 0x0F;
+    played.goal = 100000;
+    played.mode = 1;
+    played.moving = true;
+    run_ms(60);
+    assert_fault(TUMBLE_STAND_FAULT_POSITION);
+    run_ms(30);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+/* Homing. */
+
+/* The start got lost, and the drive still tells of the homing before: that is none. */
+static void test_a_homing_that_never_began(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.home_timeout_ms = 500;
+    bring_up(&profile);
+    played.attained_from_before = true;
+    played.old_reports = UINT32_MAX;
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_ms(450);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
+    run_ms(100);
+    assert_fault(TUMBLE_STAND_FAULT_HOMING);
+}
+
+/* A method that homes where the axis stands shows nothing else. */
+static void test_a_homing_on_the_spot(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.homing_method = 37;
+    bring_up(&profile);
+    played.attained_from_before = true;
+    played.old_reports = UINT32_MAX;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+}
+
+static void home_without_end(const tumble_drive_profile_t *profile, int32_t counts_per_ms)
+{
+    bring_up(profile);
+    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
+    played.homing_never_ends = true;
+    played.homing_turns = counts_per_ms;
+    played.wrap = (int32_t)profile->wrap_counts;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+}
+
+static void assert_bounded(const tumble_drive_profile_t *profile, double most_deg)
+{
+    static const int32_t ways[] = {-20, 20};
+    for (size_t i = 0; i < COUNT_OF(ways); i++) {
+        home_without_end(profile, ways[i]);
+        const int32_t from = played.actual;
+        run_to(TUMBLE_STAND_FAULT, 10000);
+        assert_fault(TUMBLE_STAND_FAULT_HOMING);
+        run_ms(50);
+        const double turned_deg = (double)abs(played.actual - from) / PER_DEG;
+        TEST_ASSERT_TRUE(turned_deg > most_deg - 1.0);
+        TEST_ASSERT_TRUE(turned_deg < most_deg + 5.0); /* a report late, and on to the stop */
+    }
+}
+
+static void test_homing_turns_no_further_than_the_cable_and_a_turn(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.home_timeout_ms = 60000;
+    assert_bounded(&profile, 790.0);
+    profile.homing_travel_deg = 100.0;
+    assert_bounded(&profile, 100.0);
+}
+
+static void test_nor_on_a_drive_that_wraps(void)
+{
+    tumble_drive_profile_t profile = wrapping();
+    profile.home_timeout_ms = 60000;
+    assert_bounded(&profile, 790.0); /* the played drive's own count goes on */
+}
+
+/* There and back is added up; the zero that homing sets is no way. */
+static void test_a_new_zero_is_no_travel(void)
+{
+    bring_up(&common);
+    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
+    played.actual = 90000;
+    played.home = -90000;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    assert_angle(-900.0);
+}
+
+/* An axis that turns and is not seen is stopped. */
+static void test_homing_that_nobody_sees(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.home_timeout_ms = 60000;
+    home_without_end(&profile, -1);
+    run_ms(100);
+    played.transmit[0].cob_id |= 0x80000000U; /* somebody has switched its process data off */
+    run_ms(1100);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
+    run_ms(130);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+}
+
+/* Limits of the drive's own. */
+
+static void test_the_cables_limits_are_written_and_read_back(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.software_limits = true;
+    profile.sign = -1;
+    bench_setup(&profile);
+    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
+    TEST_ASSERT_TRUE(tumble_drive402_is_limited(&bench.drive));
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 500);
+    TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
+    TEST_ASSERT_EQUAL_INT32(3000, played.limits[1]);
+    TEST_ASSERT_EQUAL_UINT(26, played.write_count);
+}
+
+static void test_a_drive_that_does_not_keep_them_does_not_run(void)
+{
+    tumble_drive_profile_t profile = common;
+    profile.software_limits = true;
+    bench_setup(&profile);
+    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
+    played.keeps_no_limits = true;
+    played_boot();
+    run_to(TUMBLE_STAND_FAULT, 500);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    const tumble_drive_refusal_t refusal = tumble_drive402_refusal(&bench.drive);
+    TEST_ASSERT_EQUAL_HEX16(0x607D, refusal.index);
+    TEST_ASSERT_EQUAL_HEX8(1, refusal.subindex);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, refusal.abort);
+}
+
+static void test_a_drive_without_them_is_said_to_be_so(void)
+{
+    tumble_drive_profile_t profile = wrapping();
+    profile.software_limits = true; /* in a circle there is no end */
+    const tumble_drive_profile_t *const profiles[] = {&common, &profile};
+    for (size_t i = 0; i < COUNT_OF(profiles); i++) {
+        bench_setup(profiles[i]);
+        tumble_drive402_bound(&bench.drive, -30.0, 400.0);
+        TEST_ASSERT_FALSE(tumble_drive402_is_limited(&bench.drive));
+        played_boot();
+        run_to(TUMBLE_STAND_READY, 500);
+        TEST_ASSERT_EQUAL_UINT(24, played.write_count);
+    }
+}
+
+/* Somebody else. */
+
+static void test_a_foreign_command_stops_the_axis(void)
+{
+    static const bool moves[] = {false, true};
+    for (size_t i = 0; i < COUNT_OF(moves); i++) {
+        bring_home(&common);
+        if (moves[i]) {
+            ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+            run_ms(20);
+        }
+        TEST_ASSERT_TRUE(tumble_drive402_sends(&bench.drive, 0x202));
+        TEST_ASSERT_FALSE(tumble_drive402_sends(&bench.drive, 0x302));
+        tumble_drive402_foreign(&bench.drive, 0x202);
+        assert_fault(TUMBLE_STAND_FAULT_FOREIGN);
+        TEST_ASSERT_EQUAL_HEX32(((uint32_t)0x202 << 16) | TUMBLE_EMCY_FOREIGN, bench.node.emcy.history[0]);
+        tumble_drive402_foreign(&bench.drive, 0x202); /* told once */
+        TEST_ASSERT_EQUAL_UINT8(1, bench.node.emcy.recorded);
+        run_ms(50);
+        TEST_ASSERT_FALSE(played.moving);
+        clear_fault();
+        run_to(TUMBLE_STAND_READY, 500);
+    }
+}
+
+/* Our own process data are set right again when a drive comes: nobody could be told by what is left of them. */
+static void test_our_process_data_are_mended(void)
+{
+    bench_setup(&common);
+    const tumble_pdo_setup_t other = {.cob_id = 0x80000202U, .type = 255};
+    TEST_ASSERT_EQUAL_HEX32(0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0,
+                                                    &other));
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 500);
+    TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
+    TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);
+}
+
+SUITE(drive402_position, NULL, NULL)
+{
+    RUN_TEST(test_one_garbled_report_changes_nothing);
+    RUN_TEST(test_nor_does_one_in_a_move);
+    RUN_TEST(test_two_in_a_row_lose_the_position);
+    RUN_TEST(test_a_wrapping_drive_does_not_lose_a_turn);
+    RUN_TEST(test_a_turn_is_not_guessed_after_silence);
+    RUN_TEST(test_an_axis_that_creeps_at_rest);
+    RUN_TEST(test_a_stopped_axis_that_is_turned_by_hand);
+    RUN_TEST(test_before_homing_the_axis_may_be_turned);
+    RUN_TEST(test_an_axis_that_is_not_homed_and_held_must_rest);
+    RUN_TEST(test_a_homing_that_never_began);
+    RUN_TEST(test_a_homing_on_the_spot);
+    RUN_TEST(test_homing_turns_no_further_than_the_cable_and_a_turn);
+    RUN_TEST(test_nor_on_a_drive_that_wraps);
+    RUN_TEST(test_a_new_zero_is_no_travel);
+    RUN_TEST(test_homing_that_nobody_sees);
+    RUN_TEST(test_the_cables_limits_are_written_and_read_back);
+    RUN_TEST(test_a_drive_that_does_not_keep_them_does_not_run);
+    RUN_TEST(test_a_drive_without_them_is_said_to_be_so);
+    RUN_TEST(test_a_foreign_command_stops_the_axis);
+    RUN_TEST(test_our_process_data_are_mended);
+}

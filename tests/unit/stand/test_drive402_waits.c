@@ -1,0 +1,305 @@
+/* The CiA 402 master with a drive that keeps it waiting: every wait ends. */
+#include "drive_bench.h"
+
+static void test_an_unanswered_configuration(void)
+{
+    bench_setup(&common);
+    played.sdo_is_deaf = true;
+    played_boot();
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX32(0x05040000, tumble_drive402_refusal(&bench.drive).abort);
+    TEST_ASSERT_EQUAL_HEX16(0x1016, tumble_drive402_refusal(&bench.drive).index);
+}
+
+/* A drive that was there before us, without a heartbeat. */
+static void find_mute_drive(void)
+{
+    bench_setup(&common);
+    played.powered_up = true;
+    played.state = IS_DISABLED;
+    played.mute = true;
+    for (unsigned n = 0; n < 4U; n++) {
+        played.receive[n].cob_id = 0x80000000U;
+        played.transmit[n].cob_id = 0x80000000U;
+    }
+}
+
+static void test_a_drive_without_a_heartbeat_is_asked_for_one(void)
+{
+    find_mute_drive();
+    run_to(TUMBLE_STAND_READY, 1200); /* the first request it may have missed */
+    TEST_ASSERT_EQUAL_HEX16(0x1017, played.writes[0].index);
+    TEST_ASSERT_EQUAL_UINT32(common.heartbeat_ms, played.writes[0].value & 0xFFFFU);
+    played.mute = true;
+    run_ms(600);
+    assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT); /* from now on it is watched */
+}
+
+static void test_a_drive_that_refuses_a_heartbeat_does_not_run(void)
+{
+    find_mute_drive();
+    played.refuse_index = 0x1017;
+    run_ms(3000);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(0x1017, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, tumble_drive402_refusal(&bench.drive).abort);
+    TEST_ASSERT_EQUAL_UINT32(1, played.refusals);
+    TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
+    clear_fault();
+    run_ms(1000);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_UINT32(2, played.refusals);
+    played.refuse_index = 0;
+    clear_fault();
+    run_to(TUMBLE_STAND_READY, 1200);
+}
+
+static void test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent(void)
+{
+    find_mute_drive();
+    played.stays_mute = true;
+    run_ms(3000);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    TEST_ASSERT_EQUAL_UINT32(1, played.write_count);
+    TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
+    TEST_ASSERT_TRUE(tumble_drive402_next_us(&bench.drive) > port.now_us); /* nothing keeps the computer busy */
+}
+
+/* Twice a second, as long as there is nobody. */
+static void test_nobody_is_asked_again_and_again(void)
+{
+    bench_setup(&common);
+    const uint32_t before = bench.node.link.counters.sent;
+    run_ms(3000);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    TEST_ASSERT_UINT32_WITHIN(8, 30U + 12U, bench.node.link.counters.sent - before); /* heartbeats; asked, given up */
+    played_boot();
+    run_to(TUMBLE_STAND_READY, 500);
+}
+
+/* It runs this far, and then this habit makes it wait in vain. */
+static void expect_late(tumble_stand_fault_t fault, unsigned least_ms, unsigned most_ms)
+{
+    run_ms(least_ms);
+    TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_FAULT, stand_state());
+    run_ms(most_ms - least_ms);
+    assert_fault(fault);
+}
+
+static void test_no_process_data_after_the_start(void)
+{
+    bench_setup(&common);
+    played.event_only = true;
+    played_boot();
+    while (played.write_count < 24U) {
+        run_ms(1);
+    }
+    played.transmit[0].cob_id = 0x80000000U;
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 190, 220);
+}
+
+static void test_power_that_does_not_come_up(void)
+{
+    bench_setup(&common);
+    played.stays_in_switched_on = true;
+    played_boot();
+    run_ms(40);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
+    expect_late(TUMBLE_STAND_FAULT_POWER, 200, 320);
+}
+
+static void test_a_fault_that_stays(void)
+{
+    start_move(&common);
+    played_fault(0x4210);
+    run_ms(5);
+    played.resets_nothing = true;
+    clear_fault();
+    run_ms(400);
+    assert_fault(TUMBLE_STAND_FAULT_DRIVE);
+    TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
+}
+
+static void test_a_set_point_never_acknowledged(void)
+{
+    bring_home(&common);
+    played.never_acknowledges = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+}
+
+static void test_an_acknowledgement_that_stays(void)
+{
+    bring_home(&common);
+    played.keeps_acknowledging = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_an_acknowledgement_left_over(void)
+{
+    bring_home(&common);
+    played.bits |= 0x1000U;
+    played.keeps_acknowledging = true;
+    run_ms(15);
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    const unsigned before = played.control_count;
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    for (unsigned i = before; i < played.control_count; i++) {
+        TEST_ASSERT_EQUAL_HEX16(0, played.controls[i].control & 0x0010U); /* bit 4 never rose */
+    }
+}
+
+static void test_a_target_never_reached(void)
+{
+    bring_home(&common);
+    played.never_reaches = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
+    TEST_ASSERT_FALSE(played.moving);
+    played.never_reaches = false;
+    clear_fault();
+    run_to(TUMBLE_STAND_STOPPED, 500);
+    assert_moves_again();
+}
+
+static void test_target_reached_somewhere_else(void)
+{
+    bring_home(&common);
+    played.reached_lingers = true;
+    played.never_reaches = true;
+    played.bits |= 0x0400U;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    played.moving = false; /* stands still a few degrees on and says that it is there */
+    run_ms(1520);
+    assert_fault(TUMBLE_STAND_FAULT_TIMEOUT);
+}
+
+static void test_homing_that_never_ends(void)
+{
+    bring_up(&common);
+    played.homing_never_ends = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    expect_late(TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
+    TEST_ASSERT_FALSE(played.homing);
+}
+
+static void test_a_mode_that_does_not_change(void)
+{
+    bring_up(&common);
+    played.mode_sticks = true;
+    played.event_only = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
+    TEST_ASSERT_FALSE(played.homing);
+}
+
+/* Whatever comes from the bus, no wait is without an end: where it waits by itself, it says until when. */
+static void test_nonsense_from_the_bus(void)
+{
+    dice_t dice = {42};
+    bring_home(&common);
+    for (unsigned i = 0; i < 60000U; i++) {
+        uint8_t data[8];
+        const uint64_t random = dice_u64(&dice);
+        memcpy(data, &random, sizeof data);
+        static const uint16_t ids[] = {0x182, 0x182, 0x182, 0x082, 0x702, 0x582};
+        if (dice_below(&dice, 4) == 0U) {
+            played_send(ids[dice_below(&dice, COUNT_OF(ids))], (uint8_t)dice_below(&dice, 9), data);
+        }
+        switch (dice_below(&dice, 40)) {
+        case 0:
+            (void)bench.stand.home(bench.stand.self);
+            break;
+        case 1:
+            (void)bench.stand.move(bench.stand.self, 100.0 * dice_signed_unit(&dice));
+            break;
+        case 2:
+            bench.stand.stop(bench.stand.self);
+            break;
+        case 3:
+            (void)bench.stand.clear_fault(bench.stand.self);
+            break;
+        default:
+            break;
+        }
+        played.control_count = 0;
+        played.write_count = 0;
+        run_ms(1 + dice_below(&dice, 3));
+        const bool waits = (stand_state() == TUMBLE_STAND_HOMING) || (bench.drive.entered_us > port.now_us);
+        TEST_ASSERT_TRUE(!waits || (tumble_drive402_next_us(&bench.drive) != TUMBLE_NEVER));
+    }
+}
+
+/* Process data are not acknowledged: one that is lost must not send the axis to the target before. */
+static void test_a_target_that_gets_lost_is_sent_again(void)
+{
+    for (unsigned misses = 1; misses <= 3U; misses++) {
+        bring_home(&common);
+        played.misses = misses;
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+        run_to(TUMBLE_STAND_IN_POSITION, 1000);
+        TEST_ASSERT_EQUAL_UINT(0, played.misses);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.angle_deg(bench.stand.self));
+    }
+}
+
+static void test_targets_that_all_get_lost_are_a_broken_handshake(void)
+{
+    bring_home(&common);
+    played.misses = UINT32_MAX;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 80, 320);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_a_target_that_cannot_be_read_back_is_a_broken_handshake(void)
+{
+    bring_home(&common);
+    played.refuse_index = 0x607A;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
+    TEST_ASSERT_EQUAL_HEX16(0x607A, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_FALSE(played.moving);
+}
+
+static void test_a_stop_gives_up_reading_the_target(void)
+{
+    bring_home(&common);
+    played.sdo_is_deaf = true;
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    run_ms(20);
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
+    bench.stand.stop(bench.stand.self);
+    run_to(TUMBLE_STAND_STOPPED, 100);
+    played.sdo_is_deaf = false;
+    assert_moves_again();
+}
+
+SUITE(drive402_waits, NULL, NULL)
+{
+    RUN_TEST(test_an_unanswered_configuration);
+    RUN_TEST(test_a_drive_without_a_heartbeat_is_asked_for_one);
+    RUN_TEST(test_a_drive_that_refuses_a_heartbeat_does_not_run);
+    RUN_TEST(test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent);
+    RUN_TEST(test_nobody_is_asked_again_and_again);
+    RUN_TEST(test_no_process_data_after_the_start);
+    RUN_TEST(test_power_that_does_not_come_up);
+    RUN_TEST(test_a_fault_that_stays);
+    RUN_TEST(test_a_set_point_never_acknowledged);
+    RUN_TEST(test_an_acknowledgement_that_stays);
+    RUN_TEST(test_an_acknowledgement_left_over);
+    RUN_TEST(test_a_target_never_reached);
+    RUN_TEST(test_target_reached_somewhere_else);
+    RUN_TEST(test_homing_that_never_ends);
+    RUN_TEST(test_a_mode_that_does_not_change);
+    RUN_TEST(test_nonsense_from_the_bus);
+    RUN_TEST(test_a_target_that_gets_lost_is_sent_again);
+    RUN_TEST(test_targets_that_all_get_lost_are_a_broken_handshake);
+    RUN_TEST(test_a_target_that_cannot_be_read_back_is_a_broken_handshake);
+    RUN_TEST(test_a_stop_gives_up_reading_the_target);
+}
