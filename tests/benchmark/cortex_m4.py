@@ -147,11 +147,11 @@ def navcomp_steps(folder, optimise):
     if unity is None:
         return None
     target = ROOT / "tests/target"
-    include = ["firmware", "host", "tests/lib", "tests/target", unity.relative_to(ROOT)]
+    include = ["firmware", "firmware/include", "host", "tests/lib", "tests/target", unity.relative_to(ROOT)]
     options = [*FLAGS, optimise, *(SMALL if optimise == "-Os" else []), *UNITY_FLAGS]
     options += ["-DBENCH_LOG=64U", *(f"-I{ROOT / path}" for path in include)]
-    rooms = ("core", "canopen", "stand", "procedure", "navcomp")
-    sources = [source for room in rooms for source in (ROOT / "firmware" / room).glob("*.c")]
+    rooms = ("core", "sample", "canopen", "stand", "procedure", "navcomp")
+    sources = [source for room in rooms for source in (ROOT / "firmware" / room).rglob("*.c")]
     played = [*(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]
     played.append(ROOT / "host/simulation/block_encode.c")
     played += [*(ROOT / "tests/lib").glob("scripted_*.c"), ROOT / "tests/lib/navcomp_bench.c"]
