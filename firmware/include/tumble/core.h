@@ -701,6 +701,7 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
 #define TUMBLE_MISFIT_TESTS 4    /* of a mounting: all channels, and each given the others */
 #define TUMBLE_MISFIT_SIGMAS 4.0 /* one-sided quantile of the normal distribution that the limit is taken at */
 #define TUMBLE_MISFIT_CHANCE_PER_MILLION 32
+#define TUMBLE_MISFIT_CHANCE (1e-6 * TUMBLE_MISFIT_CHANCE_PER_MILLION)
 
 static_assert((TUMBLE_MISFIT_TESTS * TUMBLE_MAX_MOUNTINGS * TUMBLE_MISFIT_CHANCE_PER_MILLION) < 1000,
               "an honest run must be doubted in less than one case of a thousand");
