@@ -6,7 +6,8 @@ import itertools
 import re
 from dataclasses import replace
 
-from model import MAX_CONSUMERS, Entry, Node, Object, Pdo, slug
+from kinds import Entry
+from model import MAX_CONSUMERS, Node, Object, Pdo, slug
 from standard import MAX_MAPPED, PDO_INVALID
 
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."

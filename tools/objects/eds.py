@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from model import Entry, Node, Object
+from kinds import Entry
+from model import Node, Object
 
 MANDATORY = (0x1000, 0x1001, 0x1018)
 VAR, ARRAY, RECORD = 0x7, 0x8, 0x9

@@ -1,4 +1,4 @@
-"""The data types of an object, and the error for a mistake in the table."""
+"""The data types of an object, an entry of the dictionary, and the error for a mistake in the table."""
 
 from __future__ import annotations
 
@@ -51,3 +51,39 @@ TYPES = {
         Type("u64", 0x1B, "UNSIGNED64", "uint64_t", 8, 0, (1 << 64) - 1),
     )
 }
+
+
+@dataclass
+class Entry:
+    """One (index, subindex) of the dictionary."""
+
+    index: int
+    subindex: int
+    name: str
+    type: Type
+    access: str
+    home: str
+    size: int
+    map: str | None = None
+    value: object = None  # power-on value; for home "value" the value
+    low: float | int | None = None
+    high: float | int | None = None
+    unit: str = ""
+    about: str = ""
+    struct: str | None = None
+    member: str | None = None
+    apart: bool = False  # does not follow the entry before it in the struct
+    level: str | None = None  # at which it can be written from outside; none: at any
+
+    @property
+    def key(self) -> int:
+        return self.index << 8 | self.subindex
+
+    @property
+    def where(self) -> str:
+        return f"{self.index:04X}h:{self.subindex}"
+
+    @property
+    def map_value(self) -> int:
+        """As a mapping object holds it: index, subindex, bits."""
+        return self.key << 8 | self.size * 8

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from kinds import TYPES, TableError, Type
+from kinds import TYPES, Entry, TableError, Type
 from rules import (
     ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
     PDO_BYTES, PDO_KEYS, SHARED_KEYS, check, check_entry, check_keys, check_names, text_size,
@@ -22,42 +22,6 @@ except ModuleNotFoundError:  # Python 3.10
     import tomli as tomllib
 
 VERSION = "VERSION"
-
-
-@dataclass
-class Entry:
-    """One (index, subindex) of the dictionary."""
-
-    index: int
-    subindex: int
-    name: str
-    type: Type
-    access: str
-    home: str
-    size: int
-    map: str | None = None
-    value: object = None  # power-on value; for home "value" the value
-    low: float | int | None = None
-    high: float | int | None = None
-    unit: str = ""
-    about: str = ""
-    struct: str | None = None
-    member: str | None = None
-    apart: bool = False  # does not follow the entry before it in the struct
-    level: str | None = None  # at which it can be written from outside; none: at any
-
-    @property
-    def key(self) -> int:
-        return self.index << 8 | self.subindex
-
-    @property
-    def where(self) -> str:
-        return f"{self.index:04X}h:{self.subindex}"
-
-    @property
-    def map_value(self) -> int:
-        """As a mapping object holds it: index, subindex, bits."""
-        return self.key << 8 | self.size * 8
 
 
 @dataclass

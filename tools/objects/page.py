@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from model import Entry, Node, Object, Pdo
+from kinds import Entry
+from model import Node, Object, Pdo
 from standard import PDO_INVALID
 
 HEAD = """\

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from model import Entry, Node, Object, check, read_toml, slug
+from kinds import Entry
+from model import Node, Object, check, read_toml, slug
 
 LAST = 0xFFFF
 SERVICE_KEY = 0x2006_01

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from model import Entry
+from kinds import Entry
 from registers import Map, Register, Setting
 
 HEAD = """\

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from kinds import TableError, Type
-
-if TYPE_CHECKING:
-    from model import Entry
+from kinds import Entry, TableError, Type
 
 MAX_BYTES = 64  # TUMBLE_MAX_OBJECT_BYTES
 MAX_CONSUMERS = 4  # TUMBLE_MAX_CONSUMERS
