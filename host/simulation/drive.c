@@ -205,20 +205,6 @@ void sim_drive_set_power(sim_drive_t *drive, bool on)
     sim_clock_set(drive->clock, SIM_ACTOR_DRIVE, SIM_NEVER);
 }
 
-void sim_drive_fail(sim_drive_t *drive, uint16_t code, bool lasting)
-{
-    if (!drive->powered) {
-        return;
-    }
-    drive->fault.drive = drive->fault.drive || lasting;
-    drive->objects.error_code = code;
-    if (code != TUMBLE_402_ERROR_HEARTBEAT) { /* the node reports that one by itself */
-        tumble_emcy_raise(&drive->node.emcy, code, TUMBLE_ERROR_MANUFACTURER, NULL);
-    }
-    sim_drive_enter(drive, SIM_POWER_FAULT_REACTION);
-    sim_clock_set(drive->clock, SIM_ACTOR_DRIVE, drive->clock->now_us);
-}
-
 void sim_drive_mend(sim_drive_t *drive)
 {
     drive->fault.drive = false;

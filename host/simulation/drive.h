@@ -10,7 +10,7 @@
  *   - units, sign and counts per turn are its own; positions may wrap;
  *   - it keeps to software position limits (607Dh) once it is homed, if it has them.
  *
- * drive.c is the node, drive_power.c the states, drive_motion.c the two modes, drive_fault.c what can go wrong.
+ * drive.c is the node, drive_motion.c the two modes, drive_power.c the states, drive_axis.c the axis and its units.
  * Object values live in drive_objects.h, which is generated from the same table as the EDS file.
  */
 #ifndef TUMBLE_SIMULATION_DRIVE_H

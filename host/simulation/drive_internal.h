@@ -8,9 +8,22 @@
 /* The drive's own position at this table angle. */
 int32_t sim_drive_counts(const sim_drive_t *drive, double angle_deg);
 
+double sim_drive_counts_per_deg(const sim_drive_t *drive);
+
+/* Table angle of a target. Where positions wrap, it is reached by the shorter way. */
+double sim_drive_target_deg(const sim_drive_t *drive, int32_t target);
+
+/* 6067h, in degrees; NOT_WATCHED there, and in 6065h, means that nobody looks. */
+#define NOT_WATCHED UINT32_MAX
+double sim_drive_position_window_deg(const sim_drive_t *drive);
+
+/* The axis sets out. */
+void sim_drive_set_out(sim_drive_t *drive, double target_deg, const sim_axis_dynamics_t *dynamics);
+
 /* Speed and accelerations from the drive's units, within what it can do; 0 means as much as it can do. */
 double sim_drive_acceleration(const sim_drive_t *drive, uint32_t units);
 sim_axis_dynamics_t sim_drive_dynamics(const sim_drive_t *drive);
+sim_axis_dynamics_t sim_drive_homing_dynamics(const sim_drive_t *drive, uint32_t speed_units);
 
 /* Act on the controlword and target that a frame left behind. */
 void sim_drive_obey(sim_drive_t *drive);
@@ -20,9 +33,6 @@ void sim_drive_enter(sim_drive_t *drive, sim_power_t power);
 
 /* Leave Quick stop active and Fault reaction once the axis rests. */
 void sim_drive_finish_stop(sim_drive_t *drive);
-
-/* Bits 4 and 8 of the controlword, in the mode in force. `risen` and `fallen` are bits against the frame before. */
-void sim_drive_obey_mode(sim_drive_t *drive, uint16_t risen, uint16_t fallen, int32_t target_before);
 
 /* Look at axis and modes: motions that have ended, following error. */
 void sim_drive_advance(sim_drive_t *drive);

@@ -8,118 +8,6 @@
 #define HOMING_ON_THE_SPOT_MAX 37 /* methods 35 and 37: where the axis stands is home */
 #define HOMING_ON_THE_SPOT_MIN 35
 
-static double counts_per_deg(const sim_drive_t *drive)
-{
-    return (double)drive->config->sign * (double)drive->config->counts_per_turn / 360.0;
-}
-
-/* Positions count modulo this: as the drive is set, or as 32-bit numbers overflow. */
-static double wrap(const sim_drive_t *drive)
-{
-    return (drive->config->wrap_counts != 0U) ? (double)drive->config->wrap_counts : 4294967296.0;
-}
-
-static double modulo(double x, double period)
-{
-    return x - period * floor(x / period);
-}
-
-static int32_t wrapped(const sim_drive_t *drive, double counts)
-{
-    const double within = modulo(counts, wrap(drive));
-    return (int32_t)((within >= 2147483648.0) ? within - 4294967296.0 : within);
-}
-
-static double whole_counts(const sim_drive_t *drive, double angle_deg)
-{
-    return floor((angle_deg - drive->zero_deg) * counts_per_deg(drive) + 0.5);
-}
-
-int32_t sim_drive_counts(const sim_drive_t *drive, double angle_deg)
-{
-    return wrapped(drive, whole_counts(drive, angle_deg));
-}
-
-/* Table angle of a target. Where positions wrap, it is reached by the shorter way. */
-static double target_degrees(const sim_drive_t *drive, int32_t target)
-{
-    double counts = (double)target;
-    if (drive->config->wrap_counts != 0U) {
-        const double here = whole_counts(drive, drive->axis.motion.end_position);
-        const double way = modulo(counts - here, wrap(drive));
-        counts = here + ((way > 0.5 * wrap(drive)) ? way - wrap(drive) : way);
-    }
-    return drive->zero_deg + counts / counts_per_deg(drive);
-}
-
-static double limited(double units, double per_unit, double most)
-{
-    const double wanted = units / per_unit;
-    return (wanted > 0.0 && wanted < most) ? wanted : most;
-}
-
-double sim_drive_acceleration(const sim_drive_t *drive, uint32_t units)
-{
-    return limited((double)units, drive->config->acceleration_per_deg_s2, drive->config->acceleration_deg_s2);
-}
-
-static double speed(const sim_drive_t *drive, uint32_t units)
-{
-    return limited((double)units, drive->config->velocity_per_deg_s, drive->config->speed_deg_s);
-}
-
-sim_axis_dynamics_t sim_drive_dynamics(const sim_drive_t *drive)
-{
-    return (sim_axis_dynamics_t){speed(drive, drive->objects.profile_velocity),
-                                 sim_drive_acceleration(drive, drive->objects.profile_acceleration),
-                                 sim_drive_acceleration(drive, drive->objects.profile_deceleration)};
-}
-
-static sim_axis_dynamics_t homing_dynamics(const sim_drive_t *drive, uint32_t speed_units)
-{
-    const double acceleration = sim_drive_acceleration(drive, drive->objects.homing_acceleration);
-    return (sim_axis_dynamics_t){speed(drive, speed_units), acceleration, acceleration};
-}
-
-#define NOT_WATCHED UINT32_MAX /* 6065h, 6067h */
-
-static double position_window_deg(const sim_drive_t *drive)
-{
-    return fabs((double)drive->objects.position_window / counts_per_deg(drive));
-}
-
-/* Look at the axis from now on, until there is nothing more to be seen. */
-static void follow_motion(sim_drive_t *drive)
-{
-    const double half_count = 0.5 * drive->config->axis.resolution_deg;
-    drive->settled_us = sim_axis_end_us(&drive->axis);
-    if (drive->objects.position_window != NOT_WATCHED) {
-        drive->settled_us = sim_axis_quiet_us(&drive->axis, position_window_deg(drive)) +
-                            (uint64_t)drive->objects.position_window_time * 1000U;
-    }
-    drive->quiet_us = sim_axis_quiet_us(&drive->axis, half_count);
-    drive->cycle_us = drive->clock->now_us + drive->config->report_us;
-}
-
-/* The axis sets out. */
-static void set_out(sim_drive_t *drive, double target_deg, const sim_axis_dynamics_t *dynamics)
-{
-    sim_axis_move(&drive->axis, drive->clock->now_us, target_deg, dynamics);
-    drive->reached = false;
-    follow_motion(drive);
-}
-
-void sim_drive_stop_axis(sim_drive_t *drive, double deceleration_deg_s2)
-{
-    drive->buffered = false;
-    if (drive->homing == SIM_HOMING_SEARCH || drive->homing == SIM_HOMING_APPROACH) {
-        drive->homing = SIM_HOMING_NONE;
-    }
-    sim_axis_stop(&drive->axis, drive->clock->now_us, deceleration_deg_s2);
-    drive->target_deg = drive->axis.motion.end_position;
-    follow_motion(drive);
-}
-
 /* Profile position mode */
 
 static void go_to_target(sim_drive_t *drive)
@@ -131,7 +19,7 @@ static void go_to_target(sim_drive_t *drive)
         const double here = sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
         end_deg += (end_deg > here) ? -drive->fault.short_by_deg : drive->fault.short_by_deg;
     }
-    set_out(drive, end_deg, &dynamics);
+    sim_drive_set_out(drive, end_deg, &dynamics);
 }
 
 /* 607Dh: once it is homed, and where positions do not wrap. */
@@ -150,7 +38,7 @@ static void start_set_point(sim_drive_t *drive, int32_t target, bool relative)
     const int32_t wanted = relative ? (int32_t)((uint32_t)drive->last_target + (uint32_t)target) : target;
     drive->last_target = within_limits(drive, wanted);
     drive->limited = drive->last_target != wanted;
-    drive->target_deg = target_degrees(drive, drive->last_target);
+    drive->target_deg = sim_drive_target_deg(drive, drive->last_target);
     if (!drive->halted) {
         go_to_target(drive);
     }
@@ -194,7 +82,7 @@ static bool homes_on_the_spot(const sim_drive_t *drive)
 static void finish_homing(sim_drive_t *drive)
 {
     const double here = drive->axis.motion.end_position;
-    drive->zero_deg = here - (double)drive->objects.home_offset / counts_per_deg(drive);
+    drive->zero_deg = here - (double)drive->objects.home_offset / sim_drive_counts_per_deg(drive);
     drive->last_target = drive->objects.home_offset;
     drive->target_deg = here;
     drive->homing = SIM_HOMING_ATTAINED;
@@ -209,7 +97,7 @@ static void start_homing(sim_drive_t *drive)
         return;
     }
     const sim_axis_dynamics_t dynamics =
-        homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_switch);
+        sim_drive_homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_switch);
     double end_deg = -HOME_OVERSHOOT_DEG;
     if (drive->fault.homing_endless) {
         end_deg = -ENDLESS_DEG;
@@ -217,7 +105,7 @@ static void start_homing(sim_drive_t *drive)
         end_deg = drive->axis.motion.end_position - LOST_SEARCH_DEG;
     }
     drive->homing = SIM_HOMING_SEARCH;
-    set_out(drive, end_deg, &dynamics);
+    sim_drive_set_out(drive, end_deg, &dynamics);
 }
 
 static void go_on_homing(sim_drive_t *drive)
@@ -230,9 +118,9 @@ static void go_on_homing(sim_drive_t *drive)
             return;
         }
         const sim_axis_dynamics_t dynamics =
-            homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_zero);
+            sim_drive_homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_zero);
         drive->homing = SIM_HOMING_APPROACH;
-        set_out(drive, 0.0, &dynamics);
+        sim_drive_set_out(drive, 0.0, &dynamics);
     }
 }
 
@@ -242,7 +130,7 @@ static void obey_homing(sim_drive_t *drive, uint16_t risen, uint16_t fallen)
     if ((risen & TUMBLE_402_CONTROL_START_HOMING) != 0U && !under_way && !drive->halted) {
         start_homing(drive);
     } else if ((fallen & TUMBLE_402_CONTROL_START_HOMING) != 0U && under_way) {
-        sim_drive_stop_axis(drive, homing_dynamics(drive, 0).deceleration_deg_s2);
+        sim_drive_stop_axis(drive, sim_drive_homing_dynamics(drive, 0).deceleration_deg_s2);
     }
 }
 
@@ -264,7 +152,8 @@ static void obey_halt(sim_drive_t *drive)
     }
 }
 
-void sim_drive_obey_mode(sim_drive_t *drive, uint16_t risen, uint16_t fallen, int32_t target_before)
+/* Bits 4 and 8 of the controlword, in the mode in force. `risen` and `fallen` are bits against the frame before. */
+static void obey_mode(sim_drive_t *drive, uint16_t risen, uint16_t fallen, int32_t target_before)
 {
     if (drive->power != SIM_POWER_OPERATION_ENABLED) {
         return;
@@ -283,7 +172,7 @@ static bool is_within_window(const sim_drive_t *drive)
         return true;
     }
     const double off = sim_axis_encoder_deg(&drive->axis, drive->clock->now_us) - drive->target_deg;
-    return fabs(off) <= position_window_deg(drive);
+    return fabs(off) <= sim_drive_position_window_deg(drive);
 }
 
 static void watch_following(sim_drive_t *drive)
@@ -292,7 +181,7 @@ static void watch_following(sim_drive_t *drive)
     double velocity;
     const double commanded = sim_axis_commanded_deg(&drive->axis, now_us, &velocity);
     const double error = fabs(commanded - sim_axis_encoder_deg(&drive->axis, now_us));
-    const double window = fabs((double)drive->objects.following_error_window / counts_per_deg(drive));
+    const double window = fabs((double)drive->objects.following_error_window / sim_drive_counts_per_deg(drive));
     if (drive->objects.following_error_window == NOT_WATCHED || error <= window) {
         drive->follow_us = SIM_NEVER;
     } else if (drive->follow_us == SIM_NEVER) {
@@ -346,4 +235,27 @@ uint64_t sim_drive_next_motion_us(const sim_drive_t *drive)
 {
     const bool waits = drive->power == SIM_POWER_OPERATION_ENABLED && drive->settled_us > drive->clock->now_us;
     return (waits && drive->settled_us < drive->cycle_us) ? drive->settled_us : drive->cycle_us;
+}
+
+static void obey_mode_selection(sim_drive_t *drive)
+{
+    if (drive->objects.modes_of_operation == drive->mode || drive->halted) {
+        return;
+    }
+    drive->mode = drive->objects.modes_of_operation;
+    drive->acknowledged = false;
+    drive->buffered = false;
+}
+
+void sim_drive_obey(sim_drive_t *drive)
+{
+    const uint16_t controlword = drive->objects.controlword;
+    const uint16_t before = drive->seen_controlword;
+    const int32_t target_before = drive->seen_target;
+    const bool cause_gone = !drive->fault.drive && !tumble_nmt_any_lost(&drive->node.nmt);
+    drive->seen_controlword = controlword;
+    drive->seen_target = drive->objects.target_position;
+    sim_drive_enter(drive, sim_power_next(drive->power, controlword, before, cause_gone));
+    obey_mode_selection(drive);
+    obey_mode(drive, (uint16_t)(controlword & ~before), (uint16_t)(before & ~controlword), target_before);
 }

@@ -47,29 +47,6 @@ void sim_drive_enter(sim_drive_t *drive, sim_power_t power)
     }
 }
 
-static void obey_mode_selection(sim_drive_t *drive)
-{
-    if (drive->objects.modes_of_operation == drive->mode || drive->halted) {
-        return;
-    }
-    drive->mode = drive->objects.modes_of_operation;
-    drive->acknowledged = false;
-    drive->buffered = false;
-}
-
-void sim_drive_obey(sim_drive_t *drive)
-{
-    const uint16_t controlword = drive->objects.controlword;
-    const uint16_t before = drive->seen_controlword;
-    const int32_t target_before = drive->seen_target;
-    const bool cause_gone = !drive->fault.drive && !tumble_nmt_any_lost(&drive->node.nmt);
-    drive->seen_controlword = controlword;
-    drive->seen_target = drive->objects.target_position;
-    sim_drive_enter(drive, sim_power_next(drive->power, controlword, before, cause_gone));
-    obey_mode_selection(drive);
-    sim_drive_obey_mode(drive, (uint16_t)(controlword & ~before), (uint16_t)(before & ~controlword), target_before);
-}
-
 static bool stands(const sim_drive_t *drive)
 {
     double velocity;
@@ -123,4 +100,18 @@ void sim_drive_finish_stop(sim_drive_t *drive)
     } else if (drive->power == SIM_POWER_FAULT_REACTION) {
         sim_drive_enter(drive, SIM_POWER_FAULT);
     }
+}
+
+void sim_drive_fail(sim_drive_t *drive, uint16_t code, bool lasting)
+{
+    if (!drive->powered) {
+        return;
+    }
+    drive->fault.drive = drive->fault.drive || lasting;
+    drive->objects.error_code = code;
+    if (code != TUMBLE_402_ERROR_HEARTBEAT) { /* the node reports that one by itself */
+        tumble_emcy_raise(&drive->node.emcy, code, TUMBLE_ERROR_MANUFACTURER, NULL);
+    }
+    sim_drive_enter(drive, SIM_POWER_FAULT_REACTION);
+    sim_clock_set(drive->clock, SIM_ACTOR_DRIVE, drive->clock->now_us);
 }
