@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from c_compiler import INCLUDES
+from c_compiler import INCLUDES, firmware_sources
 
 canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
 can = pytest.importorskip("can", reason="python-can is not installed")
@@ -20,17 +20,16 @@ EDS = {name: ROOT / "docs" / "eds" / f"tumble_{name}.eds" for name in ("navcomp"
 NUMBERS = {"navcomp": 1, "drive": 2, "block": 3}
 FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g"]
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-ROOMS = tuple(f"firmware/{room}" for room in ("core", "store", "canopen", "procedure", "stand", "navcomp"))
 
 
 @functools.cache
 def build_harness(folder):
     """Compile tests/integration/canopen_harness.c with the firmware, once; returns the program."""
-    folder.mkdir()
+    folder.mkdir(exist_ok=True)
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = folder / "canopen_harness"
-    sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
+    sources = firmware_sources()
     sources += [f"host/simulation/{name}_objects.c" for name in ("drive", "block")]
     own = ["tests/integration/canopen_harness.c", "tests/lib/flash.c"]
     command = [compiler, *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Itests/lib", *own]

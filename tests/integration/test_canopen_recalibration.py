@@ -7,8 +7,8 @@ import struct
 import subprocess
 
 import pytest
-from c_compiler import INCLUDES
-from canopen_bridge import FLAGS, ROOMS, ROOT, SANITIZERS, PipeBus, canopen
+from c_compiler import INCLUDES, firmware_sources
+from canopen_bridge import FLAGS, ROOT, SANITIZERS, PipeBus, canopen
 
 from recalibration import Computer, entries_of, refusal_of, signature
 
@@ -25,7 +25,7 @@ def build(folder):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = folder / "recalibration_harness"
-    sources = [str(path) for room in ROOMS for path in sorted((ROOT / room).glob("*.c"))]
+    sources = firmware_sources()
     includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
     own += [f"tests/lib/{name}.c" for name in ("keeper_bench", "keeper_memory", "navcomp_bench", "flash",
