@@ -110,7 +110,8 @@ def read_junit(report):
     cases = {(case.get("classname"), case.get("name")): case for case in ElementTree.parse(report).iter("testcase")}
     for (_, name), case in cases.items():  # of one that ran again, the last
         skip = case.find("skipped")
-        outcome.again += [f"{name}: {told.get('value')}" for told in case.iter("property") if told.get("name") == "ran again"]
+        outcome.again += [f"{name}: {told.get('value')}" for told in case.iter("property")
+                          if told.get("name") == "ran again"]
         if case.find("failure") is not None or case.find("error") is not None:
             outcome.failed += 1
         elif skip is not None:

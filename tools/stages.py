@@ -73,7 +73,8 @@ def campaigns(log):
 
 
 def realtime(*arguments):
-    return lambda log: pytest(log, "tests/integration", "-m", "real_time", *arguments, env={"PYTHONPATH": paths("host")})
+    chosen = ("tests/integration", "-m", "real_time", *arguments)
+    return lambda log: pytest(log, *chosen, env={"PYTHONPATH": paths("host")})
 
 
 def realbus(log, *arguments):

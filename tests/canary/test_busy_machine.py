@@ -33,7 +33,8 @@ def outcome_of(tmp_path, busy, passes_at):
     return runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path), env=environment)
 
 
-@pytest.mark.parametrize("busy, passes_at, passed, again", [(True, 1, 1, 0), (True, 2, 1, 1), (False, 2, 0, 0), (True, 9, 0, 3)])
+@pytest.mark.parametrize("busy, passes_at, passed, again",
+                         [(True, 1, 1, 0), (True, 2, 1, 1), (False, 2, 0, 0), (True, 9, 0, 3)])
 def test_only_a_busy_machine_gives_another_try(tmp_path, busy, passes_at, passed, again):
     outcome = outcome_of(tmp_path, busy, passes_at)
     assert (outcome.passed, outcome.failed, len(outcome.again)) == (passed, 1 - passed, again)

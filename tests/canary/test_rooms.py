@@ -1,4 +1,4 @@
-"""tools/rooms.py names file and line of whatever breaks the rules of DESIGN, and accepts what does not."""
+"""tools/rooms.py names file and line of whatever breaks the rules of docs/architecture.md, and accepts what does not."""
 import pytest
 from conftest import run
 
