@@ -63,7 +63,7 @@ def has_vcan():
 
 def command(report, chosen):
     folder = [] if any(word.startswith("tests/") for word in chosen) else ["tests/realbus"]
-    return [sys.executable, "-m", "pytest", "-q", "-ra", "--durations=0", f"--junitxml={report}", *folder, *chosen]
+    return [sys.executable, "-m", "pytest", "-q", "-ra", "--durations=10", f"--junitxml={report}", *folder, *chosen]
 
 
 def environment():

@@ -13,6 +13,7 @@ from typing import Callable
 
 SKIPPED = 77  # exit status of a command that could not do its check
 TAIL_LINES = 40
+BROKEN_CHARACTERS = 2000  # of why a test failed
 
 
 @dataclass
@@ -22,6 +23,7 @@ class Outcome:
     failed: int = 0
     skipped: int = 0
     reasons: Counter = field(default_factory=Counter)
+    broken: list = field(default_factory=list)  # tests that failed, and why
     again: list = field(default_factory=list)  # tests in real time that ran again, and why
 
     @property
@@ -112,8 +114,10 @@ def read_junit(report):
         skip = case.find("skipped")
         outcome.again += [f"{name}: {told.get('value')}" for told in case.iter("property")
                           if told.get("name") == "ran again"]
-        if case.find("failure") is not None or case.find("error") is not None:
+        failure = next((found for kind in ("failure", "error") if (found := case.find(kind)) is not None), None)
+        if failure is not None:
             outcome.failed += 1
+            outcome.broken.append(f"{name}: {failure.get('message', 'no reason given')}")
         elif skip is not None:
             outcome.skipped += 1
             outcome.reasons[skip.get("message", "no reason given")] += 1
@@ -163,6 +167,8 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
             else:
                 add_up(total, stage, *run_stage(*arguments))
         wait_for(beside, total)
+    for told in total.broken:
+        print(f"\nFAILED: {told[:BROKEN_CHARACTERS]}")
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
 
@@ -180,6 +186,7 @@ def add_up(total, stage, outcome, seconds, log):
     # A stage in which no test ran at all has failed, and the sum must say so.
     total.failed += outcome.failed or (outcome.verdict == "FAILED")
     total.skipped += outcome.skipped
+    total.broken += [f"{stage.name}: {told}" for told in outcome.broken]
 
 
 def run_stage(stage, log_folder, missing, timeout_s):

@@ -48,6 +48,11 @@ def test_a_failure_shows_the_end_of_its_log(tmp_path, capsys):
     assert re.search(r"^FAILED   canary", text, re.MULTILINE) and "assert 1 == 2" in text
 
 
+def test_the_tests_that_failed_are_named_at_the_end(tmp_path, capsys):
+    _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, FAILING), stage(lambda log: runner.Outcome(passed=3)))
+    assert re.search(r"\nFAILED: canary: test_b: AssertionError: planted\nassert 1 == 2\n\n4 passed", text)
+
+
 def test_a_skipped_test_gives_its_reason(tmp_path, capsys):
     _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, SKIPPING))
     assert "SKIPPED: no moon tonight" in text
