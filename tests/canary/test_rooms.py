@@ -37,7 +37,7 @@ DEFECTS = {
     "a way round": ("firmware/core/means.c", '#include "../tumble/port.h"\n', '1: "../tumble/port.h" is not a header'),
     "a hidden name": ("firmware/core/means.c", "#include HEADER\n", "1: include of HEADER"),
     "an unknown room": ("firmware/attic/a.c", "int a;\n", "1: no such room: attic"),
-    "a program's own rooms": ("host/gateway/poll.c", '#include "navcomp/navcomp.h"\n',
+    "a program's own rooms": ("host/gateway/poll.c", '#include "tumble/navcomp.h"\n',
                               "1: host/gateway may not know navcomp"),
     "a program next door": ("boards/linux/can.h", '\n#include "poll.h"\n', '2: "poll.h" is neither beside the file'),
     "stdio": ("firmware/core/means.c", "#include <stdio.h>\n", "1: <stdio.h> is not among the headers"),
