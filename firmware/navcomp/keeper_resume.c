@@ -42,7 +42,7 @@ uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper)
                                   stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
         crc = ADD(crc, numbers);
     }
-    double numbers[TUMBLE_STAND_NUMBERS] = {0.0};
+    double numbers[TUMBLE_STAND_NUMBERS] = {0};
     crc = add_numbers(crc, numbers, tumble_stand_numbers(config->stand, config->stand_profile, numbers));
     return crc;
 }

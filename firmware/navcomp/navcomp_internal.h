@@ -1,6 +1,6 @@
 /* navcomp_internal.h - what the files of navcomp share (private to it).
  *
- *     navcomp.c          init, the step, deadlines
+ *     step.c             init, the step, deadlines
  *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets
  *     navcomp_objects.c  the object dictionary's values
  *     navcomp_report.c   commands and the readable side

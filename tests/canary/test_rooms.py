@@ -11,7 +11,7 @@ CLEAN = {
                              'const char *text = "free(";\n',
     "firmware/include/tumble/port.h": '#include <stdint.h>\n#include "tumble/status.h"\n',
     "firmware/navcomp/objects.c": "int a;\n" * 400,
-    "firmware/navcomp/navcomp.c": '#include "core/arith.h"\n#include "tumble/port.h"\n',
+    "firmware/navcomp/step.c": '#include "core/arith.h"\n#include "tumble/port.h"\n',
     "boards/demo/port.c": '#include "tumble/port.h"\n#include "uart.h"\n',
     "boards/demo/uart.h": "int uart;\n",
     "boards/linux/can.h": "int can;\n",

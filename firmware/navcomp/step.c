@@ -1,3 +1,6 @@
+/* step.c - the computer's init, its step, its deadlines: the one file of navcomp that knows the others. None of them calls
+ * it back: they leave what it must know in the object (restart, woken, more, due_us).
+ */
 #include "navcomp/navcomp_internal.h"
 
 #include <stddef.h>
