@@ -38,7 +38,7 @@ static bool counter_outlasts_silence(const tumble_navcomp_config_t *config)
 static bool has_stand(const tumble_navcomp_config_t *config)
 {
     const tumble_stand_kind_t *kind = config->stand;
-    return (kind != NULL) && (config->stand_bytes >= kind->bytes) &&
+    return (kind != NULL) && (config->stand_memory != NULL) && (config->stand_bytes >= kind->bytes) &&
            ((config->stand_node == 0U) || (kind->heartbeat != NULL));
 }
 

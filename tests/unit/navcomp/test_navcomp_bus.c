@@ -59,6 +59,7 @@ static void test_init_refuses_what_it_cannot_work_with(void)
     REFUSED(port = NULL);
     REFUSED(procedure = NULL);
     REFUSED(stand = NULL);
+    REFUSED(stand_memory = NULL);
     REFUSED(stand_bytes = 0);
     REFUSED(stand_bytes--);
     REFUSED(heartbeat_ms = 0);
