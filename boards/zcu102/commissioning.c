@@ -228,9 +228,9 @@ static void point_within(zcu102_commissioned_t *all)
 
 tumble_status_t zcu102_commission(zcu102_commissioned_t *to, const tumble_navcomp_config_t *config)
 {
-    const tumble_drive_profile_t *drive = config->drive;
+    const tumble_drive_profile_t *drive = config->stand_profile;
     const tumble_schedule_t *schedule = config->procedure->schedule;
-    if ((drive == NULL) || (drive->receive_count > TUMBLE_DRIVE402_PDOS) ||
+    if ((config->stand != &tumble_drive402_kind) || (drive->receive_count > TUMBLE_DRIVE402_PDOS) ||
         (drive->transmit_count > TUMBLE_DRIVE402_PDOS) || (drive->write_count > ZCU102_MAX_WRITES) ||
         (schedule->mounting_count > TUMBLE_MAX_MOUNTINGS) || (schedule->position_count > TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;

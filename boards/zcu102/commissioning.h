@@ -7,7 +7,8 @@
 #ifndef ZCU102_COMMISSIONING_H
 #define ZCU102_COMMISSIONING_H
 
-#include "navcomp/navcomp.h"
+#include "stand/drive402/drive402.h"
+#include "tumble/navcomp.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -42,11 +42,8 @@ uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper)
                                   stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
         crc = ADD(crc, numbers);
     }
-    if (config->drive != NULL) {
-        const double numbers[] = {config->drive->counts_per_revolution, (double)config->drive->sign,
-                                  (double)config->drive->homing_method};
-        crc = ADD(crc, numbers);
-    }
+    double numbers[TUMBLE_STAND_NUMBERS] = {0};
+    crc = add_numbers(crc, numbers, tumble_stand_numbers(config->stand, config->stand_profile, numbers));
     return crc;
 }
 

@@ -88,11 +88,12 @@ const tumble_drive_profile_t tumble_standard_drive = {
 
 const tumble_navcomp_config_t tumble_standard_navcomp = {
     .procedure = &tumble_standard_procedure,
-    .drive = &tumble_standard_drive,
+    .stand = &tumble_drive402_kind,
+    .stand_profile = &tumble_standard_drive,
     .block_period_us = 10000,
     .heartbeat_ms = 100,
     .heartbeat_timeout_ms = 500,
     .node = 1,
-    .drive_node = 2,
+    .stand_node = 2,
     .block_node = 3,
 };

@@ -9,8 +9,10 @@
 
 #include "bench/keeping.h"
 #include "tumble/core.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "navcomp/uncertainty.h"
+#include "stand/drive402/drive402.h"
+#include "stand/operator/operator.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
 

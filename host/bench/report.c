@@ -27,7 +27,7 @@ const char *bench_end_name(bench_end_t end)
 static void put_outcome(const bench_world_t *world, bench_json_t *json)
 {
     const tumble_progress_t *const progress = &world->progress;
-    const tumble_drive_refusal_t refusal = tumble_navcomp_drive_refusal(&world->navcomp);
+    const tumble_stand_refusal_t refusal = tumble_navcomp_drive_refusal(&world->navcomp);
     bench_json_whole(json, "seed", world->seed);
     bench_json_text(json, "end", bench_end_name(world->end));
     bench_json_whole(json, "exit", (uint64_t)bench_exit_code(world));

@@ -141,7 +141,7 @@ static int write_commissioning(const char *path, const bench_config_t *config)
 {
     static zcu102_commissioned_t commissioned;
     static uint8_t record[ZCU102_COMMISSIONING_BYTES];
-    const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL);
+    const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL, NULL);
     if (zcu102_commission(&commissioned, &navcomp) != TUMBLE_OK) {
         return fail("the board zcu102 cannot do this run", "it needs a drive, with a profile that fits its record",
                     BENCH_EXIT_USAGE);
@@ -173,7 +173,7 @@ static tumble_status_t init_firmware(replay_run_t *run)
     bench_world_t *const world = &run->world;
     const bench_config_t *const config = world->config;
     world->hooks = (tumble_navcomp_hooks_t){run, on_sample};
-    world->navcomp_config = bench_navcomp_config(config, &run->replay.port, &world->hooks);
+    world->navcomp_config = bench_navcomp_config(config, &run->replay.port, &world->hooks, &world->stand);
     return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
 }
 

@@ -4,7 +4,7 @@
 #ifndef TUMBLE_TESTS_SCRIPTED_CONFIG_H
 #define TUMBLE_TESTS_SCRIPTED_CONFIG_H
 
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "scripted_block.h"
 #include "scripted_drive.h"
 

@@ -20,7 +20,8 @@ static void set_up(void)
     bench_config_defaults(&bench);
     TEST_ASSERT_NULL(bench_config_complete(&bench));
     config = (tumble_navcomp_config_t){
-        .procedure = &bench.procedure, .drive = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
+        .procedure = &bench.procedure, .stand = &tumble_drive402_kind,
+        .stand_profile = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
     memset(record, 0, sizeof record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
     size = zcu102_commissioning_write(&before, record);
@@ -116,9 +117,9 @@ static void test_erased_memory_is_no_record(void)
 
 static void test_what_does_not_fit_is_refused(void)
 {
-    config.drive = NULL;
+    config.stand = NULL;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
-    config.drive = &bench.profile;
+    config.stand = &tumble_drive402_kind;
     bench.profile.write_count = ZCU102_MAX_WRITES + 1U;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
 }
@@ -127,14 +128,14 @@ static void test_without_a_record_the_board_has_what_is_built_in(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_configure(&config, &after));
     TEST_ASSERT_EQUAL_PTR(&tumble_standard_procedure, config.procedure);
-    TEST_ASSERT_EQUAL_PTR(&tumble_standard_drive, config.drive);
+    TEST_ASSERT_EQUAL_PTR(&tumble_standard_drive, config.stand_profile);
     TEST_ASSERT_EQUAL_UINT8(ZCU102_CAN_FILTERS, zcu102_can_for(&config).filter_count);
 }
 
 static void test_filters_open_for_a_drive_with_other_process_data(void)
 {
     before.transmit[0].setup.cob_id = 0x2A2;
-    config.drive = &before.drive;
+    config.stand_profile = &before.drive;
     TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
 }
 

@@ -169,7 +169,7 @@ static void test_a_drive_that_refuses_its_configuration(void)
     bench_start(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     assert_stopped_for(TUMBLE_REASON_STAND_PROTOCOL);
-    const tumble_drive_refusal_t refusal = tumble_navcomp_drive_refusal(&bench.navcomp);
+    const tumble_stand_refusal_t refusal = tumble_navcomp_drive_refusal(&bench.navcomp);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_HOMING_METHOD, refusal.index);
     TEST_ASSERT_EQUAL_HEX32(0x06010002, refusal.abort);
 }
