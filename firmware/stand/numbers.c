@@ -6,7 +6,7 @@ static double number_at(const uint8_t *at, uint8_t type)
 {
     double number;
     int8_t whole;
-    if (type == (uint8_t)TUMBLE_STAND_NUMBER_DOUBLE) {
+    if (type == (uint8_t)TUMBLE_STAND_NUMBER_F64) {
         (void)memcpy(&number, at, sizeof number);
     } else {
         (void)memcpy(&whole, at, sizeof whole);

@@ -35,7 +35,7 @@ bench_text_t bench_text_world(const bench_plan_t *plan)
     add(&text, "drive: %g deg/s, sign %d, ", drive->speed_deg_s, (int)drive->sign);
     add(&text, (drive->wrap_counts > 0U) ? "wraps at %u, " : "does not wrap, ", (unsigned)drive->wrap_counts);
     add(&text, "takes the %s target, stops by %s", drive->latches_stale_target ? "stale" : "new",
-        (config->stop == TUMBLE_STOP_BY_HALT) ? "halt" : "quick stop");
+        (config->profile.stop == TUMBLE_STOP_BY_HALT) ? "halt" : "quick stop");
     add(&text, "; memory: erases in %u us, %s; attendant: mends %u%s", (unsigned)plan->erase_us,
         plan->has_set ? "holds a set" : "blank", (unsigned)plan->attendant.mends,
         plan->attendant.resumes ? ", resumes" : "");

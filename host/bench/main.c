@@ -3,8 +3,7 @@
 
 #include "bench/campaign.h"
 #include "bench/config.h"
-#include "bench/config_file.h"
-#include "bench/config_prepare.h"
+#include "bench/config_keys.h"
 #include "bench/hostile.h"
 #include "bench/interrupt.h"
 #include "bench/options.h"

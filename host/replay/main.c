@@ -1,6 +1,6 @@
 /* tumble-replay: a recorded bus log goes through the firmware again, in virtual time. */
 
-#include "bench/config_prepare.h"
+#include "bench/config.h"
 #include "bench/folder.h"
 #include "bench/report.h"
 #include "bench/report_counters.h"

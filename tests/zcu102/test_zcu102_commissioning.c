@@ -95,6 +95,18 @@ static void test_no_field_is_left_out(void)
     SAME(drive.software_limits);
 }
 
+/* Records that are out there must be read: no field changes its place. */
+static void test_the_record_of_the_standard_stand_is_as_it_always_was(void)
+{
+    static const uint8_t CHECKSUM[] = {0x1D, 0x4D, 0x7C, 0x93};
+    config.block_period_us = 10000;
+    config.heartbeat_ms = 100;
+    config.heartbeat_timeout_ms = 500;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
+    TEST_ASSERT_EQUAL_size_t(1060, zcu102_commissioning_write(&before, record));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(CHECKSUM, &record[12], sizeof CHECKSUM);
+}
+
 static void test_every_wrong_bit_is_refused(void)
 {
     for (size_t bit = 0; bit < 8U * size; bit++) {
@@ -143,6 +155,7 @@ SUITE(zcu102_commissioning, set_up, NULL)
 {
     RUN_TEST(test_what_goes_in_comes_out);
     RUN_TEST(test_no_field_is_left_out);
+    RUN_TEST(test_the_record_of_the_standard_stand_is_as_it_always_was);
     RUN_TEST(test_every_wrong_bit_is_refused);
     RUN_TEST(test_erased_memory_is_no_record);
     RUN_TEST(test_what_does_not_fit_is_refused);

@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from headers import headers_of
 from kinds import TYPES, Entry, TableError, Type
 from rules import (
     ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
@@ -117,9 +118,9 @@ class NodeReader:
         self.path = path
         self.file = path.name  # whose objects are being read
         self.root = root
-        self.document = read_toml(path)
-        self.common = read_toml(common)
-        self.further = read_toml(extension) if extension else {}
+        headers = headers_of(root)
+        self.document, self.common, self.further = (
+            headers.resolve(read_toml(table)) if table else {} for table in (path, common, extension))
         check_keys(self.document, {"node", "object", "receive_pdo", "transmit_pdo", "lists"}, path.name)
         check_keys(self.common, {"object"}, common.name)
         self.settings = self.read_settings()

@@ -142,8 +142,8 @@ typedef struct {
 /* A number of a profile. A run that lost power is gone on with only if it has not changed. */
 typedef enum {
     TUMBLE_STAND_NUMBER_NONE = 0, /* no more of them */
-    TUMBLE_STAND_NUMBER_DOUBLE,
-    TUMBLE_STAND_NUMBER_INT8
+    TUMBLE_STAND_NUMBER_F64,
+    TUMBLE_STAND_NUMBER_I8
 } tumble_stand_number_type_t;
 
 typedef struct {

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/one_copy.h"
+#include "stand/drive402/profile_fields.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -348,14 +349,16 @@ static bool drive_foreign(void *self, uint16_t id, bool ours)
     return is_foreign;
 }
 
-#define AT(member) (uint8_t)offsetof(tumble_drive_profile_t, member)
+/* What a field that decides what comes out of a run is to the seam; the others are nothing to it. */
+#define NUMBER_RESULT(type, member)                                                                                    \
+    {(uint8_t)TUMBLE_STAND_NUMBER_##type, (uint8_t)offsetof(tumble_drive_profile_t, member)},
+#define NUMBER_NO_RESULT(type, member)
+#define NUMBER(type, member, standard, signs, result, part, key, low, high, about) NUMBER_##result(type, member)
 
 const tumble_stand_kind_t tumble_drive402_kind = {
     .bytes = (uint16_t)sizeof(tumble_drive402_t),
     .report_at = (uint16_t)offsetof(tumble_drive402_t, report),
-    .numbers = {{(uint8_t)TUMBLE_STAND_NUMBER_DOUBLE, AT(counts_per_revolution)},
-                {(uint8_t)TUMBLE_STAND_NUMBER_INT8, AT(sign)},
-                {(uint8_t)TUMBLE_STAND_NUMBER_INT8, AT(homing_method)}},
+    .numbers = {TUMBLE_DRIVE_FIELDS(NUMBER)},
     .init = drive_init,
     .step = drive_step,
     .next_us = drive_next_us,
