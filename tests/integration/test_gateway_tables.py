@@ -23,10 +23,8 @@ def test_the_table_for_scripts_names_every_register_once():
 def test_the_page_names_every_register_of_the_table_for_scripts():
     """In its own row, or in one for all that differ from it in their last part."""
     page = (ROOT / "docs/modbus.md").read_text(encoding="utf-8")
-    told = {(number, name) for first, last, name in re.findall(r"^\| (\d+)(?:-(\d+))? \| \**([^|*]+?)\** \|", page, re.M)
-            for number in range(int(first), int(last or first) + 1)}
-    told |= {(number, name) for first, last, name in re.findall(r"^\| (\d+) to (\d+) \| ([^|]+?) \|", page, re.M)
-             for number in range(int(first), int(last) + 1)}
+    rows = re.findall(r"^\| (\d+)(?:(?:-| to )(\d+))? \| \**([^|*]+?)\** \|", page, re.M)
+    told = {(number, name) for first, last, name in rows for number in range(int(first), int(last or first) + 1)}
     stems = {(number, re.sub(r"(\d+|[xyz]{1,2})( to \w+)?$", "", name)) for number, name in told}
     for row in registers():
         place = row["register"]

@@ -104,7 +104,8 @@ def families(items: list, name: Callable, told: Callable) -> list[list]:
 
 def is_next(group: list, item: object, name: Callable, told: Callable) -> bool:
     (number, rest), (following, its_rest) = told(group[-1]), told(item)
-    return (following, its_rest) == (number + 1, rest) and LAST_PART.sub("", name(item)) == LAST_PART.sub("", name(group[0]))
+    stems = {LAST_PART.sub("", name(one)) for one in (group[0], item)}
+    return (following, its_rest) == (number + 1, rest) and len(stems) == 1
 
 
 def family_name(names: list[str]) -> str:
