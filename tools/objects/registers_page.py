@@ -108,7 +108,8 @@ def register_columns(register: Register) -> tuple:
     entry = register.entry
     if entry is None:
         return register.at, None
-    return register.bit, (register.bit - entry.subindex, entry.index, number(register), register.unit, register.validity)
+    rest = register.bit - entry.subindex, entry.index, number(register), register.unit, register.validity
+    return register.bit, rest
 
 
 def number(register: Register) -> str:
