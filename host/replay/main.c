@@ -4,7 +4,6 @@
 #include "bench/config_prepare.h"
 #include "bench/folder.h"
 #include "bench/report.h"
-#include "bench/report_counters.h"
 #include "bench/world.h"
 #include "commissioning.h"
 #include "log.h"

@@ -8,7 +8,7 @@
 
 #include "tumble/core.h"
 #include "simulation/axis.h"
-#include "simulation/law.h"
+#include "simulation/random.h"
 #include "simulation/sensor.h"
 
 #include <stdbool.h>
