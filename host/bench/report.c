@@ -245,13 +245,10 @@ void bench_report_counters(const bench_world_t *world, bench_json_t *json)
 /* Which faults have come, and how often: one that never did was set up wrongly. */
 static void put_faults(const bench_world_t *world, bench_json_t *json)
 {
-#define FAULT_WORD(name, word, sentence) word,
-    static const char *const WORDS[] = {SIM_FAULT_LIST(FAULT_WORD)};
-#undef FAULT_WORD
     bench_json_open(json, "faults", '[');
     for (uint32_t i = 0; i < world->config->scenario.fault_count; i++) {
         bench_json_open(json, NULL, '{');
-        bench_json_text(json, "kind", WORDS[world->config->scenario.faults[i].kind]);
+        bench_json_text(json, "kind", sim_fault_word(world->config->scenario.faults[i].kind));
         bench_json_whole(json, "times", world->script.states[i].times);
         bench_json_close(json, '}');
     }
