@@ -60,18 +60,13 @@ static void add_moment(bench_text_t *text, const bench_moment_t *moment)
 
 static void add_fault(bench_text_t *text, const sim_fault_t *fault)
 {
-    static const char *const WORDS[] = {
-#define FAULT_WORD(name, word, sentence) word,
-        SIM_FAULT_LIST(FAULT_WORD)
-#undef FAULT_WORD
-    };
     static const char *const PHASES[] = {"mount", "home", "move", "settle", "average"};
     if (fault->at_time) {
         add(text, "%10.6f s  ", fault->time_s);
     } else {
         add(text, "at %u.%u %s, plus %.3f s: ", fault->mounting, fault->position, PHASES[fault->phase], fault->delay_s);
     }
-    add(text, "fault %s, value %g, count %d, channels %u, ", WORDS[fault->kind], fault->value, (int)fault->count,
+    add(text, "fault %s, value %g, count %d, channels %u, ", sim_fault_word(fault->kind), fault->value, (int)fault->count,
         fault->channels);
     if (fault->kind >= SIM_FAULT_FRAME_DROP) {
         add(text, "id %03Xh, mask %03Xh, probability %.3f, ", fault->id, fault->mask, fault->probability);

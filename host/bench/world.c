@@ -13,25 +13,6 @@
 #define FIRST_PDO_ID 0x180U
 #define LAST_PDO_ID 0x57FU
 
-/* The firmware's port: the bus itself. */
-
-static uint64_t port_now_us(void *context)
-{
-    return ((const bench_world_t *)context)->clock.now_us;
-}
-
-static tumble_status_t port_send(void *context, const tumble_can_frame_t *frame)
-{
-    bench_world_t *const world = context;
-    return sim_bus_send(&world->bus, BENCH_BUS_NAVCOMP, frame);
-}
-
-static tumble_status_t port_receive(void *context, tumble_can_frame_t *frame)
-{
-    bench_world_t *const world = context;
-    return sim_bus_receive(&world->bus, BENCH_BUS_NAVCOMP, frame);
-}
-
 static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
 {
     bench_world_t *const world = context;
@@ -103,8 +84,8 @@ tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const
 static tumble_status_t init_navcomp(bench_world_t *world)
 {
     const bench_config_t *const config = world->config;
-    world->port = (tumble_port_t){
-        .context = world, .now_us = port_now_us, .can_send = port_send, .can_receive = port_receive};
+    world->firmware = (sim_bus_end_t){&world->bus, BENCH_BUS_NAVCOMP};
+    world->port = sim_bus_port(&world->firmware);
     world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
     world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks, &world->stand);
     if (config->present.navcomp) {

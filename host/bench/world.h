@@ -74,6 +74,7 @@ typedef struct bench_world {
     sim_block_t block;
     bench_fault_script_t script;
     bench_person_t person;
+    sim_bus_end_t firmware; /* its end of the bus */
     tumble_port_t port;
     tumble_navcomp_hooks_t hooks;
     tumble_navcomp_config_t navcomp_config;
