@@ -4,7 +4,7 @@
  *     navcomp_config.keeping = &tumble_keeper_calls;
  *     navcomp_config.keeper = &keeper;
  *
- * When a run is DONE the keeper makes a set of its result, judges it (store/commit_rules.h), and commits it or holds it
+ * When a run is DONE the keeper makes a set of its result, judges it (sets/rules.h), and commits it or holds it
  * as the proposal. A result that the store has held before, to the last bit, is not stored again. After every finished
  * position it writes a checkpoint, so that a run that lost power can go on. All this goes on in navcomp's own step, at
  * most one call of the memory each; nothing waits. What the memory refuses is counted, and the active set stays. An
@@ -23,11 +23,11 @@
 #include "navcomp/keeping.h"
 #include "navcomp/navcomp.h"
 #include "navcomp/parameters.h"
-#include "store/checkpoint.h"
-#include "store/commit_rules.h"
-#include "store/history.h"
-#include "store/store.h"
-#include "store/trend.h"
+#include "sets/checkpoint.h"
+#include "sets/rules.h"
+#include "sets/history.h"
+#include "sets/store.h"
+#include "sets/trend.h"
 
 #include <stdbool.h>
 #include <stdint.h>

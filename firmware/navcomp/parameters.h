@@ -18,8 +18,8 @@
 #include "canopen/node.h"
 #include "tumble/status.h"
 #include "tumble/port.h"
-#include "store/nv_writer.h"
-#include "store/regions.h"
+#include "sets/nv_writer.h"
+#include "sets/regions.h"
 
 #include <stdbool.h>
 #include <stdint.h>

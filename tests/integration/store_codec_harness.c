@@ -3,10 +3,10 @@
  *
  *     store_codec set|entry|run|position [FINGERPRINT]
  */
-#include "store/checkpoint.h"
-#include "store/history.h"
+#include "sets/checkpoint.h"
+#include "sets/history.h"
 #include "flash.h"
-#include "store/set_record.h"
+#include "sets/set_record.h"
 
 #include <inttypes.h>
 #include <stdio.h>

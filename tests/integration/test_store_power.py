@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-STORE = ("store", "store_job", "set_record", "layout", "nv_writer", "regions", "history", "history_entry", "checkpoint")
+STORE = ("store", "store_job", "set_record", "record", "nv_writer", "regions", "history", "history_entry", "checkpoint")
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra"]
 
 # A bug of the firmware: its files, what stands there, what is planted, and at last what the campaign must say of it.
@@ -20,10 +20,10 @@ BUGS = {
         "PLAN_ERASE | IN_TARGET, PLAN_BODY | IN_TARGET,\n                                   PLAN_MARK | IN_TARGET, PLAN_END",
         "PLAN_ERASE | IN_TARGET, PLAN_MARK | IN_TARGET,\n                                   PLAN_BODY | IN_TARGET, PLAN_END",
         "store_job.c",
-        "(tumble_layout_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
+        "(tumble_record_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "(mark[MARK_CRC] != 1U)",
         "set_record.c",
-        "return tumble_layout_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;",
+        "return tumble_record_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;",
         "return TUMBLE_OK;",
         "must never be found",
     ),
@@ -35,7 +35,7 @@ BUGS = {
         "return (active != (uint8_t)TUMBLE_REGION_SLOT_A) ?",
         "must never be found",
     ),
-    "no checksum": ("layout.c", "return tumble_layout_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
+    "no checksum": ("record.c", "return tumble_record_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
     "the oldest set is active": ("store_job.c", "a->stamp.sequence > b->", "a->stamp.sequence < b->", "must never be found"),
     "cleared before it is accepted": (
         "store.c",
@@ -87,7 +87,7 @@ BUGS = {
 def build(firmware, program):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
-    sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
+    sources = [firmware / f"sets/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
     subprocess.run(
         [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
          ROOT / "tests/lib/flash.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
@@ -98,11 +98,11 @@ def build(firmware, program):
 
 def part_of(file):
     """The part of the campaign that has to do with it."""
-    return {"layout.c": "checkpoint", "history.c": "history", "checkpoint.c": "checkpoint"}.get(file, "store")
+    return {"record.c": "checkpoint", "history.c": "history", "checkpoint.c": "checkpoint"}.get(file, "store")
 
 
 def plant(firmware, file, good, bad):
-    source = firmware / "store" / file
+    source = firmware / "sets" / file
     text = source.read_text(encoding="utf-8")
     assert text.count(good) == 1, "the planted bug has lost its place"
     source.write_text(text.replace(good, bad), encoding="utf-8")
@@ -112,7 +112,7 @@ def plant(firmware, file, good, bad):
 @pytest.mark.parametrize("bug", BUGS)
 def test_a_planted_bug_is_found(bug, tmp_path):
     *edits, complaint = BUGS[bug]
-    for room in ("core", "include", "store"):
+    for room in ("core", "include", "sets"):
         shutil.copytree(ROOT / "firmware" / room, tmp_path / "firmware" / room)
     for edit in zip(*[iter(edits)] * 3):
         plant(tmp_path / "firmware", *edit)

@@ -2,7 +2,7 @@
 #ifndef STORE_SETS_H
 #define STORE_SETS_H
 
-#include "store/store.h"
+#include "sets/store.h"
 #include "flash.h"
 
 /* Every field filled in, every one of them by `tag`. */

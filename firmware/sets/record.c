@@ -1,4 +1,4 @@
-#include "store/layout.h"
+#include "sets/record.h"
 
 #include "core/crc32.h"
 
@@ -13,7 +13,7 @@ static uint32_t place_of(uint32_t i, uint32_t width)
 #endif
 }
 
-void tumble_layout_encode(const tumble_field_t *fields, uint32_t field_count, const uint8_t *object, uint8_t *bytes)
+void tumble_record_encode(const tumble_field_t *fields, uint32_t field_count, const uint8_t *object, uint8_t *bytes)
 {
     uint32_t at = 0;
     for (uint32_t f = 0; f < field_count; f++) {
@@ -25,7 +25,7 @@ void tumble_layout_encode(const tumble_field_t *fields, uint32_t field_count, co
     }
 }
 
-void tumble_layout_decode(const tumble_field_t *fields, uint32_t field_count, const uint8_t *bytes, uint8_t *object)
+void tumble_record_decode(const tumble_field_t *fields, uint32_t field_count, const uint8_t *bytes, uint8_t *object)
 {
     uint32_t at = 0;
     for (uint32_t f = 0; f < field_count; f++) {
@@ -37,14 +37,14 @@ void tumble_layout_decode(const tumble_field_t *fields, uint32_t field_count, co
     }
 }
 
-void tumble_layout_put_u32(uint8_t *bytes, uint32_t value)
+void tumble_record_put_u32(uint8_t *bytes, uint32_t value)
 {
     for (uint32_t i = 0; i < 4U; i++) {
         bytes[i] = (uint8_t)((value >> (8U * i)) & 0xFFU);
     }
 }
 
-uint32_t tumble_layout_get_u32(const uint8_t *bytes)
+uint32_t tumble_record_get_u32(const uint8_t *bytes)
 {
     uint32_t value = 0;
     for (uint32_t i = 0; i < 4U; i++) {
@@ -53,12 +53,12 @@ uint32_t tumble_layout_get_u32(const uint8_t *bytes)
     return value;
 }
 
-void tumble_layout_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before)
+void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before)
 {
-    tumble_layout_put_u32(&bytes[size], tumble_crc32(crc_before, bytes, size));
+    tumble_record_put_u32(&bytes[size], tumble_crc32(crc_before, bytes, size));
 }
 
-bool tumble_layout_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before)
+bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before)
 {
-    return tumble_layout_get_u32(&bytes[size]) == tumble_crc32(crc_before, bytes, size);
+    return tumble_record_get_u32(&bytes[size]) == tumble_crc32(crc_before, bytes, size);
 }

@@ -6,14 +6,14 @@
  * newest entry's sequence with the store's at start-up, and appends what is missing, has them all.
  * Jobs as in store.h: begin, then step; at most one call of the memory a step.
  */
-#ifndef TUMBLE_STORE_HISTORY_H
-#define TUMBLE_STORE_HISTORY_H
+#ifndef TUMBLE_SETS_HISTORY_H
+#define TUMBLE_SETS_HISTORY_H
 
 #include "tumble/core.h"
 #include "tumble/port.h"
-#include "store/nv_writer.h"
-#include "store/regions.h"
-#include "store/set_record.h"
+#include "sets/nv_writer.h"
+#include "sets/regions.h"
+#include "sets/set_record.h"
 
 #include <stdbool.h>
 #include <stdint.h>

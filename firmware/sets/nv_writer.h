@@ -3,8 +3,8 @@
  * Begun, then stepped until it is done; a step makes at most one call of the memory. What is to be programmed must stay
  * where it is until then.
  */
-#ifndef TUMBLE_STORE_NV_WRITER_H
-#define TUMBLE_STORE_NV_WRITER_H
+#ifndef TUMBLE_SETS_NV_WRITER_H
+#define TUMBLE_SETS_NV_WRITER_H
 
 #include "tumble/status.h"
 #include "tumble/port.h"

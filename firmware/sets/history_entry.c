@@ -1,7 +1,7 @@
-#include "store/history.h"
+#include "sets/history.h"
 
 #include "core/arith.h"
-#include "store/layout.h"
+#include "sets/record.h"
 
 #include <float.h>
 #include <stddef.h>
@@ -30,8 +30,8 @@ static bool is_finite(const tumble_history_entry_t *entry)
 
 void tumble_history_number(uint8_t bytes[TUMBLE_HISTORY_BYTES], uint32_t number)
 {
-    tumble_layout_put_u32(&bytes[AT_FIELDS], number);
-    tumble_layout_seal(bytes, AT_CRC, 0);
+    tumble_record_put_u32(&bytes[AT_FIELDS], number);
+    tumble_record_seal(bytes, AT_CRC, 0);
 }
 
 tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8_t bytes[TUMBLE_HISTORY_BYTES])
@@ -43,8 +43,8 @@ tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8
         return TUMBLE_E_NOT_FINITE;
     }
     (void)memcpy(bytes, magic, sizeof magic);
-    tumble_layout_encode(fields, COUNT_OF(fields), (const uint8_t *)entry, &bytes[AT_FIELDS]);
-    tumble_layout_seal(bytes, AT_CRC, 0);
+    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)entry, &bytes[AT_FIELDS]);
+    tumble_record_seal(bytes, AT_CRC, 0);
     return TUMBLE_OK;
 }
 
@@ -56,11 +56,11 @@ tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES],
     if (memcmp(bytes, magic, sizeof magic) != 0) {
         return TUMBLE_E_FRAME;
     }
-    if (!tumble_layout_is_sealed(bytes, AT_CRC, 0)) {
+    if (!tumble_record_is_sealed(bytes, AT_CRC, 0)) {
         return TUMBLE_E_CRC;
     }
     tumble_history_entry_t read = {0};
-    tumble_layout_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)&read);
+    tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)&read);
     if (!is_finite(&read)) {
         return TUMBLE_E_NOT_FINITE;
     }

@@ -1,6 +1,6 @@
-#include "store/history.h"
+#include "sets/history.h"
 
-#include "store/layout.h"
+#include "sets/record.h"
 
 #include <stddef.h>
 #include <string.h>

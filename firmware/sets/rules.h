@@ -1,4 +1,4 @@
-/* commit_rules.h - may a new set of coefficients replace the active one by itself?
+/* rules.h - may a new set of coefficients replace the active one by itself?
  *
  * A pure function: candidate, active set and limits in, a bit per objection out; none: commit. Whatever cannot be
  * judged is an objection. The set is then held as a proposal with these bits, for an operator to accept or discard.
@@ -16,11 +16,11 @@
  *
  * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (tumble/core.h).
  */
-#ifndef TUMBLE_STORE_COMMIT_RULES_H
-#define TUMBLE_STORE_COMMIT_RULES_H
+#ifndef TUMBLE_SETS_RULES_H
+#define TUMBLE_SETS_RULES_H
 
 #include "tumble/core.h"
-#include "store/set_record.h"
+#include "sets/set_record.h"
 
 #include <stdbool.h>
 #include <stdint.h>

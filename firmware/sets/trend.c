@@ -1,4 +1,4 @@
-#include "store/trend.h"
+#include "sets/trend.h"
 
 #include "core/arith.h"
 

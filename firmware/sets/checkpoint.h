@@ -5,13 +5,13 @@
  * the checkpoint of a run that ended in a commit is not taken up again). The CRC of every entry covers it too.
  * Jobs as in store.h: begin, then step; at most one call of the memory a step.
  */
-#ifndef TUMBLE_STORE_CHECKPOINT_H
-#define TUMBLE_STORE_CHECKPOINT_H
+#ifndef TUMBLE_SETS_CHECKPOINT_H
+#define TUMBLE_SETS_CHECKPOINT_H
 
 #include "tumble/core.h"
 #include "tumble/port.h"
-#include "store/nv_writer.h"
-#include "store/regions.h"
+#include "sets/nv_writer.h"
+#include "sets/regions.h"
 
 #include <stdbool.h>
 #include <stdint.h>

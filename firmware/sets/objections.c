@@ -1,5 +1,5 @@
 /* The names of the commit rules' objections. */
-#include "store/commit_rules.h"
+#include "sets/rules.h"
 
 const char *tumble_objection_name(tumble_objection_t objection)
 {

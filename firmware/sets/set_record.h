@@ -3,8 +3,8 @@
  * The bytes are laid down in docs/store.md: little endian, 320 of them, a CRC-32 at the end. Encoding and decoding are pure
  * functions, byte by byte, the same on every machine. What is unknown has its flag cleared and is 0, never NaN.
  */
-#ifndef TUMBLE_STORE_SET_RECORD_H
-#define TUMBLE_STORE_SET_RECORD_H
+#ifndef TUMBLE_SETS_SET_RECORD_H
+#define TUMBLE_SETS_SET_RECORD_H
 
 #include "tumble/core.h"
 

@@ -1,8 +1,8 @@
 /* store_internal.h - what the two halves of the store share: store.c answers and begins jobs, store_job.c does them. */
-#ifndef TUMBLE_STORE_STORE_INTERNAL_H
-#define TUMBLE_STORE_STORE_INTERNAL_H
+#ifndef TUMBLE_SETS_STORE_INTERNAL_H
+#define TUMBLE_SETS_STORE_INTERNAL_H
 
-#include "store/store.h"
+#include "sets/store.h"
 
 #define NO_REGION 0xFFU
 #define READ_ATTEMPTS 3U /* to read a place, before it counts as lost */

@@ -1,7 +1,7 @@
-#include "store/set_record.h"
+#include "sets/set_record.h"
 
 #include "core/arith.h"
-#include "store/layout.h"
+#include "sets/record.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -79,7 +79,7 @@ static tumble_status_t check_number(const uint8_t *bytes, range_t range)
 {
     static const tumble_field_t one = {0, sizeof(double), 1};
     double x = 0.0;
-    tumble_layout_decode(&one, 1, bytes, (uint8_t *)&x);
+    tumble_record_decode(&one, 1, bytes, (uint8_t *)&x);
     if (!tumble_is_finite(x)) {
         return TUMBLE_E_NOT_FINITE;
     }
@@ -121,7 +121,7 @@ static bool serial_ends_in_zeros(const uint8_t *serial)
 
 static uint32_t flags_in(const uint8_t *bytes)
 {
-    return tumble_layout_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
+    return tumble_record_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
 }
 
 /* Everything but head and CRC. */
@@ -141,43 +141,43 @@ tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
     if (memcmp(bytes, head, sizeof head) != 0) {
         return TUMBLE_E_FRAME;
     }
-    return tumble_layout_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;
+    return tumble_record_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;
 }
 
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
 {
-    tumble_layout_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
+    tumble_record_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
     bytes[AT_ORIGIN] = stamp->origin;
-    tumble_layout_put_u32(&bytes[AT_RESTORES], stamp->restores);
-    tumble_layout_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
-    tumble_layout_seal(bytes, AT_CRC, 0);
+    tumble_record_put_u32(&bytes[AT_RESTORES], stamp->restores);
+    tumble_record_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
+    tumble_record_seal(bytes, AT_CRC, 0);
 }
 
 void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp)
 {
-    stamp->sequence = tumble_layout_get_u32(&bytes[AT_SEQUENCE]);
-    stamp->restores = tumble_layout_get_u32(&bytes[AT_RESTORES]);
-    stamp->from_crc = tumble_layout_get_u32(&bytes[AT_FROM_CRC]);
+    stamp->sequence = tumble_record_get_u32(&bytes[AT_SEQUENCE]);
+    stamp->restores = tumble_record_get_u32(&bytes[AT_RESTORES]);
+    stamp->from_crc = tumble_record_get_u32(&bytes[AT_FROM_CRC]);
     stamp->origin = bytes[AT_ORIGIN];
 }
 
 void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags)
 {
-    const uint32_t word = tumble_layout_get_u32(&bytes[AT_ORIGIN]);
-    tumble_layout_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
+    const uint32_t word = tumble_record_get_u32(&bytes[AT_ORIGIN]);
+    tumble_record_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
 }
 
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
 {
-    return tumble_layout_get_u32(&bytes[AT_CRC]);
+    return tumble_record_get_u32(&bytes[AT_CRC]);
 }
 
 static void put_fields(const tumble_set_t *set, uint8_t *bytes)
 {
     (void)memcpy(bytes, head, sizeof head);
-    tumble_layout_encode(fields, COUNT_OF(fields), (const uint8_t *)set, &bytes[AT_FIELDS]);
+    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)set, &bytes[AT_FIELDS]);
     (void)memset(&bytes[AT_ZERO], 0, 2);
-    tumble_layout_encode(late_fields, COUNT_OF(late_fields), (const uint8_t *)set, &bytes[AT_ZERO + 2U]);
+    tumble_record_encode(late_fields, COUNT_OF(late_fields), (const uint8_t *)set, &bytes[AT_ZERO + 2U]);
     for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
         if (!is_known(&numbers[i], set->flags)) {
             (void)memset(&bytes[numbers[i].at], 0, numbers[i].count * sizeof(double));
@@ -213,8 +213,8 @@ tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_
     const tumble_status_t status = tumble_set_check(bytes);
     if (status == TUMBLE_OK) {
         *set = (tumble_set_t){0};
-        tumble_layout_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)set);
-        tumble_layout_decode(late_fields, COUNT_OF(late_fields), &bytes[AT_ZERO + 2U], (uint8_t *)set);
+        tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)set);
+        tumble_record_decode(late_fields, COUNT_OF(late_fields), &bytes[AT_ZERO + 2U], (uint8_t *)set);
         set->record_crc = tumble_set_crc(bytes);
     }
     return status;

@@ -9,14 +9,14 @@
  * memory: where a history or a checkpoint lies in the same memory, step one of them until it is not busy, then the next.
  * The caller owns the object; not re-entrant on one object.
  */
-#ifndef TUMBLE_STORE_STORE_H
-#define TUMBLE_STORE_STORE_H
+#ifndef TUMBLE_SETS_STORE_H
+#define TUMBLE_SETS_STORE_H
 
 #include "tumble/status.h"
 #include "tumble/port.h"
-#include "store/nv_writer.h"
-#include "store/regions.h"
-#include "store/set_record.h"
+#include "sets/nv_writer.h"
+#include "sets/regions.h"
+#include "sets/set_record.h"
 
 #include <assert.h>
 #include <stdbool.h>

@@ -1,8 +1,8 @@
-#include "store/checkpoint.h"
+#include "sets/checkpoint.h"
 
 #include "core/arith.h"
 #include "core/crc32.h"
-#include "store/layout.h"
+#include "sets/record.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -42,7 +42,7 @@ static uint32_t offset_of(const tumble_checkpoint_t *checkpoint, uint32_t at)
 static uint32_t crc_of_run(uint32_t fingerprint)
 {
     uint8_t bytes[4];
-    tumble_layout_put_u32(bytes, fingerprint);
+    tumble_record_put_u32(bytes, fingerprint);
     return tumble_crc32(0, bytes, sizeof bytes);
 }
 
@@ -68,18 +68,18 @@ static void put_entry(const tumble_checkpoint_t *checkpoint, uint8_t index, cons
     (void)memset(bytes, 0, TUMBLE_CHECKPOINT_BYTES);
     (void)memcpy(bytes, entry_head, sizeof entry_head);
     bytes[AT_INDEX] = index;
-    tumble_layout_encode(fields, COUNT_OF(fields), (const uint8_t *)average, &bytes[AT_AVERAGE]);
-    tumble_layout_seal(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint));
+    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)average, &bytes[AT_AVERAGE]);
+    tumble_record_seal(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint));
 }
 
 static tumble_status_t get_entry(const tumble_checkpoint_t *checkpoint, tumble_average_t *average)
 {
     const uint8_t *bytes = checkpoint->bytes;
     if ((memcmp(bytes, entry_head, sizeof entry_head) != 0) ||
-        !tumble_layout_is_sealed(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint))) {
+        !tumble_record_is_sealed(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint))) {
         return TUMBLE_E_CRC;
     }
-    tumble_layout_decode(fields, COUNT_OF(fields), &bytes[AT_AVERAGE], (uint8_t *)average);
+    tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_AVERAGE], (uint8_t *)average);
     return check_average(bytes[AT_INDEX], average);
 }
 
@@ -119,8 +119,8 @@ bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint)
 static void note_header(tumble_checkpoint_t *checkpoint)
 {
     checkpoint->kept = (memcmp(checkpoint->bytes, run_head, sizeof run_head) == 0) &&
-                       tumble_layout_is_sealed(checkpoint->bytes, AT_CRC, 0);
-    checkpoint->fingerprint = tumble_layout_get_u32(&checkpoint->bytes[AT_FINGERPRINT]);
+                       tumble_record_is_sealed(checkpoint->bytes, AT_CRC, 0);
+    checkpoint->fingerprint = tumble_record_get_u32(&checkpoint->bytes[AT_FINGERPRINT]);
 }
 
 static void note_entry(tumble_checkpoint_t *checkpoint, bool was_read)
@@ -182,8 +182,8 @@ static void begin_header(tumble_checkpoint_t *checkpoint)
     uint8_t *bytes = checkpoint->bytes;
     (void)memset(bytes, 0, TUMBLE_CHECKPOINT_BYTES);
     (void)memcpy(bytes, run_head, sizeof run_head);
-    tumble_layout_put_u32(&bytes[AT_FINGERPRINT], checkpoint->fingerprint);
-    tumble_layout_seal(bytes, AT_CRC, 0);
+    tumble_record_put_u32(&bytes[AT_FINGERPRINT], checkpoint->fingerprint);
+    tumble_record_seal(bytes, AT_CRC, 0);
     begin_program(checkpoint, 0, PHASE_BEGINNING);
 }
 

@@ -3,8 +3,8 @@
  * Of a sector only the first TUMBLE_STORE_MIN_SECTOR bytes are used, so the layout is the same for every larger sector and
  * for every granule.
  */
-#ifndef TUMBLE_STORE_REGIONS_H
-#define TUMBLE_STORE_REGIONS_H
+#ifndef TUMBLE_SETS_REGIONS_H
+#define TUMBLE_SETS_REGIONS_H
 
 #include "tumble/status.h"
 #include "tumble/port.h"

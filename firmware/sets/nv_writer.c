@@ -1,6 +1,6 @@
-#include "store/nv_writer.h"
+#include "sets/nv_writer.h"
 
-#include "store/regions.h"
+#include "sets/regions.h"
 
 #include <stddef.h>
 #include <string.h>

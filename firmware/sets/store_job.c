@@ -1,7 +1,7 @@
 /* What is under way: a scan of all places, or a job, action by action. After a job comes a scan, so what the store answers
  * is what the memory holds, also where it failed. */
-#include "store/layout.h"
-#include "store/store_internal.h"
+#include "sets/record.h"
+#include "sets/store_internal.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -74,14 +74,14 @@ void tumble_store_set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
     uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
     (void)memset(mark, 0xFF, TUMBLE_SET_MARK_BYTES);
     (void)memcpy(mark, done, sizeof done);
-    tumble_layout_put_u32(&mark[MARK_CRC], tumble_set_crc(bytes));
+    tumble_record_put_u32(&mark[MARK_CRC], tumble_set_crc(bytes));
 }
 
 bool tumble_store_is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 {
     const uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
     return (memcmp(mark, done, sizeof done) == 0) &&
-           (tumble_layout_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
+           (tumble_record_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
 }
 
 static bool is_valid(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])

@@ -4,8 +4,8 @@
  * first date, so nothing cancels. The uncertainty of the drift is that of independent values; what all calibrations on
  * one stand have in common does not make a drift, and then it is stated too large, not too small.
  */
-#ifndef TUMBLE_STORE_TREND_H
-#define TUMBLE_STORE_TREND_H
+#ifndef TUMBLE_SETS_TREND_H
+#define TUMBLE_SETS_TREND_H
 
 #include "tumble/status.h"
 

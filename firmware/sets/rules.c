@@ -1,7 +1,7 @@
-#include "store/commit_rules.h"
+#include "sets/rules.h"
 
 #include "core/arith.h"
-#include "store/trend.h"
+#include "sets/trend.h"
 
 #include <stddef.h>
 #include <string.h>

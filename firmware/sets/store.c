@@ -1,6 +1,6 @@
-#include "store/store.h"
+#include "sets/store.h"
 
-#include "store/store_internal.h"
+#include "sets/store_internal.h"
 
 #include <stddef.h>
 

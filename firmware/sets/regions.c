@@ -1,4 +1,4 @@
-#include "store/regions.h"
+#include "sets/regions.h"
 
 #include <stdbool.h>
 #include <stddef.h>
