@@ -1,9 +1,6 @@
 /* resident_store.c - what a computer that keeps its coefficients has in RAM besides, for the budget: store, history and
  * checkpoint, and the sums of one trend. */
-#include "sets/checkpoint.h"
-#include "sets/history.h"
-#include "sets/store.h"
-#include "sets/trend.h"
+#include "tumble/sets.h"
 
 tumble_store_t tumble_resident_store;
 tumble_history_t tumble_resident_history;

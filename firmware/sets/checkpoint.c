@@ -1,42 +1,33 @@
-#include "sets/checkpoint.h"
-
 #include "core/arith.h"
 #include "core/crc32.h"
+#include "sets/log.h"
 #include "sets/record.h"
 
 #include <stddef.h>
 #include <string.h>
 
-enum { PHASE_IDLE = 0, PHASE_SCANNING, PHASE_CLEARING, PHASE_ERASING_FIRST, PHASE_ERASING_SECOND, PHASE_BEGINNING,
-       PHASE_WRITING };
+enum { JOB_CLEAR = TUMBLE_LOG_OWN, JOB_ERASE_FIRST, JOB_ERASE_SECOND, JOB_BEGIN, JOB_WRITE };
 
 #define CELLS_PER_SECTOR (TUMBLE_STORE_MIN_SECTOR / TUMBLE_CHECKPOINT_BYTES)
-#define AT_FINGERPRINT 8U
+#define RUN_HEAD_BYTES 8U
 #define AT_INDEX 2U
-#define AT_AVERAGE 4U
 #define AT_CRC 60U
 
 #define FIELD(member, width, count) {(uint16_t)offsetof(tumble_average_t, member), (width), (count)}
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
-static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a cell is one byte");
-static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a cell");
+static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a at_cell is one byte");
+static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a at_cell");
 
-static const uint8_t run_head[AT_FINGERPRINT] = {0x54, 0x52, 0x55, 0x4E, 1, 0, TUMBLE_CHECKPOINT_BYTES, 0}; /* TRUN */
+static const uint8_t run_head[RUN_HEAD_BYTES] = {0x54, 0x52, 0x55, 0x4E, 1, 0, TUMBLE_CHECKPOINT_BYTES, 0}; /* TRUN */
 static const uint8_t entry_head[AT_INDEX] = {0x54, 0x50};                                                     /* TP */
-static const tumble_field_t fields[] = {FIELD(samples, 4, 1), FIELD(sum_counts, 8, TUMBLE_CHANNELS),
-                                        FIELD(scatter_counts, 4, TUMBLE_CHANNELS)};
-
-static void count(uint32_t *counter)
-{
-    *counter += (*counter < UINT32_MAX) ? 1U : 0U;
-}
-
-static uint32_t offset_of(const tumble_checkpoint_t *checkpoint, uint32_t at)
-{
-    return (((uint32_t)TUMBLE_REGION_CHECKPOINT + (at / CELLS_PER_SECTOR)) * checkpoint->writer.nv->sector_bytes) +
-           ((at % CELLS_PER_SECTOR) * TUMBLE_CHECKPOINT_BYTES);
-}
+static const tumble_field_t run_fields[] = {{(uint16_t)offsetof(tumble_checkpoint_t, fingerprint), 4, 1}};
+static const tumble_field_t entry_fields[] = {
+    {TUMBLE_FIELD_NONE, 1, 2}, FIELD(samples, 4, 1), FIELD(sum_counts, 8, TUMBLE_CHANNELS),
+    FIELD(scatter_counts, 4, TUMBLE_CHANNELS)}; /* the first of the two bytes is the index */
+static const tumble_record_t run_record = {run_head, run_fields, AT_CRC, sizeof run_head, COUNT_OF(run_fields)};
+static const tumble_record_t entry_record = {entry_head, entry_fields, AT_CRC, sizeof entry_head,
+                                             COUNT_OF(entry_fields)};
 
 /* Every entry is bound to its run: the CRC goes on from that of the fingerprint. */
 static uint32_t crc_of_run(uint32_t fingerprint)
@@ -65,21 +56,18 @@ static tumble_status_t check_average(uint8_t index, const tumble_average_t *aver
 static void put_entry(const tumble_checkpoint_t *checkpoint, uint8_t index, const tumble_average_t *average,
                       uint8_t *bytes)
 {
-    (void)memset(bytes, 0, TUMBLE_CHECKPOINT_BYTES);
-    (void)memcpy(bytes, entry_head, sizeof entry_head);
+    tumble_record_fill(&entry_record, average, bytes);
     bytes[AT_INDEX] = index;
-    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)average, &bytes[AT_AVERAGE]);
     tumble_record_seal(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint));
 }
 
 static tumble_status_t get_entry(const tumble_checkpoint_t *checkpoint, tumble_average_t *average)
 {
     const uint8_t *bytes = checkpoint->bytes;
-    if ((memcmp(bytes, entry_head, sizeof entry_head) != 0) ||
-        !tumble_record_is_sealed(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint))) {
+    if (tumble_record_check(&entry_record, bytes, crc_of_run(checkpoint->fingerprint)) != TUMBLE_OK) {
         return TUMBLE_E_CRC;
     }
-    tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_AVERAGE], (uint8_t *)average);
+    tumble_record_read(&entry_record, bytes, average);
     return check_average(bytes[AT_INDEX], average);
 }
 
@@ -90,172 +78,119 @@ static void forget(tumble_checkpoint_t *checkpoint)
     checkpoint->next = 1;
 }
 
-static void begin_scan(tumble_checkpoint_t *checkpoint)
-{
-    forget(checkpoint);
-    checkpoint->scanned = 0;
-    checkpoint->phase = PHASE_SCANNING;
-}
-
 tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tumble_nv_t *nv)
 {
+    static const tumble_log_kind_t kind = {TUMBLE_REGION_CHECKPOINT, CELLS_PER_SECTOR, TUMBLE_CHECKPOINT_BYTES};
     if (checkpoint == NULL) {
         return TUMBLE_E_ARGUMENT;
     }
-    *checkpoint = (tumble_checkpoint_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_nv_writer_open(&checkpoint->writer, nv);
-    if (status == TUMBLE_OK) {
-        checkpoint->outcome = TUMBLE_OK;
-        begin_scan(checkpoint);
-    }
-    return status;
+    forget(checkpoint);
+    return tumble_log_open(&checkpoint->log, &kind, nv);
 }
 
 bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint)
 {
-    return checkpoint->phase != (uint8_t)PHASE_IDLE;
+    return tumble_log_busy(&checkpoint->log);
 }
 
 static void note_header(tumble_checkpoint_t *checkpoint)
 {
-    checkpoint->kept = (memcmp(checkpoint->bytes, run_head, sizeof run_head) == 0) &&
-                       tumble_record_is_sealed(checkpoint->bytes, AT_CRC, 0);
-    checkpoint->fingerprint = tumble_record_get_u32(&checkpoint->bytes[AT_FINGERPRINT]);
+    checkpoint->kept = (tumble_record_check(&run_record, checkpoint->bytes, 0) == TUMBLE_OK);
+    tumble_record_read(&run_record, checkpoint->bytes, checkpoint);
 }
 
-static void note_entry(tumble_checkpoint_t *checkpoint, bool was_read)
+static void note_entry(tumble_checkpoint_t *checkpoint)
 {
+    tumble_log_t *log = &checkpoint->log;
     tumble_average_t average;
-    if (was_read && tumble_nv_is_blank(checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES)) {
+    if (tumble_log_is_blank(log, checkpoint->bytes)) {
         return;
     }
-    checkpoint->next = checkpoint->scanned + 1U;
-    if (was_read && (get_entry(checkpoint, &average) == TUMBLE_OK)) {
-        checkpoint->place[checkpoint->bytes[AT_INDEX]] = checkpoint->scanned;
-    } else if (!checkpoint->booted) {
-        count(&checkpoint->torn);
-    } else {
-        /* an attempt that failed, and was counted as such */
+    const bool valid = log->was_read && (get_entry(checkpoint, &average) == TUMBLE_OK);
+    checkpoint->next = log->at_cell + 1U;
+    if (valid) {
+        checkpoint->place[checkpoint->bytes[AT_INDEX]] = log->at_cell;
     }
+    tumble_log_note(log, valid);
 }
 
-static void scan(tumble_checkpoint_t *checkpoint)
+/* Without its header nothing is kept. */
+static void note_cell(tumble_checkpoint_t *checkpoint)
 {
-    const uint32_t offset = offset_of(checkpoint, checkpoint->scanned);
-    const tumble_status_t status =
-        tumble_nv_read(checkpoint->writer.nv, offset, checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES);
-    if (status == TUMBLE_E_PORT_BUSY) {
-        return;
-    }
-    if (status != TUMBLE_OK) {
-        count(&checkpoint->nv_errors);
-    }
-    if (checkpoint->scanned > 0U) {
-        note_entry(checkpoint, status == TUMBLE_OK);
-    } else if (status == TUMBLE_OK) {
+    if (checkpoint->log.at_cell > 0U) {
+        note_entry(checkpoint);
+    } else if (checkpoint->log.was_read) {
         note_header(checkpoint);
     } else {
-        /* without its header nothing is kept */
+        /* there is none */
     }
-    checkpoint->scanned++;
-    if (!checkpoint->kept || (checkpoint->scanned == TUMBLE_CHECKPOINT_CELLS)) {
-        checkpoint->booted = true;
-        checkpoint->phase = PHASE_IDLE;
-    }
-}
-
-static void begin_erase(tumble_checkpoint_t *checkpoint, uint32_t at, uint8_t phase)
-{
-    tumble_nv_begin_erase(&checkpoint->writer, offset_of(checkpoint, at), TUMBLE_STORE_MIN_SECTOR);
-    checkpoint->phase = phase;
-}
-
-static void begin_program(tumble_checkpoint_t *checkpoint, uint32_t at, uint8_t phase)
-{
-    tumble_nv_begin_program(&checkpoint->writer, offset_of(checkpoint, at), checkpoint->bytes,
-                            TUMBLE_CHECKPOINT_BYTES);
-    checkpoint->phase = phase;
+    tumble_log_next(&checkpoint->log, checkpoint->kept);
 }
 
 static void begin_header(tumble_checkpoint_t *checkpoint)
 {
     uint8_t *bytes = checkpoint->bytes;
-    (void)memset(bytes, 0, TUMBLE_CHECKPOINT_BYTES);
-    (void)memcpy(bytes, run_head, sizeof run_head);
-    tumble_record_put_u32(&bytes[AT_FINGERPRINT], checkpoint->fingerprint);
+    tumble_record_fill(&run_record, checkpoint, bytes);
     tumble_record_seal(bytes, AT_CRC, 0);
-    begin_program(checkpoint, 0, PHASE_BEGINNING);
+    tumble_log_program(&checkpoint->log, 0, bytes, JOB_BEGIN);
 }
 
 /* What has been written is there. The header comes last: before it nothing counts. */
 static void go_on(tumble_checkpoint_t *checkpoint)
 {
-    const uint8_t phase = checkpoint->phase;
-    if (phase == (uint8_t)PHASE_ERASING_FIRST) {
-        begin_erase(checkpoint, CELLS_PER_SECTOR, PHASE_ERASING_SECOND);
+    tumble_log_t *log = &checkpoint->log;
+    switch (log->job) {
+    case JOB_ERASE_FIRST:
+        tumble_log_erase(log, 1, JOB_ERASE_SECOND);
         return;
-    }
-    if (phase == (uint8_t)PHASE_ERASING_SECOND) {
+    case JOB_ERASE_SECOND:
         begin_header(checkpoint);
         return;
-    }
-    if (phase == (uint8_t)PHASE_BEGINNING) {
+    case JOB_BEGIN:
         checkpoint->kept = true;
-    }
-    if (phase == (uint8_t)PHASE_WRITING) {
+        break;
+    case JOB_WRITE:
         checkpoint->place[checkpoint->bytes[AT_INDEX]] = checkpoint->next;
         checkpoint->next++;
+        break;
+    default: /* it is cleared */
+        break;
     }
-    checkpoint->outcome = TUMBLE_OK;
-    checkpoint->phase = PHASE_IDLE;
+    tumble_log_end(log);
 }
 
 tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint)
 {
-    if (checkpoint->phase == (uint8_t)PHASE_SCANNING) {
-        scan(checkpoint);
-    } else if (checkpoint->phase != (uint8_t)PHASE_IDLE) {
-        const tumble_status_t status = tumble_nv_writer_step(&checkpoint->writer);
-        if (status == TUMBLE_OK) {
-            go_on(checkpoint);
-        } else if (status == TUMBLE_E_NV) {
-            count(checkpoint->writer.failed_to_hold ? &checkpoint->verify : &checkpoint->nv_errors);
-            checkpoint->outcome = status;
-            begin_scan(checkpoint);
-        } else {
-            /* it goes on at the next step */
-        }
+    const tumble_log_event_t event = tumble_log_step(&checkpoint->log, checkpoint->bytes);
+    if (event == TUMBLE_LOG_CELL) {
+        note_cell(checkpoint);
+    } else if (event == TUMBLE_LOG_DONE) {
+        go_on(checkpoint);
+    } else if (event == TUMBLE_LOG_FAILED) {
+        forget(checkpoint);
     } else {
-        /* nothing is under way */
+        /* it goes on at the next step */
     }
-    return tumble_checkpoint_busy(checkpoint) ? TUMBLE_E_PORT_BUSY : checkpoint->outcome;
-}
-
-static tumble_status_t ready(const tumble_checkpoint_t *checkpoint)
-{
-    if (tumble_checkpoint_busy(checkpoint)) {
-        return TUMBLE_E_PORT_BUSY;
-    }
-    return (checkpoint->writer.nv != NULL) ? TUMBLE_OK : TUMBLE_E_STATE;
+    return tumble_checkpoint_busy(checkpoint) ? TUMBLE_E_PORT_BUSY : checkpoint->log.outcome;
 }
 
 tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
 {
-    const tumble_status_t status = ready(checkpoint);
+    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
     if (status == TUMBLE_OK) {
         forget(checkpoint);
         checkpoint->fingerprint = fingerprint;
-        begin_erase(checkpoint, 0, PHASE_ERASING_FIRST);
+        tumble_log_erase(&checkpoint->log, 0, JOB_ERASE_FIRST);
     }
     return status;
 }
 
 tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint)
 {
-    const tumble_status_t status = ready(checkpoint);
+    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
     if (status == TUMBLE_OK) {
         forget(checkpoint);
-        begin_erase(checkpoint, 0, PHASE_CLEARING);
+        tumble_log_erase(&checkpoint->log, 0, JOB_CLEAR);
     }
     return status;
 }
@@ -263,7 +198,7 @@ tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint)
 tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
                                          const tumble_average_t *average)
 {
-    tumble_status_t status = ready(checkpoint);
+    tumble_status_t status = tumble_log_ready(&checkpoint->log);
     if (status != TUMBLE_OK) {
         return status;
     }
@@ -281,7 +216,7 @@ tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_
         return TUMBLE_E_FULL;
     }
     put_entry(checkpoint, index, average, checkpoint->bytes);
-    begin_program(checkpoint, checkpoint->next, PHASE_WRITING);
+    tumble_log_program(&checkpoint->log, checkpoint->next, checkpoint->bytes, JOB_WRITE);
     return TUMBLE_OK;
 }
 
@@ -306,8 +241,7 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     if (!tumble_checkpoint_has(checkpoint, index)) {
         return TUMBLE_E_MISSING_POSITION;
     }
-    const tumble_status_t status = tumble_nv_read(checkpoint->writer.nv, offset_of(checkpoint, checkpoint->place[index]),
-                                                  checkpoint->bytes, TUMBLE_CHECKPOINT_BYTES);
+    const tumble_status_t status = tumble_log_read(&checkpoint->log, checkpoint->place[index], checkpoint->bytes);
     if (status != TUMBLE_OK) {
         return status;
     }

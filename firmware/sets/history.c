@@ -1,183 +1,120 @@
-#include "sets/history.h"
-
-#include "sets/record.h"
+#include "sets/history_entry.h"
+#include "sets/log.h"
 
 #include <stddef.h>
 #include <string.h>
 
-enum { PHASE_IDLE = 0, PHASE_SCANNING, PHASE_ERASING, PHASE_WRITING };
+enum { JOB_ERASE = TUMBLE_LOG_OWN, JOB_WRITE };
 
-#define SECTORS 2U
 #define MAX_NUMBER (UINT32_MAX - 1U)
 
 static_assert(TUMBLE_HISTORY_CELLS == 32U, "the valid cells of a sector are the bits of one word");
 
-static uint32_t offset_of(const tumble_history_t *history, uint32_t sector, uint32_t at)
-{
-    return (((uint32_t)TUMBLE_REGION_HISTORY + sector) * history->writer.nv->sector_bytes) + (at * TUMBLE_HISTORY_BYTES);
-}
-
-static void count(uint32_t *counter)
-{
-    *counter += (*counter < UINT32_MAX) ? 1U : 0U;
-}
-
-static void begin_scan(tumble_history_t *history)
+static void forget(tumble_history_t *history)
 {
     (void)memset(history->valid, 0, sizeof history->valid);
-    (void)memset(history->used, 0, sizeof history->used);
     history->newest = 0;
     history->sequence = 0;
     history->sector = 0;
-    history->scanned = 0;
-    history->unread = false;
-    history->phase = PHASE_SCANNING;
 }
 
 tumble_status_t tumble_history_init(tumble_history_t *history, const tumble_nv_t *nv)
 {
+    static const tumble_log_kind_t kind = {TUMBLE_REGION_HISTORY, TUMBLE_HISTORY_CELLS, TUMBLE_HISTORY_BYTES};
     if (history == NULL) {
         return TUMBLE_E_ARGUMENT;
     }
-    *history = (tumble_history_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_nv_writer_open(&history->writer, nv);
-    if (status == TUMBLE_OK) {
-        history->outcome = TUMBLE_OK;
-        begin_scan(history);
-    }
-    return status;
+    forget(history);
+    return tumble_log_open(&history->log, &kind, nv);
 }
 
 bool tumble_history_busy(const tumble_history_t *history)
 {
-    return history->phase != (uint8_t)PHASE_IDLE;
+    return tumble_log_busy(&history->log);
 }
 
-static void note_valid(tumble_history_t *history, uint32_t sector, uint32_t at,
-                       const tumble_history_entry_t *entry)
+/* The entry in `bytes`, of the cell that was looked at or written. False: there is none. */
+static bool note_entry(tumble_history_t *history)
 {
-    history->valid[sector] |= UINT32_C(1) << at;
-    if (entry->number > history->newest) {
-        history->newest = entry->number;
-        history->sequence = entry->sequence;
-        history->sector = (uint8_t)sector;
-    }
-}
-
-static void note_cell(tumble_history_t *history, bool was_read)
-{
-    const uint32_t sector = history->scanned / TUMBLE_HISTORY_CELLS;
-    const uint32_t at = history->scanned % TUMBLE_HISTORY_CELLS;
+    const uint32_t at_cell = history->log.at_cell;
     tumble_history_entry_t entry;
-    if (was_read && tumble_nv_is_blank(history->bytes, TUMBLE_HISTORY_BYTES)) {
+    if (tumble_history_decode(history->bytes, &entry) != TUMBLE_OK) {
+        return false;
+    }
+    history->valid[at_cell / TUMBLE_HISTORY_CELLS] |= UINT32_C(1) << (at_cell % TUMBLE_HISTORY_CELLS);
+    if (entry.number > history->newest) {
+        history->newest = entry.number;
+        history->sequence = entry.sequence;
+        history->sector = (uint8_t)(at_cell / TUMBLE_HISTORY_CELLS);
+    }
+    return true;
+}
+
+static void note_cell(tumble_history_t *history)
+{
+    if (!tumble_log_is_blank(&history->log, history->bytes)) {
+        tumble_log_note(&history->log, history->log.was_read && note_entry(history));
+    }
+    tumble_log_next(&history->log, true);
+}
+
+static void begin_writing(tumble_history_t *history, uint32_t sector)
+{
+    const uint32_t at_cell = (sector * TUMBLE_HISTORY_CELLS) + history->log.used[sector];
+    tumble_log_program(&history->log, (uint8_t)at_cell, history->bytes, JOB_WRITE);
+}
+
+static void go_on(tumble_history_t *history)
+{
+    if (history->log.job == (uint8_t)JOB_ERASE) {
+        history->log.used[history->sector ^ 1U] = 0;
+        begin_writing(history, history->sector ^ 1U);
         return;
     }
-    history->used[sector] = (uint8_t)(at + 1U);
-    if (was_read && (tumble_history_decode(history->bytes, &entry) == TUMBLE_OK)) {
-        note_valid(history, sector, at, &entry);
-    } else if (!history->booted) {
-        count(&history->torn);
-    } else {
-        /* an attempt that failed, and was counted as such */
-    }
-}
-
-static void scan(tumble_history_t *history)
-{
-    const uint32_t sector = history->scanned / TUMBLE_HISTORY_CELLS;
-    const uint32_t offset = offset_of(history, sector, history->scanned % TUMBLE_HISTORY_CELLS);
-    const tumble_status_t status = tumble_nv_read(history->writer.nv, offset, history->bytes, TUMBLE_HISTORY_BYTES);
-    if (status == TUMBLE_E_PORT_BUSY) {
-        return;
-    }
-    if (status != TUMBLE_OK) {
-        count(&history->nv_errors);
-        history->unread = true;
-    }
-    note_cell(history, status == TUMBLE_OK);
-    history->scanned++;
-    if (history->scanned == (SECTORS * TUMBLE_HISTORY_CELLS)) {
-        history->booted = true;
-        history->phase = PHASE_IDLE;
-    }
-}
-
-static void begin_writing(tumble_history_t *history)
-{
-    const uint32_t offset = offset_of(history, history->sector, history->used[history->sector]);
-    tumble_nv_begin_program(&history->writer, offset, history->bytes, TUMBLE_HISTORY_BYTES);
-    history->phase = PHASE_WRITING;
-}
-
-static void end_erasing(tumble_history_t *history)
-{
-    history->sector = (history->sector == 0U) ? 1U : 0U;
-    history->used[history->sector] = 0;
-    begin_writing(history);
-}
-
-static void end_writing(tumble_history_t *history)
-{
-    tumble_history_entry_t entry;
-    (void)tumble_history_decode(history->bytes, &entry); /* these are the bytes that append() made */
-    note_valid(history, history->sector, history->used[history->sector], &entry);
-    history->used[history->sector]++;
-    history->outcome = TUMBLE_OK;
-    history->phase = PHASE_IDLE;
-}
-
-static void write_on(tumble_history_t *history)
-{
-    const tumble_status_t status = tumble_nv_writer_step(&history->writer);
-    if (status == TUMBLE_E_NV) {
-        count(history->writer.failed_to_hold ? &history->verify : &history->nv_errors);
-        history->outcome = status;
-        begin_scan(history);
-    } else if (status == TUMBLE_E_PORT_BUSY) {
-        /* it goes on at the next step */
-    } else if (history->phase == (uint8_t)PHASE_ERASING) {
-        end_erasing(history);
-    } else {
-        end_writing(history);
-    }
+    tumble_log_note(&history->log, note_entry(history)); /* these are the bytes that append() made */
+    tumble_log_end(&history->log);
 }
 
 tumble_status_t tumble_history_step(tumble_history_t *history)
 {
-    if (history->phase == (uint8_t)PHASE_SCANNING) {
-        scan(history);
-    } else if (history->phase != (uint8_t)PHASE_IDLE) {
-        write_on(history);
+    const tumble_log_event_t event = tumble_log_step(&history->log, history->bytes);
+    if (event == TUMBLE_LOG_CELL) {
+        note_cell(history);
+    } else if (event == TUMBLE_LOG_DONE) {
+        go_on(history);
+    } else if (event == TUMBLE_LOG_FAILED) {
+        forget(history);
     } else {
-        /* nothing is under way */
+        /* it goes on at the next step */
     }
-    return tumble_history_busy(history) ? TUMBLE_E_PORT_BUSY : history->outcome;
+    return tumble_history_busy(history) ? TUMBLE_E_PORT_BUSY : history->log.outcome;
 }
 
 tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_history_entry_t *entry)
 {
-    if (tumble_history_busy(history)) {
-        return TUMBLE_E_PORT_BUSY;
-    }
-    if ((history->writer.nv == NULL) || (history->newest >= MAX_NUMBER)) {
-        return TUMBLE_E_STATE;
-    }
-    const tumble_status_t status = tumble_history_encode(entry, history->bytes);
+    tumble_status_t status = tumble_log_ready(&history->log);
     if (status != TUMBLE_OK) {
         return status;
     }
-    if (history->unread) { /* a cell that could not be read may hold the newest entry: look again first */
-        begin_scan(history);
+    if (history->newest >= MAX_NUMBER) {
+        return TUMBLE_E_STATE;
+    }
+    status = tumble_history_encode(entry, history->bytes);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    if (history->log.unread) { /* a cell that could not be read may hold the newest entry: look again first */
+        forget(history);
+        tumble_log_scan(&history->log);
         return TUMBLE_E_NV;
     }
     tumble_history_number(history->bytes, history->newest + 1U);
-    if (history->used[history->sector] < TUMBLE_HISTORY_CELLS) {
-        begin_writing(history);
+    if (history->log.used[history->sector] < TUMBLE_HISTORY_CELLS) {
+        begin_writing(history, history->sector);
     } else {
         const uint32_t other = (history->sector == 0U) ? 1U : 0U;
         history->valid[other] = 0;
-        tumble_nv_begin_erase(&history->writer, offset_of(history, other, 0), TUMBLE_STORE_MIN_SECTOR);
-        history->phase = PHASE_ERASING;
+        tumble_log_erase(&history->log, (uint8_t)other, JOB_ERASE);
     }
     return TUMBLE_OK;
 }
@@ -197,7 +134,7 @@ uint32_t tumble_history_sequence(const tumble_history_t *history)
 }
 
 /* From the newest backwards through its sector, then from the end of the other. */
-static uint32_t offset_of_age(const tumble_history_t *history, uint8_t age)
+static uint8_t cell_of_age(const tumble_history_t *history, uint8_t age)
 {
     uint32_t left = age;
     uint32_t sector = history->sector;
@@ -207,7 +144,7 @@ static uint32_t offset_of_age(const tumble_history_t *history, uint8_t age)
         sector ^= (at == 0U) ? 1U : 0U;
         at = ((at == 0U) ? TUMBLE_HISTORY_CELLS : at) - 1U;
     }
-    return offset_of(history, sector, at);
+    return (uint8_t)((sector * TUMBLE_HISTORY_CELLS) + at);
 }
 
 tumble_status_t tumble_history_read(tumble_history_t *history, uint8_t age, tumble_history_entry_t *entry)
@@ -218,7 +155,6 @@ tumble_status_t tumble_history_read(tumble_history_t *history, uint8_t age, tumb
     if ((entry == NULL) || (age >= tumble_history_count(history))) {
         return TUMBLE_E_ARGUMENT;
     }
-    const tumble_status_t status =
-        tumble_nv_read(history->writer.nv, offset_of_age(history, age), history->bytes, TUMBLE_HISTORY_BYTES);
+    const tumble_status_t status = tumble_log_read(&history->log, cell_of_age(history, age), history->bytes);
     return (status == TUMBLE_OK) ? tumble_history_decode(history->bytes, entry) : status;
 }

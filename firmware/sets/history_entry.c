@@ -1,4 +1,4 @@
-#include "sets/history.h"
+#include "sets/history_entry.h"
 
 #include "core/arith.h"
 #include "sets/record.h"
@@ -18,6 +18,8 @@ static const tumble_field_t fields[] = {
     FIELD(estimator, 1, 1),  FIELD(flags, 2, 1),         FIELD(date_utc_s, 8, 1),
     FIELD(temperature_c, 4, 1), FIELD(value, 4, TUMBLE_COEFFICIENTS), FIELD(u, 4, TUMBLE_COEFFICIENTS),
 };
+
+static const tumble_record_t record = {magic, fields, AT_CRC, sizeof magic, COUNT_OF(fields)};
 
 static bool is_finite(const tumble_history_entry_t *entry)
 {
@@ -42,8 +44,7 @@ tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8
     if (!is_finite(entry)) {
         return TUMBLE_E_NOT_FINITE;
     }
-    (void)memcpy(bytes, magic, sizeof magic);
-    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)entry, &bytes[AT_FIELDS]);
+    tumble_record_fill(&record, entry, bytes);
     tumble_record_seal(bytes, AT_CRC, 0);
     return TUMBLE_OK;
 }
@@ -53,14 +54,12 @@ tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES],
     if ((bytes == NULL) || (entry == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (memcmp(bytes, magic, sizeof magic) != 0) {
-        return TUMBLE_E_FRAME;
-    }
-    if (!tumble_record_is_sealed(bytes, AT_CRC, 0)) {
-        return TUMBLE_E_CRC;
+    const tumble_status_t status = tumble_record_check(&record, bytes, 0);
+    if (status != TUMBLE_OK) {
+        return status;
     }
     tumble_history_entry_t read = {0};
-    tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)&read);
+    tumble_record_read(&record, bytes, &read);
     if (!is_finite(&read)) {
         return TUMBLE_E_NOT_FINITE;
     }

@@ -1,7 +1,5 @@
 #include "sets/nv_writer.h"
 
-#include "sets/regions.h"
-
 #include <stddef.h>
 #include <string.h>
 

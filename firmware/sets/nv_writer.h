@@ -1,4 +1,4 @@
-/* nv_writer.h - one erase or one program of the non-volatile memory, and reading back that it is so (private to the store).
+/* nv_writer.h - one erase or one program of the non-volatile memory, and reading back that it is so (private to the room).
  *
  * Begun, then stepped until it is done; a step makes at most one call of the memory. What is to be programmed must stay
  * where it is until then.
@@ -6,24 +6,7 @@
 #ifndef TUMBLE_SETS_NV_WRITER_H
 #define TUMBLE_SETS_NV_WRITER_H
 
-#include "tumble/status.h"
-#include "tumble/port.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-#define TUMBLE_NV_CHUNK 64U
-
-typedef struct {
-    const tumble_nv_t *nv;
-    const uint8_t *bytes; /* null: blank */
-    uint32_t offset;
-    uint32_t size;
-    uint32_t checked;    /* bytes read back so far */
-    bool changes;        /* the erase or program is still to be made */
-    bool failed_to_hold; /* the memory said it was done, and it was not */
-    uint8_t chunk[TUMBLE_NV_CHUNK];
-} tumble_nv_writer_t;
+#include "tumble/sets.h"
 
 void tumble_nv_writer_init(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
 
@@ -42,7 +25,7 @@ void tumble_nv_begin_blank(tumble_nv_writer_t *writer, uint32_t offset, uint32_t
 /* Returns TUMBLE_E_PORT_BUSY (step again), TUMBLE_OK, or TUMBLE_E_NV (a call failed, or what is read back differs). */
 tumble_status_t tumble_nv_writer_step(tumble_nv_writer_t *writer);
 
-/* One read; whatever a port answers beyond TUMBLE_OK and _PORT_BUSY becomes TUMBLE_E_NV. */
+/* One read; whatever a port answers beyond TUMBLE_OK and TUMBLE_E_PORT_BUSY becomes TUMBLE_E_NV. */
 tumble_status_t tumble_nv_read(const tumble_nv_t *nv, uint32_t offset, uint8_t *bytes, uint32_t size);
 
 bool tumble_nv_is_blank(const uint8_t *bytes, uint32_t size);

@@ -1,5 +1,5 @@
 /* The names of the commit rules' objections. */
-#include "sets/rules.h"
+#include "tumble/sets.h"
 
 const char *tumble_objection_name(tumble_objection_t objection)
 {

@@ -1,4 +1,4 @@
-#include "sets/regions.h"
+#include "tumble/sets.h"
 
 #include <stdbool.h>
 #include <stddef.h>

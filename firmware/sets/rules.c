@@ -1,7 +1,6 @@
-#include "sets/rules.h"
+#include "tumble/sets.h"
 
 #include "core/arith.h"
-#include "sets/trend.h"
 
 #include <stddef.h>
 #include <string.h>

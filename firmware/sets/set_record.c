@@ -1,6 +1,7 @@
 #include "sets/set_record.h"
 
 #include "core/arith.h"
+#include "core/bytes.h"
 #include "sets/record.h"
 
 #include <stdbool.h>
@@ -28,7 +29,6 @@
 static const uint8_t head[AT_FIELDS] = {0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0, /* TSET */
                                         TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
 
-/* From AT_FIELDS to AT_ZERO, and from behind the two zeros to the CRC. */
 static const tumble_field_t fields[] = {
     FIELD(sequence, 4, 1),        FIELD(origin, 1, 1),           FIELD(estimator, 1, 1),
     FIELD(flags, 2, 1),           FIELD(block_serial, 1, 24),    FIELD(date_utc_s, 8, 1),
@@ -36,12 +36,11 @@ static const tumble_field_t fields[] = {
     FIELD(coefficients.u0_v, 8, 3), FIELD(uncertainty.k_v_per_g, 8, 9), FIELD(uncertainty.u0_v, 8, 3),
     FIELD(max_abs_fit_g, 8, 1),   FIELD(max_abs_check_g, 8, 1),  FIELD(limit_g, 8, 1),
     FIELD(closure_v, 8, 1),       FIELD(samples, 4, 1),          FIELD(fit_positions, 1, 1),
-    FIELD(check_positions, 1, 1),
-};
-static const tumble_field_t late_fields[] = {
+    FIELD(check_positions, 1, 1), {TUMBLE_FIELD_NONE, 1, 2},
     FIELD(schedule_crc, 4, 1), FIELD(stand_crc, 4, 1), FIELD(reasons, 4, 1),
     FIELD(restores, 4, 1),     FIELD(from_crc, 4, 1),
 };
+static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_OF(fields)};
 
 /* Which doubles must be what, and by which flag they are known. */
 typedef enum { ANY_SIGN, NOT_NEGATIVE, POSITIVE } range_t;
@@ -77,9 +76,7 @@ static bool are_zero(const uint8_t *bytes, uint32_t size)
 
 static tumble_status_t check_number(const uint8_t *bytes, range_t range)
 {
-    static const tumble_field_t one = {0, sizeof(double), 1};
-    double x = 0.0;
-    tumble_record_decode(&one, 1, bytes, (uint8_t *)&x);
+    const double x = tumble_get_f64(bytes);
     if (!tumble_is_finite(x)) {
         return TUMBLE_E_NOT_FINITE;
     }
@@ -138,10 +135,8 @@ static tumble_status_t check_fields(const uint8_t *bytes)
 
 tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
 {
-    if (memcmp(bytes, head, sizeof head) != 0) {
-        return TUMBLE_E_FRAME;
-    }
-    return tumble_record_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;
+    const tumble_status_t status = tumble_record_check(&record, bytes, 0);
+    return (status == TUMBLE_OK) ? check_fields(bytes) : status;
 }
 
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
@@ -174,10 +169,7 @@ uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
 
 static void put_fields(const tumble_set_t *set, uint8_t *bytes)
 {
-    (void)memcpy(bytes, head, sizeof head);
-    tumble_record_encode(fields, COUNT_OF(fields), (const uint8_t *)set, &bytes[AT_FIELDS]);
-    (void)memset(&bytes[AT_ZERO], 0, 2);
-    tumble_record_encode(late_fields, COUNT_OF(late_fields), (const uint8_t *)set, &bytes[AT_ZERO + 2U]);
+    tumble_record_fill(&record, set, bytes);
     for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
         if (!is_known(&numbers[i], set->flags)) {
             (void)memset(&bytes[numbers[i].at], 0, numbers[i].count * sizeof(double));
@@ -213,8 +205,7 @@ tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_
     const tumble_status_t status = tumble_set_check(bytes);
     if (status == TUMBLE_OK) {
         *set = (tumble_set_t){0};
-        tumble_record_decode(fields, COUNT_OF(fields), &bytes[AT_FIELDS], (uint8_t *)set);
-        tumble_record_decode(late_fields, COUNT_OF(late_fields), &bytes[AT_ZERO + 2U], (uint8_t *)set);
+        tumble_record_read(&record, bytes, set);
         set->record_crc = tumble_set_crc(bytes);
     }
     return status;

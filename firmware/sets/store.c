@@ -1,16 +1,18 @@
-#include "sets/store.h"
+#include "sets/store_job.h"
 
-#include "sets/store_internal.h"
+#include "core/count.h"
+#include "sets/nv_writer.h"
 
 #include <stddef.h>
 
 tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv)
 {
+    static const tumble_slot_kind_t kind = {TUMBLE_SET_BYTES, TUMBLE_SET_PLACE_BYTES};
     if (store == NULL) {
         return TUMBLE_E_ARGUMENT;
     }
-    *store = (tumble_store_t){.outcome = TUMBLE_E_STATE};
-    const tumble_status_t status = tumble_nv_writer_open(&store->writer, nv);
+    *store = (tumble_store_t){.slots.kind = &kind, .outcome = TUMBLE_E_STATE};
+    const tumble_status_t status = tumble_nv_writer_open(&store->slots.writer, nv);
     if (status == TUMBLE_OK) {
         store->outcome = TUMBLE_OK;
         tumble_store_begin_scan(store);
@@ -68,34 +70,6 @@ uint32_t tumble_store_proposal(const tumble_store_t *store)
     return tumble_store_has(store, TUMBLE_SET_PROPOSAL) ? store->places[TUMBLE_REGION_PROPOSAL].crc : 0U;
 }
 
-static tumble_status_t take_apart(tumble_store_t *store, tumble_status_t read, tumble_set_t *set)
-{
-    tumble_status_t status = read;
-    if (status == TUMBLE_OK) {
-        status = tumble_store_is_marked(store->bytes) ? tumble_set_decode(store->bytes, set) : TUMBLE_E_FRAME;
-    }
-    if (status != TUMBLE_OK) {
-        tumble_store_count(&store->counters.nv_errors);
-        tumble_store_begin_scan(store);
-    }
-    return status;
-}
-
-/* A failure or two are as good as a memory at work. A scan for each would find what is there, and a memory that fails
- * every so many calls could fail in the read behind it, time and again. */
-static tumble_status_t read_place(tumble_store_t *store, uint8_t region)
-{
-    const tumble_status_t status =
-        tumble_nv_read(store->writer.nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
-    if ((status == TUMBLE_E_NV) && (store->failed_reads < (READ_ATTEMPTS - 1U))) {
-        store->failed_reads++;
-        tumble_store_count(&store->counters.nv_errors);
-        return TUMBLE_E_PORT_BUSY;
-    }
-    store->failed_reads = (status == TUMBLE_E_PORT_BUSY) ? store->failed_reads : 0U;
-    return status;
-}
-
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set)
 {
     if ((set == NULL) || ((unsigned)which > (unsigned)TUMBLE_SET_PREVIOUS)) {
@@ -108,8 +82,18 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
     if (region == NO_REGION) {
         return TUMBLE_E_STATE;
     }
-    const tumble_status_t status = read_place(store, region);
-    return (status == TUMBLE_E_PORT_BUSY) ? status : take_apart(store, status, set);
+    tumble_status_t status =
+        tumble_slots_read(&store->slots, tumble_store_place(store, region), store->bytes, &store->counters.nv_errors);
+    if (status == TUMBLE_OK) {
+        status = tumble_store_is_marked(store->bytes) ? tumble_set_decode(store->bytes, set) : TUMBLE_E_FRAME;
+        if (status != TUMBLE_OK) {
+            tumble_count(&store->counters.nv_errors);
+        }
+    }
+    if ((status != TUMBLE_OK) && (status != TUMBLE_E_PORT_BUSY)) {
+        tumble_store_begin_scan(store);
+    }
+    return status;
 }
 
 /* The slot that is not active; the first one where none is. */
@@ -122,7 +106,7 @@ static uint8_t spare_slot(const tumble_store_t *store)
 /* What every job needs: nothing under way, and, where it gives out a sequence, one to give. */
 static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
 {
-    if (store->writer.nv == NULL) {
+    if (store->slots.writer.nv == NULL) {
         return TUMBLE_E_STATE;
     }
     if (tumble_store_busy(store)) {
@@ -147,22 +131,24 @@ static tumble_status_t take(tumble_store_t *store, const tumble_set_t *set, cons
     const tumble_status_t status = tumble_set_encode_as(set, &store->stamp, store->bytes);
     if (status == TUMBLE_OK) {
         tumble_store_set_mark(store->bytes);
-        tumble_store_begin_plan(store, plan);
+        tumble_slots_begin(&store->slots, plan);
     }
     return status;
 }
 
 tumble_status_t tumble_store_commit(tumble_store_t *store, const tumble_set_t *set)
 {
-    static const uint8_t plan[] = {PLAN_ERASE | IN_PROPOSAL, PLAN_ERASE | IN_TARGET, PLAN_BODY | IN_TARGET,
-                                   PLAN_MARK | IN_TARGET, PLAN_END}; /* from its second action where nothing is left over */
+    /* From its second action where nothing is left over. */
+    static const uint8_t plan[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_TARGET, SLOT_BODY | IN_TARGET,
+                                   SLOT_MARK | IN_TARGET, SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_COMMITTED);
     return (status == TUMBLE_OK) ? take(store, set, tumble_store_is_stale(store) ? plan : &plan[1]) : status;
 }
 
 tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set)
 {
-    static const uint8_t plan[] = {PLAN_ERASE | IN_PROPOSAL, PLAN_BODY | IN_PROPOSAL, PLAN_MARK | IN_PROPOSAL, PLAN_END};
+    static const uint8_t plan[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL, SLOT_MARK | IN_PROPOSAL,
+                                   SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_HELD);
     return (status == TUMBLE_OK) ? take(store, set, plan) : status;
 }
@@ -170,17 +156,17 @@ tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set
 /* Go on from the proposal that is there. What was staged by a rollback is ended as one. */
 static tumble_status_t take_proposal(tumble_store_t *store)
 {
-    static const uint8_t accept[] = {PLAN_LOAD | IN_PROPOSAL, PLAN_ERASE | IN_TARGET,   PLAN_BODY | IN_TARGET,
-                                     PLAN_MARK | IN_TARGET,   PLAN_ERASE | IN_PROPOSAL, PLAN_END};
-    static const uint8_t end_rollback[] = {PLAN_LOAD | IN_PROPOSAL, PLAN_ERASE | IN_TARGET,   PLAN_BODY | IN_TARGET,
-                                           PLAN_MARK | IN_TARGET,   PLAN_ERASE | IN_PROPOSAL, PLAN_ERASE | IN_OTHER,
-                                           PLAN_END};
+    static const uint8_t accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET, SLOT_BODY | IN_TARGET,
+                                     SLOT_MARK | IN_TARGET, SLOT_ERASE | IN_PROPOSAL, SLOT_END};
+    static const uint8_t end_rollback[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,
+                                           SLOT_BODY | IN_TARGET, SLOT_MARK | IN_TARGET,
+                                           SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_OTHER, SLOT_END};
     const tumble_store_place_t *proposal = &store->places[TUMBLE_REGION_PROPOSAL];
     const bool staged = proposal->stamp.origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK;
     store->stamp.from_crc = proposal->crc;
     store->stamp.restores = proposal->stamp.restores;
     store->stamp.origin = staged ? (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK : (uint8_t)TUMBLE_ORIGIN_ACCEPTED;
-    tumble_store_begin_plan(store, staged ? end_rollback : accept);
+    tumble_slots_begin(&store->slots, staged ? end_rollback : accept);
     return TUMBLE_OK;
 }
 
@@ -201,7 +187,7 @@ tumble_status_t tumble_store_accept_as(tumble_store_t *store, uint16_t flags)
 
 tumble_status_t tumble_store_discard(tumble_store_t *store)
 {
-    static const uint8_t plan[] = {PLAN_ERASE | IN_PROPOSAL, PLAN_END};
+    static const uint8_t plan[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_FACTORY); /* gives out no sequence */
     if (status != TUMBLE_OK) {
         return status;
@@ -209,16 +195,16 @@ tumble_status_t tumble_store_discard(tumble_store_t *store)
     if (!tumble_store_has(store, TUMBLE_SET_PROPOSAL)) {
         return TUMBLE_E_STATE;
     }
-    tumble_store_begin_plan(store, plan);
+    tumble_slots_begin(&store->slots, plan);
     return TUMBLE_OK;
 }
 
 tumble_status_t tumble_store_rollback(tumble_store_t *store)
 {
-    static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE,   PLAN_ERASE | IN_PROPOSAL, PLAN_BODY | IN_PROPOSAL,
-                                   PLAN_MARK | IN_PROPOSAL, PLAN_STAMP,               PLAN_ERASE | IN_TARGET,
-                                   PLAN_BODY | IN_TARGET,   PLAN_MARK | IN_TARGET,    PLAN_ERASE | IN_PROPOSAL,
-                                   PLAN_ERASE | IN_OTHER,   PLAN_END};
+    static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,
+                                   SLOT_MARK | IN_PROPOSAL, PLAN_STAMP, SLOT_ERASE | IN_TARGET,
+                                   SLOT_BODY | IN_TARGET, SLOT_MARK | IN_TARGET, SLOT_ERASE | IN_PROPOSAL,
+                                   SLOT_ERASE | IN_OTHER, SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
     if (status != TUMBLE_OK) {
         return status;
@@ -234,13 +220,14 @@ tumble_status_t tumble_store_rollback(tumble_store_t *store)
     }
     store->source = previous;
     store->stamp.restores = store->places[previous].stamp.sequence;
-    tumble_store_begin_plan(store, plan);
+    tumble_slots_begin(&store->slots, plan);
     return TUMBLE_OK;
 }
 
 tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_set_t *set)
 {
-    static const uint8_t plan[] = {PLAN_BLANK | IN_FACTORY, PLAN_BODY | IN_FACTORY, PLAN_MARK | IN_FACTORY, PLAN_END};
+    static const uint8_t plan[] = {SLOT_BLANK | IN_FACTORY, SLOT_BODY | IN_FACTORY, SLOT_MARK | IN_FACTORY,
+                                   SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_FACTORY);
     if (status != TUMBLE_OK) {
         return status;

@@ -1,7 +1,10 @@
 /* What is under way: a scan of all places, or a job, action by action. After a job comes a scan, so what the store answers
  * is what the memory holds, also where it failed. */
+#include "sets/store_job.h"
+
+#include "core/count.h"
+#include "sets/nv_writer.h"
 #include "sets/record.h"
-#include "sets/store_internal.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -11,11 +14,6 @@
 #define MARK_CRC 4U
 
 static const uint8_t done[MARK_CRC] = {0x44, 0x4F, 0x4E, 0x45}; /* DONE */
-
-void tumble_store_count(uint32_t *counter)
-{
-    *counter += (*counter < UINT32_MAX) ? 1U : 0U;
-}
 
 uint8_t tumble_store_active(const tumble_store_t *store)
 {
@@ -65,7 +63,7 @@ static uint32_t factory_offset(uint32_t place)
 uint32_t tumble_store_place(const tumble_store_t *store, uint8_t region)
 {
     const uint32_t within = (region == (uint8_t)TUMBLE_REGION_FACTORY) ? factory_offset(store->factory_place) : 0U;
-    return (region * store->writer.nv->sector_bytes) + within;
+    return (region * store->slots.writer.nv->sector_bytes) + within;
 }
 
 /* The mark belongs to this record alone: one that an erase left standing cannot make another record valid. */
@@ -94,14 +92,8 @@ void tumble_store_begin_scan(tumble_store_t *store)
     (void)memset(store->places, 0, sizeof store->places);
     store->factory_place = TUMBLE_FACTORY_PLACES;
     store->scanned = 0;
-    store->failed_reads = 0;
+    store->slots.failed_reads = 0;
     store->unread = false;
-}
-
-void tumble_store_begin_plan(tumble_store_t *store, const uint8_t *plan)
-{
-    store->plan = plan;
-    store->begun = false;
 }
 
 /* The first valid factory set counts, and as long as there is none the first blank place is where it would go. */
@@ -119,7 +111,7 @@ static void note_place(tumble_store_t *store, bool valid, bool blank)
         tumble_set_get_stamp(store->bytes, &place->stamp);
     }
     if (!store->booted && !valid && !blank) {
-        tumble_store_count(&store->counters.torn_at_boot);
+        tumble_count(&store->counters.torn_at_boot);
     }
 }
 
@@ -127,20 +119,20 @@ static void note_place(tumble_store_t *store, bool valid, bool blank)
  * get rid of. */
 static void clear_leftovers(tumble_store_t *store)
 {
-    static const uint8_t clear_proposal[] = {PLAN_ERASE | IN_PROPOSAL, PLAN_END};
-    static const uint8_t clear_other[] = {PLAN_ERASE | IN_OTHER, PLAN_END};
-    static const uint8_t clear_both[] = {PLAN_ERASE | IN_PROPOSAL, PLAN_ERASE | IN_OTHER, PLAN_END};
+    static const uint8_t clear_proposal[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_END};
+    static const uint8_t clear_other[] = {SLOT_ERASE | IN_OTHER, SLOT_END};
+    static const uint8_t clear_both[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_OTHER, SLOT_END};
     const uint8_t active = tumble_store_active(store);
     const bool slot = tumble_store_is_slot(active);
     const bool rejected = slot && was_rolled_back(&store->places[active]) &&
                           store->places[tumble_store_other_slot(active)].valid;
     store->target = active;
     if (tumble_store_is_stale(store)) {
-        tumble_store_begin_plan(store, rejected ? clear_both : clear_proposal);
+        tumble_slots_begin(&store->slots, rejected ? clear_both : clear_proposal);
     } else if (rejected) {
-        tumble_store_begin_plan(store, clear_other);
+        tumble_slots_begin(&store->slots, clear_other);
     } else {
-        store->plan = NULL;
+        tumble_slots_begin(&store->slots, NULL);
     }
 }
 
@@ -149,7 +141,7 @@ static void end_scan(tumble_store_t *store)
     const uint8_t active = tumble_store_active(store);
     const uint32_t sequence = tumble_store_is_slot(active) ? store->places[active].stamp.sequence : 0U;
     if (store->booted && (sequence > store->sequence)) {
-        tumble_store_count(&store->counters.commits);
+        tumble_count(&store->counters.commits);
     }
     store->sequence = sequence;
     store->highest = (sequence > store->highest) ? sequence : store->highest;
@@ -164,21 +156,14 @@ static tumble_status_t scan(tumble_store_t *store)
     const uint32_t place = store->scanned;
     const uint32_t offset = (place < TUMBLE_FACTORY_PLACES)
                                 ? factory_offset(place)
-                                : ((place - TUMBLE_FACTORY_PLACES + 1U) * store->writer.nv->sector_bytes);
-    const tumble_status_t status = tumble_nv_read(store->writer.nv, offset, store->bytes, TUMBLE_SET_PLACE_BYTES);
+                                : ((place - TUMBLE_FACTORY_PLACES + 1U) * store->slots.writer.nv->sector_bytes);
+    const tumble_status_t status =
+        tumble_slots_read(&store->slots, offset, store->bytes, &store->counters.nv_errors);
     if (status == TUMBLE_E_PORT_BUSY) {
         return status;
     }
     const bool read = (status == TUMBLE_OK);
-    if (!read) {
-        tumble_store_count(&store->counters.nv_errors);
-        store->failed_reads++;
-    }
-    if (!read && (store->failed_reads < READ_ATTEMPTS)) {
-        return TUMBLE_E_PORT_BUSY;
-    }
     store->unread = store->unread || !read;
-    store->failed_reads = 0;
     note_place(store, read && is_valid(store->bytes),
                read && tumble_nv_is_blank(store->bytes, TUMBLE_SET_PLACE_BYTES));
     store->scanned++;
@@ -205,7 +190,7 @@ static void put_stamp(tumble_store_t *store)
 static tumble_status_t load(tumble_store_t *store, uint8_t region)
 {
     const tumble_status_t status =
-        tumble_nv_read(store->writer.nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
+        tumble_nv_read(store->slots.writer.nv, tumble_store_place(store, region), store->bytes, TUMBLE_SET_PLACE_BYTES);
     if (status != TUMBLE_OK) {
         return status;
     }
@@ -217,66 +202,45 @@ static tumble_status_t load(tumble_store_t *store, uint8_t region)
     return TUMBLE_OK;
 }
 
-static void begin_writing(tumble_store_t *store, uint8_t what, uint32_t offset)
+static tumble_status_t write_on(tumble_store_t *store, uint8_t region)
 {
-    switch (what) {
-    case PLAN_ERASE:
-        tumble_nv_begin_erase(&store->writer, offset, TUMBLE_SET_PLACE_BYTES);
-        break;
-    case PLAN_BODY:
-        tumble_nv_begin_program(&store->writer, offset, store->bytes, TUMBLE_SET_BYTES);
-        break;
-    case PLAN_MARK:
-        tumble_nv_begin_program(&store->writer, offset + TUMBLE_SET_BYTES, &store->bytes[TUMBLE_SET_BYTES],
-                                TUMBLE_SET_MARK_BYTES);
-        break;
-    default:
-        tumble_nv_begin_blank(&store->writer, offset, TUMBLE_SET_PLACE_BYTES);
-        break;
-    }
-    store->begun = true;
-}
-
-static tumble_status_t write_on(tumble_store_t *store, uint8_t what, uint8_t region)
-{
-    if (!store->begun) {
-        begin_writing(store, what, tumble_store_place(store, region));
-    }
-    const tumble_status_t status = tumble_nv_writer_step(&store->writer);
-    if ((status == TUMBLE_E_NV) && store->writer.failed_to_hold) {
-        tumble_store_count(&store->counters.verify);
+    const tumble_status_t status =
+        tumble_slots_step(&store->slots, tumble_store_place(store, region), store->bytes);
+    if ((status == TUMBLE_E_NV) && store->slots.writer.failed_to_hold) {
+        tumble_count(&store->counters.verify);
     }
     return status;
 }
 
 static tumble_status_t act(tumble_store_t *store)
 {
-    const uint8_t what = *store->plan & 0xF0U;
-    const uint8_t region = region_of(store, *store->plan & 0x0FU);
+    const uint8_t what = *store->slots.plan & 0xF0U;
+    const uint8_t region = region_of(store, *store->slots.plan & 0x0FU);
+    if (what < SLOT_OWN) {
+        return write_on(store, region);
+    }
     if (what == PLAN_LOAD) {
-        return load(store, region);
+        const tumble_status_t status = load(store, region);
+        return (status == TUMBLE_OK) ? tumble_slots_pass(&store->slots) : status;
     }
-    if (what == PLAN_STAMP) {
-        store->stamp.from_crc = tumble_set_crc(store->bytes);
-        put_stamp(store);
-        return TUMBLE_OK;
-    }
-    return write_on(store, what, region);
+    store->stamp.from_crc = tumble_set_crc(store->bytes);
+    put_stamp(store);
+    return tumble_slots_pass(&store->slots);
 }
 
 static void end_job(tumble_store_t *store, tumble_status_t outcome)
 {
-    if ((outcome == TUMBLE_E_NV) && !(store->begun && store->writer.failed_to_hold)) {
-        tumble_store_count(&store->counters.nv_errors);
+    if ((outcome == TUMBLE_E_NV) && !(store->slots.begun && store->slots.writer.failed_to_hold)) {
+        tumble_count(&store->counters.nv_errors);
     }
     store->outcome = outcome;
-    store->plan = NULL;
+    tumble_slots_begin(&store->slots, NULL);
     tumble_store_begin_scan(store);
 }
 
 bool tumble_store_busy(const tumble_store_t *store)
 {
-    return (store->writer.nv != NULL) && ((store->scanned < SCAN_DONE) || (store->plan != NULL));
+    return (store->slots.writer.nv != NULL) && ((store->scanned < SCAN_DONE) || (store->slots.plan != NULL));
 }
 
 tumble_status_t tumble_store_step(tumble_store_t *store)
@@ -288,15 +252,8 @@ tumble_status_t tumble_store_step(tumble_store_t *store)
         return scan(store);
     }
     const tumble_status_t status = act(store);
-    if (status == TUMBLE_OK) {
-        tumble_store_begin_plan(store, &store->plan[1]);
-        if (*store->plan == PLAN_END) {
-            end_job(store, TUMBLE_OK);
-        }
-    } else if (status != TUMBLE_E_PORT_BUSY) {
+    if (status != TUMBLE_E_PORT_BUSY) {
         end_job(store, status);
-    } else {
-        /* the action goes on at the next step */
     }
     return TUMBLE_E_PORT_BUSY;
 }

@@ -1,4 +1,4 @@
-#include "sets/trend.h"
+#include "tumble/sets.h"
 
 #include "core/arith.h"
 

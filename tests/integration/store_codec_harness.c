@@ -3,10 +3,8 @@
  *
  *     store_codec set|entry|run|position [FINGERPRINT]
  */
-#include "sets/checkpoint.h"
-#include "sets/history.h"
+#include "tumble/sets.h"
 #include "flash.h"
-#include "sets/set_record.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -21,7 +21,7 @@ PRODUCTS = (
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
 )  # fmt: skip
-LISTS = ("VERSION", "firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/sets/rules.h")
+LISTS = ("VERSION", "firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/include/tumble/sets.h")
 
 
 def generate(*arguments):

@@ -2,8 +2,7 @@
 #ifndef STORE_LOGS_H
 #define STORE_LOGS_H
 
-#include "sets/checkpoint.h"
-#include "sets/history.h"
+#include "tumble/sets.h"
 #include "store_jobs.h"
 
 #define LOG_LAST 16U /* entries that survive whatever happens */

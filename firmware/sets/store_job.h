@@ -1,21 +1,17 @@
-/* store_internal.h - what the two halves of the store share: store.c answers and begins jobs, store_job.c does them. */
-#ifndef TUMBLE_SETS_STORE_INTERNAL_H
-#define TUMBLE_SETS_STORE_INTERNAL_H
+/* store_job.h - what the store is doing (private to the room): store.c answers and begins jobs, store_job.c does them. */
+#ifndef TUMBLE_SETS_STORE_JOB_H
+#define TUMBLE_SETS_STORE_JOB_H
 
-#include "sets/store.h"
+#include "sets/set_record.h"
+#include "sets/slots.h"
 
 #define NO_REGION 0xFFU
-#define READ_ATTEMPTS 3U /* to read a place, before it counts as lost */
 
-/* An action of a job: what, and where. A plan is a row of them. */
-#define PLAN_END 0x00U
-#define PLAN_LOAD 0x10U  /* read a record and put the job's stamp on it */
-#define PLAN_STAMP 0x20U /* the staged copy becomes the one to be committed */
-#define PLAN_ERASE 0x30U
-#define PLAN_BODY 0x40U /* program the record */
-#define PLAN_MARK 0x50U /* program the mark that makes it valid */
-#define PLAN_BLANK 0x60U /* refuse to go on where something stands */
+/* Actions of a job that are the store's own. */
+#define PLAN_LOAD (SLOT_OWN)          /* read a record and put the job's stamp on it */
+#define PLAN_STAMP (SLOT_OWN + 0x10U) /* the staged copy becomes the one to be committed */
 
+/* Where. */
 #define IN_FACTORY 0x00U
 #define IN_TARGET 0x01U /* the slot that is not active */
 #define IN_OTHER 0x02U  /* the slot that was active when the job began */
@@ -38,8 +34,6 @@ bool tumble_store_is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES]);
 
 /* Look into all places anew, at the next steps; then clear what is left over, if `booted` is not set yet. */
 void tumble_store_begin_scan(tumble_store_t *store);
-void tumble_store_begin_plan(tumble_store_t *store, const uint8_t *plan);
-void tumble_store_count(uint32_t *counter);
 
 /* Slots by their region. */
 static inline uint8_t tumble_store_other_slot(uint8_t slot)
