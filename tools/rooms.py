@@ -15,11 +15,11 @@ MAY_INCLUDE = {
     "port": {"core"},
     "sample": {"core", "port"},
     "canopen": {"core", "port"},
-    "store": {"core", "port"},
+    "sets": {"core", "port"},
     "stand": {"core", "canopen"},
     "procedure": {"core", "sample", "stand"},
-    "navcomp": {"core", "port", "sample", "canopen", "store", "stand", "procedure"},
-    "boards": {"core", "port", "store", "stand", "navcomp"},  # of stand: which kind the board has
+    "navcomp": {"core", "port", "sample", "canopen", "sets", "stand", "procedure"},
+    "boards": {"core", "port", "sets", "stand", "navcomp"},  # of stand: which kind the board has
 }
 # The same for programs of an operating system. A name without a room is beside the file, or in one of these folders.
 FIRMWARE = set(MAY_INCLUDE) - {"boards"}

@@ -163,9 +163,9 @@ static bool may_still_turn(const bench_world_t *world)
 /* The result is on its way into the memory. */
 static bool is_storing(const node_t *node)
 {
-    tumble_keeper_state_t state = {0};
+    tumble_sets_state_t state = {0};
     if (node->options->nv != NULL) {
-        tumble_keeper_state(&node->keeper, &state);
+        tumble_sets_state(&node->keeper.sets, &state);
     }
     return state.busy || state.verdict == TUMBLE_VERDICT_WORKING;
 }
@@ -270,8 +270,7 @@ static void add_keeper(bench_world_t *world, node_t *node)
 {
     const bench_keeping_t *const keeping = &world->config->keeping;
     node->keeper_config = (tumble_keeper_config_t){
-        .serial = keeping->serial,
-        .settings = &keeping->settings,
+        .sets = {.serial = keeping->serial, .settings = &keeping->settings},
         .uncertainty = tumble_navcomp_uncertainty,
         .stand_view = tumble_stand_view,
         .stand_memory = &node->stand_memory,
@@ -291,7 +290,7 @@ static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
     }
     tumble_status_t status = tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
     if (status == TUMBLE_OK && world->port.nv != NULL) {
-        status = tumble_keeper_set_utc(&node->keeper, node->epoch_us / US_PER_S);
+        status = tumble_sets_set_utc(&node->keeper.sets, node->epoch_us / US_PER_S);
     }
     if (status == TUMBLE_OK && node->options->start) {
         status = tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_START, 0);

@@ -1,9 +1,6 @@
 /* resident_store.c - what a computer that keeps its coefficients has in RAM besides, for the budget: store, history and
  * checkpoint, and the sums of one trend. */
-#include "store/checkpoint.h"
-#include "store/history.h"
-#include "store/store.h"
-#include "store/trend.h"
+#include "tumble/sets.h"
 
 tumble_store_t tumble_resident_store;
 tumble_history_t tumble_resident_history;

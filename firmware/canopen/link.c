@@ -51,17 +51,3 @@ tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *fra
     }
     return status;
 }
-
-void tumble_count(uint32_t *counter)
-{
-    if (*counter != UINT32_MAX) {
-        ++*counter;
-    }
-}
-
-void tumble_count_u16(uint16_t *counter)
-{
-    if (*counter != UINT16_MAX) {
-        ++*counter;
-    }
-}

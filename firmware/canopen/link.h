@@ -5,6 +5,7 @@
 #ifndef TUMBLE_CANOPEN_LINK_H
 #define TUMBLE_CANOPEN_LINK_H
 
+#include "core/count.h"
 #include "tumble/port.h"
 
 #include <stdint.h>
@@ -35,10 +36,6 @@ tumble_status_t tumble_link_send_bytes(tumble_link_t *link, uint32_t id, const u
 /* Returns TUMBLE_OK, TUMBLE_E_PORT_EMPTY, TUMBLE_E_PORT_DOWN, or TUMBLE_E_FRAME for a frame that was dropped (ask
  * again). */
 tumble_status_t tumble_link_receive(tumble_link_t *link, tumble_can_frame_t *frame);
-
-/* One more, up to UINT32_MAX; up to UINT16_MAX. */
-void tumble_count(uint32_t *counter);
-void tumble_count_u16(uint16_t *counter);
 
 /* A time that never comes: a timer that does not run. */
 #define TUMBLE_NEVER UINT64_MAX

@@ -1,167 +1,224 @@
 #include "navcomp/keeper.h"
 
-#include "navcomp/keeper_internal.h"
+#include "core/arith.h"
+#include "navcomp/fingerprint.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/keeper_values.h"
 #include "navcomp/navcomp_internal.h"
+#include "navcomp/uncertainty.h"
 
 #include <stddef.h>
-#include <string.h>
 
 #define BOOT_CALLS 2048 /* of the memory: more than it takes to look through all that is kept */
 #define RETRY_US 1000U  /* to the next call of the memory */
 
-void tumble_keeper_fail(tumble_keeper_t *keeper, tumble_status_t status)
+static_assert(TUMBLE_MAX_POSITIONS <= 64, "a position is one bit of 64");
+
+/* What the sets know of the run and the stand. */
+
+static uint64_t measured_positions(const tumble_navcomp_t *navcomp)
 {
-    keeper->status = (uint8_t)status;
-    tumble_count(&keeper->counters.failures);
+    uint64_t measured = 0;
+    for (uint8_t p = 0; p < navcomp->procedure_config.schedule->position_count; p++) {
+        if (tumble_procedure_has_mean(&navcomp->procedure, p)) {
+            measured |= UINT64_C(1) << p;
+        }
+    }
+    return measured;
 }
 
-bool tumble_keeper_is_busy(const tumble_keeper_t *keeper)
+void tumble_keeper_look(tumble_keeper_t *keeper)
 {
-    return tumble_store_busy(&keeper->store) || tumble_history_busy(&keeper->history) ||
-           tumble_checkpoint_busy(&keeper->checkpoint) || tumble_parameters_busy(&keeper->parameters);
+    const tumble_navcomp_t *navcomp = keeper->navcomp;
+    const tumble_stand_state_t stand = navcomp->stand.kind->state(navcomp->stand.self);
+    const tumble_stand_fault_t fault = navcomp->stand.kind->fault(navcomp->stand.self);
+    const tumble_state_t state = tumble_run_state(navcomp);
+    tumble_sets_run_t *run = &keeper->run;
+    run->measured = measured_positions(navcomp);
+    run->gravity_limit_g = navcomp->procedure_config.gravity_limit_g;
+    run->estimator = (uint8_t)navcomp->procedure_config.estimate;
+    run->on = tumble_run_is_on(navcomp);
+    run->idle = (state == TUMBLE_STATE_IDLE);
+    run->waits = (state == TUMBLE_STATE_FAULT);
+    run->turning = (stand == TUMBLE_STAND_MOVING) || (stand == TUMBLE_STAND_HOMING);
+    /* It was not seen to stop, or somebody else turns it. */
+    run->to_be_looked_at = (fault == TUMBLE_STAND_FAULT_STOP) || (fault == TUMBLE_STAND_FAULT_FOREIGN);
+    run->serviced = tumble_service_is_open(navcomp);
+    run->memory_taken = tumble_parameters_busy(&keeper->parameters);
 }
 
-bool tumble_keeper_has_work(const tumble_keeper_t *keeper)
+/* What stays as long as there is power. */
+static void describe(tumble_keeper_t *keeper)
 {
-    return tumble_keeper_is_busy(keeper) || keeper->stale || (keeper->task != (uint8_t)TASK_NONE) ||
-           (keeper->wants != 0U);
+    const tumble_navcomp_t *navcomp = keeper->navcomp;
+    const tumble_procedure_config_t *config = &navcomp->procedure_config;
+    tumble_sets_run_t *run = &keeper->run;
+    run->schedule = config->schedule;
+    run->averaging = tumble_procedure_averages(&navcomp->procedure);
+    run->stand = (navcomp->config->declared != NULL) ? navcomp->config->declared->stand : NULL;
+    run->v_per_count = config->v_per_count;
+    run->board_gravity_limit_g = navcomp->config->procedure->gravity_limit_g;
+    tumble_keeper_look(keeper);
 }
 
-/* Jobs of the store. */
-
-void tumble_keeper_begin_job(tumble_keeper_t *keeper, uint8_t job, tumble_status_t status)
+static uint32_t ask_fingerprint(const void *self, uint32_t sequence)
 {
-    if (status == TUMBLE_OK) {
-        keeper->job = job;
-        keeper->verdict = TUMBLE_VERDICT_WORKING;
+    const tumble_keeper_t *keeper = self;
+    return tumble_run_fingerprint(keeper->navcomp, keeper->config->sets.serial, sequence);
+}
+
+static tumble_status_t ask_uncertainty(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty)
+{
+    const tumble_keeper_t *keeper = self;
+    return keeper->config->uncertainty(keeper->navcomp, coefficients, uncertainty);
+}
+
+/* What happens to the run. */
+
+static double closure_v(const tumble_navcomp_t *navcomp)
+{
+    double largest_g = 0.0;
+    for (uint8_t m = 0; m < TUMBLE_MAX_MOUNTINGS; m++) {
+        const double closure_g = tumble_procedure_closure_g(&navcomp->procedure, m);
+        largest_g = (closure_g > largest_g) ? closure_g : largest_g;
+    }
+    return largest_g * tumble_abs(navcomp->procedure_config.nominal_scale_v_per_g);
+}
+
+static void end_run(tumble_keeper_t *keeper)
+{
+    const tumble_navcomp_t *navcomp = keeper->navcomp;
+    tumble_result_t result;
+    if (tumble_navcomp_result(navcomp, &result) == TUMBLE_OK) {
+        const tumble_finished_run_t run = {.coefficients = result.coefficients,
+                                           .check = result.check,
+                                           .closure_v = closure_v(navcomp),
+                                           .stand_crc = tumble_stand_fingerprint(navcomp)};
+        tumble_sets_run_done(&keeper->sets, &run);
+    } else if (keeper->run.idle) {
+        tumble_sets_run_forgotten(&keeper->sets);
     } else {
-        keeper->verdict = TUMBLE_VERDICT_FAILED;
-        tumble_keeper_fail(keeper, status);
+        tumble_sets_run_given_up(&keeper->sets);
     }
 }
 
-static void count_job(tumble_keeper_t *keeper, uint8_t job)
+/* Tell what has happened since the look before. */
+static void tell(tumble_keeper_t *keeper)
 {
-    tumble_keeper_counters_t *counters = &keeper->counters;
-    uint32_t *const counted[JOB_ROLLBACK + 1] = {
-        [JOB_COMMIT] = &counters->committed, [JOB_HOLD] = &counters->held,         [JOB_ACCEPT] = &counters->accepted,
-        [JOB_DISCARD] = &counters->discarded, [JOB_ROLLBACK] = &counters->rolled_back,
-    };
-    tumble_count(counted[job]);
-}
-
-static void end_job(tumble_keeper_t *keeper)
-{
-    static const uint8_t verdicts[JOB_ROLLBACK + 1] = {
-        [JOB_COMMIT] = TUMBLE_VERDICT_COMMITTED,     [JOB_HOLD] = TUMBLE_VERDICT_HELD,
-        [JOB_ACCEPT] = TUMBLE_VERDICT_ACCEPTED,      [JOB_DISCARD] = TUMBLE_VERDICT_DISCARDED,
-        [JOB_ROLLBACK] = TUMBLE_VERDICT_ROLLED_BACK,
-    };
-    const uint8_t job = keeper->job;
-    const tumble_status_t outcome = tumble_store_outcome(&keeper->store);
-    keeper->job = JOB_NONE;
-    keeper->stale = true;
-    keeper->history_tries = TUMBLE_KEEPER_TRIES;
-    if (job == (uint8_t)JOB_NONE) {
-        return; /* it only looked what is there */
+    const bool was_on = keeper->sets.run_was_on;
+    if (keeper->run.on && !was_on) {
+        (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+        tumble_sets_run_began(&keeper->sets);
     }
-    if (outcome != TUMBLE_OK) {
-        keeper->verdict = TUMBLE_VERDICT_FAILED;
-        tumble_keeper_fail(keeper, outcome);
-        return;
+    if (!keeper->run.on && was_on) {
+        end_run(keeper);
     }
-    keeper->verdict = verdicts[job];
-    count_job(keeper, job);
-    if ((job == (uint8_t)JOB_COMMIT) || (job == (uint8_t)JOB_HOLD)) {
-        tumble_keeper_end_checkpoint(keeper); /* the run has come to its end */
+    if (keeper->run.on) {
+        tumble_sets_run_measured(&keeper->sets);
     }
-}
-
-/* Commands about sets wait until the memory is free. */
-static void begin_command(tumble_keeper_t *keeper)
-{
-    if ((keeper->wants & WANT_ACCEPT) != 0U) {
-        tumble_keeper_begin_job(keeper, JOB_ACCEPT, tumble_keeper_accept(keeper));
-    } else if ((keeper->wants & WANT_DISCARD) != 0U) {
-        tumble_keeper_begin_job(keeper, JOB_DISCARD, tumble_store_discard(&keeper->store));
-    } else {
-        tumble_keeper_begin_job(keeper, JOB_ROLLBACK, tumble_store_rollback(&keeper->store));
-    }
-    keeper->wants &= (uint8_t)~(unsigned)WANT_COMMANDS;
 }
 
 /* The step. */
 
-/* Go on with what the memory is doing: one call. */
-static void step_memory(tumble_keeper_t *keeper)
+static void hold_off(tumble_keeper_t *keeper, uint64_t now_us)
 {
-    tumble_status_t status = TUMBLE_OK;
-    if (tumble_store_busy(&keeper->store)) {
-        if (tumble_store_step(&keeper->store) != TUMBLE_E_PORT_BUSY) {
-            end_job(keeper);
-        }
-    } else if (tumble_history_busy(&keeper->history)) {
-        status = tumble_history_step(&keeper->history);
-        if (status == TUMBLE_E_NV) {
-            tumble_keeper_try_history_again(keeper);
-        }
-    } else if (tumble_checkpoint_busy(&keeper->checkpoint)) {
-        status = tumble_keeper_step_checkpoint(keeper);
+    tumble_navcomp_t *navcomp = keeper->navcomp;
+    const tumble_sets_wish_t wish = tumble_sets_hold_off(&keeper->sets, now_us);
+    if (wish == TUMBLE_SETS_GIVE_UP) {
+        tumble_procedure_give_up(&navcomp->procedure, TUMBLE_REASON_INHIBITED);
+        tumble_keeper_look(keeper);
+    } else if (wish == TUMBLE_SETS_STOP) {
+        navcomp->stand.kind->stop(navcomp->stand.self);
     } else {
-        tumble_parameters_step(&keeper->parameters);
-        tumble_keeper_note_rules(keeper);
-    }
-    if ((status != TUMBLE_OK) && (status != TUMBLE_E_PORT_BUSY)) {
-        tumble_keeper_fail(keeper, status);
+        /* nobody holds it off */
     }
 }
 
-/* One call of the memory, or one job begun. */
+static void resume(tumble_keeper_t *keeper)
+{
+    const bool done = (tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_RESUME, 0) == TUMBLE_OK);
+    tumble_keeper_look(keeper);
+    if (done) {
+        (void)tumble_at_rest_begin(&keeper->at_rest, 0);
+    }
+    tumble_sets_run_goes_on(&keeper->sets, done);
+}
+
 static void work(tumble_keeper_t *keeper)
 {
-    if (tumble_keeper_is_busy(keeper)) {
-        step_memory(keeper);
-    } else if (keeper->stale) {
-        tumble_keeper_refresh(keeper);
-    } else if (keeper->task == (uint8_t)TASK_RESTORE) {
-        tumble_keeper_restore(keeper);
-    } else if (keeper->task != (uint8_t)TASK_NONE) {
-        tumble_keeper_judge(keeper);
-    } else if ((keeper->wants & WANT_RECORD_DECAY) != 0U) {
-        tumble_keeper_record_decay(keeper);
-    } else if ((keeper->wants & WANT_COMMANDS) != 0U) {
-        begin_command(keeper);
+    tumble_procedure_t *procedure = &keeper->navcomp->procedure;
+    tumble_sets_event_t event;
+    tumble_sets_work(&keeper->sets, &event);
+    if (event.wish == TUMBLE_SETS_RESTORE) {
+        const bool done = (tumble_procedure_restore(procedure, event.index, &event.mean) == TUMBLE_OK);
+        tumble_sets_restored(&keeper->sets, event.index, done);
+    } else if (event.wish == TUMBLE_SETS_RESUME) {
+        resume(keeper);
     } else {
-        tumble_keeper_keep(keeper);
+        /* all is done */
     }
 }
 
-/* The PDO goes when one of these has changed, and by its event timer. */
-static void show(tumble_keeper_t *keeper)
+/* What is saved is the board's own. */
+static void step_parameters(tumble_keeper_t *keeper)
 {
-    const uint32_t shown =
-        ((uint32_t)keeper->objections << 16) | ((uint32_t)keeper->verdict << 8) | tumble_keeper_due(keeper);
-    if (keeper->shown != shown) {
-        keeper->shown = shown;
-        tumble_pdo_trigger(&keeper->navcomp->node.pdos, TUMBLE_KEEPER_PDO);
+    tumble_parameters_step(&keeper->parameters);
+    const uint8_t event = keeper->parameters.event;
+    keeper->parameters.event = TUMBLE_PARAMETERS_NOTHING;
+    tumble_keeper_look(keeper);
+    if (event == (uint8_t)TUMBLE_PARAMETERS_APPLIED) {
+        tumble_sets_rules_applied(&keeper->sets);
+    } else if (event == (uint8_t)TUMBLE_PARAMETERS_WRITTEN) {
+        tumble_sets_rules_saved(&keeper->sets);
+    } else {
+        /* nothing has changed */
+    }
+}
+
+/* The error register has one bit for all errors of the maker, and a reset of the communication clears it. So the message
+ * is sent again as long as the bit is not set. */
+static void tell_decay(tumble_keeper_t *keeper)
+{
+    tumble_emcy_t *emcy = &keeper->navcomp->node.emcy;
+    const tumble_sets_t *sets = &keeper->sets;
+    const bool told = (emcy->error_register & TUMBLE_ERROR_MANUFACTURER) != 0U;
+    if (sets->decayed && !told) {
+        tumble_emcy_tell(emcy, TUMBLE_KEEPER_EMCY_DECAYED, TUMBLE_ERROR_MANUFACTURER, tumble_sets_counter(sets));
+        keeper->decay_told = true;
+    } else if (!sets->decayed && keeper->decay_told) {
+        tumble_emcy_clear(emcy, TUMBLE_ERROR_MANUFACTURER);
+        keeper->decay_told = false;
+    } else {
+        /* nothing has changed */
+    }
+}
+
+static void start_if_due(tumble_keeper_t *keeper)
+{
+    if (!tumble_sets_has_work(&keeper->sets) && tumble_sets_start(&keeper->sets)) {
+        (void)tumble_navcomp_obey(keeper->navcomp, TUMBLE_COMMAND_START, 0);
+        tumble_keeper_look(keeper);
+        tell(keeper);
     }
 }
 
 static void step(void *context, uint64_t now_us)
 {
     tumble_keeper_t *keeper = context;
-    keeper->now_us = now_us;
-    tumble_keeper_obey_inhibit(keeper);
-    tumble_keeper_watch(keeper);
-    work(keeper);
-    if (!tumble_keeper_has_work(keeper)) {
-        tumble_keeper_start_if_due(keeper);
+    tumble_keeper_look(keeper);
+    hold_off(keeper, now_us);
+    tell(keeper);
+    if (keeper->run.memory_taken && !tumble_sets_memory_busy(&keeper->sets)) {
+        step_parameters(keeper);
+    } else {
+        work(keeper);
     }
-    tumble_keeper_tell_decay(keeper);
-    show(keeper);
-    keeper->due_us = tumble_keeper_has_work(keeper) ? (now_us + RETRY_US) : UINT64_MAX;
+    start_if_due(keeper);
+    tell_decay(keeper);
+    if (tumble_sets_news(&keeper->sets)) {
+        tumble_pdo_trigger(&keeper->navcomp->node.pdos, TUMBLE_KEEPER_PDO);
+    }
+    keeper->due_us = tumble_sets_has_work(&keeper->sets) ? (now_us + RETRY_US) : UINT64_MAX;
 }
 
 static uint64_t next_us(const void *context)
@@ -169,40 +226,16 @@ static uint64_t next_us(const void *context)
     return ((const tumble_keeper_t *)context)->due_us;
 }
 
+static void see_sample(void *context, const tumble_block_sample_t *sample, bool averaged)
+{
+    tumble_keeper_t *keeper = context;
+    const tumble_block_counters_t *block = &keeper->navcomp->block.counters;
+    tumble_sets_sample(&keeper->sets, sample->temperature_half_c, averaged);
+    tumble_at_rest_take(&keeper->at_rest, keeper->navcomp->procedure_config.averaging, sample,
+                        block->repeated + block->reordered);
+}
+
 /* Commands. */
-
-/* A command about sets: allowed while no run is on, nothing is being decided, and there is what it is about. */
-static bool is_free_to(const tumble_keeper_t *keeper, tumble_which_set_t which)
-{
-    return (keeper->task == (uint8_t)TASK_NONE) && ((keeper->wants & WANT_COMMANDS) == 0U) &&
-           !tumble_run_is_on(keeper->navcomp) && tumble_store_has(&keeper->store, which);
-}
-
-static tumble_status_t want(tumble_keeper_t *keeper, unsigned wanted, tumble_which_set_t which)
-{
-    const bool held = tumble_store_has(&keeper->store, TUMBLE_SET_PROPOSAL);
-    if (!is_free_to(keeper, which) || ((wanted == (unsigned)WANT_ROLLBACK) && held)) {
-        tumble_count(&keeper->counters.refused);
-        return TUMBLE_E_STATE;
-    }
-    keeper->wants |= (uint8_t)wanted;
-    keeper->verdict = TUMBLE_VERDICT_WORKING;
-    return TUMBLE_OK;
-}
-
-/* The proposal that is meant is named by its CRC, once: what was read is what becomes active. */
-static tumble_status_t want_accept(tumble_keeper_t *keeper)
-{
-    const uint32_t named = keeper->navcomp->objects.command_proposal;
-    const bool other = (tumble_store_proposal(&keeper->store) != named) || (named == 0U);
-    keeper->navcomp->objects.command_proposal = 0;
-    if (other && is_free_to(keeper, TUMBLE_SET_PROPOSAL)) {
-        tumble_count(&keeper->counters.refused);
-        return TUMBLE_E_ARGUMENT;
-    }
-    keeper->accepted = named;
-    return want(keeper, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
-}
 
 /* Does it begin or go on with a run, or turn the table? */
 static bool is_inhibitable(tumble_command_t command)
@@ -213,22 +246,30 @@ static bool is_inhibitable(tumble_command_t command)
            (command == TUMBLE_COMMAND_TURN_AXIS);
 }
 
+/* A proposal is named once: what was read is what becomes active. */
+static tumble_status_t accept(tumble_keeper_t *keeper)
+{
+    const uint32_t named = keeper->navcomp->objects.command_proposal;
+    keeper->navcomp->objects.command_proposal = 0;
+    return tumble_sets_accept(&keeper->sets, named);
+}
+
 static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, uint8_t argument)
 {
-    const bool idle = (tumble_run_state(keeper->navcomp) == TUMBLE_STATE_IDLE);
     tumble_status_t status;
     switch (command) {
     case TUMBLE_COMMAND_ACCEPT:
-        status = want_accept(keeper);
+        status = accept(keeper);
         break;
     case TUMBLE_COMMAND_DISCARD:
-        status = want(keeper, WANT_DISCARD, TUMBLE_SET_PROPOSAL);
+        status = tumble_sets_discard(&keeper->sets);
         break;
     case TUMBLE_COMMAND_ROLLBACK:
-        status = want(keeper, WANT_ROLLBACK, TUMBLE_SET_PREVIOUS);
+        status = tumble_sets_rollback(&keeper->sets);
         break;
     case TUMBLE_COMMAND_RESUME:
-        status = idle ? tumble_keeper_resume(keeper) : tumble_navcomp_obey(keeper->navcomp, command, argument);
+        status = keeper->run.idle ? tumble_sets_resume(&keeper->sets)
+                                  : tumble_navcomp_obey(keeper->navcomp, command, argument);
         break;
     default:
         status = tumble_navcomp_obey(keeper->navcomp, command, argument);
@@ -240,89 +281,76 @@ static tumble_status_t obey(tumble_keeper_t *keeper, tumble_command_t command, u
 static tumble_status_t command(void *context, tumble_command_t wanted, uint8_t argument)
 {
     tumble_keeper_t *keeper = context;
-    tumble_keeper_watch(keeper); /* what ended before must be seen before anything begins anew */
-    const bool begins = (wanted == TUMBLE_COMMAND_START) || (wanted == TUMBLE_COMMAND_REPEAT_POSITION) ||
-                        (wanted == TUMBLE_COMMAND_REPEAT_MOUNTING);
-    /* A run that began now would go by the board's values, or take the means away from the judge. */
-    if (((wanted == TUMBLE_COMMAND_START) && tumble_parameters_reading(&keeper->parameters)) ||
-        (begins && tumble_keeper_is_assessing(keeper))) {
-        tumble_count(&keeper->counters.refused);
+    tumble_keeper_look(keeper);
+    tell(keeper); /* what ended before must be seen before anything begins anew */
+    const bool starts = (wanted == TUMBLE_COMMAND_START);
+    const bool begins =
+        starts || (wanted == TUMBLE_COMMAND_REPEAT_POSITION) || (wanted == TUMBLE_COMMAND_REPEAT_MOUNTING);
+    const bool too_early = starts && tumble_parameters_reading(&keeper->parameters); /* by the board's values */
+    if (!tumble_sets_allow(&keeper->sets, begins, too_early, is_inhibitable(wanted))) {
         return TUMBLE_E_STATE;
     }
-    if (is_inhibitable(wanted)) {
-        if (tumble_keeper_is_inhibited(keeper)) {
-            tumble_count(&keeper->counters.inhibited);
-            return TUMBLE_E_STATE;
-        }
-        keeper->was_inhibited = false; /* whatever the last step saw: the next one is to see when it begins again */
-    }
     const tumble_status_t status = obey(keeper, wanted, argument);
-    tumble_keeper_watch(keeper);
+    tumble_keeper_look(keeper);
+    tell(keeper);
     if ((wanted == TUMBLE_COMMAND_HOME_AXIS) || (wanted == TUMBLE_COMMAND_TURN_AXIS)) {
-        tumble_keeper_pause(keeper); /* somebody is at work there */
+        tumble_sets_pause(&keeper->sets); /* somebody is at work there */
     }
     return status;
 }
 
+void tumble_keeper_inhibit(tumble_keeper_t *keeper, uint16_t seconds)
+{
+    tumble_sets_inhibit(&keeper->sets, seconds);
+    keeper->navcomp->due_us = 0; /* what it ends waits for a step */
+}
+
 /* Getting ready. */
 
-static bool is_usable(const tumble_keeper_config_t *config)
-{
-    if ((config == NULL) || (config->serial == NULL) || (config->settings == NULL)) {
-        return false;
-    }
-    const uint8_t length = tumble_serial_length(config);
-    return (length != 0U) && (length <= TUMBLE_SET_SERIAL_BYTES) && tumble_keeper_settings_valid(config->settings);
-}
-
-static tumble_status_t open_memory(tumble_keeper_t *keeper, const tumble_nv_t *nv)
-{
-    tumble_status_t status = tumble_store_init(&keeper->store, nv);
-    if (status == TUMBLE_OK) {
-        status = tumble_history_init(&keeper->history, nv);
-    }
-    return (status == TUMBLE_OK) ? tumble_checkpoint_init(&keeper->checkpoint, nv) : status;
-}
-
-/* As after power-on: the board's settings, then what was saved. The sets stay what they are. */
 static void reset(void *context)
 {
     tumble_keeper_t *keeper = context;
-    keeper->settings = *keeper->config->settings;
-    keeper->rules = tumble_keeper_rules_of_board(keeper);
-    if (tumble_keeper_is_assessing(keeper)) {
-        keeper->verdict = TUMBLE_VERDICT_NONE; /* the means are gone; the checkpoint has them */
-        keeper->task = TASK_NONE;
-    }
-    keeper->task = (keeper->task == (uint8_t)TASK_RESTORE) ? (uint8_t)TASK_NONE : keeper->task;
+    tumble_keeper_look(keeper);
+    tumble_sets_reset(&keeper->sets);
     (void)tumble_at_rest_begin(&keeper->at_rest, 0);
-    keeper->stale = true; /* a run that is kept may fit again what the node goes by */
     tumble_parameters_restore(&keeper->parameters);
+}
+
+static void boot(tumble_keeper_t *keeper)
+{
+    for (int calls = 0; (calls < BOOT_CALLS) && tumble_sets_busy(&keeper->sets); calls++) {
+        if (tumble_sets_memory_busy(&keeper->sets)) {
+            tumble_sets_step_memory(&keeper->sets);
+        } else {
+            step_parameters(keeper);
+        }
+    }
 }
 
 static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
 {
     tumble_keeper_t *keeper = context;
     const tumble_port_t *port = navcomp->config->port;
-    if ((keeper == NULL) || !is_usable(keeper->config)) {
+    if ((keeper == NULL) || (keeper->config == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    *keeper = (tumble_keeper_t){.config = keeper->config,
-                                .navcomp = navcomp,
-                                .settings = *keeper->config->settings,
-                                .history_tries = TUMBLE_KEEPER_TRIES};
-    keeper->rules = tumble_keeper_rules_of_board(keeper);
-    const tumble_status_t status = open_memory(keeper, port->nv);
+    *keeper = (tumble_keeper_t){.config = keeper->config, .navcomp = navcomp};
+    keeper->owner = (tumble_sets_owner_t){
+        .port = port,
+        .run = &keeper->run,
+        .self = keeper,
+        .fingerprint = ask_fingerprint,
+        .uncertainty = (keeper->config->uncertainty != NULL) ? ask_uncertainty : NULL,
+    };
+    describe(keeper);
+    const tumble_status_t status = tumble_sets_init(&keeper->sets, &keeper->config->sets, &keeper->owner);
+    if (status == TUMBLE_E_ARGUMENT) {
+        return status;
+    }
     tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node);
-    keeper->now_us = port->now_us(port->context);
-    for (int calls = 0; (calls < BOOT_CALLS) && tumble_keeper_is_busy(keeper); calls++) {
-        step_memory(keeper);
-    }
-    if ((status == TUMBLE_OK) && !tumble_keeper_is_busy(keeper)) {
-        tumble_keeper_refresh(keeper);
-    }
-    keeper->active_us = keeper->now_us;
-    keeper->stale = keeper->stale || tumble_keeper_is_busy(keeper);
+    tumble_keeper_look(keeper);
+    boot(keeper);
+    tumble_sets_booted(&keeper->sets, status);
     return status;
 }
 
@@ -330,7 +358,7 @@ const tumble_keeping_t tumble_keeper_calls = {
     .init = init,
     .step = step,
     .next_us = next_us,
-    .sample = tumble_keeper_sample,
+    .sample = see_sample,
     .command = command,
     .reset = reset,
     .objects = &tumble_keeper_extension,

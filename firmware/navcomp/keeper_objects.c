@@ -45,55 +45,55 @@ TUMBLE_FOLLOWS("2114h:3", tumble_set_t, max_abs_check_g, limit_g, 8U);
 TUMBLE_FOLLOWS("2114h:4", tumble_set_t, limit_g, closure_v, 8U);
 TUMBLE_HAS_SIZE("2114h:5", tumble_set_t, fit_positions, 1U);
 TUMBLE_FOLLOWS("2114h:6", tumble_set_t, fit_positions, check_positions, 1U);
-TUMBLE_HAS_SIZE("2120h:1", tumble_keeper_state_t, utc_s, 8U);
-TUMBLE_HAS_SIZE("2120h:2", tumble_keeper_state_t, counter, 4U);
-TUMBLE_FOLLOWS("2120h:3", tumble_keeper_state_t, counter, age_s, 4U);
-TUMBLE_FOLLOWS("2120h:4", tumble_keeper_state_t, age_s, due_in_s, 4U);
-TUMBLE_HAS_SIZE("2120h:5", tumble_keeper_state_t, inhibit_s, 2U);
-TUMBLE_FOLLOWS("2120h:6", tumble_keeper_state_t, inhibit_s, objections, 2U);
-TUMBLE_HAS_SIZE("2120h:7", tumble_keeper_state_t, verdict, 1U);
-TUMBLE_FOLLOWS("2120h:8", tumble_keeper_state_t, verdict, status, 1U);
-TUMBLE_FOLLOWS("2120h:9", tumble_keeper_state_t, status, due, 1U);
-TUMBLE_FOLLOWS("2120h:10", tumble_keeper_state_t, due, resumable, 1U);
-TUMBLE_HAS_SIZE("2120h:11", tumble_keeper_state_t, inhibited, 1U);
-TUMBLE_FOLLOWS("2120h:12", tumble_keeper_state_t, inhibited, busy, 1U);
-TUMBLE_FOLLOWS("2120h:13", tumble_keeper_state_t, busy, has_proposal, 1U);
-TUMBLE_FOLLOWS("2120h:14", tumble_keeper_state_t, has_proposal, has_factory, 1U);
-TUMBLE_HAS_SIZE("2122h:1", tumble_keeper_settings_t, gravity_m_s2, 8U);
-TUMBLE_HAS_SIZE("2122h:2", tumble_keeper_settings_t, interval_s, 4U);
-TUMBLE_HAS_SIZE("2122h:3", tumble_keeper_settings_t, pause_s, 4U);
-TUMBLE_HAS_SIZE("2122h:4", tumble_keeper_settings_t, temperature_samples, 2U);
-TUMBLE_HAS_SIZE("2122h:5", tumble_keeper_settings_t, temperature_half_c, 1U);
-TUMBLE_HAS_SIZE("2122h:6", tumble_keeper_settings_t, flags, 1U);
-TUMBLE_HAS_SIZE("2123h:1", tumble_keeper_settings_t, limits.coverage, 4U);
-TUMBLE_HAS_SIZE("2123h:2", tumble_keeper_settings_t, limits.flags, 1U);
-TUMBLE_IS_ARRAY("2124h:1", tumble_keeper_settings_t, limits.uncertainty, limits.uncertainty[0], 4U, 12U);
-TUMBLE_IS_ARRAY("2125h:1", tumble_keeper_settings_t, limits.drift_per_month, limits.drift_per_month[0], 4U, 12U);
-TUMBLE_IS_ARRAY("2126h:1", tumble_keeper_settings_t, limits.drift_per_kelvin, limits.drift_per_kelvin[0], 4U, 12U);
-TUMBLE_HAS_SIZE("2130h:1", tumble_keeper_counters_t, judged, 4U);
-TUMBLE_FOLLOWS("2130h:2", tumble_keeper_counters_t, judged, committed, 4U);
-TUMBLE_FOLLOWS("2130h:3", tumble_keeper_counters_t, committed, held, 4U);
-TUMBLE_FOLLOWS("2130h:4", tumble_keeper_counters_t, held, repeated, 4U);
-TUMBLE_FOLLOWS("2130h:5", tumble_keeper_counters_t, repeated, accepted, 4U);
-TUMBLE_FOLLOWS("2130h:6", tumble_keeper_counters_t, accepted, discarded, 4U);
-TUMBLE_FOLLOWS("2130h:7", tumble_keeper_counters_t, discarded, rolled_back, 4U);
-TUMBLE_FOLLOWS("2130h:8", tumble_keeper_counters_t, rolled_back, failures, 4U);
-TUMBLE_FOLLOWS("2130h:9", tumble_keeper_counters_t, failures, checkpoints, 4U);
-TUMBLE_FOLLOWS("2130h:10", tumble_keeper_counters_t, checkpoints, resumed, 4U);
-TUMBLE_FOLLOWS("2130h:11", tumble_keeper_counters_t, resumed, not_resumed, 4U);
-TUMBLE_FOLLOWS("2130h:12", tumble_keeper_counters_t, not_resumed, inhibited, 4U);
-TUMBLE_FOLLOWS("2130h:13", tumble_keeper_counters_t, inhibited, self_started, 4U);
-TUMBLE_FOLLOWS("2130h:14", tumble_keeper_counters_t, self_started, refused, 4U);
-TUMBLE_HAS_SIZE("2131h:1", tumble_keeper_t, store.counters.commits, 4U);
-TUMBLE_FOLLOWS("2131h:2", tumble_keeper_t, store.counters.commits, store.counters.verify, 4U);
-TUMBLE_FOLLOWS("2131h:3", tumble_keeper_t, store.counters.verify, store.counters.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:4", tumble_keeper_t, store.counters.nv_errors, store.counters.torn_at_boot, 4U);
-TUMBLE_HAS_SIZE("2131h:5", tumble_keeper_t, history.verify, 4U);
-TUMBLE_FOLLOWS("2131h:6", tumble_keeper_t, history.verify, history.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:7", tumble_keeper_t, history.nv_errors, history.torn, 4U);
-TUMBLE_HAS_SIZE("2131h:8", tumble_keeper_t, checkpoint.verify, 4U);
-TUMBLE_FOLLOWS("2131h:9", tumble_keeper_t, checkpoint.verify, checkpoint.nv_errors, 4U);
-TUMBLE_FOLLOWS("2131h:10", tumble_keeper_t, checkpoint.nv_errors, checkpoint.torn, 4U);
+TUMBLE_HAS_SIZE("2120h:1", tumble_sets_state_t, utc_s, 8U);
+TUMBLE_HAS_SIZE("2120h:2", tumble_sets_state_t, counter, 4U);
+TUMBLE_FOLLOWS("2120h:3", tumble_sets_state_t, counter, age_s, 4U);
+TUMBLE_FOLLOWS("2120h:4", tumble_sets_state_t, age_s, due_in_s, 4U);
+TUMBLE_HAS_SIZE("2120h:5", tumble_sets_state_t, inhibit_s, 2U);
+TUMBLE_FOLLOWS("2120h:6", tumble_sets_state_t, inhibit_s, objections, 2U);
+TUMBLE_HAS_SIZE("2120h:7", tumble_sets_state_t, verdict, 1U);
+TUMBLE_FOLLOWS("2120h:8", tumble_sets_state_t, verdict, status, 1U);
+TUMBLE_FOLLOWS("2120h:9", tumble_sets_state_t, status, due, 1U);
+TUMBLE_FOLLOWS("2120h:10", tumble_sets_state_t, due, resumable, 1U);
+TUMBLE_HAS_SIZE("2120h:11", tumble_sets_state_t, inhibited, 1U);
+TUMBLE_FOLLOWS("2120h:12", tumble_sets_state_t, inhibited, busy, 1U);
+TUMBLE_FOLLOWS("2120h:13", tumble_sets_state_t, busy, has_proposal, 1U);
+TUMBLE_FOLLOWS("2120h:14", tumble_sets_state_t, has_proposal, has_factory, 1U);
+TUMBLE_HAS_SIZE("2122h:1", tumble_sets_settings_t, gravity_m_s2, 8U);
+TUMBLE_HAS_SIZE("2122h:2", tumble_sets_settings_t, interval_s, 4U);
+TUMBLE_HAS_SIZE("2122h:3", tumble_sets_settings_t, pause_s, 4U);
+TUMBLE_HAS_SIZE("2122h:4", tumble_sets_settings_t, temperature_samples, 2U);
+TUMBLE_HAS_SIZE("2122h:5", tumble_sets_settings_t, temperature_half_c, 1U);
+TUMBLE_HAS_SIZE("2122h:6", tumble_sets_settings_t, flags, 1U);
+TUMBLE_HAS_SIZE("2123h:1", tumble_sets_settings_t, limits.coverage, 4U);
+TUMBLE_HAS_SIZE("2123h:2", tumble_sets_settings_t, limits.flags, 1U);
+TUMBLE_IS_ARRAY("2124h:1", tumble_sets_settings_t, limits.uncertainty, limits.uncertainty[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2125h:1", tumble_sets_settings_t, limits.drift_per_month, limits.drift_per_month[0], 4U, 12U);
+TUMBLE_IS_ARRAY("2126h:1", tumble_sets_settings_t, limits.drift_per_kelvin, limits.drift_per_kelvin[0], 4U, 12U);
+TUMBLE_HAS_SIZE("2130h:1", tumble_sets_counters_t, judged, 4U);
+TUMBLE_FOLLOWS("2130h:2", tumble_sets_counters_t, judged, committed, 4U);
+TUMBLE_FOLLOWS("2130h:3", tumble_sets_counters_t, committed, held, 4U);
+TUMBLE_FOLLOWS("2130h:4", tumble_sets_counters_t, held, repeated, 4U);
+TUMBLE_FOLLOWS("2130h:5", tumble_sets_counters_t, repeated, accepted, 4U);
+TUMBLE_FOLLOWS("2130h:6", tumble_sets_counters_t, accepted, discarded, 4U);
+TUMBLE_FOLLOWS("2130h:7", tumble_sets_counters_t, discarded, rolled_back, 4U);
+TUMBLE_FOLLOWS("2130h:8", tumble_sets_counters_t, rolled_back, failures, 4U);
+TUMBLE_FOLLOWS("2130h:9", tumble_sets_counters_t, failures, checkpoints, 4U);
+TUMBLE_FOLLOWS("2130h:10", tumble_sets_counters_t, checkpoints, resumed, 4U);
+TUMBLE_FOLLOWS("2130h:11", tumble_sets_counters_t, resumed, not_resumed, 4U);
+TUMBLE_FOLLOWS("2130h:12", tumble_sets_counters_t, not_resumed, inhibited, 4U);
+TUMBLE_FOLLOWS("2130h:13", tumble_sets_counters_t, inhibited, self_started, 4U);
+TUMBLE_FOLLOWS("2130h:14", tumble_sets_counters_t, self_started, refused, 4U);
+TUMBLE_HAS_SIZE("2131h:1", tumble_sets_t, store.counters.commits, 4U);
+TUMBLE_FOLLOWS("2131h:2", tumble_sets_t, store.counters.commits, store.counters.verify, 4U);
+TUMBLE_FOLLOWS("2131h:3", tumble_sets_t, store.counters.verify, store.counters.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:4", tumble_sets_t, store.counters.nv_errors, store.counters.torn_at_boot, 4U);
+TUMBLE_HAS_SIZE("2131h:5", tumble_sets_t, history.log.verify, 4U);
+TUMBLE_FOLLOWS("2131h:6", tumble_sets_t, history.log.verify, history.log.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:7", tumble_sets_t, history.log.nv_errors, history.log.torn, 4U);
+TUMBLE_HAS_SIZE("2131h:8", tumble_sets_t, checkpoint.log.verify, 4U);
+TUMBLE_FOLLOWS("2131h:9", tumble_sets_t, checkpoint.log.verify, checkpoint.log.nv_errors, 4U);
+TUMBLE_FOLLOWS("2131h:10", tumble_sets_t, checkpoint.log.nv_errors, checkpoint.log.torn, 4U);
 TUMBLE_IS_ARRAY("2140h:1", tumble_stand_view_t, number, number[0], 8U, 10U);
 TUMBLE_HAS_SIZE("2150h:1", tumble_position_view_t, index, 1U);
 TUMBLE_HAS_SIZE("2150h:2", tumble_position_view_t, samples, 4U);
@@ -179,15 +179,15 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ, 1U, 0U, 3U, 1U, offsetof(tumble_set_t, fit_positions)},
     /* Keeper */
     {0x2120U, 1U, TUMBLE_TYPE_UNSIGNED64, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 0U, offsetof(tumble_keeper_state_t, utc_s)},
+     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 0U, offsetof(tumble_sets_state_t, utc_s)},
     {0x2120U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 2U, offsetof(tumble_keeper_state_t, counter)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 2U, offsetof(tumble_sets_state_t, counter)},
     {0x2120U, 5U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 2U, 0U, 0U, 1U, offsetof(tumble_keeper_state_t, inhibit_s)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 2U, 0U, 0U, 1U, offsetof(tumble_sets_state_t, inhibit_s)},
     {0x2120U, 7U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 3U, offsetof(tumble_keeper_state_t, verdict)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 1U, 0U, 0U, 3U, offsetof(tumble_sets_state_t, verdict)},
     {0x2120U, 11U, TUMBLE_TYPE_BOOLEAN, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 3U, offsetof(tumble_keeper_state_t, inhibited)},
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 3U, offsetof(tumble_sets_state_t, inhibited)},
     /* Host */
     {0x2121U, 1U, TUMBLE_TYPE_UNSIGNED64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 8U, 0U, 0U, 0U, 0U},
@@ -195,41 +195,41 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 0U, 0U, 0U, 0U},
     /* Recalibration */
     {0x2122U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 8U, 0U, 0U, 0U, offsetof(tumble_keeper_settings_t, gravity_m_s2)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 8U, 0U, 0U, 0U, offsetof(tumble_sets_settings_t, gravity_m_s2)},
     {0x2122U, 2U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_keeper_settings_t, interval_s)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 0U, 0U, 0U, offsetof(tumble_sets_settings_t, interval_s)},
     {0x2122U, 3U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 8U, 0U, 0U, offsetof(tumble_keeper_settings_t, pause_s)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 4U, 8U, 0U, 0U, offsetof(tumble_sets_settings_t, pause_s)},
     {0x2122U, 4U, TUMBLE_TYPE_UNSIGNED16, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 7U, 0U, 0U, offsetof(tumble_keeper_settings_t, temperature_samples)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 2U, 7U, 0U, 0U, offsetof(tumble_sets_settings_t, temperature_samples)},
     {0x2122U, 5U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, offsetof(tumble_keeper_settings_t, temperature_half_c)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE, 1U, 0U, 0U, 0U, offsetof(tumble_sets_settings_t, temperature_half_c)},
     {0x2122U, 6U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 1U, 1U, 0U, 0U, offsetof(tumble_keeper_settings_t, flags)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 1U, 1U, 0U, 0U, offsetof(tumble_sets_settings_t, flags)},
     /* Commit rules */
     {0x2123U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 6U, 0U, 0U, offsetof(tumble_keeper_settings_t, limits.coverage)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 6U, 0U, 0U, offsetof(tumble_sets_settings_t, limits.coverage)},
     {0x2123U, 2U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 1U, 2U, 0U, 0U, offsetof(tumble_keeper_settings_t, limits.flags)},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 1U, 2U, 0U, 0U, offsetof(tumble_sets_settings_t, limits.flags)},
     /* Uncertainty limits */
     {0x2124U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 5U, 0U, 11U, offsetof(tumble_keeper_settings_t, limits.uncertainty[0])},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 5U, 0U, 11U, offsetof(tumble_sets_settings_t, limits.uncertainty[0])},
     /* Drift limits per month */
     {0x2125U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 1U, 0U, 11U, offsetof(tumble_keeper_settings_t, limits.drift_per_month[0])},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 1U, 0U, 11U, offsetof(tumble_sets_settings_t, limits.drift_per_month[0])},
     /* Drift limits per kelvin */
     {0x2126U, 1U, TUMBLE_TYPE_REAL32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 1U, 0U, 11U, offsetof(tumble_keeper_settings_t, limits.drift_per_kelvin[0])},
+     TUMBLE_ACCESS_READ | TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_SERVICE, 4U, 1U, 0U, 11U, offsetof(tumble_sets_settings_t, limits.drift_per_kelvin[0])},
     /* Keeper counters */
     {0x2130U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 13U, offsetof(tumble_keeper_counters_t, judged)},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 13U, offsetof(tumble_sets_counters_t, judged)},
     /* Store counters */
     {0x2131U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, offsetof(tumble_keeper_t, store.counters.commits)},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 3U, offsetof(tumble_sets_t, store.counters.commits)},
     {0x2131U, 5U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_keeper_t, history.verify)},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_sets_t, history.log.verify)},
     {0x2131U, 8U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
-     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_keeper_t, checkpoint.verify)},
+     TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, offsetof(tumble_sets_t, checkpoint.log.verify)},
     /* Stand seen */
     {0x2140U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 9U, offsetof(tumble_stand_view_t, number[0])},

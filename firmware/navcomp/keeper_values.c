@@ -1,7 +1,6 @@
 #include "navcomp/keeper_values.h"
 
 #include "core/bytes.h"
-#include "navcomp/keeper_internal.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/navcomp_internal.h"
 
@@ -79,7 +78,7 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
 {
     tumble_set_t set;
     const tumble_abort_t refusal =
-        refusal_of(tumble_keeper_set(keeper, (tumble_which_set_t)(entry->index & WHICH_BITS), &set));
+        refusal_of(tumble_store_read(&keeper->sets.store, (tumble_which_set_t)(entry->index & WHICH_BITS), &set));
     if (refusal != TUMBLE_ABORT_NONE) {
         return refusal;
     }
@@ -92,14 +91,12 @@ static tumble_abort_t read_uncertainty(const tumble_keeper_t *keeper, const tumb
                                        uint8_t *size)
 {
     tumble_result_t result;
+    const tumble_uncertainty_t *uncertainty;
     if (tumble_navcomp_result(keeper->navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    if (keeper->run_was_on || (keeper->task == (uint8_t)TASK_UNCERTAINTY)) {
-        return TUMBLE_ABORT_DEVICE_STATE;
-    }
-    return ((keeper->set.flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? member(&keeper->set.uncertainty, entry, bytes, size)
-                                                                     : TUMBLE_ABORT_NO_DATA;
+    const tumble_abort_t refusal = refusal_of(tumble_sets_uncertainty(&keeper->sets, &uncertainty));
+    return (refusal == TUMBLE_ABORT_NONE) ? member(uncertainty, entry, bytes, size) : refusal;
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -172,7 +169,7 @@ static tumble_abort_t read_at_rest(const tumble_keeper_t *keeper, const tumble_e
 
 static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
-    tumble_history_t *history = tumble_keeper_history(keeper);
+    tumble_history_t *history = &keeper->sets.history;
     const uint8_t count = tumble_history_count(history);
     tumble_history_entry_t seen;
     if ((entry->index == TUMBLE_KEEPER_INDEX_HISTORY) && (entry->subindex <= HISTORY_ENTRIES)) {
@@ -195,7 +192,7 @@ static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t
 static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
 {
     tumble_trend_t trend;
-    const tumble_abort_t refusal = refusal_of(tumble_keeper_trend(keeper, (uint8_t)(entry->subindex - 1U), &trend));
+    const tumble_abort_t refusal = refusal_of(tumble_sets_trend(&keeper->sets, (uint8_t)(entry->subindex - 1U), &trend));
     if (refusal == TUMBLE_ABORT_NONE) {
         tumble_put_f64(bytes, (entry->index == TUMBLE_KEEPER_INDEX_TREND) ? trend.per_month : trend.u_per_month);
     }
@@ -206,8 +203,8 @@ static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *
 
 static tumble_abort_t read_host(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
 {
-    tumble_keeper_state_t state;
-    tumble_keeper_state(keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&keeper->sets, &state);
     if (entry->subindex == HOST_CALENDAR) {
         tumble_put_u64(bytes, state.utc_s);
     } else {
@@ -219,8 +216,8 @@ static tumble_abort_t read_host(const tumble_keeper_t *keeper, const tumble_entr
 static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                  uint8_t *size)
 {
-    tumble_keeper_state_t state;
-    tumble_keeper_state(keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&keeper->sets, &state);
     return member(&state, entry, bytes, size);
 }
 
@@ -229,6 +226,7 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+    tumble_keeper_look(keeper);
     switch (entry->index) {
     case INDEX_SAVE:
     case INDEX_LOAD:
@@ -249,13 +247,13 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     case TUMBLE_KEEPER_INDEX_UNCERTAINTY_LIMITS:
     case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_MONTH:
     case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_KELVIN:
-        refusal = member(tumble_keeper_settings(keeper), entry, bytes, size);
+        refusal = member(tumble_sets_settings(&keeper->sets), entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS:
-        refusal = member(tumble_keeper_counters(keeper), entry, bytes, size);
+        refusal = member(tumble_sets_counters(&keeper->sets), entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_STORE_COUNTERS:
-        refusal = member(keeper, entry, bytes, size);
+        refusal = member(&keeper->sets, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_STAND_SEEN:
         refusal = read_stand(keeper, entry, bytes, size);
@@ -292,10 +290,10 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
 static tumble_abort_t write_setting(tumble_keeper_t *keeper, const tumble_entry_t *entry, const uint8_t *bytes,
                                     uint8_t size)
 {
-    tumble_keeper_settings_t settings;
-    settings = *tumble_keeper_settings(keeper);
+    tumble_sets_settings_t settings;
+    settings = *tumble_sets_settings(&keeper->sets);
     tumble_dictionary_unpack(entry, (uint8_t *)&settings + entry->offset, bytes, size);
-    const tumble_status_t status = tumble_keeper_change(keeper, &settings);
+    const tumble_status_t status = tumble_sets_change(&keeper->sets, &settings);
     if (status == TUMBLE_E_STATE) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
@@ -306,7 +304,7 @@ static tumble_abort_t write_host(tumble_keeper_t *keeper, uint8_t subindex, cons
 {
     tumble_status_t status = TUMBLE_OK;
     if (subindex == HOST_CALENDAR) {
-        status = tumble_keeper_set_utc(keeper, tumble_get_u64(bytes));
+        status = tumble_sets_set_utc(&keeper->sets, tumble_get_u64(bytes));
     } else {
         tumble_keeper_inhibit(keeper, tumble_get_u16(bytes));
     }
@@ -329,11 +327,12 @@ static tumble_abort_t write_parameters(tumble_keeper_t *keeper, const tumble_ent
         refusal = TUMBLE_ABORT_STORE;
     } else if (!tumble_parameters_room(&keeper->parameters)) {
         refusal = TUMBLE_ABORT_HARDWARE;
-    } else if (tumble_keeper_is_busy(keeper) || tumble_run_is_on(keeper->navcomp)) {
+    } else if (tumble_sets_busy(&keeper->sets) || tumble_run_is_on(keeper->navcomp)) {
         refusal = TUMBLE_ABORT_DEVICE_STATE;
     } else {
-        keeper->rules_written = save ? tumble_keeper_rules(keeper) : tumble_keeper_rules_of_board(keeper);
+        tumble_sets_save_rules(&keeper->sets, save);
         refusal = save ? tumble_parameters_save(&keeper->parameters) : tumble_parameters_forget(&keeper->parameters);
+        tumble_keeper_look(keeper);
     }
     return refusal;
 }
@@ -343,6 +342,7 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
     const tumble_navcomp_t *navcomp = context;
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
+    tumble_keeper_look(keeper);
     switch (entry->index) {
     case INDEX_SAVE:
     case INDEX_LOAD:

@@ -1,16 +1,15 @@
 #include "navcomp/parameters.h"
 
 #include "core/bytes.h"
-#include "core/crc32.h"
 #include "navcomp/keeper_objects.h"
+#include "sets/nv_writer.h"
+#include "sets/record.h"
+#include "sets/slots.h"
 
 #include <assert.h>
 #include <stddef.h>
 #include <string.h>
 
-#define MAGIC 0x52415054U /* "TPAR" */
-#define SCHEMA 1U
-#define AT_SCHEMA 4U
 #define AT_USED 6U
 #define AT_SEQUENCE 8U
 #define AT_VALUES 12U
@@ -18,18 +17,20 @@
 #define AT_MARK 288U
 #define MARK_BYTES (TUMBLE_PARAMETERS_BYTES - AT_MARK)
 #define FIRST_SUBINDEX 1U
-#define READ_ATTEMPTS 3U
 
 static_assert((AT_VALUES + TUMBLE_KEEPER_SAVED_BYTES) <= AT_CRC, "all that is saved must fit the record");
 static_assert((AT_MARK % TUMBLE_NV_MAX_GRANULE) == 0U, "the mark has granules of its own");
 
+static const uint8_t head[AT_USED] = {0x54, 0x50, 0x41, 0x52, 1, 0}; /* TPAR, schema */
 static const uint8_t mark[MARK_BYTES] = {
     'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D', 'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D',
     'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D', 'T', 'P', 'A', 'R', 'G', 'O', 'O', 'D',
 };
 
+static const tumble_record_t record = {.head = head, .head_bytes = sizeof head, .crc_at = AT_CRC};
+
 /* tumble_parameters_t.phase */
-enum { IDLE = 0, READ_FIRST, READ_SECOND, READ_BEST, ERASE, PROGRAM, MARK };
+enum { IDLE = 0, READ_FIRST, READ_SECOND, READ_BEST, WRITE };
 
 bool tumble_parameters_busy(const tumble_parameters_t *parameters)
 {
@@ -55,8 +56,10 @@ static bool has_room(const tumble_nv_t *nv)
 
 void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node)
 {
+    static const tumble_slot_kind_t kind = {AT_MARK, TUMBLE_PARAMETERS_BYTES};
     *parameters = (tumble_parameters_t){.nv = has_room(nv) ? nv : NULL, .node = node};
-    tumble_nv_writer_init(&parameters->writer, nv);
+    parameters->slots.kind = &kind;
+    tumble_nv_writer_init(&parameters->slots.writer, nv);
     tumble_parameters_restore(parameters);
 }
 
@@ -88,11 +91,10 @@ static uint32_t offset_of(const tumble_parameters_t *parameters, uint8_t slot)
 /* The sequence of the record in `bytes`; 0: there is none. */
 static uint32_t sequence_of(const uint8_t *bytes)
 {
-    const bool good = (tumble_get_u32(bytes) == MAGIC) && (tumble_get_u16(&bytes[AT_SCHEMA]) == SCHEMA) &&
+    const bool good = (tumble_record_check(&record, bytes, 0) == TUMBLE_OK) &&
                       (tumble_get_u16(&bytes[AT_USED]) <= (AT_CRC - AT_VALUES)) &&
-                      (tumble_get_u32(&bytes[AT_CRC]) == tumble_crc32(0, bytes, AT_CRC)) &&
                       (memcmp(&bytes[AT_MARK], mark, sizeof mark) == 0);
-    return good ? tumble_get_u32(&bytes[AT_SEQUENCE]) : 0U;
+    return good ? tumble_record_get_u32(&bytes[AT_SEQUENCE]) : 0U;
 }
 
 /* The values of one object, up to `end`. Returns where the next one begins. */
@@ -150,16 +152,11 @@ static void read_record(tumble_parameters_t *parameters)
 {
     const uint8_t slot = (parameters->phase == (uint8_t)READ_BEST) ? parameters->slot
                                                                    : (uint8_t)(parameters->phase - (uint8_t)READ_FIRST);
-    const tumble_status_t status =
-        tumble_nv_read(parameters->nv, offset_of(parameters, slot), parameters->bytes, TUMBLE_PARAMETERS_BYTES);
+    const tumble_status_t status = tumble_slots_read(&parameters->slots, offset_of(parameters, slot),
+                                                     parameters->bytes, &parameters->read_errors);
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
-    if ((status != TUMBLE_OK) && (parameters->failed_reads < (READ_ATTEMPTS - 1U))) {
-        parameters->failed_reads++;
-        return;
-    }
-    parameters->failed_reads = 0;
     parameters->unread = parameters->unread || (status != TUMBLE_OK);
     const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->bytes) : 0U;
     if (parameters->phase == (uint8_t)READ_BEST) {
@@ -194,6 +191,7 @@ static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_save
 
 static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
 {
+    static const uint8_t plan[] = {SLOT_ERASE, SLOT_BODY, SLOT_MARK, SLOT_END};
     uint32_t at = AT_VALUES;
     if (!tumble_parameters_room(parameters) || parameters->unread) {
         return TUMBLE_ABORT_HARDWARE;
@@ -201,17 +199,16 @@ static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
     if (tumble_parameters_busy(parameters)) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
-    (void)memset(parameters->bytes, 0, sizeof parameters->bytes);
+    tumble_record_fill(&record, NULL, parameters->bytes);
     for (uint8_t i = 0; i < objects; i++) {
         at = gather_object(parameters, &tumble_keeper_saved[i], at);
     }
-    tumble_put_u32(parameters->bytes, MAGIC);
-    tumble_put_u16(&parameters->bytes[AT_SCHEMA], SCHEMA);
     tumble_put_u16(&parameters->bytes[AT_USED], (uint16_t)(at - AT_VALUES));
-    tumble_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
-    tumble_put_u32(&parameters->bytes[AT_CRC], tumble_crc32(0, parameters->bytes, AT_CRC));
-    tumble_nv_begin_erase(&parameters->writer, offset_of(parameters, parameters->slot ^ 1U), TUMBLE_PARAMETERS_BYTES);
-    parameters->phase = (uint8_t)ERASE;
+    tumble_record_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
+    tumble_record_seal(parameters->bytes, AT_CRC, 0);
+    (void)memcpy(&parameters->bytes[AT_MARK], mark, sizeof mark);
+    tumble_slots_begin(&parameters->slots, plan);
+    parameters->phase = (uint8_t)WRITE;
     return TUMBLE_ABORT_LATER;
 }
 
@@ -225,21 +222,12 @@ tumble_abort_t tumble_parameters_forget(tumble_parameters_t *parameters)
     return begin(parameters, 0);
 }
 
-static void write_next(tumble_parameters_t *parameters)
+static void end_writing(tumble_parameters_t *parameters)
 {
-    const uint32_t offset = offset_of(parameters, parameters->slot ^ 1U);
-    if (parameters->phase == (uint8_t)ERASE) {
-        tumble_nv_begin_program(&parameters->writer, offset, parameters->bytes, AT_MARK);
-        parameters->phase = (uint8_t)PROGRAM;
-    } else if (parameters->phase == (uint8_t)PROGRAM) {
-        tumble_nv_begin_program(&parameters->writer, offset + AT_MARK, mark, MARK_BYTES);
-        parameters->phase = (uint8_t)MARK;
-    } else {
-        parameters->slot ^= 1U;
-        parameters->view.sequence++;
-        parameters->event = TUMBLE_PARAMETERS_WRITTEN;
-        end(parameters, TUMBLE_ABORT_NONE);
-    }
+    parameters->slot ^= 1U;
+    parameters->view.sequence++;
+    parameters->event = TUMBLE_PARAMETERS_WRITTEN;
+    end(parameters, TUMBLE_ABORT_NONE);
 }
 
 void tumble_parameters_step(tumble_parameters_t *parameters)
@@ -251,9 +239,10 @@ void tumble_parameters_step(tumble_parameters_t *parameters)
         read_record(parameters);
         return;
     }
-    const tumble_status_t status = tumble_nv_writer_step(&parameters->writer);
+    const tumble_status_t status =
+        tumble_slots_step(&parameters->slots, offset_of(parameters, parameters->slot ^ 1U), parameters->bytes);
     if (status == TUMBLE_OK) {
-        write_next(parameters);
+        end_writing(parameters);
     } else if (status != TUMBLE_E_PORT_BUSY) {
         parameters->failed = true;
         parameters->unread = false;

@@ -18,8 +18,7 @@
 #include "canopen/node.h"
 #include "tumble/status.h"
 #include "tumble/port.h"
-#include "store/nv_writer.h"
-#include "store/regions.h"
+#include "tumble/sets.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,12 +43,12 @@ enum {
 typedef struct {
     const tumble_nv_t *nv; /* null: there is no room for parameters */
     tumble_node_t *node;
-    tumble_nv_writer_t writer;
+    tumble_slots_t slots;
     tumble_parameters_view_t view;
     uint8_t event;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
-    uint8_t failed_reads; /* in a row */
+    uint32_t read_errors; /* counted, and not shown */
     bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
     bool failed;  /* a job: it is being looked what that left behind */
     bool again;   /* to be restored when that is done which is under way */

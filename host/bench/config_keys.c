@@ -125,7 +125,7 @@ const bench_key_t bench_config_keys[] = {
     {"keeper.coverage", BENCH_F32, 1, LIMITS(coverage), 1, 10, "standard uncertainties that excuse a change"},
     {"keeper.gravity_m_s2", BENCH_F64, 1, KEEPING(settings.gravity_m_s2), 9.7, 9.9, "m/s2; of the place"},
     {"keeper.interval_s", BENCH_U32, 1, KEEPING(settings.interval_s), 0, WHOLE_32, "s from set to run; 0: never due"},
-    {"keeper.pause_s", BENCH_U32, 1, KEEPING(settings.pause_s), TUMBLE_KEEPER_MIN_PAUSE_S, WHOLE_32,
+    {"keeper.pause_s", BENCH_U32, 1, KEEPING(settings.pause_s), TUMBLE_SETS_MIN_PAUSE_S, WHOLE_32,
      "s from one start by itself to the next"},
     {"keeper.temperature_half_c", BENCH_U8, 1, KEEPING(settings.temperature_half_c), 0, 255,
      "half degrees from the active set's that make a run due; 0: none"},

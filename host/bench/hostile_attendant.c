@@ -51,8 +51,8 @@ static void mend(bench_life_t *life, const tumble_progress_t *progress)
 /* After a loss of power a run that was on goes on, or begins anew. */
 static void go_on(bench_life_t *life)
 {
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&life->keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&life->keeper.sets, &state);
     const bool resumes = life->plan->attendant.resumes && state.resumable > 0U;
     life->run_was_on = false;
     (void)bench_life_command(life, resumes ? TUMBLE_COMMAND_RESUME : TUMBLE_COMMAND_START, 0);

@@ -223,8 +223,7 @@ static void compose(bench_life_t *life)
     const bench_config_t *const config = &life->plan->config;
     bench_world_t *const world = &life->world;
     life->keeper_config = (tumble_keeper_config_t){
-        .serial = config->keeping.serial,
-        .settings = &config->keeping.settings,
+        .sets = {.serial = config->keeping.serial, .settings = &config->keeping.settings},
         .uncertainty = tumble_navcomp_uncertainty,
         .stand_view = tumble_stand_view,
         .stand_memory = &life->stand_memory,
@@ -247,7 +246,7 @@ static void sum_up(bench_life_t *life)
         life->counts.events[BENCH_HOSTILE_FAULT] += times;
     }
     if (!life->world.off) {
-        life->counts.held += tumble_keeper_counters(&life->keeper)->held;
+        life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
         bench_watch_read_all(life);
     }
 }

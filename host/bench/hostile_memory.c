@@ -1,7 +1,7 @@
 /* The memory of a life: what it begins with, and what a loss of power leaves in it. */
 #include "bench/hostile_state.h"
 
-#include "store/store.h"
+#include "tumble/sets.h"
 
 #include <string.h>
 

@@ -29,7 +29,7 @@ void bench_life_boot(bench_life_t *life)
         return;
     }
     if (life->plan->utc_s != 0U) {
-        (void)tumble_keeper_set_utc(&life->keeper, life->plan->utc_s + world->clock.now_us / 1000000U);
+        (void)tumble_sets_set_utc(&life->keeper.sets, life->plan->utc_s + world->clock.now_us / 1000000U);
     }
     world->mark = BENCH_LOOK_AGAIN;
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
@@ -45,7 +45,7 @@ void bench_life_cut(bench_life_t *life, const bench_event_t *event)
     sim_random_open(&stream, life->plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_EVENT + event->number);
     const tumble_state_t state = world->progress.state;
     life->run_was_on = state != TUMBLE_STATE_IDLE && state != TUMBLE_STATE_DONE && state != TUMBLE_STATE_ABORT;
-    life->counts.held += tumble_keeper_counters(&life->keeper)->held;
+    life->counts.held += tumble_sets_counters(&life->keeper.sets)->held;
     world->off = true;
     sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, true);
     sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, SIM_NEVER);

@@ -41,7 +41,7 @@ static void compare_with_truth(bench_life_t *life, const tumble_set_t *set)
 static void look_at_new(bench_life_t *life)
 {
     tumble_set_t set;
-    if (tumble_store_read(&life->keeper.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
+    if (tumble_store_read(&life->keeper.sets.store, TUMBLE_SET_ACTIVE, &set) != TUMBLE_OK ||
         set.origin != TUMBLE_ORIGIN_COMMITTED) {
         return;
     }
@@ -68,8 +68,8 @@ static void look_whether_told(bench_life_t *life)
     if (watch->told_by_us == SIM_NEVER) {
         return;
     }
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&life->keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&life->keeper.sets, &state);
     const bool lacks = !watch->has_set && (state.due & TUMBLE_DUE_NO_SET) != 0; /* which says it */
     if (watch->told || lacks || (state.due & TUMBLE_DUE_DECAYED) != 0) {
         watch->told_by_us = SIM_NEVER;
@@ -84,7 +84,7 @@ static void look_whether_told(bench_life_t *life)
 void bench_watch_sets(bench_life_t *life)
 {
     bench_watch_t *const watch = &life->watch;
-    const tumble_store_t *const store = &life->keeper.store;
+    const tumble_store_t *const store = &life->keeper.sets.store;
     if (!store->booted || tumble_store_busy(store)) {
         return;
     }

@@ -12,7 +12,7 @@ typedef struct {
     bool commits; /* good sets by themselves */
     bool first;   /* the first one, too */
     bool starts;  /* runs that are due */
-    tumble_keeper_settings_t settings;
+    tumble_sets_settings_t settings;
 } bench_keeping_t;
 
 /* Limits for a good stand: 1e-3 (ratio, rad or g) for uncertainties, 1e-4 a month for drift, three standard

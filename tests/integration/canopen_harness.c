@@ -121,9 +121,9 @@ static bool start_plain(const char *name)
 
 static void prepare_keeper(void)
 {
-    static tumble_keeper_settings_t settings = {
-        .limits = {.coverage = 3.0F}, .pause_s = TUMBLE_KEEPER_MIN_PAUSE_S, .temperature_samples = 1};
-    static const tumble_keeper_config_t config = {.serial = "HARNESS", .settings = &settings};
+    static tumble_sets_settings_t settings = {
+        .limits = {.coverage = 3.0F}, .pause_s = TUMBLE_SETS_MIN_PAUSE_S, .temperature_samples = 1};
+    static const tumble_keeper_config_t config = {.sets = {.serial = "HARNESS", .settings = &settings}};
 
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         settings.limits.uncertainty[c] = 1e-3F;

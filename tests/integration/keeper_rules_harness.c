@@ -4,7 +4,7 @@
  *     12 values and 12 uncertainties of the candidate, the same of the active set, 12 limits of uncertainty, drift a month
  *     and drift a kelvin each, coverage, dates of both, temperatures of both (degrees C)
  */
-#include "store/commit_rules.h"
+#include "tumble/sets.h"
 
 #include <stdio.h>
 #include <stdlib.h>

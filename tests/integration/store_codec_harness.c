@@ -3,10 +3,8 @@
  *
  *     store_codec set|entry|run|position [FINGERPRINT]
  */
-#include "store/checkpoint.h"
-#include "store/history.h"
+#include "tumble/sets.h"
 #include "flash.h"
-#include "store/set_record.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -22,7 +22,7 @@ def rows(prefix, page=PAGE):
 
 
 LISTS = [("firmware/procedure/states.h", "TUMBLE_REASON_LIST", "TUMBLE_REASON_"),
-         ("firmware/store/commit_rules.h", "TUMBLE_OBJECTION_LIST", "TUMBLE_OBJECTION_")]
+         ("firmware/include/tumble/sets.h", "TUMBLE_OBJECTION_LIST", "TUMBLE_OBJECTION_")]
 
 
 @pytest.mark.parametrize("header, macro, prefix", LISTS)

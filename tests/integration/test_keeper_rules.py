@@ -13,7 +13,7 @@ import pytest
 from c_compiler import INCLUDES
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/store/commit_rules.c", "firmware/core/arith.c"]
+SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/sets/rules.c", "firmware/core/arith.c"]
 CASES = 4000
 MONTH_S = 2629746
 MOST_MONTHS = 24

@@ -18,7 +18,7 @@ from tumble.store.image import read_image
 
 ROOT = Path(__file__).resolve().parents[2]
 GOLDEN = ROOT / "tests" / "golden"
-STORE = ("set_record", "layout", "nv_writer", "regions", "history_entry", "checkpoint")
+STORE = ("set_record", "record", "nv_writer", "regions", "log", "history_entry", "checkpoint")
 
 _spec = importlib.util.spec_from_file_location("golden_make", GOLDEN / "make.py")
 golden = importlib.util.module_from_spec(_spec)
@@ -32,7 +32,7 @@ def firmware(tmp_path_factory):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
     program = tmp_path_factory.mktemp("codec") / "store_codec"
-    sources = [f"firmware/store/{name}.c" for name in STORE] + ["firmware/core/arith.c", "firmware/core/crc32.c"]
+    sources = [f"firmware/sets/{name}.c" for name in STORE] + [f"firmware/core/{name}.c" for name in ("arith", "count", "crc32")]
     subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, "-Itests/lib",
                     "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources, "-lm", "-o", program],
                    cwd=ROOT, check=True)

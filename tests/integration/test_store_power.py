@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-STORE = ("store", "store_job", "set_record", "layout", "nv_writer", "regions", "history", "history_entry", "checkpoint")
+STORE = ("store", "store_job", "slots", "set_record", "record", "nv_writer", "regions", "log", "history", "history_entry",
+         "checkpoint")
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra"]
 
 # A bug of the firmware: its files, what stands there, what is planted, and at last what the campaign must say of it.
@@ -17,14 +18,14 @@ BUGS = {
     # The record's own checksum and ranges make up for the wrong order, so they have to go too.
     "marked before it is written, and the mark is believed": (
         "store.c",
-        "PLAN_ERASE | IN_TARGET, PLAN_BODY | IN_TARGET,\n                                   PLAN_MARK | IN_TARGET, PLAN_END",
-        "PLAN_ERASE | IN_TARGET, PLAN_MARK | IN_TARGET,\n                                   PLAN_BODY | IN_TARGET, PLAN_END",
+        "SLOT_BODY | IN_TARGET,\n                                   SLOT_MARK | IN_TARGET, SLOT_END",
+        "SLOT_MARK | IN_TARGET,\n                                   SLOT_BODY | IN_TARGET, SLOT_END",
         "store_job.c",
-        "(tumble_layout_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
+        "(tumble_record_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "(mark[MARK_CRC] != 1U)",
         "set_record.c",
-        "return tumble_layout_is_sealed(bytes, AT_CRC, 0) ? check_fields(bytes) : TUMBLE_E_CRC;",
-        "return TUMBLE_OK;",
+        "return (status == TUMBLE_OK) ? check_fields(bytes) : status;",
+        "return (status == TUMBLE_OK) ? status : TUMBLE_OK;",
         "must never be found",
     ),
     "not read back": ("nv_writer.c", "if (!chunk_is_right(writer, size))", "if (false)", "it is not|forbids"),
@@ -35,12 +36,12 @@ BUGS = {
         "return (active != (uint8_t)TUMBLE_REGION_SLOT_A) ?",
         "must never be found",
     ),
-    "no checksum": ("layout.c", "return tumble_layout_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
+    "no checksum": ("record.c", "return tumble_record_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
     "the oldest set is active": ("store_job.c", "a->stamp.sequence > b->", "a->stamp.sequence < b->", "must never be found"),
     "cleared before it is accepted": (
         "store.c",
-        "accept[] = {PLAN_LOAD | IN_PROPOSAL, PLAN_ERASE | IN_TARGET,",
-        "accept[] = {PLAN_LOAD | IN_PROPOSAL, PLAN_ERASE | IN_PROPOSAL, PLAN_ERASE | IN_TARGET,",
+        "accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,",
+        "accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,",
         "must never be found",
     ),
     "an accepted proposal is held again": (
@@ -51,15 +52,15 @@ BUGS = {
     ),
     "a rollback without a copy": (
         "store.c",
-        "PLAN_LOAD | IN_SOURCE,   PLAN_ERASE | IN_PROPOSAL, PLAN_BODY | IN_PROPOSAL,\n"
-        "                                   PLAN_MARK | IN_PROPOSAL, PLAN_STAMP, ",
-        "PLAN_LOAD | IN_SOURCE,   PLAN_STAMP, ",
+        "PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,\n"
+        "                                   SLOT_MARK | IN_PROPOSAL, PLAN_STAMP,",
+        "PLAN_LOAD | IN_SOURCE, PLAN_STAMP,",
         "must never be found",
     ),
     "no scan after a job": (
         "store_job.c",
-        "    store->plan = NULL;\n    tumble_store_begin_scan(store);",
-        "    store->plan = NULL;",
+        "    tumble_slots_begin(&store->slots, NULL);\n    tumble_store_begin_scan(store);",
+        "    tumble_slots_begin(&store->slots, NULL);",
         "must never be found",
     ),
     "the history erases the newest": (
@@ -69,16 +70,15 @@ BUGS = {
         "must never be found",
     ),
     "a torn entry is written over": (
-        "history.c",
-        "    history->used[sector] = (uint8_t)(at + 1U);\n    if (was_read && ",
-        "    if (was_read && (tumble_history_decode(history->bytes, &entry) == TUMBLE_OK)) {\n"
-        "        history->used[sector] = (uint8_t)(at + 1U);\n    }\n    if (was_read && ",
+        "log.c",
+        "    log->used[log->at_cell / cells] = ",
+        "    log->used[log->at_cell / cells] = !valid ? log->used[log->at_cell / cells] : ",
         "forbids",
     ),
     "a torn position is written over": (
         "checkpoint.c",
-        "    checkpoint->next = checkpoint->scanned + 1U;\n",
-        "    if (get_entry(checkpoint, &average) == TUMBLE_OK) {\n        checkpoint->next = checkpoint->scanned + 1U;\n    }\n",
+        "    checkpoint->next = log->at_cell + 1U;\n",
+        "    checkpoint->next = valid ? (uint8_t)(log->at_cell + 1U) : checkpoint->next;\n",
         "forbids",
     ),
 }
@@ -87,7 +87,7 @@ BUGS = {
 def build(firmware, program):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
-    sources = [firmware / f"store/{name}.c" for name in STORE] + [firmware / "core/arith.c"]
+    sources = [firmware / f"sets/{name}.c" for name in STORE] + [firmware / "core/arith.c", firmware / "core/count.c"]
     subprocess.run(
         [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
          ROOT / "tests/lib/flash.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
@@ -98,11 +98,11 @@ def build(firmware, program):
 
 def part_of(file):
     """The part of the campaign that has to do with it."""
-    return {"layout.c": "checkpoint", "history.c": "history", "checkpoint.c": "checkpoint"}.get(file, "store")
+    return {"record.c": "checkpoint", "history.c": "history", "log.c": "history", "checkpoint.c": "checkpoint"}.get(file, "store")
 
 
 def plant(firmware, file, good, bad):
-    source = firmware / "store" / file
+    source = firmware / "sets" / file
     text = source.read_text(encoding="utf-8")
     assert text.count(good) == 1, "the planted bug has lost its place"
     source.write_text(text.replace(good, bad), encoding="utf-8")
@@ -112,7 +112,7 @@ def plant(firmware, file, good, bad):
 @pytest.mark.parametrize("bug", BUGS)
 def test_a_planted_bug_is_found(bug, tmp_path):
     *edits, complaint = BUGS[bug]
-    for room in ("core", "include", "store"):
+    for room in ("core", "include", "sets"):
         shutil.copytree(ROOT / "firmware" / room, tmp_path / "firmware" / room)
     for edit in zip(*[iter(edits)] * 3):
         plant(tmp_path / "firmware", *edit)

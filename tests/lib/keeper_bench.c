@@ -19,10 +19,10 @@ void keeper_prepare(void)
     declared_stand = (tumble_stand_record_t){.axis_tilt_rad = 2e-5, .level_rad = 2e-5, .remount_rad = 4e-5,
                                              .angle_rad = 4e-5, .noise_v = 1e-5, .samples = 1};
     declared = (tumble_declared_t){&declared_stand, NULL};
-    keeper_config = (tumble_keeper_config_t){.serial = "TB-0001",
-                                             .settings = &settings,
-                                             .inhibited = ask_board,
-                                             .context = &board_inhibits,
+    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001",
+                                                      .settings = &settings,
+                                                      .inhibited = ask_board,
+                                                      .context = &board_inhibits},
                                              .uncertainty = tumble_navcomp_uncertainty};
     memset(&keeper, 0x5A, sizeof keeper);
     keeper.config = &keeper_config;
@@ -55,10 +55,10 @@ void keeper_power_on(void)
     bench_power_on(&bench);
 }
 
-tumble_keeper_state_t state_of_keeper(void)
+tumble_sets_state_t state_of_keeper(void)
 {
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&keeper.sets, &state);
     return state;
 }
 
@@ -74,7 +74,7 @@ tumble_status_t tell(tumble_command_t command)
 
 tumble_status_t accept_proposal(void)
 {
-    return tumble_navcomp_accept(&bench.navcomp, tumble_store_proposal(&keeper.store));
+    return tumble_navcomp_accept(&bench.navcomp, tumble_store_proposal(&keeper.sets.store));
 }
 
 void drift(double by_v)
@@ -88,7 +88,7 @@ void settle_memory(void)
 {
     for (int i = 0; i < 2000; i++) {
         bench_event(&bench);
-        if (!state_of_keeper().busy && (keeper.wants == 0U) && (keeper.task == 0U) && !keeper.stale) {
+        if (!state_of_keeper().busy && (keeper.sets.wants == 0U) && (keeper.sets.task == 0U) && !keeper.sets.stale) {
             return;
         }
     }
@@ -107,7 +107,7 @@ tumble_verdict_t run_and_judge(void)
 tumble_set_t set_of(tumble_which_set_t which)
 {
     tumble_set_t set;
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set(&keeper, which, &set));
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, which, &set));
     return set;
 }
 

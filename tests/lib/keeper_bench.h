@@ -23,7 +23,7 @@ void keeper_prepare(void);
 void keeper_power_cycle(void);
 
 void keeper_power_on(void);
-tumble_keeper_state_t state_of_keeper(void);
+tumble_sets_state_t state_of_keeper(void);
 tumble_state_t run_state(void);
 tumble_status_t tell(tumble_command_t command);
 

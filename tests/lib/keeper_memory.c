@@ -2,7 +2,7 @@
 
 nv_memory_t memory;
 tumble_keeper_t keeper;
-tumble_keeper_settings_t settings;
+tumble_sets_settings_t settings;
 tumble_keeper_config_t keeper_config;
 
 static void memory_forbids(void)
@@ -16,11 +16,11 @@ void memory_init(nv_memory_t *m)
     m->on_violation = memory_forbids;
 }
 
-tumble_keeper_settings_t usual_settings(void)
+tumble_sets_settings_t usual_settings(void)
 {
-    tumble_keeper_settings_t usual = {.limits = {.coverage = 3.0F, .flags = TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST},
+    tumble_sets_settings_t usual = {.limits = {.coverage = 3.0F, .flags = TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST},
                                       .gravity_m_s2 = 9.81,
-                                      .pause_s = TUMBLE_KEEPER_MIN_PAUSE_S,
+                                      .pause_s = TUMBLE_SETS_MIN_PAUSE_S,
                                       .temperature_samples = 50};
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         usual.limits.uncertainty[c] = 1e-3F;

@@ -10,12 +10,12 @@
 
 extern nv_memory_t memory;
 extern tumble_keeper_t keeper;
-extern tumble_keeper_settings_t settings;
+extern tumble_sets_settings_t settings;
 extern tumble_keeper_config_t keeper_config;
 
 /* Blank. */
 void memory_init(nv_memory_t *m);
 
-tumble_keeper_settings_t usual_settings(void);
+tumble_sets_settings_t usual_settings(void);
 
 #endif

@@ -16,7 +16,7 @@ static inline void world_power_on(uint64_t seed, uint64_t utc_s)
     world.navcomp_config.keeping = &tumble_keeper_calls;
     world.navcomp_config.keeper = &keeper;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&world.navcomp, &world.navcomp_config));
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, utc_s));
+    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, utc_s));
 }
 
 static inline void world_settle(void)

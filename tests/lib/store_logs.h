@@ -2,8 +2,7 @@
 #ifndef STORE_LOGS_H
 #define STORE_LOGS_H
 
-#include "store/checkpoint.h"
-#include "store/history.h"
+#include "tumble/sets.h"
 #include "store_jobs.h"
 
 #define LOG_LAST 16U /* entries that survive whatever happens */

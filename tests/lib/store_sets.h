@@ -2,7 +2,7 @@
 #ifndef STORE_SETS_H
 #define STORE_SETS_H
 
-#include "store/store.h"
+#include "sets/set_record.h"
 #include "flash.h"
 
 /* Every field filled in, every one of them by `tag`. */

@@ -187,7 +187,7 @@ static void test_values_arrive(void)
                                 "keeper.drift_per_month = 1 2e-1 3e-1 4e-1 5e-1 6e-1 7e-1 8e-1 9e-1 0 0 0.5\n"));
     TEST_ASSERT_EQUAL_STRING("123456789012345678901234", config.keeping.serial);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_COMMIT_FIRST, config.keeping.settings.limits.flags);
-    TEST_ASSERT_EQUAL_HEX8(TUMBLE_KEEPER_STARTS, config.keeping.settings.flags);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_SETS_STARTS, config.keeping.settings.flags);
     TEST_ASSERT_TRUE(config.keeping.settings.limits.drift_per_month[11] == 0.5F);
     TEST_ASSERT_EQUAL_INT(SIM_LAW_UNIFORM, config.scenario.stand.law);
     TEST_ASSERT_EQUAL_INT(SIM_REMOUNT_COMMON, config.scenario.stand.remount);

@@ -49,7 +49,7 @@ static void run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare
     read_scenario((lines != NULL) ? lines : "");
     settings = usual_settings();
     keeper_config = (tumble_keeper_config_t){
-        .serial = "TB-0001", .settings = &settings, .uncertainty = tumble_navcomp_uncertainty};
+        .sets = {.serial = "TB-0001", .settings = &settings}, .uncertainty = tumble_navcomp_uncertainty};
     if (prepare != NULL) {
         prepare(seed);
     }
@@ -69,7 +69,7 @@ static void copy_memory(nv_memory_t *to, const nv_memory_t *from)
 static void other_block(uint64_t seed)
 {
     (void)seed;
-    keeper_config.serial = "TB-0002";
+    keeper_config.sets.serial = "TB-0002";
 }
 
 static void undeclared(uint64_t seed)
@@ -165,11 +165,11 @@ static void describe(const attempt_t *attempt, uint32_t tried, bool same)
 static bool try_once(const attempt_t *attempt, uint64_t seed)
 {
     tumble_navcomp_progress_t progress;
-    tumble_keeper_state_t state;
+    tumble_sets_state_t state;
     copy_memory(&memory, &good);
     run(attempt->lines, (attempt->seed != 0U) ? attempt->seed : seed, attempt->utc_s, attempt->prepare);
     tumble_navcomp_progress(&world.navcomp, &progress);
-    tumble_keeper_state(&keeper, &state);
+    tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(attempt->state), tumble_state_name(progress.run.state),
                                      attempt->name);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_reason_name(attempt->reason), tumble_reason_name(progress.run.reason),
@@ -224,15 +224,15 @@ static void test_a_run_cut_and_gone_on_with_otherwise(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     while ((world.progress.index < 12U) && bench_world_advance(&world)) {
     }
-    keeper_config.serial = "TB-0002";
+    keeper_config.sets.serial = "TB-0002";
     world_power_on(3, NEXT_MONTH);
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_EQUAL_UINT8(0, state.resumable);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_RESUME, 0));
-    keeper_config.serial = "TB-0001";
+    keeper_config.sets.serial = "TB-0001";
     world_power_on(3, NEXT_MONTH);
-    tumble_keeper_state(&keeper, &state);
+    tumble_sets_state(&keeper.sets, &state);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT8(11, state.resumable);
     TEST_ASSERT_EQUAL_MEMORY(good.bytes, memory.bytes, SLOT_BYTES);
     TEST_MESSAGE("truncated by loss of power, another block:  RESUME refused, slots unchanged");
@@ -244,8 +244,8 @@ static void test_good_runs_do(void)
     for (uint64_t seed = 2; seed < (SEEDS + 2U); seed++) {
         copy_memory(&memory, &good);
         run(NULL, seed, NEXT_MONTH, NULL);
-        tumble_keeper_state_t state;
-        tumble_keeper_state(&keeper, &state);
+        tumble_sets_state_t state;
+        tumble_sets_state(&keeper.sets, &state);
         TEST_ASSERT_EQUAL_HEX16(0, state.objections);
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state.verdict);
         TEST_ASSERT_EQUAL_UINT32(2, state.counter);

@@ -7,7 +7,7 @@ static void test_a_full_checkpoint_is_written_anew(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(3);
     settle_memory();
-    keeper.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
+    keeper.sets.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
     run_to_average(5);
     settle_memory();
     keeper_power_cycle();
@@ -25,7 +25,7 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_keeper_counters(&keeper)->failures);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_sets_counters(&keeper.sets)->failures);
 }
 
 /* One that could not be begun is tried again with every mean that is finished, and then has all of them. */
@@ -34,13 +34,13 @@ static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
     nv_refuse(&memory, NV_NEVER);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(3);
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, tumble_keeper_counters(&keeper)->failures);
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, memory.operations);
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, memory.operations);
     nv_arm(&memory, nv_no_fault);
     run_to_average(6);
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, tumble_keeper_counters(&keeper)->failures);
-    TEST_ASSERT_EQUAL_UINT32(6, tumble_keeper_counters(&keeper)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, tumble_sets_counters(&keeper.sets)->failures);
+    TEST_ASSERT_EQUAL_UINT32(6, tumble_sets_counters(&keeper.sets)->checkpoints);
     assert_goes_on(6);
 }
 
@@ -51,7 +51,7 @@ static void test_a_checkpoint_that_was_lost_is_begun_again(void)
     run_to_average(3);
     memory.read_fails_at = 0;
     run_to_average(6);
-    TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_KEEPER_TRIES), tumble_keeper_counters(&keeper)->failures);
+    TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_SETS_TRIES), tumble_sets_counters(&keeper.sets)->failures);
     memory.read_fails_at = NV_NEVER;
     run_to_average(7);
     settle_memory();
@@ -75,8 +75,8 @@ static void test_the_means_of_two_runs_are_not_mixed(void)
 
 static void write_on_checkpoint(void)
 {
-    while (tumble_checkpoint_busy(&keeper.checkpoint)) {
-        (void)tumble_checkpoint_step(&keeper.checkpoint);
+    while (tumble_checkpoint_busy(&keeper.sets.checkpoint)) {
+        (void)tumble_checkpoint_step(&keeper.sets.checkpoint);
     }
 }
 
@@ -85,15 +85,15 @@ static void turn_means_round(uint8_t count)
 {
     tumble_average_t means[POSITIONS];
     for (uint8_t p = 0; p < count; p++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_read(&keeper.checkpoint, p, &means[p]));
+        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_read(&keeper.sets.checkpoint, p, &means[p]));
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             means[p].sum_counts[i] = -means[p].sum_counts[i];
         }
     }
-    ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_begin(&keeper.checkpoint, keeper.checkpoint.fingerprint));
+    ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_begin(&keeper.sets.checkpoint, keeper.sets.checkpoint.fingerprint));
     write_on_checkpoint();
     for (uint8_t p = 0; p < count; p++) {
-        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_append(&keeper.checkpoint, p, &means[p]));
+        ASSERT_STATUS(TUMBLE_OK, tumble_checkpoint_append(&keeper.sets.checkpoint, p, &means[p]));
         write_on_checkpoint();
     }
 }
@@ -103,7 +103,7 @@ static void assert_not_gone_on_with(uint32_t times)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_pass(&bench, 0.2);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(times, tumble_keeper_counters(&keeper)->not_resumed);
+    TEST_ASSERT_EQUAL_UINT32(times, tumble_sets_counters(&keeper.sets)->not_resumed);
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
 }
 
@@ -115,13 +115,13 @@ static void test_what_cannot_be_put_back_is_no_run_to_go_on_with(void)
     keeper_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     assert_not_gone_on_with(1);
-    keeper.stale = true; /* as after any job of the store */
+    keeper.sets.stale = true; /* as after any job of the store */
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
     assert_not_gone_on_with(2);
-    keeper.settings.flags |= TUMBLE_KEEPER_STARTS;
-    bench_pass(&bench, (double)TUMBLE_KEEPER_MIN_PAUSE_S + 1.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);
+    keeper.sets.settings.flags |= TUMBLE_SETS_STARTS;
+    bench_pass(&bench, (double)TUMBLE_SETS_MIN_PAUSE_S + 1.0);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
 }
 
 SUITE(keeper_checkpoint, keeper_power_on, NULL)

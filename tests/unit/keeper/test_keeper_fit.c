@@ -49,19 +49,19 @@ static double farthest_off(void)
     double farthest = 0.0;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            const double off = fabs(keeper.set.coefficients.k_v_per_g[i][j] - truth->k_v_per_g[i][j]);
-            farthest = fmax(farthest, off / keeper.set.uncertainty.k_v_per_g[i][j]);
+            const double off = fabs(keeper.sets.set.coefficients.k_v_per_g[i][j] - truth->k_v_per_g[i][j]);
+            farthest = fmax(farthest, off / keeper.sets.set.uncertainty.k_v_per_g[i][j]);
         }
-        const double off = fabs(keeper.set.coefficients.u0_v[i] - truth->u0_v[i]);
-        farthest = fmax(farthest, off / keeper.set.uncertainty.u0_v[i]);
+        const double off = fabs(keeper.sets.set.coefficients.u0_v[i] - truth->u0_v[i]);
+        farthest = fmax(farthest, off / keeper.sets.set.uncertainty.u0_v[i]);
     }
     return farthest;
 }
 
 static void count_run(tally_t *tally)
 {
-    tumble_keeper_state_t state;
-    tumble_keeper_state(&keeper, &state);
+    tumble_sets_state_t state;
+    tumble_sets_state(&keeper.sets, &state);
     if (state.verdict == TUMBLE_VERDICT_NONE) {
         return; /* another gate has ended the run */
     }
@@ -90,7 +90,7 @@ static void run(const stand_t *stand, const char *more, uint64_t seed, tally_t *
     memory_init(&memory);
     settings = usual_settings();
     keeper_config = (tumble_keeper_config_t){
-        .serial = "TB-0001", .settings = &settings, .uncertainty = tumble_navcomp_uncertainty};
+        .sets = {.serial = "TB-0001", .settings = &settings}, .uncertainty = tumble_navcomp_uncertainty};
     world_power_on(seed, UTC_S);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     bench_world_run(&world);

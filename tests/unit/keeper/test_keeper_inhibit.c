@@ -10,9 +10,9 @@ static void assert_inhibited_everywhere(void)
                                                TUMBLE_COMMAND_REPEAT_MOUNTING,  TUMBLE_COMMAND_HOME_AXIS,
                                                TUMBLE_COMMAND_TURN_AXIS};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
-        const uint32_t before = tumble_keeper_counters(&keeper)->inhibited;
+        const uint32_t before = tumble_sets_counters(&keeper.sets)->inhibited;
         TEST_ASSERT_EQUAL(TUMBLE_E_STATE, tell(refused[i]));
-        TEST_ASSERT_EQUAL_UINT32(before + 1U, tumble_keeper_counters(&keeper)->inhibited);
+        TEST_ASSERT_EQUAL_UINT32(before + 1U, tumble_sets_counters(&keeper.sets)->inhibited);
     }
     TEST_ASSERT_TRUE(state_of_keeper().inhibited);
 }
@@ -63,7 +63,7 @@ static void test_a_run_under_way_is_given_up(void)
         TEST_ASSERT_EQUAL(states[s], progress.run.failed_in);
         TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_MOVING, progress.stand);
         TEST_ASSERT_NOT_EQUAL(TUMBLE_STAND_HOMING, progress.stand);
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->inhibited);
+        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->inhibited);
     }
 }
 
@@ -109,12 +109,12 @@ static bool bounce(void *context)
 /* And one that is open at every other look, until a run has begun by itself: it does not go on for long. */
 static void test_a_run_that_slipped_through_is_given_up(void)
 {
-    settings.flags = TUMBLE_KEEPER_STARTS;
-    keeper_config.inhibited = bounce;
+    settings.flags = TUMBLE_SETS_STARTS;
+    keeper_config.sets.inhibited = bounce;
     looks = 0;
     keeper_power_cycle();
     bench_pass(&bench, 600.0);
-    TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_keeper_counters(&keeper)->self_started);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
     TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).procedure.positions);
 }
@@ -137,7 +137,7 @@ static void test_a_fault_waits_until_the_inhibit_is_over(void)
 
 static void test_inhibited_it_does_not_start_by_itself(void)
 {
-    settings.flags = TUMBLE_KEEPER_STARTS;
+    settings.flags = TUMBLE_SETS_STARTS;
     board_inhibits = true;
     keeper_power_cycle();
     bench_pass(&bench, 100.0);
@@ -222,13 +222,13 @@ static void test_abort_and_inhibit_stop_it(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_turn(&bench.navcomp, 180.0));
     tumble_keeper_inhibit(&keeper, 60);
     wait_for_stand(TUMBLE_STAND_STOPPED);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->inhibited);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->inhibited);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_turn(&bench.navcomp, 10.0));
 }
 
 static void test_a_validator_is_not_interrupted_at_once(void)
 {
-    settings.flags = TUMBLE_KEEPER_STARTS;
+    settings.flags = TUMBLE_SETS_STARTS;
     board_inhibits = true;
     keeper_power_cycle();
     wait_for_stand(TUMBLE_STAND_READY);

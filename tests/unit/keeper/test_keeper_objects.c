@@ -87,7 +87,7 @@ static void test_the_sets(void)
     for (uint16_t index = 0x2100; index <= 0x2117U; index++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(index, 1));
     }
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     check_set(TUMBLE_SET_ACTIVE);
     drift(1e-5);
@@ -160,11 +160,11 @@ static void test_uncertainties_of_the_result(void)
 
 static void test_the_state_is_the_keepers(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
     (void)run_and_judge();
     drift(2e-3);
     (void)run_and_judge();
-    const tumble_keeper_state_t state = state_of_keeper();
+    const tumble_sets_state_t state = state_of_keeper();
     TEST_ASSERT_TRUE(state.utc_s == read_u64(0x2120, 1));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2120, 2, 4));
     TEST_ASSERT_EQUAL_UINT32(state.age_s, read_number(0x2120, 3, 4));
@@ -193,7 +193,7 @@ static void test_what_the_host_tells(void)
     tumble_put_u64(bytes, 1800000000);
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2121, 1, bytes, 8));
     TEST_ASSERT_TRUE(read_u64(0x2121, 1) == 1800000000U);
-    tumble_put_u64(bytes, TUMBLE_KEEPER_MAX_UTC_S + 1U);
+    tumble_put_u64(bytes, TUMBLE_SETS_MAX_UTC_S + 1U);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, sdo_write(0x2121, 1, bytes, 8));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2121, 2, five, 2));
     TEST_ASSERT_EQUAL_UINT32(5, read_number(0x2121, 2, 2));
@@ -211,7 +211,7 @@ static void test_the_settings(void)
     uint8_t bytes[8];
     tumble_put_f64(bytes, 9.75);
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2122, 1, bytes, 8));
-    TEST_ASSERT_TRUE(tumble_keeper_settings(&keeper)->gravity_m_s2 == 9.75);
+    TEST_ASSERT_TRUE(tumble_sets_settings(&keeper.sets)->gravity_m_s2 == 9.75);
     tumble_put_f64(bytes, 1.62);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, sdo_write(0x2122, 1, bytes, 8));
     TEST_ASSERT_TRUE(read_f64(0x2122, 1) == 9.75);
@@ -234,7 +234,7 @@ static void test_the_settings(void)
     }
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_LOW, write_f32(0x2124, 1, 0.0F));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_f32(0x2125, 12, 1.5F));
-    const tumble_keeper_settings_t *now = tumble_keeper_settings(&keeper);
+    const tumble_sets_settings_t *now = tumble_sets_settings(&keeper.sets);
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         TEST_ASSERT_TRUE(now->limits.uncertainty[c] == 0.001F * (float)(c + 1));
         TEST_ASSERT_TRUE(now->limits.drift_per_month[c] == 0.002F * (float)(c + 1));

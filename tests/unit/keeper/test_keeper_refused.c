@@ -14,7 +14,7 @@ static uint32_t refused(void)
 
 static uint32_t failures(void)
 {
-    return tumble_keeper_counters(&keeper)->failures;
+    return tumble_sets_counters(&keeper.sets)->failures;
 }
 
 /* The checkpoint. */
@@ -33,7 +33,7 @@ static void assert_resumable(uint8_t positions)
 
 static void test_a_mean_that_is_refused_once_or_twice_is_kept(void)
 {
-    for (uint32_t times = 1; times < TUMBLE_KEEPER_TRIES; times++) {
+    for (uint32_t times = 1; times < TUMBLE_SETS_TRIES; times++) {
         keeper_power_on();
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
         run_to_rest(5);
@@ -41,7 +41,7 @@ static void test_a_mean_that_is_refused_once_or_twice_is_kept(void)
         run_to_rest(6);
         TEST_ASSERT_EQUAL_UINT32(times + 1U, refused()); /* the last one was taken */
         TEST_ASSERT_EQUAL_UINT32(times, failures());
-        TEST_ASSERT_EQUAL_UINT32(6, tumble_keeper_counters(&keeper)->checkpoints);
+        TEST_ASSERT_EQUAL_UINT32(6, tumble_sets_counters(&keeper.sets)->checkpoints);
         assert_resumable(6);
         resume_to_end();
         TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
@@ -54,15 +54,15 @@ static void test_a_mean_that_is_refused_too_often_waits_for_the_next(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_rest(5);
-    refuse(2U * TUMBLE_KEEPER_TRIES);
+    refuse(2U * TUMBLE_SETS_TRIES);
     run_to_rest(6);
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_KEEPER_TRIES, refused());
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, refused());
     run_to_rest(7);
-    TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_KEEPER_TRIES, refused());
-    TEST_ASSERT_EQUAL_UINT32(5, tumble_keeper_counters(&keeper)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_SETS_TRIES, refused());
+    TEST_ASSERT_EQUAL_UINT32(5, tumble_sets_counters(&keeper.sets)->checkpoints);
     run_to_rest(8);
-    TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_KEEPER_TRIES, failures());
-    TEST_ASSERT_EQUAL_UINT32(8, tumble_keeper_counters(&keeper)->checkpoints);
+    TEST_ASSERT_EQUAL_UINT32(2U * TUMBLE_SETS_TRIES, failures());
+    TEST_ASSERT_EQUAL_UINT32(8, tumble_sets_counters(&keeper.sets)->checkpoints);
     assert_resumable(8);
 }
 
@@ -72,8 +72,8 @@ static void test_a_memory_that_refuses_for_ever_is_asked_so_often_a_mean(void)
     run_to_rest(5);
     refuse(UINT32_MAX);
     run_to_rest(9);
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, refused());
-    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_KEEPER_TRIES, failures());
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, refused());
+    TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, failures());
     assert_resumable(5);
 }
 
@@ -82,7 +82,7 @@ static void test_a_mean_that_goes_while_it_is_tried_does_not_come_back(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_rest(5);
-    refuse(TUMBLE_KEEPER_TRIES);
+    refuse(TUMBLE_SETS_TRIES);
     run_to_rest(6);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 5));
     bench_pass(&bench, 0.5);
@@ -92,8 +92,8 @@ static void test_a_mean_that_goes_while_it_is_tried_does_not_come_back(void)
 
 static void test_a_run_that_is_given_up_leaves_none(void)
 {
-    for (uint32_t times = 1; times <= TUMBLE_KEEPER_TRIES; times++) {
-        const bool taken = times < TUMBLE_KEEPER_TRIES;
+    for (uint32_t times = 1; times <= TUMBLE_SETS_TRIES; times++) {
+        const bool taken = times < TUMBLE_SETS_TRIES;
         keeper_power_on();
         ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
         run_to_rest(4);
@@ -123,7 +123,7 @@ static void test_a_run_that_is_given_up_leaves_none_of_another(void)
 /* Nor does one that has begun, however long its first position takes. */
 static void test_a_run_that_begins_leaves_none_of_another(void)
 {
-    for (uint32_t times = 1; times < TUMBLE_KEEPER_TRIES; times++) {
+    for (uint32_t times = 1; times < TUMBLE_SETS_TRIES; times++) {
         keeper_power_on();
         start_and_cut(6);
         refuse(times);
@@ -163,7 +163,7 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_rest(4);
-    while (!tumble_checkpoint_busy(&keeper.checkpoint)) {
+    while (!tumble_checkpoint_busy(&keeper.sets.checkpoint)) {
         bench_event(&bench);
     }
     refuse(1);
@@ -180,29 +180,29 @@ static void run_to_history(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.history); i++) {
+    for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.sets.history); i++) {
         bench_event(&bench);
     }
-    TEST_ASSERT_TRUE(tumble_history_busy(&keeper.history));
+    TEST_ASSERT_TRUE(tumble_history_busy(&keeper.sets.history));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
 static void assert_history(uint8_t entries, uint32_t newest)
 {
-    TEST_ASSERT_EQUAL_UINT8(entries, tumble_history_count(tumble_keeper_history(&keeper)));
-    TEST_ASSERT_EQUAL_UINT32(newest, tumble_history_sequence(tumble_keeper_history(&keeper)));
+    TEST_ASSERT_EQUAL_UINT8(entries, tumble_history_count(&keeper.sets.history));
+    TEST_ASSERT_EQUAL_UINT32(newest, tumble_history_sequence(&keeper.sets.history));
 }
 
 static void test_an_entry_of_the_history_that_is_refused_is_written(void)
 {
-    for (uint32_t times = 1; times < TUMBLE_KEEPER_TRIES; times++) {
+    for (uint32_t times = 1; times < TUMBLE_SETS_TRIES; times++) {
         keeper_power_on();
         run_to_history();
         refuse(times);
         settle_memory();
         TEST_ASSERT_EQUAL_UINT32(times, failures());
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-        TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counter(&keeper));
+        TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counter(&keeper.sets));
         assert_history(1, 1);
         keeper_power_cycle();
         assert_history(1, 1);
@@ -213,27 +213,27 @@ static void test_an_entry_of_the_history_that_is_refused_is_written(void)
 static void test_an_entry_that_is_refused_too_often_waits_for_the_next_job(void)
 {
     run_to_history();
-    refuse(TUMBLE_KEEPER_TRIES);
+    refuse(TUMBLE_SETS_TRIES);
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_KEEPER_TRIES, failures());
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, failures());
     assert_history(0, 0);
     drift(2e-3);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     assert_history(1, 1);
-    TEST_ASSERT_EQUAL_UINT32(TUMBLE_KEEPER_TRIES, failures());
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, failures());
 }
 
 /* And every set that becomes active has as many tries. */
 static void test_the_next_set_is_tried_as_often(void)
 {
     run_to_history();
-    refuse(TUMBLE_KEEPER_TRIES);
+    refuse(TUMBLE_SETS_TRIES);
     settle_memory();
     drift(1e-5);
     run_to_history();
-    refuse(TUMBLE_KEEPER_TRIES - 1U);
+    refuse(TUMBLE_SETS_TRIES - 1U);
     settle_memory();
-    TEST_ASSERT_EQUAL_UINT32((2U * TUMBLE_KEEPER_TRIES) - 1U, failures());
+    TEST_ASSERT_EQUAL_UINT32((2U * TUMBLE_SETS_TRIES) - 1U, failures());
     assert_history(1, 2);
 }
 
@@ -267,13 +267,13 @@ static void test_it_comes_to_rest_where_every_so_many_reads_fail(void)
         reads = 0;
         memory.nv.read = read_sometimes;
         for (uint32_t run = 0; run < 3U; run++) {
-            const uint32_t before = tumble_keeper_counter(&keeper);
+            const uint32_t before = tumble_sets_counter(&keeper.sets);
             drift(1e-5);
             const tumble_verdict_t verdict = run_and_judge();
             const bool committed = (verdict == TUMBLE_VERDICT_COMMITTED);
             TEST_ASSERT_TRUE(committed || (verdict == TUMBLE_VERDICT_FAILED));
-            TEST_ASSERT_GREATER_OR_EQUAL_UINT32(before + (committed ? 1U : 0U), tumble_keeper_counter(&keeper));
-            TEST_ASSERT_LESS_OR_EQUAL_UINT32(before + 1U, tumble_keeper_counter(&keeper)); /* store.h, _step */
+            TEST_ASSERT_GREATER_OR_EQUAL_UINT32(before + (committed ? 1U : 0U), tumble_sets_counter(&keeper.sets));
+            TEST_ASSERT_LESS_OR_EQUAL_UINT32(before + 1U, tumble_sets_counter(&keeper.sets)); /* store.h, _step */
         }
     }
 }

@@ -26,14 +26,14 @@ static void test_a_run_reset_as_it_begins_leaves_none_to_go_on_with(void)
 /* Nor does it keep the next from starting by itself. */
 static void test_it_starts_by_itself_after_a_reset(void)
 {
-    settings.flags = TUMBLE_KEEPER_STARTS;
+    settings.flags = TUMBLE_SETS_STARTS;
     start_and_cut(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     reset_application();
     bench_pass(&bench, (double)settings.pause_s - 1.0);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counters(&keeper)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started);
     bench_pass(&bench, 3.0);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
 
@@ -80,7 +80,7 @@ static void test_a_reset_ends_going_on(void)
     reset_application();
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counters(&keeper)->resumed);
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->resumed);
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT32(12, bench_counters(&bench).procedure.positions);
@@ -89,7 +89,7 @@ static void test_a_reset_ends_going_on(void)
 /* Nor is it lost that there was one, while the node went by other numbers. */
 static void test_a_reset_brings_back_what_fits_the_run(void)
 {
-    settings.flags = TUMBLE_KEEPER_STARTS;
+    settings.flags = TUMBLE_SETS_STARTS;
     start_and_cut(6);
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 34));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
@@ -98,7 +98,7 @@ static void test_a_reset_brings_back_what_fits_the_run(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
     bench_pass(&bench, 300.0);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counters(&keeper)->self_started); /* it waits for who looks */
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->self_started); /* it waits for who looks */
     resume_to_end();
 }
 
@@ -112,12 +112,12 @@ static void test_no_start_before_what_was_saved_is_in_force(void)
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, bench.navcomp.procedure_config.samples);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, command(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(34, bench.navcomp.procedure_config.samples);
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
     /* While a run is on it is saved, or read, no more. */
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_and_wait(0x1010, SAVE));
 }

@@ -105,7 +105,7 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     run_to_done();
     for (int i = 0; i < 200; i++) {
         bench_event(&bench);
-        if (keeper.task == 2U) { /* does it fit? */
+        if (keeper.sets.task == 2U) { /* does it fit? */
             break;
         }
     }
@@ -114,7 +114,7 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_NONE, state_of_keeper().verdict);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counter(&keeper));
+    TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counter(&keeper.sets));
     TEST_ASSERT_EQUAL_UINT8(POSITIONS, state_of_keeper().resumable);
     resume_to_end();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);

@@ -116,18 +116,18 @@ static void test_the_positions_and_their_means(void)
 
 static void test_history_and_trend(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
+    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x2160, 2, 1));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2160, 3));
     (void)run_and_judge();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2163, 1));
-    ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1802629746)); /* a month later */
+    ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1802629746)); /* a month later */
     drift(2e-5);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2160, 2, 1));
     for (uint8_t age = 0; age < 2U; age++) {
         tumble_history_entry_t entry;
-        ASSERT_STATUS(TUMBLE_OK, tumble_history_read(tumble_keeper_history(&keeper), age, &entry));
+        ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, age, &entry));
         TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2160, 1, age));
         TEST_ASSERT_EQUAL_UINT32(2U - age, read_number(0x2160, 3, 4));
         TEST_ASSERT_TRUE(entry.date_utc_s == read_u64(0x2160, 4));
@@ -141,7 +141,7 @@ static void test_history_and_trend(void)
     }
     for (uint8_t c = 0; c < 12U; c++) {
         tumble_trend_t trend;
-        ASSERT_STATUS(TUMBLE_OK, tumble_keeper_trend(&keeper, c, &trend));
+        ASSERT_STATUS(TUMBLE_OK, tumble_sets_trend(&keeper.sets, c, &trend));
         TEST_ASSERT_TRUE(trend.per_month == read_f64(0x2163, (uint8_t)(c + 1U)));
         TEST_ASSERT_TRUE(trend.u_per_month == read_f64(0x2164, (uint8_t)(c + 1U)));
     }

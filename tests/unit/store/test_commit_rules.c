@@ -1,7 +1,6 @@
 /* The commit rules: every rule, both sides of every limit. K is twice the identity and all other numbers are powers of two
  * or 3, 4, 5 times them, so that what is compared is exact and one unit in the last place decides. */
-#include "store/commit_rules.h"
-#include "store/trend.h"
+#include "tumble/sets.h"
 #include "support.h"
 
 #define TINY 0x1p-12 /* unit of uncertainties, V/g and V */

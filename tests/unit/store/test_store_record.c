@@ -1,6 +1,6 @@
 /* The record of a set: what is refused, and that every altered bit is noticed. Its bytes are held against an independent
  * encoder in tests/integration/test_store_golden.py. */
-#include "store/layout.h"
+#include "sets/record.h"
 #include "store_sets.h"
 #include "support.h"
 
@@ -38,7 +38,7 @@ static void test_what_is_written_is_read(void)
     TEST_ASSERT_EQUAL_UINT32(78, read.restores);
     TEST_ASSERT_EQUAL_UINT32(79, read.from_crc);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_COMMITTED, read.origin);
-    TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(bytes), tumble_layout_get_u32(&bytes[316]));
+    TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(bytes), tumble_record_get_u32(&bytes[316]));
     TEST_ASSERT_EQUAL_HEX32(tumble_set_crc(bytes), read.record_crc);
 }
 
@@ -143,11 +143,11 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
         set.flags = wrong[i].flags;
         assert_encodes(TUMBLE_OK);
         bytes[wrong[i].byte] = wrong[i].value;
-        tumble_layout_seal(bytes, 316, 0);
+        tumble_record_seal(bytes, 316, 0);
         assert_decodes(wrong[i].status);
     }
     memset(&bytes[64], 0xFF, 8);
-    tumble_layout_seal(bytes, 316, 0);
+    tumble_record_seal(bytes, 316, 0);
     assert_decodes(TUMBLE_E_NOT_FINITE);
 }
 

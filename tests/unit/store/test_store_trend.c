@@ -1,5 +1,5 @@
 /* The weighted straight line against the textbook's sums, and what is refused. */
-#include "store/trend.h"
+#include "tumble/sets.h"
 #include "support.h"
 
 static tumble_trend_sums_t sums;

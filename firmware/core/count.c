@@ -1,0 +1,15 @@
+#include "core/count.h"
+
+void tumble_count(uint32_t *counter)
+{
+    if (*counter != UINT32_MAX) {
+        ++*counter;
+    }
+}
+
+void tumble_count_u16(uint16_t *counter)
+{
+    if (*counter != UINT16_MAX) {
+        ++*counter;
+    }
+}

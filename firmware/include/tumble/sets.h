@@ -1,0 +1,890 @@
+/* tumble/sets.h - coefficient sets in non-volatile memory, and their life: judged, committed or held, due again,
+ * resumed.
+ *
+ * A set is K and U0 of one calibration with all that is known of it. What is here, from the memory upwards:
+ *
+ *     regions        where in the memory what is kept
+ *     set            a set, and its bytes
+ *     store          the active set, the factory set, a proposal, the set before: two slots, and what goes into them
+ *     history        the last sets that became active, in short, and their trend
+ *     checkpoint     the finished positions of the run under way
+ *     rules          may a new set replace the active one by itself?
+ *     life           all of it together: from a finished run to a verdict, from the calendar to the next run
+ *
+ * The shortest program, for a board that asks its memory which set is active:
+ *
+ *     static tumble_store_t store;
+ *     const tumble_nv_t memory = {0};                   // the board's, with its three functions (tumble/port.h)
+ *     tumble_set_t set;
+ *     double k_xx_v_per_g = 1.0;
+ *     if (tumble_store_init(&store, &memory) == TUMBLE_OK) {
+ *         while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+ *         }                                             // in a control loop: one step in each of its cycles
+ *         if (tumble_store_read(&store, TUMBLE_SET_ACTIVE, &set) == TUMBLE_OK) {
+ *             k_xx_v_per_g = set.coefficients.k_v_per_g[0][0];
+ *         }
+ *     }
+ *     (void)k_xx_v_per_g;
+ *
+ * Nothing waits: a job is begun, and a step makes at most one call of the memory. One job at a time on one memory:
+ * where store, history and checkpoint lie in the same, step one of them until it is not busy, then the next; the life
+ * does so by itself. The caller owns every object; its members are private unless said otherwise. Not re-entrant on one
+ * object. No pointer may be null unless said otherwise. docs/store.md lays down every byte, and what a loss of power
+ * does.
+ */
+#ifndef TUMBLE_SETS_H
+#define TUMBLE_SETS_H
+
+#include "tumble/core.h"
+#include "tumble/port.h"
+#include "tumble/status.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Regions: where in the memory what is kept. Region n begins at n sectors.
+ *
+ * Of a sector only the first TUMBLE_STORE_MIN_SECTOR bytes are used, so the layout is the same for every larger sector
+ * and for every granule.
+ */
+enum {
+    TUMBLE_REGION_FACTORY = 0,    /* the factory set: written once, never erased by the firmware */
+    TUMBLE_REGION_SLOT_A = 1,     /* the active set is in one of the two slots, or it is the factory set */
+    TUMBLE_REGION_SLOT_B = 2,
+    TUMBLE_REGION_PROPOSAL = 3,   /* the held set */
+    TUMBLE_REGION_HISTORY = 4,    /* two sectors in turns */
+    TUMBLE_REGION_CHECKPOINT = 6, /* finished positions of a run: one log through two sectors */
+    TUMBLE_REGION_COUNT = 8
+};
+
+#define TUMBLE_STORE_MIN_SECTOR 4096U
+
+/* Can all of it be kept there? A board whose memory has smaller sectors joins several to one.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null); TUMBLE_E_NV (fewer than TUMBLE_REGION_COUNT sectors, one smaller than
+ * TUMBLE_STORE_MIN_SECTOR, or a granule that is no power of two up to TUMBLE_NV_MAX_GRANULE). */
+tumble_status_t tumble_regions_check(const tumble_nv_t *nv);
+
+/* One erase or program of the memory, and reading back that it is so. Private, as are all members of the objects here.
+ * */
+#define TUMBLE_NV_CHUNK 64U
+
+typedef struct {
+    const tumble_nv_t *nv;
+    const uint8_t *bytes; /* null: blank */
+    uint32_t offset;
+    uint32_t size;
+    uint32_t checked;    /* bytes read back so far */
+    bool changes;        /* the erase or program is still to be made */
+    bool failed_to_hold; /* the memory said it was done, and it was not */
+    uint8_t chunk[TUMBLE_NV_CHUNK];
+} tumble_nv_writer_t;
+
+/* Records in sectors of their own, each with a mark behind it. Private as well. */
+typedef struct {
+    uint16_t record_bytes;
+    uint16_t bytes; /* with the mark */
+} tumble_slot_kind_t;
+
+typedef struct {
+    const tumble_slot_kind_t *kind;
+    const uint8_t *plan;  /* the actions that are left of the job; null: no job */
+    tumble_nv_writer_t writer;
+    uint8_t failed_reads; /* in a row, of the place that is read */
+    bool begun;           /* the action is */
+} tumble_slots_t;
+
+/* Cells of one size in two sectors, written one behind the other. Private as well. */
+typedef struct {
+    uint8_t region;     /* of the first sector */
+    uint8_t cells;      /* in a sector */
+    uint8_t cell_bytes;
+} tumble_log_kind_t;
+
+typedef struct {
+    const tumble_log_kind_t *kind;
+    tumble_nv_writer_t writer;
+    tumble_status_t outcome;
+    uint32_t verify;    /* read back wrong, since init */
+    uint32_t nv_errors;
+    uint32_t torn;      /* cells that the first look found neither blank nor valid */
+    uint8_t used[2];    /* cells of each sector up to the last that is not blank; the next entry goes there */
+    uint8_t at_cell;       /* that is looked at, or written */
+    uint8_t job;
+    bool was_read;      /* the cell that is looked at */
+    bool booted;
+    bool unread;        /* the last look could not read a cell: what is there must not be overwritten */
+} tumble_log_t;
+
+/* ---- A set: coefficients with all that is known of them, and their bytes.
+ *
+ * 320 bytes, little endian, a CRC-32 at the end. Encoding and decoding are pure functions, byte by byte, the same on
+ * every machine. What is unknown has its flag cleared and is 0, never NaN.
+ */
+#define TUMBLE_SET_SCHEMA 1U
+#define TUMBLE_SET_BYTES 320U
+#define TUMBLE_SET_SERIAL_BYTES 24U
+
+/* How a set came to be where it is (`origin`). The store writes it. */
+enum {
+    TUMBLE_ORIGIN_FACTORY = 1,    /* written once, with the block */
+    TUMBLE_ORIGIN_COMMITTED = 2,  /* by the rules, without an operator */
+    TUMBLE_ORIGIN_ACCEPTED = 3,   /* a proposal that an operator accepted */
+    TUMBLE_ORIGIN_ROLLED_BACK = 4, /* an earlier set that an operator brought back */
+    TUMBLE_ORIGIN_HELD = 5,       /* a proposal */
+    TUMBLE_ORIGIN_DECAYED = 6     /* in the history alone, no set has it: the active set was found to have decayed */
+};
+
+/* What is known of a set (bits of `flags`). */
+#define TUMBLE_SET_HAS_TEMPERATURE 0x0001U
+#define TUMBLE_SET_HAS_GRAVITY 0x0002U
+#define TUMBLE_SET_HAS_UNCERTAINTY 0x0004U
+#define TUMBLE_SET_HAS_CHECK 0x0008U   /* the gravity check: maxima, limit, positions */
+#define TUMBLE_SET_HAS_CLOSURE 0x0010U
+#define TUMBLE_SET_RESUMED 0x0020U     /* the run was interrupted by a loss of power, and went on after it */
+#define TUMBLE_SET_OTHER_RULES 0x0040U /* judged, committed or accepted under rules other than the board's, or while those
+                                        * could be changed (the service level was open) */
+#define TUMBLE_SET_FLAGS 0x007FU
+
+typedef struct {
+    /* Written by the store; what a caller puts here is not read. */
+    uint32_t sequence; /* one more with each commit; of a proposal, that which it would have had; 0: factory */
+    uint32_t restores; /* origin rolled back: the sequence of the set that was brought back; else 0 */
+    uint32_t from_crc; /* origin accepted or rolled back: CRC-32 at the end of the proposal's record; else 0 */
+    uint8_t origin;    /* TUMBLE_ORIGIN_... */
+
+    uint8_t estimator; /* its number in the procedure's configuration */
+    uint16_t flags;
+    uint8_t block_serial[TUMBLE_SET_SERIAL_BYTES]; /* UTF-8, padded with zeros; all zero: unknown */
+    uint64_t date_utc_s;                           /* since 1970; 0: unknown */
+    double temperature_c;
+    double gravity_m_s2; /* local gravity: the size of the unit g of K; above 0 where known */
+    tumble_coefficients_t coefficients;
+    tumble_uncertainty_t uncertainty; /* each 0 or above */
+    double max_abs_fit_g;             /* the gravity check on fit and on check positions, and its limit; 0 or above */
+    double max_abs_check_g;
+    double limit_g;
+    double closure_v; /* the largest difference in magnitude; 0 or above */
+    uint32_t samples; /* of the whole run; 0: unknown */
+    uint8_t fit_positions;
+    uint8_t check_positions;
+    uint32_t schedule_crc; /* fingerprint, tumble_gain_record_schedule_crc; 0: unknown */
+    uint32_t stand_crc;    /* fingerprint of the stand as the application makes it; 0: unknown */
+    uint32_t reasons;      /* why it was held, bits of the application; 0: it was not */
+    uint32_t record_crc;   /* read: CRC-32 at the end of the record; writing a record does not look at it */
+} tumble_set_t;
+
+/* Write the record of `set`. What a cleared flag says is unknown is written as 0. After a refusal `bytes` hold nothing
+ * of use. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, a flag or origin that does not exist, a serial with a byte
+ * behind its first zero, or a number out of its range above); TUMBLE_E_NOT_FINITE (K, U0 or a number that is said to
+ * be known). */
+tumble_status_t tumble_set_encode(const tumble_set_t *set, uint8_t bytes[TUMBLE_SET_BYTES]);
+
+/* Read a record. `*set` is written on TUMBLE_OK alone. Costs one bitwise CRC over 320 bytes. Returns TUMBLE_OK;
+ * TUMBLE_E_ARGUMENT (null); TUMBLE_E_FRAME (not the magic, schema and size of a set); TUMBLE_E_CRC; and under a right
+ * CRC, of a writer that errs: TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE as tumble_set_encode, and TUMBLE_E_FRAME (bytes
+ * that must be 0). */
+tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
+
+/* Private: what the store writes of a set itself. */
+typedef struct {
+    uint32_t sequence;
+    uint32_t restores;
+    uint32_t from_crc;
+    uint8_t origin;
+} tumble_set_stamp_t;
+
+/* ---- The store: two slots, a factory set, and a proposal.
+ *
+ * Active is the set with the highest sequence in the two slots, and where neither holds one, the factory set. A new set
+ * goes to the other slot: erase, look that it is blank, program the record, read back, and only then program the mark
+ * that makes it valid, in a granule of its own. So at every instant either the set that was active is active, or the
+ * new one; which bytes a loss of power leaves in what was being written does not matter (docs/store.md).
+ */
+#define TUMBLE_SET_MARK_BYTES 32U /* a cell for the mark behind the record */
+#define TUMBLE_SET_PLACE_BYTES (TUMBLE_SET_BYTES + TUMBLE_SET_MARK_BYTES)
+#define TUMBLE_FACTORY_PLACES 4U /* attempts to write the factory set; the first valid one counts */
+#define TUMBLE_FACTORY_PITCH 512U
+#define TUMBLE_MAX_SEQUENCE (UINT32_MAX - 1U) /* then commits are refused: a sequence never wraps */
+
+typedef enum {
+    TUMBLE_SET_ACTIVE = 0,
+    TUMBLE_SET_FACTORY = 1,
+    TUMBLE_SET_PROPOSAL = 2,
+    TUMBLE_SET_PREVIOUS = 3 /* what a rollback would bring back: the other slot's set, or else the factory set */
+} tumble_which_set_t;
+
+/* Since init; they stop at UINT32_MAX instead of wrapping. */
+typedef struct {
+    uint32_t commits;      /* sets that became active: committed, accepted, rolled back */
+    uint32_t verify;       /* what was read back differed from what the memory had confirmed */
+    uint32_t nv_errors;    /* a call of the memory failed */
+    uint32_t torn_at_boot; /* places that the first scan found neither blank nor holding a valid set */
+} tumble_store_counters_t;
+
+/* What the last scan found in a region. Private to the store, as all that follows. */
+typedef struct {
+    tumble_set_stamp_t stamp;
+    uint32_t crc;
+    bool valid;
+} tumble_store_place_t;
+
+typedef struct {
+    tumble_slots_t slots;           /* without a memory: init has refused */
+    tumble_store_counters_t counters;
+    tumble_store_place_t places[4]; /* by region */
+    tumble_set_stamp_t stamp;       /* of the record in `bytes` */
+    tumble_status_t outcome;
+    uint32_t sequence;     /* of the active set */
+    uint32_t highest;      /* that one was known to have: of the active set, or told */
+    uint8_t scanned;       /* places so far */
+    bool unread;           /* the last scan could not read a place: what is there must not be overwritten */
+    uint8_t factory_place; /* where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
+    uint8_t target;        /* the slot that is being written */
+    uint8_t source;        /* the region that a rollback copies */
+    uint16_t flags;        /* further ones for the record that is loaded */
+    bool booted;
+    uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark */
+} tumble_store_t;
+
+static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
+
+/* Begin to look what is there, and to clear what a job left behind that lost its power; step until it is done: eight
+ * calls of the memory, some more where there is something to clear. `nv` must stay. Returns TUMBLE_OK,
+ * TUMBLE_E_ARGUMENT, TUMBLE_E_NV (tumble_regions_check); after a refusal the object answers every call with
+ * TUMBLE_E_STATE and holds nothing. */
+tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv);
+
+/* Go on with what is under way: at most one call of the memory. TUMBLE_E_PORT_BUSY: call again. Else nothing is under
+ * way, and the outcome of the last job is returned: TUMBLE_OK, or TUMBLE_E_NV (the memory failed or did not hold what
+ * it confirmed: the set that was active is active still, or, in rare cases, the new one is; begin the job again), or
+ * TUMBLE_E_CRC (what was to be copied is no longer valid). */
+tumble_status_t tumble_store_step(tumble_store_t *store);
+
+bool tumble_store_busy(const tumble_store_t *store);
+tumble_status_t tumble_store_outcome(const tumble_store_t *store); /* as tumble_store_step, without a step */
+const tumble_store_counters_t *tumble_store_counters(const tumble_store_t *store);
+
+/* Is there such a set? By the last scan; false while busy. */
+bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which);
+
+/* The CRC-32 at the end of the proposal's record: its name; 0: there is none, or busy. By the last scan. */
+uint32_t tumble_store_proposal(const tumble_store_t *store);
+
+/* The sequence of the active set: the calibration counter, which grows with every set that becomes active by a job. 0:
+ * the factory set, or none. Where the active set decays it goes back to that of the one before, and the next one that
+ * becomes active gets a sequence that none had. Keeps its last value while busy. */
+uint32_t tumble_store_sequence(const tumble_store_t *store);
+
+/* Tell of a sequence that a set once had, say in the history: the next one that becomes active gets a higher one, even
+ * where that set has decayed since. What is not below TUMBLE_MAX_SEQUENCE is not believed. */
+void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
+
+/* A set by value: one read and one check of its CRC; `*set` is written on TUMBLE_OK alone. Returns TUMBLE_OK;
+ * TUMBLE_E_PORT_BUSY (a job is under way, or the memory is, or it failed for the first or second time in a row: step,
+ * and ask again); TUMBLE_E_STATE (there is no such set); TUMBLE_E_ARGUMENT (null, or no such kind); and where the
+ * memory cannot be read or has decayed since the last scan, TUMBLE_E_NV or as tumble_set_decode: then a scan is begun,
+ * after which the next valid set is active. */
+tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set);
+
+/* The jobs. Each returns TUMBLE_OK (begun: step), or why it was not begun: TUMBLE_E_PORT_BUSY (one is under way),
+ * TUMBLE_E_STATE (see there), TUMBLE_E_NV (a place could not be read, and may hold what is active: it is looked at
+ * anew, then begin again), and those that take a set: TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE (tumble_set_encode).
+ * The set is copied at once. */
+
+/* Make a set active. TUMBLE_E_STATE: the sequence has reached TUMBLE_MAX_SEQUENCE. */
+tumble_status_t tumble_store_commit(tumble_store_t *store, const tumble_set_t *set);
+
+/* Keep a set as the proposal, in place of one that is held. Power lost on the way may lose both proposals.
+ * TUMBLE_E_STATE: as tumble_store_commit. */
+tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set);
+
+/* Make the proposal active, then clear it. TUMBLE_E_STATE: there is none, or as tumble_store_commit. */
+tumble_status_t tumble_store_accept(tumble_store_t *store);
+
+/* The same, and the set that becomes active gets these flags (TUMBLE_SET_...) besides those of the proposal. */
+tumble_status_t tumble_store_accept_as(tumble_store_t *store, uint16_t flags);
+
+/* Clear the proposal. TUMBLE_E_STATE: there is none. */
+tumble_status_t tumble_store_discard(tumble_store_t *store);
+
+/* Make the previous set active again, as a copy with a new sequence, and clear the slot of the one that was active.
+ * The copy is staged as the proposal, so a proposal must be accepted or discarded before. After a loss of power on the
+ * way either the copy is active, or nothing has changed, or the copy is the proposal: then a rollback, or an accept,
+ * goes on with it, and a discard gives it up. TUMBLE_E_STATE: nothing to go back to (the factory set, or a copy of it,
+ * is active, or there is none), a proposal is held, or as tumble_store_commit. */
+tumble_status_t tumble_store_rollback(tumble_store_t *store);
+
+/* Write the factory set. TUMBLE_E_STATE: there is one, or all TUMBLE_FACTORY_PLACES attempts are spent. */
+tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_set_t *set);
+
+/* ---- The history: the last sets that became active, in short.
+ *
+ * Each sector has room for TUMBLE_HISTORY_CELLS entries. When one is full the other, which holds the oldest, is erased
+ * and goes on. So the last 32 are there at any time, whatever a loss of power does to the one being written; an entry
+ * torn by a loss of power costs one of them its place. Between a commit and its entry power may fail: a caller that
+ * compares the newest entry's sequence with the store's at start-up, and appends what is missing, has them all.
+ */
+#define TUMBLE_HISTORY_BYTES 128U
+#define TUMBLE_HISTORY_CELLS (TUMBLE_STORE_MIN_SECTOR / TUMBLE_HISTORY_BYTES)
+
+/* A flag of an entry that its writer may add: the sets before are of another block. */
+#define TUMBLE_HISTORY_OTHER_BLOCK 0x8000U
+
+/* The numbers as single precision: six parts in 10^8, far below what a calibration can resolve. */
+typedef struct {
+    uint32_t number;   /* of the entry, from 1; written by the log */
+    uint32_t sequence; /* of the set */
+    uint64_t date_utc_s; /* 0: unknown */
+    float temperature_c;
+    uint8_t origin;
+    uint8_t estimator;
+    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE and _UNCERTAINTY are meant for this entry; TUMBLE_HISTORY_... */
+    float value[TUMBLE_COEFFICIENTS]; /* K row by row (V/g), then U0 (V) */
+    float u[TUMBLE_COEFFICIENTS];     /* standard uncertainties; 0 where not known */
+} tumble_history_entry_t;
+
+typedef struct {
+    tumble_log_t log;
+    uint32_t valid[2]; /* one bit a cell */
+    uint32_t newest;   /* its number; 0: the log is empty */
+    uint32_t sequence; /* of the newest */
+    uint8_t sector;    /* 0 or 1: where the newest is */
+    uint8_t bytes[TUMBLE_HISTORY_BYTES];
+} tumble_history_t;
+
+/* What of a set goes into the log. Pure. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE (a number
+ * too large for single precision). */
+tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_entry_t *entry);
+
+/* Bytes of an entry (docs/store.md). `encode`: TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE. `decode`:
+ * TUMBLE_E_ARGUMENT, TUMBLE_E_FRAME (blank, or not the magic), TUMBLE_E_CRC, TUMBLE_E_NOT_FINITE. */
+tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8_t bytes[TUMBLE_HISTORY_BYTES]);
+tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES], tumble_history_entry_t *entry);
+
+/* As tumble_store_init, _step, _busy; init takes 64 calls of the memory. */
+tumble_status_t tumble_history_init(tumble_history_t *history, const tumble_nv_t *nv);
+tumble_status_t tumble_history_step(tumble_history_t *history);
+bool tumble_history_busy(const tumble_history_t *history);
+
+/* Begin to append. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY (a job is under way), TUMBLE_E_STATE (init refused,
+ * or the number of entries has reached UINT32_MAX - 1), TUMBLE_E_NV (a cell could not be read when it looked what is
+ * there: it looks again now; step, then try again), or as tumble_history_encode. */
+tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_history_entry_t *entry);
+
+/* How many entries there are: after more than 32, 32 to 64. 0 while busy. */
+uint8_t tumble_history_count(const tumble_history_t *history);
+
+/* The sequence of the newest entry; 0: none. */
+uint32_t tumble_history_sequence(const tumble_history_t *history);
+
+/* One entry, `age` 0 the newest, below tumble_history_count(). One read. Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (ask
+ * again), TUMBLE_E_ARGUMENT (null, or no such age), TUMBLE_E_NV, TUMBLE_E_FRAME, TUMBLE_E_CRC. */
+tumble_status_t tumble_history_read(tumble_history_t *history, uint8_t age, tumble_history_entry_t *entry);
+
+/* ---- The trend: how a coefficient drifts: a weighted straight line through its values over time. Pure functions.
+ *
+ * Each value weighs (u of the first / u)^2. Means and sums of products are carried along (West, Comm. ACM 22, 1979,
+ * 532), relative to the first date, so nothing cancels. The uncertainty of the drift is that of independent values;
+ * what all calibrations on one stand have in common does not make a drift, and then it is stated too large, not too
+ * small.
+ */
+#define TUMBLE_MONTH_S 2629746.0 /* a twelfth of a Gregorian year of 365.2425 days */
+
+/* Begun as all zero. */
+typedef struct {
+    uint64_t first_utc_s;
+    double first_value;
+    double unit; /* u of the first value, which weighs 1 */
+    double weight;
+    double mean_month;
+    double mean_value;
+    double month_month; /* weighted sums of products of deviations from the means */
+    double month_value;
+    double value_value;
+    uint32_t count;
+} tumble_trend_sums_t;
+
+typedef struct {
+    double per_month;     /* unit of the values per TUMBLE_MONTH_S */
+    double u_per_month;   /* its standard uncertainty, from those of the values */
+    double chi_squared;   /* of the line; `freedom` where the uncertainties are right and the drift is a line */
+    uint32_t freedom;     /* values - 2 */
+} tumble_trend_t;
+
+/* One more value, in any order of time. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, date 0, or u not above 0);
+ * TUMBLE_E_NOT_FINITE (the value, or u, no number or beyond 1e100 in magnitude, or u below 1e-100). */
+tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u);
+
+/* Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null); TUMBLE_E_TOO_FEW (fewer than two values, or all of one date);
+ * TUMBLE_E_NOT_FINITE (overflow). */
+tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t *trend);
+
+/* ---- The checkpoint: the finished positions of a run, so that it can go on after a loss of power.
+ *
+ * A log: a header with the fingerprint of the run, then one entry a position. The fingerprint is the application's:
+ * CRC-32 over all that must not have changed (stand, block, schedule, configuration, and the sequence of the active
+ * set, so that the checkpoint of a run that ended in a commit is not taken up again). The CRC of every entry covers it
+ * too. Jobs as in store.h: begin, then step; at most one call of the memory a step.
+ */
+#define TUMBLE_CHECKPOINT_BYTES 64U
+#define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
+
+typedef struct {
+    tumble_log_t log;     /* its first cell is the header; `torn` of a run that is kept only */
+    uint32_t fingerprint; /* of the run that is kept */
+    uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
+    uint8_t next;         /* the cell where the next entry goes */
+    bool kept;            /* a run has been begun */
+    uint8_t bytes[TUMBLE_CHECKPOINT_BYTES];
+} tumble_checkpoint_t;
+
+/* As tumble_store_init, _step, _busy. */
+tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tumble_nv_t *nv);
+tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint);
+bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint);
+
+/* Forget what is kept and begin a new run. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init
+ * refused). */
+tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint);
+
+/* Keep one finished position. Returns TUMBLE_OK (begun); TUMBLE_E_PORT_BUSY; TUMBLE_E_STATE (no run has been begun);
+ * TUMBLE_E_FULL (no cell is left: TUMBLE_CHECKPOINT_CELLS - 1 entries, torn ones included); TUMBLE_E_ARGUMENT (null,
+ * an index not below TUMBLE_MAX_POSITIONS, samples 0 or above TUMBLE_MAX_SAMPLES, a negative scatter);
+ * TUMBLE_E_NOT_FINITE (the scatter). */
+tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
+                                         const tumble_average_t *average);
+
+/* Forget the run. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init refused). */
+tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint);
+
+/* Is a run with this fingerprint kept? False while busy. */
+bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t fingerprint);
+
+/* Is this position kept? The last entry of a position counts. False while busy, and for an index out of range. */
+bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index);
+
+/* One kept position; one read. The caller has asked tumble_checkpoint_matches before. Returns TUMBLE_OK,
+ * TUMBLE_E_PORT_BUSY (ask again), TUMBLE_E_MISSING_POSITION (not kept), TUMBLE_E_ARGUMENT (null), TUMBLE_E_NV,
+ * TUMBLE_E_CRC. */
+tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average);
+
+/* ---- The rules: may a new set of coefficients replace the active one by itself?
+ *
+ * A pure function: candidate, active set and limits in, a bit per objection out; none: commit. Whatever cannot be
+ * judged is an objection. The set is then held as a proposal with these bits, for an operator to accept or discard.
+ *
+ * Everything is relative to the length of a row of the candidate's K, |K_i| = sqrt(K_ix^2 + K_iy^2 + K_iz^2) in V/g:
+ * a scale factor's limit is a ratio, a cross-axis sensitivity's an angle in rad, and a bias's is in g.
+ *
+ *     uncertainty   u_c / |K_i| <= uncertainty[c]
+ *     change        |c - c_active| / |K_i| <= coverage sqrt(u_c^2 + u_c,active^2) / |K_i|
+ *                                             + drift_per_month[c] months + drift_per_kelvin[c] kelvin
+ *
+ * with months the time between the dates of the two sets, at least 1 (and 1 where a date is unknown) and at most
+ * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
+ * the active set that is unknown counts as 0: what is not known excuses no change.
+ *
+ * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (tumble/core.h).
+ */
+/* Drift is allowed for so many months at most, however far apart the dates are: a clock that is years ahead would else
+ * excuse any change, and after so long a time somebody should look at what has become of the block. */
+#define TUMBLE_COMMIT_MAX_MONTHS 24.0
+
+/* Bit numbers travel over CAN and Modbus: new ones go to the end, 16 at most. */
+#define TUMBLE_OBJECTION_LIST(X)                                                                                       \
+    X(TUMBLE_OBJECTION_GRAVITY_CHECK, "the result fails the gravity check")                                            \
+    X(TUMBLE_OBJECTION_NOT_FINITE, "a number of the set is infinite or not a number, or a row of K is zero")           \
+    X(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN, "the uncertainties are not known: the stand is not declared")              \
+    X(TUMBLE_OBJECTION_UNCERTAIN, "a coefficient is less certain than its limit asks")                                 \
+    X(TUMBLE_OBJECTION_CHANGE, "a coefficient changed by more than drift and uncertainty explain")                     \
+    X(TUMBLE_OBJECTION_OTHER_BLOCK, "the active set is of a block with another serial number")                         \
+    X(TUMBLE_OBJECTION_FIRST, "there is no active set to compare with")                                                \
+    X(TUMBLE_OBJECTION_OLDER, "it is dated before the active set: the clock is wrong or the run is an old one")        \
+    X(TUMBLE_OBJECTION_REPLAYED, "the same coefficients, to the last bit, were found before: the run is not new")      \
+    X(TUMBLE_OBJECTION_LIMITS, "a limit of these rules is out of its range")                                           \
+    X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")                                          \
+    X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
+    X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")
+
+/* The bit numbers. */
+typedef enum {
+#define TUMBLE_OBJECTION_ENUM(name, sentence) name,
+    TUMBLE_OBJECTION_LIST(TUMBLE_OBJECTION_ENUM)
+#undef TUMBLE_OBJECTION_ENUM
+    TUMBLE_OBJECTION_COUNT
+} tumble_objection_t;
+
+#define TUMBLE_OBJECTION_BIT(objection) ((uint16_t)((uint32_t)1U << (unsigned)(objection)))
+
+/* tumble_commit_limits_t.flags */
+enum {
+    TUMBLE_COMMIT_BY_ITSELF = 1, /* else every set waits for an operator */
+    TUMBLE_COMMIT_FIRST = 2      /* with no active set the first one may be committed, too */
+};
+
+/* Coefficients in the order K row by row, then U0. */
+typedef struct {
+    float uncertainty[TUMBLE_COEFFICIENTS];      /* largest standard uncertainty, ratio or g; above 0, to 1 */
+    float drift_per_month[TUMBLE_COEFFICIENTS];  /* plausible change, ratio or g per TUMBLE_MONTH_S; 0 to 1 */
+    float drift_per_kelvin[TUMBLE_COEFFICIENTS]; /* ratio or g per K; 0 to 1 */
+    float coverage;                              /* k, how many combined standard uncertainties; 1 to 10 */
+    uint8_t flags;                               /* TUMBLE_COMMIT_... */
+} tumble_commit_limits_t;
+
+/* The objections to `candidate`, as bits; `active` null: there is none. `replayed`: the caller has seen these
+ * coefficients before. Some 200 double operations, 15 square roots. No other pointer may be null. */
+uint16_t tumble_commit_objections(const tumble_set_t *candidate, const tumble_set_t *active,
+                                  const tumble_commit_limits_t *limits, bool replayed);
+
+/* Are these limits in their ranges? */
+bool tumble_commit_limits_valid(const tumble_commit_limits_t *limits);
+
+/* Name and sentence of a bit number; safe for values outside the list, never null. */
+const char *tumble_objection_name(tumble_objection_t objection);
+const char *tumble_objection_sentence(tumble_objection_t objection);
+
+/* ---- The life: what is done with the results of runs, and when the next one is due.
+ *
+ * Its owner, the navigation computer, tells what happens: a run began (tumble_sets_run_began), has ended
+ * (tumble_sets_run_ended, with its result), goes on (tumble_sets_run_goes_on); a sample came. In each of its steps it
+ * calls tumble_sets_hold_off, tumble_sets_work and tumble_sets_start, and does what the event says that they return.
+ * What the life must know of the run besides it reads in tumble_sets_run_t, which the owner keeps true; it asks two
+ * questions of tumble_sets_owner_t, and calls nothing else.
+ *
+ * A finished run becomes a set, is judged by the rules, and committed, or held as the proposal. A result that the store
+ * has held before, to the last bit, is not stored again. After every finished position a checkpoint is written, so
+ * that a run that lost power can go on. What the memory refuses is counted, and the active set stays. An entry of the
+ * history, and what is done to the checkpoint, is tried again when refused, TUMBLE_SETS_TRIES times in all; then the
+ * history waits for the next job of the store, the checkpoint for the next mean.
+ *
+ * A checkpoint ends with the run that it is of: a run that is started anew, given up, or done and stored, leaves none.
+ */
+
+/* tumble_sets_settings_t.flags */
+enum {
+    TUMBLE_SETS_STARTS = 1 /* begins a run by itself when one is due, unless a proposal waits */
+};
+
+#define TUMBLE_SETS_MIN_PAUSE_S 60U
+#define TUMBLE_SETS_TRIES 3U
+
+/* What may be changed from outside, between runs. */
+typedef struct {
+    tumble_commit_limits_t limits;
+    double gravity_m_s2;          /* of the place, recorded with every set; 9.7 to 9.9; 0: not known */
+    uint32_t interval_s;          /* a run is due so long after the last set; 0: never by time */
+    uint32_t pause_s;             /* no start by itself so long after the last one, the end of any run, and
+                                   * tumble_sets_pause; TUMBLE_SETS_MIN_PAUSE_S or more */
+    uint16_t temperature_samples; /* a run is due after so many samples in a row, 1 or more, ... */
+    uint8_t temperature_half_c;   /* ... at more than this from the active set's temperature, half degrees C; 0: never */
+    uint8_t flags;                /* TUMBLE_SETS_... */
+} tumble_sets_settings_t;
+
+/* The board's, const; must outlive the object. */
+typedef struct {
+    const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
+    const tumble_sets_settings_t *settings; /* at power-on */
+
+    /* May no run be on now, as far as the board knows (a discrete input, the vehicle's state)? Asked at least every
+     * step. May be null: never inhibited by the board. */
+    bool (*inhibited)(void *context);
+    void *context; /* handed to it */
+} tumble_sets_config_t;
+
+/* What the owner keeps true of its run and its stand, before every call. */
+typedef struct {
+    const tumble_schedule_t *schedule;    /* constant while a run is on */
+    const tumble_averaging_t *averaging;  /* the means */
+    const tumble_stand_record_t *stand;   /* as declared; null: it is not */
+    uint64_t measured;                    /* one bit a position of the schedule: it has a mean */
+    double v_per_count;
+    double gravity_limit_g;               /* of the gravity check: as it is in force, */
+    double board_gravity_limit_g;         /* and as the board has it */
+    uint8_t estimator;                    /* its number, for the next result */
+    bool on;                              /* a run is on, or could go on */
+    bool idle;                            /* none is, and there is no result */
+    bool waits;                           /* it is on, and waits for somebody to mend a fault: the table rests */
+    bool turning;                         /* the table turns, or is about to */
+    bool to_be_looked_at;                 /* somebody should look at the stand before a run begins by itself */
+    bool serviced;                        /* the rules may be changed from outside now */
+    bool memory_taken;                    /* the memory is at work for the owner itself */
+} tumble_sets_run_t;
+
+/* Who owns it: const, must outlive the object. */
+typedef struct {
+    const tumble_port_t *port;
+    const tumble_sets_run_t *run;
+    const void *self; /* handed to both questions */
+
+    /* What fingerprint has all that must not change in a run: block, stand, schedule, configuration, and the sequence of the
+     * active set, so that the checkpoint of a run that ended in a commit is not taken up again? */
+    uint32_t (*fingerprint)(const void *self, uint32_t sequence);
+
+    /* The standard uncertainties of these coefficients (bits) of the result at hand; the others are left as they are.
+     * TUMBLE_OK, or why they are not known. Null: they never are, and so no set is committed by itself. Asked for one
+     * coefficient of a result in a step. */
+    tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
+} tumble_sets_owner_t;
+
+/* A finished run. */
+typedef struct {
+    const tumble_coefficients_t *coefficients;
+    const tumble_gravity_check_t *check;
+    double closure_v; /* the largest difference in magnitude; 0: no mounting comes back to where it began */
+    uint32_t stand_crc; /* fingerprint of the stand; 0: unknown */
+} tumble_finished_run_t;
+
+/* What the owner is asked to do. */
+typedef enum {
+    TUMBLE_SETS_NOTHING = 0,
+    TUMBLE_SETS_GIVE_UP, /* the run, because of the inhibit: then tell that it has ended */
+    TUMBLE_SETS_STOP,    /* the table, because of the inhibit */
+    TUMBLE_SETS_START,   /* a run: then tell that it began */
+    TUMBLE_SETS_RESTORE, /* put the mean of the position `index` back; then call tumble_sets_restored */
+    TUMBLE_SETS_RESUME   /* go on with the run whose means are back; then call tumble_sets_run_goes_on */
+} tumble_sets_wish_t;
+
+typedef struct {
+    tumble_sets_wish_t wish;
+    uint8_t index;         /* with TUMBLE_SETS_RESTORE */
+    tumble_average_t mean; /* likewise */
+} tumble_sets_event_t;
+
+/* A clock that is set back by less than this makes no run due. */
+#define TUMBLE_SETS_CLOCK_SLACK_S 3600U
+
+/* Why a run is due: bits. */
+enum {
+    TUMBLE_DUE_TIME = 1,        /* the interval is over */
+    TUMBLE_DUE_TEMPERATURE = 2, /* the block is warmer or colder than it was when calibrated */
+    TUMBLE_DUE_NO_SET = 4,      /* there is no active set */
+    TUMBLE_DUE_DATE = 8,        /* the active set is dated more than TUMBLE_SETS_CLOCK_SLACK_S after the present */
+    TUMBLE_DUE_DECAYED = 16     /* the active set has decayed in the memory, and the one before it counts */
+};
+
+/* What became of the last result, or of the last command about sets. The numbers travel over CAN and Modbus. */
+typedef enum {
+    TUMBLE_VERDICT_NONE = 0,        /* nothing yet since power-on */
+    TUMBLE_VERDICT_WORKING = 1,     /* not decided or not written yet */
+    TUMBLE_VERDICT_COMMITTED = 2,   /* the result is the active set */
+    TUMBLE_VERDICT_HELD = 3,        /* it is the proposal; see `objections` */
+    TUMBLE_VERDICT_REPEATED = 4,    /* it is one that the store has held before: nothing was written */
+    TUMBLE_VERDICT_ACCEPTED = 5,    /* the proposal is the active set */
+    TUMBLE_VERDICT_DISCARDED = 6,   /* the proposal is gone */
+    TUMBLE_VERDICT_ROLLED_BACK = 7, /* the set before is active again */
+    TUMBLE_VERDICT_FAILED = 8       /* the memory failed; see `status` */
+} tumble_verdict_t;
+
+/* Monotonic since power-on; they stop at UINT32_MAX. Store, history and checkpoint have their own. */
+typedef struct {
+    uint32_t judged; /* results */
+    uint32_t committed;
+    uint32_t held;
+    uint32_t repeated;
+    uint32_t accepted;
+    uint32_t discarded;
+    uint32_t rolled_back;
+    uint32_t failures;     /* jobs of the memory that ended in anything but TUMBLE_OK */
+    uint32_t checkpoints;  /* positions kept */
+    uint32_t resumed;      /* runs gone on with after a loss of power */
+    uint32_t not_resumed;  /* refused: nothing kept, or of another block, stand, schedule or configuration */
+    uint32_t inhibited;    /* commands refused, runs given up and tables stopped because of the inhibit */
+    uint32_t self_started;
+    uint32_t refused;      /* commands about sets in a state that does not allow them, and to start before what was
+                            * saved is in force */
+} tumble_sets_counters_t;
+
+/* The object. `store` and `history` may be read by their own functions; everything else is private. */
+typedef struct {
+    const tumble_sets_config_t *config;
+    const tumble_sets_owner_t *owner;
+    const tumble_sets_run_t *run;
+    tumble_sets_settings_t settings;
+    tumble_store_t store;
+    tumble_history_t history;
+    tumble_checkpoint_t checkpoint;
+    tumble_sets_counters_t counters;
+    tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
+    tumble_misfit_work_t misfit; /* of the result: does it fit the declared stand? */
+    uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
+    uint64_t lost;            /* of `saved`: those that the memory would not take */
+    uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
+    uint64_t now_us;          /* of the last step */
+    uint64_t utc_us;          /* UTC at the port's time 0 */
+    uint64_t active_utc_s;    /* date of the active set; 0: unknown */
+    uint64_t active_us;       /* power-on, or when the active set changed, if later */
+    uint64_t inhibit_us;      /* the host's inhibit ends here */
+    uint64_t pause_us;        /* no start by itself before */
+    int64_t warmth_half_c;    /* sum over the averaged samples of the run */
+    uint32_t warm_samples;    /* how many */
+    uint32_t fingerprint;     /* of the run that is kept */
+    uint32_t sequence;        /* of the active set, as last seen */
+    uint32_t shown;           /* what tumble_sets_news told last */
+    uint32_t rules;           /* fingerprint of those that are in force after power-on, */
+    uint32_t rules_written;   /* and of those that are being saved */
+    uint32_t accepted;        /* the proposal that is to become active */
+    uint16_t objections;
+    uint16_t off_temperature; /* samples in a row */
+    int16_t active_half_c;
+    uint8_t task;             /* what goes on over several steps, */
+    uint8_t at;               /* and how far */
+    uint8_t job;              /* what the store is doing for us: the verdict that it will be */
+    uint8_t wants;            /* bits: what is to be done when the memory is free */
+    uint8_t verdict;
+    uint8_t status;
+    uint8_t resumable;
+    uint8_t trying;           /* the checkpoint's job: a position + 1, or TRYING_..., */
+    uint8_t tries;            /* begun so often */
+    uint8_t history_tries;    /* left for the entry of the active set */
+    bool run_was_on;
+    bool run_resumed;
+    bool has_checkpoint;      /* the run's own has been begun; else it is tried again with its next mean */
+    bool was_inhibited;
+    bool stale;               /* the active set may have changed */
+    bool repeated;            /* the result being judged has been seen before */
+    bool looked_again;        /* for what it was to be compared with, which could not be read */
+    bool has_utc;
+    bool has_active;
+    bool has_active_half_c;
+    bool decayed;             /* the history knows of a later set than the store */
+} tumble_sets_t;
+
+static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 2304U : 2560U), "the sets must stay small");
+
+/* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
+ * for as long as the owner likes, and call tumble_sets_booted: unless it is busy still, what is active is known from
+ * then on; else it is read step by step, and until then there is no set. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no
+ * configuration, a serial number or settings out of range, no memory behind the port); TUMBLE_E_NV
+ * (tumble_regions_check). */
+tumble_status_t tumble_sets_init(tumble_sets_t *sets, const tumble_sets_config_t *config,
+                                 const tumble_sets_owner_t *owner);
+void tumble_sets_booted(tumble_sets_t *sets, tumble_status_t opened);
+
+/* As after power-on: the board's settings. The sets stay what they are. */
+void tumble_sets_reset(tumble_sets_t *sets);
+
+/* Are store, history or checkpoint at work? Go on with what they do: one call of the memory. */
+bool tumble_sets_memory_busy(const tumble_sets_t *sets);
+void tumble_sets_step_memory(tumble_sets_t *sets);
+
+/* The same, or is the memory at work for the owner; or is there anything left to be done? */
+bool tumble_sets_busy(const tumble_sets_t *sets);
+bool tumble_sets_has_work(const tumble_sets_t *sets);
+
+/* The three parts of a step. First: the run that the inhibit ends (TUMBLE_SETS_GIVE_UP), or the table that it stops. */
+tumble_sets_wish_t tumble_sets_hold_off(tumble_sets_t *sets, uint64_t now_us);
+
+/* Second: one call of the memory, one job begun, or a part of a computation. */
+void tumble_sets_work(tumble_sets_t *sets, tumble_sets_event_t *event);
+
+/* Third, where there is no work left: is a run to be started that is due? */
+bool tumble_sets_start(tumble_sets_t *sets);
+
+/* Has what a state message tells changed since this was asked last: counter, verdict, objections, what is due? */
+bool tumble_sets_news(tumble_sets_t *sets);
+
+/* What happens to the run. */
+void tumble_sets_run_began(tumble_sets_t *sets);
+void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run);
+void tumble_sets_run_given_up(tumble_sets_t *sets); /* aborted */
+void tumble_sets_run_forgotten(tumble_sets_t *sets); /* the computer was reset */
+void tumble_sets_run_measured(tumble_sets_t *sets); /* it is on: look which means are new, and which are gone */
+
+/* Answers to TUMBLE_SETS_RESTORE and TUMBLE_SETS_RESUME: was it done? */
+void tumble_sets_restored(tumble_sets_t *sets, uint8_t index, bool done);
+void tumble_sets_run_goes_on(tumble_sets_t *sets, bool done);
+
+/* Every sample of the block, after the procedure has taken it; `averaged`: it went into a mean. */
+void tumble_sets_sample(tumble_sets_t *sets, int8_t temperature_half_c, bool averaged);
+
+/* Commands about sets: allowed while no run is on, nothing is being decided, and there is what they are about. Each
+ * returns TUMBLE_OK (it is done as soon as the memory is free), or TUMBLE_E_STATE (not now, or nothing there).
+ * `accept`: also TUMBLE_E_ARGUMENT (`named`, the CRC at the end of its record, is not the proposal's). */
+tumble_status_t tumble_sets_accept(tumble_sets_t *sets, uint32_t named);
+tumble_status_t tumble_sets_discard(tumble_sets_t *sets);
+tumble_status_t tumble_sets_rollback(tumble_sets_t *sets);
+
+/* Go on with the run that lost power; it begins within some steps, by events. Block, stand, schedule, configuration and
+ * active set must be those that it was begun with. Returns TUMBLE_OK, TUMBLE_E_STATE (there is no such run). */
+tumble_status_t tumble_sets_resume(tumble_sets_t *sets);
+
+/* May the owner obey a command that `begins` a run or measures anew (for some 100 ms after a run is done its means must
+ * stay as they are; `too_early`: and what was saved is not in force yet), or that `moves` the table or goes on with
+ * a run (not while inhibited)? False: it is counted as refused. */
+bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool moves);
+
+/* No start by itself for some time from now: somebody is at work at the table. */
+void tumble_sets_pause(tumble_sets_t *sets);
+
+/* The uncertainties of the result at hand: TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on),
+ * TUMBLE_E_STATE (not known). */
+tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_uncertainty_t **uncertainty);
+
+/* The rules in force are being saved (else the board's come back), and then: they have been; those that were saved are
+ * in force. What was saved counts as the board's own. */
+void tumble_sets_save_rules(tumble_sets_t *sets, bool save);
+void tumble_sets_rules_saved(tumble_sets_t *sets);
+void tumble_sets_rules_applied(tumble_sets_t *sets);
+
+/* The calibration counter: grows with every change of the active set, and by nothing else, unless that decays: then it
+ * is the one of the set before, and what comes next gets one that none had; TUMBLE_DUE_DECAYED tells of it. 0: the
+ * factory set, or none. */
+uint32_t tumble_sets_counter(const tumble_sets_t *sets);
+
+/* What else is readable, in one copy. */
+typedef struct {
+    uint64_t utc_s;      /* 0: not known */
+    uint32_t counter;    /* tumble_sets_counter */
+    uint32_t age_s;      /* of the active set, by its date, or else since power-on or its change; 0 if there is none */
+    uint32_t due_in_s;   /* until the interval is over; 0: it is, or there is no interval */
+    uint16_t inhibit_s;  /* left of the host's inhibit, rounded up */
+    uint16_t objections; /* to the last result: TUMBLE_OBJECTION_BIT */
+    uint8_t verdict;     /* tumble_verdict_t */
+    uint8_t status;      /* tumble_status_t of the last failure of the memory */
+    uint8_t due;         /* TUMBLE_DUE_... */
+    uint8_t resumable;   /* finished positions of a run that lost power and may be gone on with; 0: none */
+    bool inhibited;      /* by host or board */
+    bool busy;           /* the memory is at work, or about to be */
+    bool has_proposal;
+    bool has_factory;
+} tumble_sets_state_t;
+
+void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state);
+
+const tumble_sets_counters_t *tumble_sets_counters(const tumble_sets_t *sets);
+
+/* Settings. `change` and `configure` look at all of them and take all or none: TUMBLE_OK, TUMBLE_E_ARGUMENT (null, or
+ * one is out of range), TUMBLE_E_STATE (a run is on). `change` is for whoever is outside; what the board's program sets
+ * by `configure` are the board's rules unless others were in force before. */
+const tumble_sets_settings_t *tumble_sets_settings(const tumble_sets_t *sets);
+tumble_status_t tumble_sets_change(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
+tumble_status_t tumble_sets_configure(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
+
+/* The calendar: seconds since 1970-01-01T00:00:00 UTC, from here on kept by the port's clock; 0: no longer known. At
+ * most TUMBLE_SETS_MAX_UTC_S. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. Without it sets carry no date, and the interval
+ * counts from power-on, or from the last change of the active set. */
+#define TUMBLE_SETS_MAX_UTC_S (UINT64_C(1) << 40)
+tumble_status_t tumble_sets_set_utc(tumble_sets_t *sets, uint64_t utc_s);
+
+/* The host's inhibit (say, while navigating): no run may be on for so many seconds from now; 0 ends it. It expires, so
+ * that a host that has died does not inhibit for ever; one that lives tells it again in time. What must not hang on a
+ * living host is the board's: config->inhibited. */
+void tumble_sets_inhibit(tumble_sets_t *sets, uint16_t seconds);
+
+/* Drift of a coefficient (0 to 11: K row by row, then U0) over the sets of the history that are dated and have
+ * uncertainties, of this block, and were neither given up by a rollback nor brought back by one (they are there
+ * already), in V/g or V per TUMBLE_MONTH_S. Reads the whole history, once for each call. Returns TUMBLE_OK,
+ * TUMBLE_E_ARGUMENT, TUMBLE_E_PORT_BUSY (the memory is at work: ask again), TUMBLE_E_TOO_FEW, TUMBLE_E_NOT_FINITE, or
+ * why an entry could not be read. */
+tumble_status_t tumble_sets_trend(tumble_sets_t *sets, uint8_t coefficient, tumble_trend_t *trend);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

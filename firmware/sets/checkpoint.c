@@ -1,0 +1,254 @@
+#include "core/arith.h"
+#include "core/crc32.h"
+#include "sets/log.h"
+#include "sets/record.h"
+
+#include <stddef.h>
+#include <string.h>
+
+enum { JOB_CLEAR = TUMBLE_LOG_OWN, JOB_ERASE_FIRST, JOB_ERASE_SECOND, JOB_BEGIN, JOB_WRITE };
+
+#define CELLS_PER_SECTOR (TUMBLE_STORE_MIN_SECTOR / TUMBLE_CHECKPOINT_BYTES)
+#define RUN_HEAD_BYTES 8U
+#define AT_INDEX 2U
+#define AT_CRC 60U
+
+#define FIELD(member, width, count) {(uint16_t)offsetof(tumble_average_t, member), (width), (count)}
+#define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a at_cell is one byte");
+static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a at_cell");
+
+static const uint8_t run_head[RUN_HEAD_BYTES] = {0x54, 0x52, 0x55, 0x4E, 1, 0, TUMBLE_CHECKPOINT_BYTES, 0}; /* TRUN */
+static const uint8_t entry_head[AT_INDEX] = {0x54, 0x50};                                                     /* TP */
+static const tumble_field_t run_fields[] = {{(uint16_t)offsetof(tumble_checkpoint_t, fingerprint), 4, 1}};
+static const tumble_field_t entry_fields[] = {
+    {TUMBLE_FIELD_NONE, 1, 2}, FIELD(samples, 4, 1), FIELD(sum_counts, 8, TUMBLE_CHANNELS),
+    FIELD(scatter_counts, 4, TUMBLE_CHANNELS)}; /* the first of the two bytes is the index */
+static const tumble_record_t run_record = {run_head, run_fields, AT_CRC, sizeof run_head, COUNT_OF(run_fields)};
+static const tumble_record_t entry_record = {entry_head, entry_fields, AT_CRC, sizeof entry_head,
+                                             COUNT_OF(entry_fields)};
+
+/* Every entry is bound to its run: the CRC goes on from that of the fingerprint. */
+static uint32_t crc_of_run(uint32_t fingerprint)
+{
+    uint8_t bytes[4];
+    tumble_record_put_u32(bytes, fingerprint);
+    return tumble_crc32(0, bytes, sizeof bytes);
+}
+
+static tumble_status_t check_average(uint8_t index, const tumble_average_t *average)
+{
+    bool finite = true;
+    bool in_range = (index < TUMBLE_MAX_POSITIONS) && (average->samples > 0U) &&
+                    ((int64_t)average->samples <= TUMBLE_MAX_SAMPLES);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double scatter = (double)average->scatter_counts[i];
+        finite = finite && tumble_is_finite(scatter);
+        in_range = in_range && !tumble_is_positive(-scatter);
+    }
+    if (!finite) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    return in_range ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
+}
+
+static void put_entry(const tumble_checkpoint_t *checkpoint, uint8_t index, const tumble_average_t *average,
+                      uint8_t *bytes)
+{
+    tumble_record_fill(&entry_record, average, bytes);
+    bytes[AT_INDEX] = index;
+    tumble_record_seal(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint));
+}
+
+static tumble_status_t get_entry(const tumble_checkpoint_t *checkpoint, tumble_average_t *average)
+{
+    const uint8_t *bytes = checkpoint->bytes;
+    if (tumble_record_check(&entry_record, bytes, crc_of_run(checkpoint->fingerprint)) != TUMBLE_OK) {
+        return TUMBLE_E_CRC;
+    }
+    tumble_record_read(&entry_record, bytes, average);
+    return check_average(bytes[AT_INDEX], average);
+}
+
+static void forget(tumble_checkpoint_t *checkpoint)
+{
+    (void)memset(checkpoint->place, 0, sizeof checkpoint->place);
+    checkpoint->kept = false;
+    checkpoint->next = 1;
+}
+
+tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tumble_nv_t *nv)
+{
+    static const tumble_log_kind_t kind = {TUMBLE_REGION_CHECKPOINT, CELLS_PER_SECTOR, TUMBLE_CHECKPOINT_BYTES};
+    if (checkpoint == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    forget(checkpoint);
+    return tumble_log_open(&checkpoint->log, &kind, nv);
+}
+
+bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint)
+{
+    return tumble_log_busy(&checkpoint->log);
+}
+
+static void note_header(tumble_checkpoint_t *checkpoint)
+{
+    checkpoint->kept = (tumble_record_check(&run_record, checkpoint->bytes, 0) == TUMBLE_OK);
+    tumble_record_read(&run_record, checkpoint->bytes, checkpoint);
+}
+
+static void note_entry(tumble_checkpoint_t *checkpoint)
+{
+    tumble_log_t *log = &checkpoint->log;
+    tumble_average_t average;
+    if (tumble_log_is_blank(log, checkpoint->bytes)) {
+        return;
+    }
+    const bool valid = log->was_read && (get_entry(checkpoint, &average) == TUMBLE_OK);
+    checkpoint->next = log->at_cell + 1U;
+    if (valid) {
+        checkpoint->place[checkpoint->bytes[AT_INDEX]] = log->at_cell;
+    }
+    tumble_log_note(log, valid);
+}
+
+/* Without its header nothing is kept. */
+static void note_cell(tumble_checkpoint_t *checkpoint)
+{
+    if (checkpoint->log.at_cell > 0U) {
+        note_entry(checkpoint);
+    } else if (checkpoint->log.was_read) {
+        note_header(checkpoint);
+    } else {
+        /* there is none */
+    }
+    tumble_log_next(&checkpoint->log, checkpoint->kept);
+}
+
+static void begin_header(tumble_checkpoint_t *checkpoint)
+{
+    uint8_t *bytes = checkpoint->bytes;
+    tumble_record_fill(&run_record, checkpoint, bytes);
+    tumble_record_seal(bytes, AT_CRC, 0);
+    tumble_log_program(&checkpoint->log, 0, bytes, JOB_BEGIN);
+}
+
+/* What has been written is there. The header comes last: before it nothing counts. */
+static void go_on(tumble_checkpoint_t *checkpoint)
+{
+    tumble_log_t *log = &checkpoint->log;
+    switch (log->job) {
+    case JOB_ERASE_FIRST:
+        tumble_log_erase(log, 1, JOB_ERASE_SECOND);
+        return;
+    case JOB_ERASE_SECOND:
+        begin_header(checkpoint);
+        return;
+    case JOB_BEGIN:
+        checkpoint->kept = true;
+        break;
+    case JOB_WRITE:
+        checkpoint->place[checkpoint->bytes[AT_INDEX]] = checkpoint->next;
+        checkpoint->next++;
+        break;
+    default: /* it is cleared */
+        break;
+    }
+    tumble_log_end(log);
+}
+
+tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint)
+{
+    const tumble_log_event_t event = tumble_log_step(&checkpoint->log, checkpoint->bytes);
+    if (event == TUMBLE_LOG_CELL) {
+        note_cell(checkpoint);
+    } else if (event == TUMBLE_LOG_DONE) {
+        go_on(checkpoint);
+    } else if (event == TUMBLE_LOG_FAILED) {
+        forget(checkpoint);
+    } else {
+        /* it goes on at the next step */
+    }
+    return tumble_checkpoint_busy(checkpoint) ? TUMBLE_E_PORT_BUSY : checkpoint->log.outcome;
+}
+
+tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
+{
+    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
+    if (status == TUMBLE_OK) {
+        forget(checkpoint);
+        checkpoint->fingerprint = fingerprint;
+        tumble_log_erase(&checkpoint->log, 0, JOB_ERASE_FIRST);
+    }
+    return status;
+}
+
+tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint)
+{
+    const tumble_status_t status = tumble_log_ready(&checkpoint->log);
+    if (status == TUMBLE_OK) {
+        forget(checkpoint);
+        tumble_log_erase(&checkpoint->log, 0, JOB_CLEAR);
+    }
+    return status;
+}
+
+tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
+                                         const tumble_average_t *average)
+{
+    tumble_status_t status = tumble_log_ready(&checkpoint->log);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    if (average == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!checkpoint->kept) {
+        return TUMBLE_E_STATE;
+    }
+    status = check_average(index, average);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    if (checkpoint->next >= TUMBLE_CHECKPOINT_CELLS) {
+        return TUMBLE_E_FULL;
+    }
+    put_entry(checkpoint, index, average, checkpoint->bytes);
+    tumble_log_program(&checkpoint->log, checkpoint->next, checkpoint->bytes, JOB_WRITE);
+    return TUMBLE_OK;
+}
+
+bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
+{
+    return !tumble_checkpoint_busy(checkpoint) && checkpoint->kept && (checkpoint->fingerprint == fingerprint);
+}
+
+bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index)
+{
+    return !tumble_checkpoint_busy(checkpoint) && (index < TUMBLE_MAX_POSITIONS) && (checkpoint->place[index] != 0U);
+}
+
+tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average)
+{
+    if (tumble_checkpoint_busy(checkpoint)) {
+        return TUMBLE_E_PORT_BUSY;
+    }
+    if (average == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!tumble_checkpoint_has(checkpoint, index)) {
+        return TUMBLE_E_MISSING_POSITION;
+    }
+    const tumble_status_t status = tumble_log_read(&checkpoint->log, checkpoint->place[index], checkpoint->bytes);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    tumble_average_t read = {0};
+    if ((get_entry(checkpoint, &read) != TUMBLE_OK) || (checkpoint->bytes[AT_INDEX] != index)) {
+        return TUMBLE_E_CRC;
+    }
+    *average = read;
+    return TUMBLE_OK;
+}

@@ -1,0 +1,259 @@
+/* From a result to a verdict. */
+#include "sets/parts.h"
+
+#include "core/one_copy.h"
+
+#include <string.h>
+
+#define HALF_DEGREES 2.0
+
+static void begin_task(tumble_sets_t *sets, unsigned task)
+{
+    sets->task = (uint8_t)task;
+    sets->at = 0;
+}
+
+/* The set of a result. */
+
+static void add_circumstances(const tumble_sets_t *sets, tumble_set_t *set)
+{
+    (void)memcpy(set->block_serial, sets->config->serial, tumble_serial_length(sets->config));
+    set->date_utc_s = tumble_sets_utc_s(sets);
+    set->flags |= sets->run_resumed ? TUMBLE_SET_RESUMED : 0U;
+    if (sets->warm_samples != 0U) {
+        set->temperature_c = (double)sets->warmth_half_c / ((double)sets->warm_samples * HALF_DEGREES);
+        set->flags |= TUMBLE_SET_HAS_TEMPERATURE;
+    }
+    if (sets->settings.gravity_m_s2 > 0.0) {
+        set->gravity_m_s2 = sets->settings.gravity_m_s2;
+        set->flags |= TUMBLE_SET_HAS_GRAVITY;
+    }
+    set->schedule_crc = tumble_gain_record_schedule_crc(sets->run->schedule);
+}
+
+static void add_check(const tumble_sets_t *sets, const tumble_gravity_check_t *check, tumble_set_t *set)
+{
+    set->max_abs_fit_g = check->max_abs_fit_g;
+    set->max_abs_check_g = check->max_abs_check_g;
+    set->limit_g = sets->run->gravity_limit_g;
+    set->fit_positions = check->fit_positions;
+    set->check_positions = check->check_positions;
+    set->flags |= TUMBLE_SET_HAS_CHECK;
+}
+
+static void add_closure(double closure_v, tumble_set_t *set)
+{
+    if (closure_v > 0.0) { /* else no mounting comes back to where it began */
+        set->closure_v = closure_v;
+        set->flags |= TUMBLE_SET_HAS_CLOSURE;
+    }
+}
+
+static uint32_t count_samples(const tumble_sets_t *sets)
+{
+    const tumble_sets_run_t *run = sets->run;
+    uint32_t samples = 0;
+    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+        samples += run->averaging->averages[p].samples;
+    }
+    return samples;
+}
+
+/* Rules that were others when the run was done are held against it even if they are the board's when it is decided. */
+static void note_rules(tumble_sets_t *sets)
+{
+    const bool others = tumble_sets_rules_are_other(sets);
+    sets->set.flags |= tumble_sets_rules_flag(sets);
+    sets->set.reasons |= others ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) : 0U;
+}
+
+void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
+{
+    tumble_set_t *set = &sets->set;
+    sets->run_was_on = false;
+    tumble_sets_pause(sets);
+    *set = (tumble_set_t){
+        .estimator = sets->run->estimator,
+        .coefficients = *run->coefficients,
+        .samples = count_samples(sets),
+        .stand_crc = run->stand_crc,
+    };
+    add_circumstances(sets, set);
+    add_check(sets, run->check, set);
+    add_closure(run->closure_v, set);
+    tumble_count(&sets->counters.judged);
+    note_rules(sets);
+    sets->verdict = TUMBLE_VERDICT_WORKING;
+    sets->repeated = false;
+    sets->looked_again = false;
+    tumble_misfit_begin(&sets->misfit);
+    begin_task(sets, (sets->owner->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
+}
+
+/* What it is worth, by the declared stand. Both questions take a processor without floating point hardware a million
+ * instructions and more: so a part a step. */
+
+/* One coefficient. Without all twelve there are none. */
+static void judge_uncertainty(tumble_sets_t *sets)
+{
+    tumble_set_t *set = &sets->set;
+    const tumble_sets_owner_t *owner = sets->owner;
+    const bool same = (set->estimator == sets->run->estimator); /* as when the run ended */
+    const uint16_t only = (uint16_t)(UINT32_C(1) << sets->at);
+    if (!same || (owner->uncertainty(owner->self, only, &set->uncertainty) != TUMBLE_OK)) {
+        set->uncertainty = (tumble_uncertainty_t){.u0_v = {0.0}};
+        begin_task(sets, TASK_COMPARE_SETS);
+        return;
+    }
+    sets->at++;
+    if (sets->at == (uint8_t)TUMBLE_COEFFICIENTS) {
+        set->flags |= TUMBLE_SET_HAS_UNCERTAINTY;
+        begin_task(sets, (sets->run->stand != NULL) ? TASK_FIT : TASK_COMPARE_SETS);
+    }
+}
+
+/* One position. */
+static void judge_fit(tumble_sets_t *sets)
+{
+    const tumble_sets_run_t *at_hand = sets->run;
+    const tumble_misfit_run_t run = {
+        .schedule = at_hand->schedule,
+        .averaging = at_hand->averaging,
+        .coefficients = &sets->set.coefficients,
+        .stand = at_hand->stand,
+        .v_per_count = at_hand->v_per_count,
+    };
+    if (!tumble_misfit_step(&sets->misfit, &run)) {
+        begin_task(sets, TASK_COMPARE_SETS);
+    }
+}
+
+/* Has the store held it before? Noise makes no two runs alike to the last bit: one that is was not measured, it was
+ * replayed, or it is the same one, offered again. */
+
+static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t *b)
+{
+    bool same = true;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        same = same && (a->u0_v[i] == b->u0_v[i]);
+        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+            same = same && (a->k_v_per_g[i][j] == b->k_v_per_g[i][j]);
+        }
+    }
+    return same;
+}
+
+TUMBLE_ONE_COPY static void compare_with_sets(tumble_sets_t *sets)
+{
+    tumble_set_t other;
+    const tumble_status_t status = tumble_store_read(&sets->store, (tumble_which_set_t)sets->at, &other);
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return;
+    }
+    if (status == TUMBLE_OK) {
+        sets->repeated = sets->repeated || are_same(&other.coefficients, &sets->set.coefficients);
+    }
+    sets->at++;
+    if (sets->at > (uint8_t)TUMBLE_SET_PREVIOUS) {
+        begin_task(sets, TASK_COMPARE_HISTORY);
+    }
+}
+
+/* The history holds them in single precision, which is enough for that. */
+static bool are_equal(const float a[TUMBLE_COEFFICIENTS], const float b[TUMBLE_COEFFICIENTS])
+{
+    bool equal = true;
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        equal = equal && (a[c] == b[c]);
+    }
+    return equal;
+}
+
+static void compare_with_history(tumble_sets_t *sets)
+{
+    tumble_history_entry_t mine;
+    tumble_history_entry_t other;
+    const bool more = (sets->at < tumble_history_count(&sets->history)) && !sets->repeated &&
+                      (tumble_history_from_set(&sets->set, &mine) == TUMBLE_OK);
+    if (!more) {
+        sets->task = TASK_DECIDE;
+        return;
+    }
+    const tumble_status_t status = tumble_history_read(&sets->history, sets->at, &other);
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return;
+    }
+    if (status == TUMBLE_OK) {
+        sets->repeated = are_equal(other.value, mine.value);
+    }
+    sets->at++;
+}
+
+/* The verdict. */
+
+/* A store that could not read all its places looks at them anew instead of beginning a job. What it finds may be
+ * another active set, so the result is judged once more, by that. */
+static void begin_job(tumble_sets_t *sets, uint8_t job, tumble_status_t status)
+{
+    if ((status == TUMBLE_E_NV) && tumble_store_busy(&sets->store) && !sets->looked_again) {
+        sets->looked_again = true;
+        begin_task(sets, TASK_COMPARE_SETS);
+        return;
+    }
+    tumble_sets_begin_job(sets, job, status);
+}
+
+/* An active set that is dated after the present says nothing of what is older: a clock that was ahead once would else hold
+ * every set for years. It counts as one without a date; TUMBLE_DUE_DATE tells of it. */
+static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
+{
+    if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
+        active->date_utc_s = 0;
+    }
+    const unsigned misfit = sets->misfit.misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
+    const unsigned rules = (unsigned)sets->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    return (uint16_t)(misfit | rules |
+                      tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
+}
+
+TUMBLE_ONE_COPY static void decide(tumble_sets_t *sets)
+{
+    tumble_set_t active;
+    const tumble_status_t status = tumble_store_read(&sets->store, TUMBLE_SET_ACTIVE, &active);
+    if ((status == TUMBLE_E_PORT_BUSY) || tumble_store_busy(&sets->store)) {
+        return; /* the memory is; or what was active has decayed, and the store looks for the next */
+    }
+    sets->task = TASK_NONE;
+    if ((status != TUMBLE_OK) && (status != TUMBLE_E_STATE)) {
+        sets->verdict = TUMBLE_VERDICT_FAILED;
+        tumble_sets_fail(sets, status);
+        return;
+    }
+    note_rules(sets);
+    sets->objections = object(sets, (status == TUMBLE_OK) ? &active : NULL);
+    sets->set.reasons = sets->objections;
+    if (sets->repeated) {
+        sets->verdict = TUMBLE_VERDICT_REPEATED;
+        tumble_sets_end_checkpoint(sets);
+        tumble_count(&sets->counters.repeated);
+    } else if (sets->objections == 0U) {
+        begin_job(sets, TUMBLE_VERDICT_COMMITTED, tumble_store_commit(&sets->store, &sets->set));
+    } else {
+        begin_job(sets, TUMBLE_VERDICT_HELD, tumble_store_hold(&sets->store, &sets->set));
+    }
+}
+
+void tumble_sets_judge(tumble_sets_t *sets)
+{
+    if (sets->task == (uint8_t)TASK_UNCERTAINTY) {
+        judge_uncertainty(sets);
+    } else if (sets->task == (uint8_t)TASK_FIT) {
+        judge_fit(sets);
+    } else if (sets->task == (uint8_t)TASK_COMPARE_SETS) {
+        compare_with_sets(sets);
+    } else if (sets->task == (uint8_t)TASK_COMPARE_HISTORY) {
+        compare_with_history(sets);
+    } else {
+        decide(sets);
+    }
+}

@@ -1,0 +1,89 @@
+#include "sets/record.h"
+
+#include "core/crc32.h"
+
+#include <string.h>
+
+/* Where the machine keeps byte `i`, counted from the lowest, of a number of `width` bytes. */
+static uint32_t place_of(uint32_t i, uint32_t width)
+{
+#if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)
+    return width - 1U - i;
+#else
+    (void)width;
+    return i;
+#endif
+}
+
+/* Where byte `i` of a field is in its struct. */
+static uint32_t place_in(const tumble_field_t *field, uint32_t i)
+{
+    const uint32_t width = field->width;
+    return field->offset + i - (i % width) + place_of(i % width, width);
+}
+
+void tumble_record_fill(const tumble_record_t *record, const void *object, uint8_t *bytes)
+{
+    const uint8_t *from = object;
+    uint32_t at = record->head_bytes;
+    (void)memset(bytes, 0, record->crc_at);
+    (void)memcpy(bytes, record->head, record->head_bytes);
+    for (uint32_t f = 0; f < record->field_count; f++) {
+        const tumble_field_t *field = &record->fields[f];
+        for (uint32_t i = 0; i < ((uint32_t)field->width * field->count); i++) {
+            if (field->offset != TUMBLE_FIELD_NONE) {
+                bytes[at] = from[place_in(field, i)];
+            }
+            at++;
+        }
+    }
+}
+
+void tumble_record_read(const tumble_record_t *record, const uint8_t *bytes, void *object)
+{
+    uint8_t *to = object;
+    uint32_t at = record->head_bytes;
+    for (uint32_t f = 0; f < record->field_count; f++) {
+        const tumble_field_t *field = &record->fields[f];
+        for (uint32_t i = 0; i < ((uint32_t)field->width * field->count); i++) {
+            if (field->offset != TUMBLE_FIELD_NONE) {
+                to[place_in(field, i)] = bytes[at];
+            }
+            at++;
+        }
+    }
+}
+
+tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t *bytes, uint32_t crc_before)
+{
+    if (memcmp(bytes, record->head, record->head_bytes) != 0) {
+        return TUMBLE_E_FRAME;
+    }
+    return tumble_record_is_sealed(bytes, record->crc_at, crc_before) ? TUMBLE_OK : TUMBLE_E_CRC;
+}
+
+void tumble_record_put_u32(uint8_t *bytes, uint32_t value)
+{
+    for (uint32_t i = 0; i < 4U; i++) {
+        bytes[i] = (uint8_t)((value >> (8U * i)) & 0xFFU);
+    }
+}
+
+uint32_t tumble_record_get_u32(const uint8_t *bytes)
+{
+    uint32_t value = 0;
+    for (uint32_t i = 0; i < 4U; i++) {
+        value |= (uint32_t)bytes[i] << (8U * i);
+    }
+    return value;
+}
+
+void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before)
+{
+    tumble_record_put_u32(&bytes[size], tumble_crc32(crc_before, bytes, size));
+}
+
+bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before)
+{
+    return tumble_record_get_u32(&bytes[size]) == tumble_crc32(crc_before, bytes, size);
+}

@@ -1,0 +1,51 @@
+/* record.h - the one way in which records are written and read (private to the room, and to who keeps one in it).
+ *
+ * A record begins with its head (a magic, most have schema and length besides), then come fields of a struct as
+ * little-endian bytes, one after the other, by a table of const rows; then zeros; at the end a CRC-32 of all before.
+ * Signed values travel as two's complement, floating point as IEEE 754.
+ */
+#ifndef TUMBLE_SETS_RECORD_H
+#define TUMBLE_SETS_RECORD_H
+
+#include "tumble/status.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+static_assert((sizeof(float) == 4U) && (sizeof(double) == 8U), "floating point travels as IEEE 754 single and double");
+
+/* `count` elements of `width` bytes each, from `offset` of the struct on. */
+typedef struct {
+    uint16_t offset; /* TUMBLE_FIELD_NONE: bytes that are zero */
+    uint8_t width;
+    uint8_t count;
+} tumble_field_t;
+
+#define TUMBLE_FIELD_NONE 0xFFFFU
+
+typedef struct {
+    const uint8_t *head;
+    const tumble_field_t *fields; /* from behind the head on */
+    uint16_t crc_at;
+    uint8_t head_bytes;
+    uint8_t field_count;
+} tumble_record_t;
+
+/* All of a record but its CRC. */
+void tumble_record_fill(const tumble_record_t *record, const void *object, uint8_t *bytes);
+
+/* Its fields. */
+void tumble_record_read(const tumble_record_t *record, const uint8_t *bytes, void *object);
+
+/* Is it one? Returns TUMBLE_OK, TUMBLE_E_FRAME (another head), TUMBLE_E_CRC. The CRC goes on from `crc_before`. */
+tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t *bytes, uint32_t crc_before);
+
+void tumble_record_put_u32(uint8_t *bytes, uint32_t value);
+uint32_t tumble_record_get_u32(const uint8_t *bytes);
+
+/* The CRC-32 over `size` bytes, going on from `crc_before`, stands behind them. */
+void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before);
+bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before);
+
+#endif

@@ -1,0 +1,187 @@
+#include "tumble/sets.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+#include <string.h>
+
+#define ROWS_END (TUMBLE_CHANNELS * TUMBLE_CHANNELS) /* behind the coefficients of K come those of U0 */
+#define MAX_RATIO 1.0
+#define MIN_COVERAGE 1.0
+#define MAX_COVERAGE 10.0
+
+static double value_of(const tumble_set_t *set, int c)
+{
+    return (c < ROWS_END) ? set->coefficients.k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS]
+                          : set->coefficients.u0_v[c - ROWS_END];
+}
+
+/* 0 where it is not known. */
+static double uncertainty_of(const tumble_set_t *set, int c)
+{
+    const tumble_uncertainty_t *u = &set->uncertainty;
+    if ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U) {
+        return 0.0;
+    }
+    return (c < ROWS_END) ? u->k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS] : u->u0_v[c - ROWS_END];
+}
+
+/* |K_i| of the row that the coefficient belongs to. */
+static double length_of(const tumble_set_t *set, int c)
+{
+    const double *row = set->coefficients.k_v_per_g[(c < ROWS_END) ? (c / TUMBLE_CHANNELS) : (c - ROWS_END)];
+    return tumble_sqrt((row[0] * row[0]) + (row[1] * row[1]) + (row[2] * row[2]));
+}
+
+/* The limits. */
+
+static bool is_ratio(float limit)
+{
+    return ((double)limit >= 0.0) && ((double)limit <= MAX_RATIO);
+}
+
+bool tumble_commit_limits_valid(const tumble_commit_limits_t *limits)
+{
+    bool valid = ((double)limits->coverage >= MIN_COVERAGE) && ((double)limits->coverage <= MAX_COVERAGE) &&
+                 ((limits->flags & ~(unsigned)(TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST)) == 0U);
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        valid = valid && is_ratio(limits->uncertainty[c]) && ((double)limits->uncertainty[c] > 0.0) &&
+                is_ratio(limits->drift_per_month[c]) && is_ratio(limits->drift_per_kelvin[c]);
+    }
+    return valid;
+}
+
+/* The candidate by itself. */
+
+static bool passes_gravity_check(const tumble_set_t *set)
+{
+    return ((set->flags & TUMBLE_SET_HAS_CHECK) != 0U) && ((set->fit_positions + set->check_positions) > 0) &&
+           tumble_is_positive(set->limit_g) && tumble_within(set->max_abs_fit_g, set->limit_g) &&
+           tumble_within(set->max_abs_check_g, set->limit_g);
+}
+
+static bool is_finite(const tumble_set_t *set)
+{
+    bool finite = true;
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        const double u = uncertainty_of(set, c);
+        finite = finite && tumble_is_finite(value_of(set, c)) && tumble_is_positive(length_of(set, c)) &&
+                 tumble_is_finite(u) && (u >= 0.0);
+    }
+    return finite;
+}
+
+static uint16_t judge_alone(const tumble_set_t *candidate)
+{
+    unsigned objections = 0;
+    if (!passes_gravity_check(candidate)) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_GRAVITY_CHECK);
+    }
+    if (!is_finite(candidate)) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_FINITE);
+    }
+    if ((candidate->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN);
+    }
+    return (uint16_t)objections;
+}
+
+static bool is_certain(const tumble_set_t *candidate, const tumble_commit_limits_t *limits)
+{
+    bool certain = true;
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        certain = certain && (uncertainty_of(candidate, c) <= ((double)limits->uncertainty[c] * length_of(candidate, c)));
+    }
+    return certain;
+}
+
+/* The candidate and the active set. */
+
+static bool are_dated(const tumble_set_t *candidate, const tumble_set_t *active)
+{
+    return (candidate->date_utc_s != 0U) && (active->date_utc_s != 0U);
+}
+
+static double months_between(const tumble_set_t *candidate, const tumble_set_t *active)
+{
+    double months = 1.0;
+    if (are_dated(candidate, active) && (candidate->date_utc_s > active->date_utc_s)) {
+        const double passed = (double)(candidate->date_utc_s - active->date_utc_s) / TUMBLE_MONTH_S;
+        months = (passed > months) ? passed : months;
+    }
+    return (months < TUMBLE_COMMIT_MAX_MONTHS) ? months : TUMBLE_COMMIT_MAX_MONTHS;
+}
+
+static double kelvin_between(const tumble_set_t *candidate, const tumble_set_t *active)
+{
+    const unsigned both = (unsigned)candidate->flags & active->flags;
+    return ((both & TUMBLE_SET_HAS_TEMPERATURE) != 0U) ? tumble_abs(candidate->temperature_c - active->temperature_c)
+                                                        : 0.0;
+}
+
+static bool is_plausible(const tumble_set_t *candidate, const tumble_set_t *active,
+                         const tumble_commit_limits_t *limits)
+{
+    const double months = months_between(candidate, active);
+    const double kelvin = kelvin_between(candidate, active);
+    bool plausible = true;
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        const double u_new = uncertainty_of(candidate, c);
+        const double u_old = uncertainty_of(active, c);
+        const double drift =
+            ((double)limits->drift_per_month[c] * months) + ((double)limits->drift_per_kelvin[c] * kelvin);
+        const double allowed = ((double)limits->coverage * tumble_sqrt((u_new * u_new) + (u_old * u_old))) +
+                               (drift * length_of(candidate, c));
+        plausible = plausible && tumble_within(value_of(candidate, c) - value_of(active, c), allowed);
+    }
+    return plausible;
+}
+
+static uint16_t compare(const tumble_set_t *candidate, const tumble_set_t *active)
+{
+    unsigned objections = 0;
+    if (memcmp(candidate->block_serial, active->block_serial, sizeof candidate->block_serial) != 0) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK);
+    }
+    if (are_dated(candidate, active) && (candidate->date_utc_s < active->date_utc_s)) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OLDER);
+    }
+    return (uint16_t)objections;
+}
+
+/* What the limits say of numbers that are numbers. */
+static uint16_t judge_by_limits(const tumble_set_t *candidate, const tumble_set_t *active,
+                                const tumble_commit_limits_t *limits)
+{
+    unsigned objections = 0;
+    if (!is_certain(candidate, limits)) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAIN);
+    }
+    if ((active != NULL) && !is_plausible(candidate, active, limits)) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE);
+    }
+    return (uint16_t)objections;
+}
+
+uint16_t tumble_commit_objections(const tumble_set_t *candidate, const tumble_set_t *active,
+                                  const tumble_commit_limits_t *limits, bool replayed)
+{
+    unsigned objections = judge_alone(candidate);
+    const bool valid = tumble_commit_limits_valid(limits);
+    if (valid && ((objections & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_NOT_FINITE)) == 0U)) {
+        objections |= judge_by_limits(candidate, active, limits);
+    }
+    if (active != NULL) {
+        objections |= compare(candidate, active);
+    } else if ((limits->flags & TUMBLE_COMMIT_FIRST) == 0U) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST);
+    } else {
+        /* the first may pass */
+    }
+    objections |= replayed ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) : 0U;
+    objections |= valid ? 0U : TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_LIMITS);
+    if ((limits->flags & TUMBLE_COMMIT_BY_ITSELF) == 0U) {
+        objections |= TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_BY_HAND);
+    }
+    return (uint16_t)objections;
+}

@@ -1,0 +1,212 @@
+#include "sets/set_record.h"
+
+#include "core/arith.h"
+#include "core/bytes.h"
+#include "sets/record.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Places in the bytes; docs/store.md has them all. */
+#define AT_FIELDS 8U
+#define AT_SEQUENCE 8U
+#define AT_ORIGIN 12U
+#define AT_SERIAL 16U
+#define AT_TEMPERATURE 48U
+#define AT_GRAVITY 56U
+#define AT_K 64U
+#define AT_U 160U
+#define AT_CHECK 256U
+#define AT_CLOSURE 280U
+#define AT_ZERO 294U
+#define AT_RESTORES 308U
+#define AT_FROM_CRC 312U
+#define AT_CRC 316U
+
+#define FIELD(member, width, count) {(uint16_t)offsetof(tumble_set_t, member), (width), (count)}
+#define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+static const uint8_t head[AT_FIELDS] = {0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0, /* TSET */
+                                        TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
+
+static const tumble_field_t fields[] = {
+    FIELD(sequence, 4, 1),        FIELD(origin, 1, 1),           FIELD(estimator, 1, 1),
+    FIELD(flags, 2, 1),           FIELD(block_serial, 1, 24),    FIELD(date_utc_s, 8, 1),
+    FIELD(temperature_c, 8, 1),   FIELD(gravity_m_s2, 8, 1),     FIELD(coefficients.k_v_per_g, 8, 9),
+    FIELD(coefficients.u0_v, 8, 3), FIELD(uncertainty.k_v_per_g, 8, 9), FIELD(uncertainty.u0_v, 8, 3),
+    FIELD(max_abs_fit_g, 8, 1),   FIELD(max_abs_check_g, 8, 1),  FIELD(limit_g, 8, 1),
+    FIELD(closure_v, 8, 1),       FIELD(samples, 4, 1),          FIELD(fit_positions, 1, 1),
+    FIELD(check_positions, 1, 1), {TUMBLE_FIELD_NONE, 1, 2},
+    FIELD(schedule_crc, 4, 1), FIELD(stand_crc, 4, 1), FIELD(reasons, 4, 1),
+    FIELD(restores, 4, 1),     FIELD(from_crc, 4, 1),
+};
+static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_OF(fields)};
+
+/* Which doubles must be what, and by which flag they are known. */
+typedef enum { ANY_SIGN, NOT_NEGATIVE, POSITIVE } range_t;
+typedef struct {
+    uint16_t flag; /* 0: always known */
+    uint16_t at;
+    uint8_t count;
+    range_t range;
+} numbers_t;
+
+static const numbers_t numbers[] = {
+    {0, AT_K, 12, ANY_SIGN},
+    {TUMBLE_SET_HAS_UNCERTAINTY, AT_U, 12, NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_TEMPERATURE, AT_TEMPERATURE, 1, ANY_SIGN},
+    {TUMBLE_SET_HAS_GRAVITY, AT_GRAVITY, 1, POSITIVE},
+    {TUMBLE_SET_HAS_CHECK, AT_CHECK, 3, NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_CLOSURE, AT_CLOSURE, 1, NOT_NEGATIVE},
+};
+
+static bool is_known(const numbers_t *row, uint32_t flags)
+{
+    return (row->flag == 0U) || ((flags & row->flag) != 0U);
+}
+
+static bool are_zero(const uint8_t *bytes, uint32_t size)
+{
+    uint32_t any = 0;
+    for (uint32_t i = 0; i < size; i++) {
+        any |= bytes[i];
+    }
+    return any == 0U;
+}
+
+static tumble_status_t check_number(const uint8_t *bytes, range_t range)
+{
+    const double x = tumble_get_f64(bytes);
+    if (!tumble_is_finite(x)) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    const bool too_low = (range == POSITIVE) ? !tumble_is_positive(x) : ((range == NOT_NEGATIVE) && tumble_is_positive(-x));
+    return too_low ? TUMBLE_E_ARGUMENT : TUMBLE_OK;
+}
+
+static tumble_status_t check_numbers(const uint8_t *bytes, uint32_t flags)
+{
+    tumble_status_t status = TUMBLE_OK;
+    for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
+        const numbers_t *row = &numbers[i];
+        for (uint32_t n = 0; (n < row->count) && (status == TUMBLE_OK) && is_known(row, flags); n++) {
+            status = check_number(&bytes[row->at + (n * sizeof(double))], row->range);
+        }
+    }
+    return status;
+}
+
+/* What is unknown is 0, and so are the bytes that mean nothing. */
+static bool the_rest_is_zero(const uint8_t *bytes, uint32_t flags)
+{
+    bool zero = are_zero(&bytes[AT_ZERO], 2);
+    for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
+        zero = zero && (is_known(&numbers[i], flags) ||
+                        are_zero(&bytes[numbers[i].at], numbers[i].count * (uint32_t)sizeof(double)));
+    }
+    return zero;
+}
+
+static bool serial_ends_in_zeros(const uint8_t *serial)
+{
+    uint32_t length = 0;
+    while ((length < TUMBLE_SET_SERIAL_BYTES) && (serial[length] != 0U)) {
+        length++;
+    }
+    return are_zero(&serial[length], TUMBLE_SET_SERIAL_BYTES - length);
+}
+
+static uint32_t flags_in(const uint8_t *bytes)
+{
+    return tumble_record_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
+}
+
+/* Everything but head and CRC. */
+static tumble_status_t check_fields(const uint8_t *bytes)
+{
+    const uint32_t flags = flags_in(bytes);
+    const uint8_t origin = bytes[AT_ORIGIN];
+    if (((flags & ~TUMBLE_SET_FLAGS) != 0U) || (origin < (uint8_t)TUMBLE_ORIGIN_FACTORY) ||
+        (origin > (uint8_t)TUMBLE_ORIGIN_HELD) || !serial_ends_in_zeros(&bytes[AT_SERIAL])) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    return the_rest_is_zero(bytes, flags) ? check_numbers(bytes, flags) : TUMBLE_E_FRAME;
+}
+
+tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
+{
+    const tumble_status_t status = tumble_record_check(&record, bytes, 0);
+    return (status == TUMBLE_OK) ? check_fields(bytes) : status;
+}
+
+void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
+{
+    tumble_record_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
+    bytes[AT_ORIGIN] = stamp->origin;
+    tumble_record_put_u32(&bytes[AT_RESTORES], stamp->restores);
+    tumble_record_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
+    tumble_record_seal(bytes, AT_CRC, 0);
+}
+
+void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp)
+{
+    stamp->sequence = tumble_record_get_u32(&bytes[AT_SEQUENCE]);
+    stamp->restores = tumble_record_get_u32(&bytes[AT_RESTORES]);
+    stamp->from_crc = tumble_record_get_u32(&bytes[AT_FROM_CRC]);
+    stamp->origin = bytes[AT_ORIGIN];
+}
+
+void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags)
+{
+    const uint32_t word = tumble_record_get_u32(&bytes[AT_ORIGIN]);
+    tumble_record_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
+}
+
+uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
+{
+    return tumble_record_get_u32(&bytes[AT_CRC]);
+}
+
+static void put_fields(const tumble_set_t *set, uint8_t *bytes)
+{
+    tumble_record_fill(&record, set, bytes);
+    for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
+        if (!is_known(&numbers[i], set->flags)) {
+            (void)memset(&bytes[numbers[i].at], 0, numbers[i].count * sizeof(double));
+        }
+    }
+}
+
+tumble_status_t tumble_set_encode_as(const tumble_set_t *set, const tumble_set_stamp_t *stamp,
+                                     uint8_t bytes[TUMBLE_SET_BYTES])
+{
+    if (set == NULL) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    put_fields(set, bytes);
+    tumble_set_stamp(bytes, stamp);
+    return check_fields(bytes);
+}
+
+tumble_status_t tumble_set_encode(const tumble_set_t *set, uint8_t bytes[TUMBLE_SET_BYTES])
+{
+    if ((set == NULL) || (bytes == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_set_stamp_t stamp = {set->sequence, set->restores, set->from_crc, set->origin};
+    return tumble_set_encode_as(set, &stamp, bytes);
+}
+
+tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set)
+{
+    if ((bytes == NULL) || (set == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_status_t status = tumble_set_check(bytes);
+    if (status == TUMBLE_OK) {
+        *set = (tumble_set_t){0};
+        tumble_record_read(&record, bytes, set);
+        set->record_crc = tumble_set_crc(bytes);
+    }
+    return status;
+}

@@ -1,0 +1,66 @@
+#include "tumble/sets.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+
+#define LEAST_U 1e-100
+#define GREATEST 1e100
+
+static bool is_usable(double value, double u)
+{
+    return tumble_within(value, GREATEST) && tumble_within(u, GREATEST) && (u >= LEAST_U);
+}
+
+static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
+{
+    return (date_utc_s >= first_utc_s) ? ((double)(date_utc_s - first_utc_s) / TUMBLE_MONTH_S)
+                                       : -((double)(first_utc_s - date_utc_s) / TUMBLE_MONTH_S);
+}
+
+tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u)
+{
+    if ((sums == NULL) || (date_utc_s == 0U) || (u <= 0.0)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if (!is_usable(value, u)) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    if (sums->count == 0U) {
+        sums->first_utc_s = date_utc_s;
+        sums->first_value = value;
+        sums->unit = u;
+    }
+    const double root_weight = sums->unit / u;
+    const double weight = root_weight * root_weight;
+    const double month = months_since(sums->first_utc_s, date_utc_s) - sums->mean_month;
+    const double change = (value - sums->first_value) - sums->mean_value;
+    sums->weight += weight;
+    const double share = weight / sums->weight;
+    sums->mean_month += share * month;
+    sums->mean_value += share * change;
+    const double both = weight * (1.0 - share); /* of a deviation from the mean before, times one from the mean after */
+    sums->month_month += both * month * month;
+    sums->month_value += both * month * change;
+    sums->value_value += both * change * change;
+    sums->count++;
+    return TUMBLE_OK;
+}
+
+tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t *trend)
+{
+    if ((sums == NULL) || (trend == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    if ((sums->count < 2U) || !(sums->month_month > 0.0)) {
+        return TUMBLE_E_TOO_FEW;
+    }
+    const double slope = sums->month_value / sums->month_month;
+    const double u_slope = sums->unit / tumble_sqrt(sums->month_month);
+    const double left = (sums->value_value - (slope * sums->month_value)) / (sums->unit * sums->unit);
+    if (!tumble_is_finite(slope) || !tumble_is_finite(u_slope) || !tumble_is_finite(left)) {
+        return TUMBLE_E_NOT_FINITE;
+    }
+    *trend = (tumble_trend_t){slope, u_slope, (left > 0.0) ? left : 0.0, sums->count - 2U};
+    return TUMBLE_OK;
+}
