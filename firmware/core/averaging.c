@@ -1,5 +1,6 @@
 #include "tumble/core.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
 #include "core/averaging_state.h"
 

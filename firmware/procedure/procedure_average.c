@@ -88,14 +88,13 @@ static bool is_complete(const tumble_procedure_t *procedure, tumble_status_t las
 outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
                                 tumble_taken_t *taken)
 {
-    if ((sample->status & TUMBLE_SAMPLE_SATURATED) != 0U) {
-        return tumble_refuse_position(procedure, TUMBLE_E_SATURATED);
-    }
-    if (sample->status != 0U) {
-        return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
-    }
     const tumble_status_t status =
         tumble_averaging_add(&procedure->averaging, procedure->config->averaging, &sample->raw);
+    if (status == TUMBLE_E_UNHEALTHY) {
+        return ((sample->raw.status & TUMBLE_SAMPLE_SATURATED) != 0U)
+                   ? tumble_refuse_position(procedure, TUMBLE_E_SATURATED)
+                   : tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
+    }
     if (status == TUMBLE_OK) {
         tumble_add_up(&procedure->counters.averaged, 1U);
         taken->index = procedure->index;

@@ -76,7 +76,7 @@ outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_bl
                                   tumble_taken_t *taken)
 {
     (void)taken;
-    procedure->block_status = sample->status & UNHEALTHY;
+    procedure->block_status = sample->raw.status & UNHEALTHY;
     procedure->marked = (procedure->block_status == 0U);
     return OUTCOME_STAY; /* the poll that follows looks at everything together */
 }
@@ -128,10 +128,10 @@ outcome_t tumble_warm_up_sample(tumble_procedure_t *procedure, const tumble_bloc
                                 tumble_taken_t *taken)
 {
     (void)taken;
-    if ((sample->status & UNHEALTHY) != 0U) {
+    if ((sample->raw.status & UNHEALTHY) != 0U) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
-    if ((sample->status & TUMBLE_SAMPLE_TEMPERATURE) != 0U) {
+    if ((sample->raw.status & TUMBLE_SAMPLE_TEMPERATURE) != 0U) {
         procedure->warm_run = 0;
         return OUTCOME_STAY;
     }
@@ -247,7 +247,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
                                tumble_taken_t *taken)
 {
     (void)taken;
-    if ((sample->status & (UNHEALTHY | TUMBLE_SAMPLE_TEMPERATURE)) != 0U) {
+    if ((sample->raw.status & (UNHEALTHY | TUMBLE_SAMPLE_TEMPERATURE)) != 0U) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {

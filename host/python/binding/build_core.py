@@ -56,7 +56,7 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *, const bool *
 """
 
 AVERAGING = """
-typedef struct { int32_t counts[3]; uint16_t counter; } tumble_sample_t;
+typedef struct { int32_t counts[3]; uint16_t counter; uint8_t status; } tumble_sample_t;
 typedef struct {
     int32_t saturation_counts;
     uint32_t min_samples;
