@@ -1,5 +1,6 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -37,9 +38,15 @@ static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
     return enter(procedure, (tumble_state_t)next[outcome]);
 }
 
-static outcome_t watch(tumble_procedure_t *procedure)
+/* Is the table, by its own report, off the angle where the position is measured? */
+static bool table_slipped(const tumble_procedure_t *procedure)
 {
-    const unsigned watched = row_of(procedure)->watch;
+    const double off_deg = procedure->stand->angle_deg(procedure->stand->self) - procedure->target_deg;
+    return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
+}
+
+static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
+{
     if (((watched & WATCH_BUS) != 0U) && !procedure->bus_up) {
         return tumble_fail(procedure, TUMBLE_REASON_BUS);
     }
@@ -55,13 +62,28 @@ static outcome_t watch(tumble_procedure_t *procedure)
     if (((watched & WATCH_BLOCK) != 0U) && !procedure->block_alive) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
     }
+    if (((watched & WATCH_ANGLE) != 0U) && table_slipped(procedure)) {
+        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
+    }
     return OUTCOME_STAY;
+}
+
+static outcome_t look_at(tumble_procedure_t *procedure, unsigned watched)
+{
+    const outcome_t outcome = watch(procedure, row_of(procedure)->watch & watched);
+    return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
 }
 
 static outcome_t look(tumble_procedure_t *procedure)
 {
-    const outcome_t outcome = watch(procedure);
-    return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
+    return look_at(procedure, WATCH_ALL);
+}
+
+/* Before a sample. The table's angle changes with a report of the stand alone, and a step follows every report: so a
+ * sample, which comes far more often, need not look at what takes floating point. */
+static outcome_t look_between_reports(tumble_procedure_t *procedure)
+{
+    return look_at(procedure, WATCH_ALL & ~WATCH_ANGLE);
 }
 
 /* Follow the table until there is something to wait for. So it makes no difference how many steps lie between two
@@ -163,11 +185,10 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
     if (row_of(procedure)->pauses) {
         return false; /* work for a step */
     }
-    follow(procedure, look(procedure));
+    follow(procedure, look_between_reports(procedure));
     const tumble_sample_action_t action = row_of(procedure)->sample;
     if (action != NULL) {
-        const outcome_t outcome = action(procedure, sample, &into);
-        follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+        follow(procedure, action(procedure, sample, &into));
     }
     if ((into.ordinal != 0U) && (taken != NULL)) {
         *taken = into;
@@ -177,12 +198,12 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
 
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
 {
-    follow(procedure, look(procedure)); /* they come after whatever the stand did before */
+    follow(procedure, look_between_reports(procedure)); /* they come after whatever the stand did before */
     const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
     tumble_add_up(&procedure->counters.corrupted, corrupted);
     tumble_add_up(&procedure->counters.lost, lost);
     procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
-    follow(procedure, look(procedure));
+    follow(procedure, look_between_reports(procedure));
 }
 
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)

@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
+
 outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 {
     procedure->closure_g[tumble_mounting_index(procedure->config->schedule, procedure->index)] = 0.0F;
@@ -9,9 +11,6 @@ outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_average_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_table_slipped(procedure)) {
-        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
-    }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
         return tumble_refuse_position(procedure, TUMBLE_E_NOT_STILL);
     }
@@ -46,7 +45,7 @@ static bool is_certain(const tumble_procedure_t *procedure, bool fixed)
     double mean_v[TUMBLE_CHANNELS];
     double error_v[TUMBLE_CHANNELS];
     const double budget_v = procedure->config->error_budget_v;
-    if (budget_v == 0.0) {
+    if (!tumble_is_positive(budget_v)) {
         return fixed;
     }
     bool certain = (tumble_procedure_running(procedure, mean_v, error_v) == TUMBLE_OK);

@@ -78,7 +78,7 @@ outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_bl
     (void)taken;
     procedure->block_status = sample->raw.status & UNHEALTHY;
     procedure->marked = (procedure->block_status == 0U);
-    return OUTCOME_STAY; /* the poll that follows looks at everything together */
+    return tumble_preflight_poll(procedure);
 }
 
 outcome_t tumble_preflight_late(tumble_procedure_t *procedure)
@@ -228,9 +228,6 @@ outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_settle_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_table_slipped(procedure)) {
-        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
-    }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
         procedure->settled_ms = 0;
         procedure->marked = false;
@@ -264,7 +261,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
         procedure->last_counter = sample->raw.counter;
         procedure->last_timestamp_ms = sample->timestamp_ms;
     }
-    return OUTCOME_STAY; /* the poll that follows sees whether it is enough */
+    return tumble_settle_poll(procedure);
 }
 
 outcome_t tumble_settle_late(tumble_procedure_t *procedure)
