@@ -68,22 +68,14 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
     return OUTCOME_STAY;
 }
 
-static outcome_t look_at(tumble_procedure_t *procedure, unsigned watched)
+/* The table's angle changes with a report of the stand alone, and a step follows every report: so a sample, which comes far
+ * more often, need not look at what takes floating point. */
+enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK };
+
+static outcome_t look(tumble_procedure_t *procedure, unsigned watched)
 {
     const outcome_t outcome = watch(procedure, row_of(procedure)->watch & watched);
     return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
-}
-
-static outcome_t look(tumble_procedure_t *procedure)
-{
-    return look_at(procedure, WATCH_ALL);
-}
-
-/* Before a sample. The table's angle changes with a report of the stand alone, and a step follows every report: so a
- * sample, which comes far more often, need not look at what takes floating point. */
-static outcome_t look_between_reports(tumble_procedure_t *procedure)
-{
-    return look_at(procedure, WATCH_ALL & ~WATCH_ANGLE);
 }
 
 /* Follow the table until there is something to wait for. So it makes no difference how many steps lie between two
@@ -93,7 +85,7 @@ static void follow(tumble_procedure_t *procedure, outcome_t outcome)
     while (outcome != OUTCOME_STAY) {
         outcome = leave(procedure, outcome);
         if ((outcome == OUTCOME_STAY) && !row_of(procedure)->pauses) {
-            outcome = look(procedure);
+            outcome = look(procedure, WATCH_ALL);
         }
     }
 }
@@ -101,7 +93,7 @@ static void follow(tumble_procedure_t *procedure, outcome_t outcome)
 static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
 {
     const outcome_t outcome = enter(procedure, state);
-    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure, WATCH_ALL) : outcome);
 }
 
 /* Time. */
@@ -162,7 +154,7 @@ static outcome_t end_late(tumble_procedure_t *procedure)
 
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 {
-    follow(procedure, look(procedure));
+    follow(procedure, look(procedure, WATCH_ALL));
     read_clock(procedure, now_us);
     follow(procedure, end_late(procedure));
 }
@@ -185,7 +177,7 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
     if (row_of(procedure)->pauses) {
         return false; /* work for a step */
     }
-    follow(procedure, look_between_reports(procedure));
+    follow(procedure, look(procedure, BETWEEN_REPORTS));
     const tumble_sample_action_t action = row_of(procedure)->sample;
     if (action != NULL) {
         follow(procedure, action(procedure, sample, &into));
@@ -198,12 +190,12 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
 
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
 {
-    follow(procedure, look_between_reports(procedure)); /* they come after whatever the stand did before */
+    follow(procedure, look(procedure, BETWEEN_REPORTS)); /* they come after whatever the stand did before */
     const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
     tumble_add_up(&procedure->counters.corrupted, corrupted);
     tumble_add_up(&procedure->counters.lost, lost);
     procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
-    follow(procedure, look_between_reports(procedure));
+    follow(procedure, look(procedure, BETWEEN_REPORTS));
 }
 
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)

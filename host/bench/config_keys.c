@@ -13,6 +13,9 @@
 #define LIMITS(member) AT(keeping.settings.limits.member)
 
 #define BIG 1e9
+
+#define NAME(number, name, ...) "|" #name
+#define ESTIMATORS (TUMBLE_ESTIMATOR_LIST(NAME, NAME))
 #define WHOLE_32 4294967295.0
 
 _Static_assert(sizeof(sim_law_t) == sizeof(int) && sizeof(tumble_estimate_t) == sizeof(int),
@@ -105,7 +108,7 @@ const bench_key_t bench_config_keys[] = {
     {"profile.move_timeout_ms", BENCH_U32, 1, AT(profile.move_timeout_ms), 1, WHOLE_32, "ms"},
     {"profile.stop_timeout_ms", BENCH_U32, 1, AT(profile.stop_timeout_ms), 1, WHOLE_32, "ms"},
 
-    {"procedure.estimator", BENCH_CHOICE, 1, AT(procedure.estimate), 0, 0, "averaged|refined|least_squares|optimal"},
+    {"procedure.estimator", BENCH_CHOICE, 1, AT(procedure.estimate), 0, 0, ESTIMATORS + 1},
     {"procedure.samples", BENCH_U32, 1, AT(procedure.samples), 1, 1048576, "samples per position, the most of them"},
     {"procedure.error_budget_v", BENCH_DOUBLE, 1, AT(procedure.error_budget_v), 0, BIG,
      "V; fewer samples if the standard errors of the means are under it; 0: always all"},

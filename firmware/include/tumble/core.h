@@ -296,6 +296,30 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
 
 #define TUMBLE_MAX_MEAN_V 1e100
 
+/* The table of estimators: number, name, what it needs of a schedule, the functions that estimate and that state
+ * uncertainties. C reads it here, Python through its extension; tools/estimators writes the names into the package and the
+ * schemas. Numbers are places in the list and travel over CAN: new estimators go to the end. Those with a gain record are
+ * functions that a board hands in (tumble_optimal_estimate, tumble_optimal_uncertainty). */
+#define TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)                                                                     \
+    ONE(AVERAGED, averaged, HARMONIC, tumble_estimate_averaged, tumble_uncertainty_averaged)                           \
+    ONE(REFINED, refined, HARMONIC, tumble_estimate_refined, tumble_uncertainty_refined)                               \
+    ONE(LEAST_SQUARES, least_squares, RANK, tumble_estimate_least_squares, tumble_uncertainty_least_squares)           \
+    ONE_WITH_GAINS(OPTIMAL, optimal)
+
+typedef enum {
+#define TUMBLE_ESTIMATE_ENUM(number, ...) TUMBLE_ESTIMATE_##number,
+    TUMBLE_ESTIMATOR_LIST(TUMBLE_ESTIMATE_ENUM, TUMBLE_ESTIMATE_ENUM)
+#undef TUMBLE_ESTIMATE_ENUM
+    TUMBLE_ESTIMATE_COUNT
+} tumble_estimate_t;
+
+/* What an estimator needs of a schedule. */
+enum {
+    TUMBLE_NEEDS_HARMONIC = 0, /* the 2 x 9 positions of the paper */
+    TUMBLE_NEEDS_RANK,         /* positions that identify all twelve coefficients */
+    TUMBLE_NEEDS_GAINS         /* a gain record made for it */
+};
+
 typedef struct {
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* [i][j]: response of channel i to acceleration along j */
     double u0_v[TUMBLE_CHANNELS];
