@@ -1,5 +1,6 @@
 #include "tumble/core.h"
 
+#include "core/accumulator.h"
 #include "core/arith.h"
 #include "core/averaging_state.h"
 
@@ -50,7 +51,7 @@ static double scatter_of_open(const tumble_averaging_t *averaging, int channel)
     const double d = (double)(average->sum_counts[channel] - offset);
     const double q = (double)averaging->open.square_sum[channel];
     const double variance = (q - ((d * d) / n)) / (n - 1.0);
-    return (variance > 0.0) ? tumble_sqrt(variance) : 0.0;
+    return tumble_is_positive(variance) ? tumble_sqrt(variance) : 0.0;
 }
 
 /* A position with fewer samples than the gate counts cannot show a run that long. There a channel is stuck that never
@@ -85,7 +86,7 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
     }
     const double still_counts = (double)config->stillness_ratio * (double)config->noise_counts;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        if ((still_counts > 0.0) && ((double)average->scatter_counts[i] > still_counts)) {
+        if (tumble_is_positive(still_counts) && ((double)average->scatter_counts[i] > still_counts)) {
             return TUMBLE_E_NOT_STILL;
         }
     }

@@ -6,8 +6,6 @@
 
 #define NONE_OPEN UINT8_MAX
 
-enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
-
 static inline bool tumble_averaging_is_open(const tumble_averaging_t *averaging)
 {
     return averaging->open.index != NONE_OPEN;

@@ -56,12 +56,12 @@ typedef struct {
     tumble_sets_t sets;
     tumble_sets_run_t run;
     tumble_sets_owner_t owner;
+    uint8_t shown_position; /* 2150h:1 */
+    uint8_t shown_entry;    /* 2160h:1 */
+    bool decay_told;        /* by an emergency message that is not cleared yet */
     tumble_parameters_t parameters;
     tumble_at_rest_t at_rest; /* 2152h */
     uint64_t due_us;          /* next step */
-    uint8_t shown_position;   /* 2150h:1 */
-    uint8_t shown_entry;      /* 2160h:1 */
-    bool decay_told;          /* by an emergency message that is not cleared yet */
 } tumble_keeper_t;
 
 static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2944U : 3200U), "the keeper must stay small");

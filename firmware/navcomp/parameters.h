@@ -48,7 +48,6 @@ typedef struct {
     uint8_t event;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
-    uint32_t read_errors; /* counted, and not shown */
     bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
     bool failed;  /* a job: it is being looked what that left behind */
     bool again;   /* to be restored when that is done which is under way */

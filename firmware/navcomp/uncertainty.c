@@ -3,24 +3,21 @@
 #include <stddef.h>
 
 static tumble_status_t judge(const tumble_procedure_config_t *config, const tumble_declared_t *declared,
-                             const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty)
+                             const tumble_judged_run_t *run, tumble_uncertainty_t *found)
 {
     tumble_status_t status = TUMBLE_E_ARGUMENT;
     switch (config->estimate) {
-    case TUMBLE_ESTIMATE_AVERAGED:
-        status = tumble_uncertainty_averaged(run, uncertainty, NULL);
+#define ONE(number, name, needs, estimate, uncertainty)                                                                \
+    case TUMBLE_ESTIMATE_##number:                                                                                     \
+        status = uncertainty(run, found, NULL);                                                                        \
         break;
-    case TUMBLE_ESTIMATE_REFINED:
-        status = tumble_uncertainty_refined(run, uncertainty, NULL);
+#define ONE_WITH_GAINS(number, name)                                                                                   \
+    case TUMBLE_ESTIMATE_##number:                                                                                     \
+        if (declared->weighted != NULL) {                                                                              \
+            status = declared->weighted(config->weighted->source, run, found);                                         \
+        }                                                                                                              \
         break;
-    case TUMBLE_ESTIMATE_LEAST_SQUARES:
-        status = tumble_uncertainty_least_squares(run, uncertainty, NULL);
-        break;
-    case TUMBLE_ESTIMATE_OPTIMAL:
-        if (declared->weighted != NULL) {
-            status = declared->weighted(config->weighted->source, run, uncertainty);
-        }
-        break;
+        TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)
     default:
         break;
     }

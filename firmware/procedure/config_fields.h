@@ -38,9 +38,13 @@
     X(F32, stillness_ratio, 1.6060915F, ANY, RESULT, 1, "averaging.stillness_ratio", 0, 1e9,                           \
       "scatter over it; 0: from the samples")
 
+/* "averaged|refined|...": what a person may choose. */
+#define TUMBLE_ESTIMATE_CHOICE(number, name, ...) "|" #name
+#define TUMBLE_ESTIMATE_CHOICES (&(TUMBLE_ESTIMATOR_LIST(TUMBLE_ESTIMATE_CHOICE, TUMBLE_ESTIMATE_CHOICE))[1])
+
 #define TUMBLE_PROCEDURE_FIELDS(X)                                                                                     \
     X(ENUM, estimate, TUMBLE_ESTIMATE_REFINED, ANY, RESULT, 1, "procedure.estimator", 0, 0,                            \
-      "averaged|refined|least_squares|optimal")                                                                        \
+      TUMBLE_ESTIMATE_CHOICES)                                                                                         \
     X(U32, samples, 50U, ANY, RESULT, 1, "procedure.samples", 1, TUMBLE_MAX_SAMPLES,                                   \
       "samples per position, the most of them")                                                                        \
     X(F64, error_budget_v, 0.0, NOT_NEGATIVE, RESULT, 1, "procedure.error_budget_v", 0, 1e9,                           \

@@ -1,5 +1,6 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -37,9 +38,15 @@ static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
     return enter(procedure, (tumble_state_t)next[outcome]);
 }
 
-static outcome_t watch(tumble_procedure_t *procedure)
+/* Is the table, by its own report, off the angle where the position is measured? */
+static bool table_slipped(const tumble_procedure_t *procedure)
 {
-    const unsigned watched = row_of(procedure)->watch;
+    const double off_deg = procedure->stand.kind->angle_deg(procedure->stand.self) - procedure->target_deg;
+    return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
+}
+
+static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
+{
     if (((watched & WATCH_BUS) != 0U) && !procedure->bus_up) {
         return tumble_fail(procedure, TUMBLE_REASON_BUS);
     }
@@ -55,12 +62,19 @@ static outcome_t watch(tumble_procedure_t *procedure)
     if (((watched & WATCH_BLOCK) != 0U) && !procedure->block_alive) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_HEARTBEAT);
     }
+    if (((watched & WATCH_ANGLE) != 0U) && table_slipped(procedure)) {
+        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
+    }
     return OUTCOME_STAY;
 }
 
-static outcome_t look(tumble_procedure_t *procedure)
+/* The table's angle changes with a report of the stand alone, and a step follows every report: so a sample, which comes far
+ * more often, need not look at what takes floating point. */
+enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK };
+
+static outcome_t look(tumble_procedure_t *procedure, unsigned watched)
 {
-    const outcome_t outcome = watch(procedure);
+    const outcome_t outcome = watch(procedure, row_of(procedure)->watch & watched);
     return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
 }
 
@@ -71,7 +85,7 @@ static void follow(tumble_procedure_t *procedure, outcome_t outcome)
     while (outcome != OUTCOME_STAY) {
         outcome = leave(procedure, outcome);
         if ((outcome == OUTCOME_STAY) && !row_of(procedure)->pauses) {
-            outcome = look(procedure);
+            outcome = look(procedure, WATCH_ALL);
         }
     }
 }
@@ -79,7 +93,7 @@ static void follow(tumble_procedure_t *procedure, outcome_t outcome)
 static void go_to(tumble_procedure_t *procedure, tumble_state_t state)
 {
     const outcome_t outcome = enter(procedure, state);
-    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+    follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure, WATCH_ALL) : outcome);
 }
 
 /* Time. */
@@ -140,7 +154,7 @@ static outcome_t end_late(tumble_procedure_t *procedure)
 
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 {
-    follow(procedure, look(procedure));
+    follow(procedure, look(procedure, WATCH_ALL));
     read_clock(procedure, now_us);
     follow(procedure, end_late(procedure));
 }
@@ -163,11 +177,10 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
     if (row_of(procedure)->pauses) {
         return false; /* work for a step */
     }
-    follow(procedure, look(procedure));
+    follow(procedure, look(procedure, BETWEEN_REPORTS));
     const tumble_sample_action_t action = row_of(procedure)->sample;
     if (action != NULL) {
-        const outcome_t outcome = action(procedure, sample, &into);
-        follow(procedure, (outcome == OUTCOME_STAY) ? look(procedure) : outcome);
+        follow(procedure, action(procedure, sample, &into));
     }
     if ((into.ordinal != 0U) && (taken != NULL)) {
         *taken = into;
@@ -177,12 +190,12 @@ bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_s
 
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost)
 {
-    follow(procedure, look(procedure)); /* they come after whatever the stand did before */
+    follow(procedure, look(procedure, BETWEEN_REPORTS)); /* they come after whatever the stand did before */
     const uint32_t sum = (uint32_t)procedure->corrupted + corrupted;
     tumble_add_up(&procedure->counters.corrupted, corrupted);
     tumble_add_up(&procedure->counters.lost, lost);
     procedure->corrupted = (sum < UINT16_MAX) ? (uint16_t)sum : UINT16_MAX;
-    follow(procedure, look(procedure));
+    follow(procedure, look(procedure, BETWEEN_REPORTS));
 }
 
 void tumble_procedure_set_block_alive(tumble_procedure_t *procedure, bool alive)

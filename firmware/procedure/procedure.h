@@ -24,13 +24,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum {
-    TUMBLE_ESTIMATE_AVERAGED = 0,
-    TUMBLE_ESTIMATE_REFINED,
-    TUMBLE_ESTIMATE_LEAST_SQUARES,
-    TUMBLE_ESTIMATE_OPTIMAL
-} tumble_estimate_t;
-
 /* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own: a computer that does not use it need not hold it. Set
  * to tumble_optimal_check and tumble_optimal_estimate of tumble/core.h, `source` to a tumble_optimal_source_t. */
 typedef struct {

@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include "core/arith.h"
+
 outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 {
     procedure->closure_g[tumble_mounting_index(procedure->config->schedule, procedure->index)] = 0.0F;
@@ -9,9 +11,6 @@ outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_average_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_table_slipped(procedure)) {
-        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
-    }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
         return tumble_refuse_position(procedure, TUMBLE_E_NOT_STILL);
     }
@@ -46,7 +45,7 @@ static bool is_certain(const tumble_procedure_t *procedure, bool fixed)
     double mean_v[TUMBLE_CHANNELS];
     double error_v[TUMBLE_CHANNELS];
     const double budget_v = procedure->config->error_budget_v;
-    if (budget_v == 0.0) {
+    if (!tumble_is_positive(budget_v)) {
         return fixed;
     }
     bool certain = (tumble_procedure_running(procedure, mean_v, error_v) == TUMBLE_OK);
@@ -88,14 +87,13 @@ static bool is_complete(const tumble_procedure_t *procedure, tumble_status_t las
 outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
                                 tumble_taken_t *taken)
 {
-    if ((sample->status & TUMBLE_SAMPLE_SATURATED) != 0U) {
-        return tumble_refuse_position(procedure, TUMBLE_E_SATURATED);
-    }
-    if (sample->status != 0U) {
-        return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
-    }
     const tumble_status_t status =
         tumble_averaging_add(&procedure->averaging, procedure->config->averaging, &sample->raw);
+    if (status == TUMBLE_E_UNHEALTHY) {
+        return ((sample->raw.status & TUMBLE_SAMPLE_SATURATED) != 0U)
+                   ? tumble_refuse_position(procedure, TUMBLE_E_SATURATED)
+                   : tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
+    }
     if (status == TUMBLE_OK) {
         tumble_add_up(&procedure->counters.averaged, 1U);
         taken->index = procedure->index;

@@ -79,7 +79,7 @@ static bool whole_numbers_are_valid(const tumble_procedure_config_t *config)
 static uint32_t samples_that_tell(const tumble_averaging_config_t *averaging)
 {
     const double beyond_one = (double)averaging->noise_counts - 1.0;
-    const double noise_counts = 1.0 + ((beyond_one > 0.0) ? beyond_one : 0.0);
+    const double noise_counts = 1.0 + (tumble_is_positive(beyond_one) ? beyond_one : 0.0);
     double chance = 1.0;
     bool tells = false;
     uint32_t samples;
@@ -98,11 +98,28 @@ static bool stuck_shows(const tumble_procedure_config_t *config)
     return (least >= averaging->stuck_run) || (least >= samples_that_tell(averaging));
 }
 
+/* Which estimators need what, a bit for each. */
+enum {
+#define NOBODY(number, name)
+#define BIT(number, name, needs, estimate, uncertainty)                                                                \
+    | ((TUMBLE_NEEDS_##needs == TUMBLE_NEEDS_HARMONIC) ? (1 << TUMBLE_ESTIMATE_##number) : 0)
+    NEED_HARMONIC = 0 TUMBLE_ESTIMATOR_LIST(BIT, NOBODY),
+#undef BIT
+#define BIT(number, name, needs, estimate, uncertainty)                                                                \
+    | ((TUMBLE_NEEDS_##needs == TUMBLE_NEEDS_RANK) ? (1 << TUMBLE_ESTIMATE_##number) : 0)
+    NEED_RANK = 0 TUMBLE_ESTIMATOR_LIST(BIT, NOBODY)
+};
+
+static bool is_one_of(const tumble_procedure_config_t *config, unsigned estimators)
+{
+    return ((estimators >> (unsigned)config->estimate) & 1U) != 0U;
+}
+
 static bool is_valid(const tumble_procedure_config_t *config)
 {
     return (config->schedule != NULL) && (config->averaging != NULL) &&
-           ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_OPTIMAL) &&
-           ((config->estimate != TUMBLE_ESTIMATE_OPTIMAL) || (config->weighted != NULL)) &&
+           ((unsigned)config->estimate < (unsigned)TUMBLE_ESTIMATE_COUNT) &&
+           (is_one_of(config, NEED_HARMONIC | NEED_RANK) || (config->weighted != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
            numbers_are_valid(config) && whole_numbers_are_valid(config) && stuck_shows(config);
 }
@@ -110,9 +127,9 @@ static bool is_valid(const tumble_procedure_config_t *config)
 static tumble_status_t examine_schedule(const tumble_procedure_config_t *config, tumble_refusal_t *refusal)
 {
     tumble_status_t status = tumble_schedule_validate(config->schedule, NULL);
-    if ((status == TUMBLE_OK) && (config->estimate == TUMBLE_ESTIMATE_LEAST_SQUARES)) {
+    if ((status == TUMBLE_OK) && is_one_of(config, NEED_RANK)) {
         status = tumble_schedule_identify(config->schedule, NULL, &refusal->unidentified);
-    } else if ((status == TUMBLE_OK) && (config->estimate != TUMBLE_ESTIMATE_OPTIMAL)) {
+    } else if ((status == TUMBLE_OK) && is_one_of(config, NEED_HARMONIC)) {
         tumble_harmonic_map_t map;
         status = tumble_schedule_harmonic(config->schedule, NULL, &map, &refusal->missing);
     }
@@ -142,7 +159,7 @@ tumble_status_t tumble_examine(const tumble_procedure_config_t *config, tumble_r
         *reason = TUMBLE_REASON_SCHEDULE;
         return status;
     }
-    if (config->estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+    if (!is_one_of(config, NEED_HARMONIC | NEED_RANK)) {
         status = config->weighted->check(config->weighted->source, config->schedule);
     }
     if (status != TUMBLE_OK) {

@@ -29,8 +29,10 @@ typedef enum {
 enum {
     WATCH_BUS = 1,
     WATCH_STAND = 2,
-    WATCH_BLOCK = 4,  /* its heartbeat */
-    WATCH_SAMPLES = 8 /* and its samples keep coming */
+    WATCH_BLOCK = 4,   /* its heartbeat */
+    WATCH_SAMPLES = 8, /* and its samples keep coming */
+    WATCH_ANGLE = 16,  /* the table stands where the position is measured */
+    WATCH_ALL = 31
 };
 
 /* tumble_row_t.commands */
@@ -107,9 +109,6 @@ tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure);
 
 /* The stand's state. */
 tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure);
-
-/* Is the table, by its own report, off the angle where the position is measured? */
-bool tumble_table_slipped(const tumble_procedure_t *procedure);
 
 /* Has the position a mean? */
 bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index);

@@ -1,8 +1,6 @@
 /* procedure_refusal.c - what goes wrong in a run, and whether trying again may help. */
 #include "procedure/procedure_internal.h"
 
-#include "core/arith.h"
-
 #include <stddef.h>
 
 outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason)
@@ -33,12 +31,6 @@ tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
     };
     const unsigned fault = (unsigned)procedure->stand.kind->fault(procedure->stand.self);
     return (fault < sizeof reasons) ? (tumble_reason_t)reasons[fault] : TUMBLE_REASON_DRIVE_FAULT;
-}
-
-bool tumble_table_slipped(const tumble_procedure_t *procedure)
-{
-    const double off_deg = procedure->stand.kind->angle_deg(procedure->stand.self) - procedure->target_deg;
-    return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
 }
 
 /* What a refusal of a position means, and whether measuring it again may help. The last row stands for any other. */

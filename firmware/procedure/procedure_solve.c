@@ -1,5 +1,7 @@
 #include "procedure/procedure_internal.h"
 
+#include <stddef.h>
+
 typedef tumble_status_t (*estimator_t)(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                        tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
@@ -16,15 +18,13 @@ static void make_means(tumble_procedure_t *procedure)
 
 outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
 {
-    static const estimator_t estimators[TUMBLE_ESTIMATE_LEAST_SQUARES + 1] = {
-        [TUMBLE_ESTIMATE_AVERAGED] = tumble_estimate_averaged,
-        [TUMBLE_ESTIMATE_REFINED] = tumble_estimate_refined,
-        [TUMBLE_ESTIMATE_LEAST_SQUARES] = tumble_estimate_least_squares,
-    };
+#define ESTIMATOR(number, name, needs, estimate, uncertainty) [TUMBLE_ESTIMATE_##number] = (estimate),
+#define NONE_OF_ITS_OWN(number, name) [TUMBLE_ESTIMATE_##number] = NULL,
+    static const estimator_t estimators[] = {TUMBLE_ESTIMATOR_LIST(ESTIMATOR, NONE_OF_ITS_OWN)};
     const tumble_procedure_config_t *config = procedure->config;
     make_means(procedure);
     tumble_status_t status;
-    if (config->estimate == TUMBLE_ESTIMATE_OPTIMAL) {
+    if (estimators[config->estimate] == NULL) {
         status = config->weighted->estimate(config->weighted->source, config->schedule, &procedure->work.means,
                                             &procedure->coefficients);
     } else {

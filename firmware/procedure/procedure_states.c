@@ -76,9 +76,9 @@ outcome_t tumble_preflight_sample(tumble_procedure_t *procedure, const tumble_bl
                                   tumble_taken_t *taken)
 {
     (void)taken;
-    procedure->block_status = sample->status & UNHEALTHY;
+    procedure->block_status = sample->raw.status & UNHEALTHY;
     procedure->marked = (procedure->block_status == 0U);
-    return OUTCOME_STAY; /* the poll that follows looks at everything together */
+    return tumble_preflight_poll(procedure);
 }
 
 outcome_t tumble_preflight_late(tumble_procedure_t *procedure)
@@ -128,10 +128,10 @@ outcome_t tumble_warm_up_sample(tumble_procedure_t *procedure, const tumble_bloc
                                 tumble_taken_t *taken)
 {
     (void)taken;
-    if ((sample->status & UNHEALTHY) != 0U) {
+    if ((sample->raw.status & UNHEALTHY) != 0U) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
-    if ((sample->status & TUMBLE_SAMPLE_TEMPERATURE) != 0U) {
+    if ((sample->raw.status & TUMBLE_SAMPLE_TEMPERATURE) != 0U) {
         procedure->warm_run = 0;
         return OUTCOME_STAY;
     }
@@ -228,9 +228,6 @@ outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
 
 outcome_t tumble_settle_poll(tumble_procedure_t *procedure)
 {
-    if (tumble_table_slipped(procedure)) {
-        return tumble_fail(procedure, TUMBLE_REASON_SLIP);
-    }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
         procedure->settled_ms = 0;
         procedure->marked = false;
@@ -247,7 +244,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
                                tumble_taken_t *taken)
 {
     (void)taken;
-    if ((sample->status & (UNHEALTHY | TUMBLE_SAMPLE_TEMPERATURE)) != 0U) {
+    if ((sample->raw.status & (UNHEALTHY | TUMBLE_SAMPLE_TEMPERATURE)) != 0U) {
         return tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
     if (tumble_stand_state(procedure) != TUMBLE_STAND_IN_POSITION) {
@@ -264,7 +261,7 @@ outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block
         procedure->last_counter = sample->raw.counter;
         procedure->last_timestamp_ms = sample->timestamp_ms;
     }
-    return OUTCOME_STAY; /* the poll that follows sees whether it is enough */
+    return tumble_settle_poll(procedure);
 }
 
 outcome_t tumble_settle_late(tumble_procedure_t *procedure)

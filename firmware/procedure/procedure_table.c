@@ -57,14 +57,14 @@ const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT] = {
         .timeout = LASTS(settle_timeout_ms), .late = tumble_settle_late,
         .done = TO(AVERAGE),
         .other = TO(SETTLE), /* another attempt */
-        .watch = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_SAMPLES, .commands = AT_REST,
+        .watch = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_SAMPLES | WATCH_ANGLE, .commands = AT_REST,
     },
     [TUMBLE_STATE_AVERAGE] = {
         .enter = tumble_average_enter, .poll = tumble_average_poll, .sample = tumble_average_sample,
         .timeout = LASTS(average_timeout_ms), .late = tumble_average_late,
         .done = TO(NEXT),
         .other = TO(SETTLE), /* another attempt */
-        .watch = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_SAMPLES, .commands = AT_REST,
+        .watch = WATCH_BUS | WATCH_STAND | WATCH_BLOCK | WATCH_SAMPLES | WATCH_ANGLE, .commands = AT_REST,
     },
     [TUMBLE_STATE_SOLVE] = {
         .poll = tumble_solve_poll, .done = TO(VERIFY), .pauses = true, .commands = AT_REST,

@@ -4,9 +4,9 @@
  * how much noise there is. The sums are integers and exact, so neither number depends on the order of the samples: the
  * mean is one correctly rounded division, the variance is right to some units of the last place.
  *
- * A sample is judged as core/averaging judges it, and by the status that the block gives it. One that is refused is
- * counted as spoilt and the measurement goes on without it, for whoever asked decides how many are too many. Samples
- * that never came are counted as spoilt by the counter of the next.
+ * A sample passes the gates that the samples of a run pass (core/accumulator.h). One that is refused is counted as spoilt
+ * and the measurement goes on without it, for whoever asked decides how many are too many. Samples that never came are
+ * counted as spoilt by the counter of the next.
  *
  * The caller owns the object; nothing is allocated, nothing waits. Not re-entrant on one object.
  */
@@ -26,18 +26,14 @@ static_assert(UINT16_MAX <= TUMBLE_MAX_SAMPLES, "the sums of tumble/core.h hold 
 
 /* Private; all zero: nothing is measured. */
 typedef struct {
-    int64_t sum[TUMBLE_CHANNELS];        /* of deviations from `first`, counts */
-    int64_t square_sum[TUMBLE_CHANNELS]; /* of their squares */
-    int32_t first[TUMBLE_CHANNELS];
+    tumble_average_t mean;
+    tumble_open_position_t open;
     uint32_t dropped; /* before the last sample */
     uint16_t wanted;
-    uint16_t taken;
     uint16_t spoilt;
-    uint16_t last_counter;
-    bool has_counter;
 } tumble_at_rest_t;
 
-static_assert(sizeof(tumble_at_rest_t) <= 80, "it must stay small");
+static_assert(sizeof(tumble_at_rest_t) <= 112, "it must stay small");
 
 /* What has been measured. */
 typedef struct {

@@ -164,9 +164,10 @@ static tumble_block_event_t complete(tumble_block_receiver_t *receiver, const ui
     }
     const uint16_t time_and_status = tumble_get_u16(&data[Z_TIMESTAMP]);
     *sample = (tumble_block_sample_t){
-        .raw = {.counts = {receiver->x_counts, receiver->y_counts, get_int24(&data[0])}, .counter = receiver->counter},
+        .raw = {.counts = {receiver->x_counts, receiver->y_counts, get_int24(&data[0])},
+                .counter = receiver->counter,
+                .status = (uint8_t)(time_and_status >> 12U)},
         .timestamp_ms = time_and_status & (TUMBLE_TIMESTAMP_PERIOD_MS - 1U),
-        .status = (uint8_t)(time_and_status >> 12U),
         .temperature_half_c = tumble_get_i8(&data[Z_TEMPERATURE]),
     };
     count(&receiver->counters.samples, 1U);

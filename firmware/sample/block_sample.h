@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-/* Status bits of a sample; 0: healthy. */
+/* Status bits of a raw sample; 0: healthy. */
 enum {
     TUMBLE_SAMPLE_SATURATED = 1,   /* a channel is at the end of its range */
     TUMBLE_SAMPLE_SELF_TEST = 2,   /* the block's self-test failed */
@@ -19,9 +19,8 @@ enum {
 
 /* One sample of the block, as it leaves the sample source (CAN frames or a board's own converter). */
 typedef struct {
-    tumble_sample_t raw;       /* counts and 16-bit sample counter */
+    tumble_sample_t raw;       /* counts, 16-bit sample counter, and TUMBLE_SAMPLE_... as its status */
     uint16_t timestamp_ms;     /* the block's own clock, below TUMBLE_TIMESTAMP_PERIOD_MS (higher bits are ignored) */
-    uint8_t status;            /* TUMBLE_SAMPLE_... */
     int8_t temperature_half_c; /* block temperature in half degrees Celsius */
 } tumble_block_sample_t;
 

@@ -3,9 +3,26 @@
 
 #include <stddef.h>
 
+/* Whole seconds. By way of doubles, because a division of 64 bits comes with 700 bytes of library and nobody else here
+ * divides so; what they round is put right. */
+uint64_t tumble_sets_whole_s(uint64_t us)
+{
+    const uint64_t seconds = (uint64_t)((double)us / (double)TUMBLE_US_PER_S);
+    const uint64_t rest_us = us - (seconds * TUMBLE_US_PER_S); /* wraps where a second was rounded up */
+    uint64_t whole_s = seconds;
+    if (rest_us >= (2U * TUMBLE_US_PER_S)) {
+        whole_s--;
+    } else if (rest_us >= TUMBLE_US_PER_S) {
+        whole_s++;
+    } else {
+        /* nothing was rounded */
+    }
+    return whole_s;
+}
+
 uint64_t tumble_sets_utc_s(const tumble_sets_t *sets)
 {
-    return sets->has_utc ? ((sets->utc_us + sets->now_us) / TUMBLE_US_PER_S) : 0U;
+    return sets->has_utc ? tumble_sets_whole_s(sets->utc_us + sets->now_us) : 0U;
 }
 
 uint64_t tumble_sets_age_s(const tumble_sets_t *sets)
@@ -14,7 +31,7 @@ uint64_t tumble_sets_age_s(const tumble_sets_t *sets)
     if ((sets->active_utc_s != 0U) && (utc_s >= sets->active_utc_s)) {
         return utc_s - sets->active_utc_s;
     }
-    return (sets->now_us - sets->active_us) / TUMBLE_US_PER_S;
+    return tumble_sets_whole_s(sets->now_us - sets->active_us);
 }
 
 bool tumble_sets_is_ahead(const tumble_sets_t *sets, uint64_t date_utc_s, uint64_t slack_s)

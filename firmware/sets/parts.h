@@ -90,6 +90,7 @@ void tumble_sets_restore(tumble_sets_t *sets, tumble_sets_event_t *event); /* go
 bool tumble_sets_settings_valid(const tumble_sets_settings_t *settings);
 
 /* due.c */
+uint64_t tumble_sets_whole_s(uint64_t us);
 uint64_t tumble_sets_utc_s(const tumble_sets_t *sets);
 uint64_t tumble_sets_age_s(const tumble_sets_t *sets);
 bool tumble_sets_is_ahead(const tumble_sets_t *sets, uint64_t date_utc_s, uint64_t slack_s); /* of the present */

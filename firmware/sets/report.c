@@ -75,7 +75,7 @@ void tumble_sets_inhibit(tumble_sets_t *sets, uint16_t seconds)
 static uint16_t inhibit_left_s(const tumble_sets_t *sets)
 {
     const uint64_t left_us = (sets->inhibit_us > sets->now_us) ? (sets->inhibit_us - sets->now_us) : 0U;
-    const uint64_t left_s = (left_us + (TUMBLE_US_PER_S - 1U)) / TUMBLE_US_PER_S;
+    const uint64_t left_s = tumble_sets_whole_s(left_us + (TUMBLE_US_PER_S - 1U));
     return (uint16_t)((left_s < UINT16_MAX) ? left_s : UINT16_MAX); /* a moment more, if told since the last step */
 }
 

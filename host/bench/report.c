@@ -91,7 +91,8 @@ static void put_uncertainties(const bench_world_t *world, bench_json_t *json)
 
 static void put_result(const bench_world_t *world, bench_json_t *json)
 {
-    static const char *const ESTIMATORS[] = {"averaged", "refined", "least_squares", "optimal"};
+#define NAME(number, name, ...) #name,
+    static const char *const ESTIMATORS[TUMBLE_ESTIMATE_COUNT] = {TUMBLE_ESTIMATOR_LIST(NAME, NAME)};
     tumble_result_t result;
     bench_json_text(json, "estimator", ESTIMATORS[world->config->procedure.estimate]);
     if (tumble_navcomp_result(&world->navcomp, &result) != TUMBLE_OK) {

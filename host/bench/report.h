@@ -8,7 +8,7 @@
  *     reason_number, reason_sentence: the reason once more
  *     drive_code: the drive's own error code, or 0
  *     drive_refusal: {index, subindex, abort} or null
- *     estimator: "averaged" | "refined" | "least_squares" | "optimal"
+ *     estimator: its name in TUMBLE_ESTIMATOR_LIST
  *     K, U0: 3 x 3 in V/g, 3 in V; null without a result
  *     u_K, u_U0: their standard uncertainties; null where none can be stated
  *     verification: {delta_g_g: list of {mounting, position, use, delta_g_g}, max_abs_delta_g_g, max_abs_fit_g,

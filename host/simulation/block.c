@@ -180,7 +180,7 @@ static void make_sample(sim_block_t *block)
     block->objects.temperature = half_degrees(sim_sensor_temperature_c(&block->sensor, age_s));
     sample.raw.counter = (uint16_t)block->counter++;
     sample.timestamp_ms = (uint16_t)(block->config->first_timestamp_ms + age_us / 1000U);
-    sample.status = block->objects.status;
+    sample.raw.status = block->objects.status;
     sample.temperature_half_c = block->objects.temperature;
     sim_block_encode(&sample, &frames);
     dispatch(block, &frames);

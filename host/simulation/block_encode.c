@@ -54,7 +54,7 @@ void sim_block_encode(const tumble_block_sample_t *sample, sim_block_frames_t *f
     const uint64_t z = (uint32_t)sample->raw.counts[2] & COUNTS_MASK;
     const uint64_t counter = sample->raw.counter & 0xFFU;
     const uint64_t pair = (2U * counter + 1U) & 0xFFU;
-    const uint64_t time = (sample->timestamp_ms & 0xFFFU) | (uint64_t)(sample->status & 0xFU) << 12;
+    const uint64_t time = (sample->timestamp_ms & 0xFFFU) | (uint64_t)(sample->raw.status & 0xFU) << 12;
     fill(&frames->xy, ID_XY, x | y << 24 | counter << 48);
     fill(&frames->z, ID_Z, z | pair << 24 | time << 32 | (uint64_t)(uint8_t)sample->temperature_half_c << 48);
 }

@@ -177,7 +177,7 @@ static void give_sample(input_t *input)
     tumble_block_sample_t sample = {.timestamp_ms = (uint16_t)((world.fake.now_us / 1000U) % 4096U),
                                     .temperature_half_c = (int8_t)take(input)};
     const uint8_t status = take(input);
-    sample.status = ((how & SICK) != 0U) ? (status & 0x0FU) : 0U;
+    sample.raw.status = ((how & SICK) != 0U) ? (status & 0x0FU) : 0U;
     const tumble_procedure_t *procedure_now = tumble_navcomp_procedure(&world.navcomp);
     const tumble_open_position_t *open = &tumble_procedure_averages(procedure_now)->open;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {

@@ -29,7 +29,7 @@ static int encode(const char *line)
     int32_t *counts = sample.raw.counts;
     const char *format = "encode %" SCNd32 " %" SCNd32 " %" SCNd32 " %" SCNu16 " %" SCNu16 " %" SCNu8 " %" SCNd8;
     const int fields = sscanf(line, format, &counts[0], &counts[1], &counts[2], &sample.raw.counter,
-                              &sample.timestamp_ms, &sample.status, &sample.temperature_half_c);
+                              &sample.timestamp_ms, &sample.raw.status, &sample.temperature_half_c);
     sim_block_frames_t frames;
     if (fields != 7) {
         return 1;
@@ -64,7 +64,7 @@ static int receive(const char *line)
     if (event == TUMBLE_BLOCK_SAMPLE) {
         printf(" %" PRId32 " %" PRId32 " %" PRId32 " %u %u %u %d", sample.raw.counts[0], sample.raw.counts[1],
                sample.raw.counts[2], (unsigned)sample.raw.counter, (unsigned)sample.timestamp_ms,
-               (unsigned)sample.status, (int)sample.temperature_half_c);
+               (unsigned)sample.raw.status, (int)sample.temperature_half_c);
     }
     printf("\n");
     return 0;

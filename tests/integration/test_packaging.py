@@ -1,8 +1,10 @@
 """The package's own statements agree with each other; what is handed on has its licence and its version."""
 
+import argparse
 import email
 import hashlib
 import importlib.util
+import json
 import os
 import re
 import subprocess
@@ -11,13 +13,14 @@ import tarfile
 import zipfile
 
 import pytest
-from _tumble_core import lib
+from _tumble_core import ffi, lib
 from conftest import ROOT
 
 from tumble import __version__, core
 from tumble.bench import programs
+from tumble.cli import options
 from tumble.errors import BenchFault
-from tumble.estimators import ESTIMATORS
+from tumble.estimators import ESTIMATORS, LINEAR, OPTIMAL
 
 PYTHON = ROOT / "host/python"
 LICENCES = ("LICENSE", "NOTICE")
@@ -73,8 +76,33 @@ def test_help_names_every_option_and_exit_code(tumble):
 
 
 def test_estimators_offered_are_those_of_the_core():
-    offered = {name.removeprefix("tumble_estimate_") for name in dir(lib) if name.startswith("tumble_estimate_")}
-    assert offered - {"gains"} == set(ESTIMATORS) and len(ESTIMATORS) == len(set(ESTIMATORS))
+    table = {ffi.string(row.name).decode(): row for row in lib.estimator_rows}
+    assert tuple(table) == ESTIMATORS and len(lib.estimator_rows) == lib.TUMBLE_ESTIMATE_COUNT
+    assert tuple(name for name, row in table.items() if row.estimate and row.uncertainty) == LINEAR
+    assert [name for name in table if name not in LINEAR] == [OPTIMAL]
+
+
+def test_schemas_and_options_name_the_estimators_of_the_core():
+    names = [ffi.string(row.name).decode() for row in lib.estimator_rows]
+    written = subprocess.run([sys.executable, ROOT / "tools/estimators.py", "--check"], check=False)
+    assert written.returncode == 0
+    for name in ("result", "plan"):
+        schema = json.loads((ROOT / f"docs/schemas/tumble.{name}-1.schema.json").read_text(encoding="utf-8"))
+        assert names in list(enums(schema))
+    parser = argparse.ArgumentParser()
+    options.add_estimator(parser)
+    for name in names:
+        assert parser.parse_args(["--estimator", name]).estimator == name
+        assert name in parser.format_help()
+
+
+def enums(schema):
+    """Every list of allowed values in a schema."""
+    if isinstance(schema, dict):
+        yield from ([schema["enum"]] if isinstance(schema.get("enum"), list) else [])
+        schema = list(schema.values())
+    for part in schema if isinstance(schema, list) else []:
+        yield from enums(part)
 
 
 def test_every_status_has_a_name_and_a_sentence():

@@ -50,9 +50,8 @@ static void scripted_block_send_sample(scripted_block_t *block, fake_port_t *fak
 {
     double u_v[3];
     tumble_block_sample_t sample = {
-        .raw = {.counter = block->counter},
+        .raw = {.counter = block->counter, .status = block->status},
         .timestamp_ms = (uint16_t)((fake->now_us / 1000U) % TUMBLE_TIMESTAMP_PERIOD_MS),
-        .status = block->status,
         .temperature_half_c = block->temperature_half_c,
     };
     scripted_block_outputs(block, angle_deg, u_v);

@@ -60,7 +60,7 @@ static void residual_rms(void)
 
 static void average(void)
 {
-    const tumble_sample_t samples[2] = {{{5, -7, 9}, 1}, {{6, -7, 8}, 2}};
+    const tumble_sample_t samples[2] = {{{5, -7, 9}, 1, 0}, {{6, -7, 8}, 2, 0}};
     (void)tumble_averaging_init(&averaging, &config);
     (void)tumble_averaging_begin(&averaging, 0);
     (void)tumble_averaging_add(&averaging, &config, &samples[0]);

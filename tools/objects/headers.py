@@ -1,8 +1,9 @@
 """What the C headers of the firmware say: named constants for the object tables, and whether every member of a
 configuration has its row in the table of fields (firmware/procedure/config_fields.h).
 
-A constant is found by its name, wherever its header is, in one of three forms: `#define NAME value`, an enumerator of an
-enum that is written out, an X(NAME, "...") of a closed list. Its value is whole, made of numbers, names and + - * / << ( ).
+A constant is found by its name, wherever its header is, in one of four forms: `#define NAME value`, an enumerator of an
+enum that is written out, an X(NAME, "...") of a closed list, an enumerator PREFIX_##name that an enum makes of one. Its
+value is whole, made of numbers, names and + - * / << ( ).
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class Headers:
     def __init__(self, root: Path):
         paths = sorted((root / "firmware").rglob("*.h"))
         self.text = without_comments("\n".join(path.read_text(encoding="utf-8") for path in paths))
-        self.known = self.enumerators() | self.listed()
+        self.known = self.enumerators() | self.listed() | self.pasted()
 
     def enumerators(self) -> dict[str, str]:
         found = {}
@@ -49,6 +50,15 @@ class Headers:
     def listed(self) -> dict[str, str]:
         lists = re.findall(r"#define TUMBLE_\w+_LIST\(X\)((?:.*\\\n)+.*)", self.text)
         return {name: str(place) for rows in lists for place, name in enumerate(re.findall(r"\bX\((\w+),", rows))}
+
+    def pasted(self) -> dict[str, str]:
+        found = {}
+        made = r"#define \w+\((\w+), \.\.\.\) (TUMBLE_\w+_)##\1,\s*(TUMBLE_\w+_LIST)\("
+        for _, prefix, table in re.findall(made, self.text):
+            rows = re.search(rf"#define {table}\([\w, ]+\)((?:.*\\\n)+.*)", self.text)
+            names = re.findall(r"^\s*\w+\((\w+),", rows[1], re.MULTILINE) if rows else []
+            found |= {prefix + name: str(place) for place, name in enumerate(names)}
+        return found
 
     def value(self, name: str) -> int:
         defined = re.search(rf"^#define {name} (.+)$", self.text, re.MULTILINE)

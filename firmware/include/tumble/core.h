@@ -185,6 +185,7 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
 typedef struct {
     int32_t counts[TUMBLE_CHANNELS];
     uint16_t counter; /* the block's own sample counter; grows by one per sample and wraps */
+    uint8_t status;   /* what the block says of the sample; 0: healthy. Any other is refused */
 } tumble_sample_t;
 
 typedef struct {
@@ -216,7 +217,7 @@ typedef struct {
 /* The open position. */
 typedef struct {
     uint8_t index;
-    uint8_t faults; /* bits private to averaging.c */
+    uint8_t faults; /* bits private to accumulator.h */
     uint16_t last_counter;
     uint32_t lost;
     int64_t square_sum[TUMBLE_CHANNELS]; /* of deviations from `first` */
@@ -243,8 +244,8 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
  * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
  * caller's timeout must come long before.
- * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED,
- * TUMBLE_E_DEVIATION. */
+ * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (not counted here, for it is the block's own
+ * word), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION. */
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);
 
@@ -294,6 +295,30 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
  */
 
 #define TUMBLE_MAX_MEAN_V 1e100
+
+/* The table of estimators: number, name, what it needs of a schedule, the functions that estimate and that state
+ * uncertainties. C reads it here, Python through its extension; tools/estimators writes the names into the package and the
+ * schemas. Numbers are places in the list and travel over CAN: new estimators go to the end. Those with a gain record are
+ * functions that a board hands in (tumble_optimal_estimate, tumble_optimal_uncertainty). */
+#define TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)                                                                     \
+    ONE(AVERAGED, averaged, HARMONIC, tumble_estimate_averaged, tumble_uncertainty_averaged)                           \
+    ONE(REFINED, refined, HARMONIC, tumble_estimate_refined, tumble_uncertainty_refined)                               \
+    ONE(LEAST_SQUARES, least_squares, RANK, tumble_estimate_least_squares, tumble_uncertainty_least_squares)           \
+    ONE_WITH_GAINS(OPTIMAL, optimal)
+
+typedef enum {
+#define TUMBLE_ESTIMATE_ENUM(number, ...) TUMBLE_ESTIMATE_##number,
+    TUMBLE_ESTIMATOR_LIST(TUMBLE_ESTIMATE_ENUM, TUMBLE_ESTIMATE_ENUM)
+#undef TUMBLE_ESTIMATE_ENUM
+    TUMBLE_ESTIMATE_COUNT
+} tumble_estimate_t;
+
+/* What an estimator needs of a schedule. */
+enum {
+    TUMBLE_NEEDS_HARMONIC = 0, /* the 2 x 9 positions of the paper */
+    TUMBLE_NEEDS_RANK,         /* positions that identify all twelve coefficients */
+    TUMBLE_NEEDS_GAINS         /* a gain record made for it */
+};
 
 typedef struct {
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* [i][j]: response of channel i to acceleration along j */

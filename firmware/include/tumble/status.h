@@ -48,7 +48,8 @@ extern "C" {
     X(TUMBLE_E_GAIN_RECORD, "the memory holds no gain record that this software reads")                                \
     X(TUMBLE_E_STAND_ERROR, "an error of the stand came out larger than any stand can have: wrong gains, mounting or means") \
     X(TUMBLE_E_UNCERTAIN, "the mean of a position is less certain than its budget asks, after all samples allowed") \
-    X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")
+    X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")                                             \
+    X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")
 
 typedef enum {
 #define TUMBLE_STATUS_ENUM(name, sentence) name,

@@ -8,6 +8,16 @@
 typedef tumble_status_t batch_estimator_t(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
                                           tumble_refusal_t *);
 
+typedef struct {
+    const char *name;
+    batch_estimator_t *estimate;
+    tumble_status_t (*uncertainty)(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
+} estimator_row_t;
+
+#define ROW(number, name, needs, estimate, uncertainty) {#name, estimate, uncertainty},
+#define ROW_WITH_GAINS(number, name) {#name, NULL, NULL},
+static const estimator_row_t estimator_rows[] = {TUMBLE_ESTIMATOR_LIST(ROW, ROW_WITH_GAINS)};
+
 static const double *batch_load(const tumble_schedule_t *schedule, const double *means_v, tumble_means_t *means)
 {
     const size_t numbers = (size_t)schedule->position_count * TUMBLE_CHANNELS;

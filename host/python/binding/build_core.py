@@ -56,7 +56,7 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *, const bool *
 """
 
 AVERAGING = """
-typedef struct { int32_t counts[3]; uint16_t counter; } tumble_sample_t;
+typedef struct { int32_t counts[3]; uint16_t counter; uint8_t status; } tumble_sample_t;
 typedef struct {
     int32_t saturation_counts;
     uint32_t min_samples;
@@ -92,12 +92,6 @@ typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_coefficients_t
 typedef struct { uint32_t missing; uint8_t unidentified; } tumble_refusal_t;
 typedef struct { const double *gains; uint8_t fit_positions; } tumble_gain_table_t;
 
-tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
-                                         tumble_refusal_t *);
-tumble_status_t tumble_estimate_refined(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
-                                        tumble_refusal_t *);
-tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *, const tumble_means_t *,
-                                              tumble_coefficients_t *, tumble_refusal_t *);
 tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *, const tumble_schedule_t *, const tumble_means_t *,
                                       tumble_coefficients_t *);
 """
@@ -209,12 +203,20 @@ typedef struct {
 } tumble_judged_run_t;
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 
-tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
-tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
-tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *, tumble_uncertainty_t *,
-                                                 tumble_refusal_t *);
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumble_judged_run_t *,
                                          tumble_uncertainty_t *);
+"""
+
+# The table of estimators; without functions of their own, those that need a gain record.
+ESTIMATORS = """
+typedef struct {
+    const char *name;
+    tumble_status_t (*estimate)(const tumble_schedule_t *, const tumble_means_t *, tumble_coefficients_t *,
+                                tumble_refusal_t *);
+    tumble_status_t (*uncertainty)(const tumble_judged_run_t *, tumble_uncertainty_t *, tumble_refusal_t *);
+} estimator_row_t;
+static const estimator_row_t estimator_rows[...];
+#define TUMBLE_ESTIMATE_COUNT ...
 """
 
 # Many runs in one call: a call from Python costs more than the estimate.
@@ -232,7 +234,7 @@ def main(output: str) -> None:
     """Write the extension's C source to the file `output`."""
     ffi = cffi.FFI()
     ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION + OPTIMAL + STAND_SEEN
-             + UNCERTAINTY + BATCH)
+             + UNCERTAINTY + ESTIMATORS + BATCH)
     ffi.set_source("_tumble_core", HEADERS + Path(__file__).with_name("batch.c").read_text(encoding="utf-8"))
     ffi.emit_c_code(output)
 

@@ -35,7 +35,7 @@ static inline void begin(uint8_t index)
 
 static inline tumble_status_t add_with_counter(uint16_t counter, int32_t x, int32_t y, int32_t z)
 {
-    const tumble_sample_t sample = {{x, y, z}, counter};
+    const tumble_sample_t sample = {{x, y, z}, counter, 0};
     return tumble_averaging_add(&averaging, &config, &sample);
 }
 

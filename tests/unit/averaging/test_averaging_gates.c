@@ -267,8 +267,23 @@ static void test_finish_judges_in_the_documented_order(void)
     }
 }
 
+/* Not even its counter is followed: the next one closes the gap. */
+static void test_a_sample_that_the_block_calls_faulty_is_refused(void)
+{
+    begin(0);
+    add_good(1, 2, 3);
+    const tumble_averaging_t before = averaging;
+    for (unsigned status = 1; status <= UINT8_MAX; status++) {
+        const tumble_sample_t sample = {{1, 2, 3}, next_counter, (uint8_t)status};
+        ASSERT_STATUS(TUMBLE_E_UNHEALTHY, tumble_averaging_add(&averaging, &config, &sample));
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&before, &averaging, sizeof averaging);
+    add_good(1, 2, 3);
+}
+
 SUITE(averaging_gates, set_up, NULL)
 {
+    RUN_TEST(test_a_sample_that_the_block_calls_faulty_is_refused);
     RUN_TEST(test_a_sample_at_the_range_of_the_converter_is_refused);
     RUN_TEST(test_the_widest_range_still_refuses_its_ends);
     RUN_TEST(test_a_sample_too_far_from_the_first_is_refused);

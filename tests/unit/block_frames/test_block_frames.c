@@ -9,7 +9,7 @@ static void assert_same_sample(const tumble_block_sample_t *expected, const tumb
     TEST_ASSERT_EQUAL_INT32_ARRAY(expected->raw.counts, actual->raw.counts, TUMBLE_CHANNELS);
     TEST_ASSERT_EQUAL_UINT16(expected->raw.counter, actual->raw.counter);
     TEST_ASSERT_EQUAL_UINT16(expected->timestamp_ms, actual->timestamp_ms);
-    TEST_ASSERT_EQUAL_UINT8(expected->status, actual->status);
+    TEST_ASSERT_EQUAL_UINT8(expected->raw.status, actual->raw.status);
     TEST_ASSERT_EQUAL_INT8(expected->temperature_half_c, actual->temperature_half_c);
 }
 
@@ -62,9 +62,10 @@ static void assert_same_frame(const tumble_can_frame_t *expected, const tumble_c
 static void test_golden_layout(void)
 {
     const tumble_block_sample_t sample = {
-        .raw = {.counts = {0x123456, -2, -8388608}, .counter = 0xC5},
+        .raw = {.counts = {0x123456, -2, -8388608},
+                .counter = 0xC5,
+                .status = TUMBLE_SAMPLE_SATURATED | TUMBLE_SAMPLE_TEMPERATURE},
         .timestamp_ms = 0xABC,
-        .status = TUMBLE_SAMPLE_SATURATED | TUMBLE_SAMPLE_TEMPERATURE,
         .temperature_half_c = -41,
     };
     const uint8_t xy_bytes[7] = {0x56, 0x34, 0x12, 0xFE, 0xFF, 0xFF, 0xC5};
@@ -87,9 +88,10 @@ static void test_extremes_survive_the_round_trip(void)
     const size_t n = sizeof extremes / sizeof extremes[0];
     for (size_t i = 0; i < (n * n * n); i++) {
         const tumble_block_sample_t sample = {
-            .raw = {.counts = {extremes[i % n], extremes[(i / n) % n], extremes[i / (n * n)]}, .counter = (uint16_t)i},
+            .raw = {.counts = {extremes[i % n], extremes[(i / n) % n], extremes[i / (n * n)]},
+                    .counter = (uint16_t)i,
+                    .status = (uint8_t)(i % 16U)},
             .timestamp_ms = (uint16_t)((i * 4095U) % 4096U),
-            .status = (uint8_t)(i % 16U),
             .temperature_half_c = (int8_t)((int)(i % 256U) - 128),
         };
         sim_block_frames_t frames;

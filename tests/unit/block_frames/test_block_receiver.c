@@ -154,13 +154,13 @@ static void test_the_timestamp_takes_all_values_and_wraps(void)
     for (uint16_t i = 0; i < 2U * TUMBLE_TIMESTAMP_PERIOD_MS; i++) {
         tumble_block_sample_t sample = sample_of(i);
         sample.timestamp_ms = i % TUMBLE_TIMESTAMP_PERIOD_MS;
-        sample.status = (uint8_t)(i / 512U);
+        sample.raw.status = (uint8_t)(i / 512U);
         sim_block_frames_t frames;
         sim_block_encode(&sample, &frames);
         (void)receive(&frames.xy);
         TEST_ASSERT_EQUAL(TUMBLE_BLOCK_SAMPLE, receive(&frames.z));
         TEST_ASSERT_EQUAL_UINT16(sample.timestamp_ms, got.timestamp_ms);
-        TEST_ASSERT_EQUAL_UINT8(sample.status, got.status);
+        TEST_ASSERT_EQUAL_UINT8(sample.raw.status, got.raw.status);
     }
 }
 

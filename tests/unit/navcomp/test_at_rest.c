@@ -26,7 +26,7 @@ static void begin(uint16_t wanted)
 
 static void take_with(int32_t x, int32_t y, int32_t z, uint8_t status, uint32_t dropped)
 {
-    const tumble_block_sample_t sample = {.raw = {.counts = {x, y, z}, .counter = counter}, .status = status};
+    const tumble_block_sample_t sample = {.raw = {.counts = {x, y, z}, .counter = counter, .status = status}};
     tumble_at_rest_take(&at_rest, &config, &sample, dropped);
     counter++;
 }

@@ -139,7 +139,7 @@ tumble_block_sample_t bench_make_sample(bench_t *bench)
     fake_block_t *block = &bench->block;
     double u_v[3];
     bench_outputs(bench, u_v);
-    tumble_block_sample_t sample = {.timestamp_ms = block->timestamp_ms, .status = block->status};
+    tumble_block_sample_t sample = {.timestamp_ms = block->timestamp_ms, .raw = {.status = block->status}};
     for (int i = 0; i < 3; i++) {
         const int32_t noise =
             (block->noise_counts > 0) ? dice_between(&block->dice, -block->noise_counts, block->noise_counts) : 0;

@@ -177,7 +177,7 @@ static void test_every_pattern_of_counts_is_encoded(void)
         }
         sample.raw.counter = (uint16_t)dice_below(&dice, 65536);
         sample.timestamp_ms = (uint16_t)dice_below(&dice, 65536);
-        sample.status = (uint8_t)dice_below(&dice, 16);
+        sample.raw.status = (uint8_t)dice_below(&dice, 16);
         sample.temperature_half_c = (int8_t)dice_between(&dice, -128, 127);
         sim_block_frames_t frames;
         sim_block_encode(&sample, &frames);
@@ -187,7 +187,7 @@ static void test_every_pattern_of_counts_is_encoded(void)
         TEST_ASSERT_EQUAL_INT32(counts[2], bits_of(&frames.z, 0, 24, true));
         TEST_ASSERT_EQUAL_INT32((2U * sample.raw.counter + 1U) % 256U, bits_of(&frames.z, 24, 8, false));
         TEST_ASSERT_EQUAL_INT32(sample.timestamp_ms % 4096U, bits_of(&frames.z, 32, 12, false));
-        TEST_ASSERT_EQUAL_INT32(sample.status, bits_of(&frames.z, 44, 4, false));
+        TEST_ASSERT_EQUAL_INT32(sample.raw.status, bits_of(&frames.z, 44, 4, false));
         TEST_ASSERT_EQUAL_INT32(sample.temperature_half_c, bits_of(&frames.z, 48, 8, true));
         TEST_ASSERT_EQUAL_HEX8(checksum_of(&frames.xy), frames.xy.data[7]);
         TEST_ASSERT_EQUAL_HEX8(checksum_of(&frames.z), frames.z.data[7]);

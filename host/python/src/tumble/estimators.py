@@ -1,8 +1,11 @@
-"""The estimators and the coefficients that they find, by name: typed here once for options, core, gains and reports."""
+"""The estimators and the coefficients that they find, by name, for options, core, gains and reports.
+
+The tuples are written by tools/estimators.py from the table in tumble/core.h: a command line is parsed without the core.
+"""
 
 PAPER = ("averaged", "refined")  # closed forms on the paper's positions
-LINEAR = (*PAPER, "least_squares")  # that need no stand
+LINEAR = ("averaged", "refined", "least_squares")  # that need no stand
+ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 OPTIMAL = "optimal"  # weighs by the stand's errors
-ESTIMATORS = (*LINEAR, OPTIMAL)
 
 COEFFICIENTS = (*(f"K_{i}{j}" for i in "xyz" for j in "xyz"), *(f"U0_{i}" for i in "xyz"))

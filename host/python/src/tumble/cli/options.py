@@ -34,7 +34,7 @@ def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
         choices=ESTIMATORS,
         default="refined",
         metavar="NAME",
-        help=f"averaged, refined, least_squares or optimal; default: refined{remark}",
+        help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: refined{remark}",
     )
 
 

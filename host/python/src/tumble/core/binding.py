@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.estimators import LINEAR
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
@@ -23,7 +22,9 @@ MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"
 
-LINEAR_ESTIMATORS = {name: getattr(lib, f"tumble_estimate_{name}") for name in LINEAR}
+# The core's table: by name what estimates and what states uncertainties; NULL for both where a gain record is needed.
+ESTIMATOR_ROWS = {ffi.string(row.name).decode(): row for row in lib.estimator_rows}
+LINEAR_ESTIMATORS = {name: row.estimate for name, row in ESTIMATOR_ROWS.items() if row.estimate}
 
 
 class CoreRefusal(Exception):

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 from _tumble_core import ffi, lib
 
-from tumble.core.binding import CoreSchedule, pack, require_estimable, require_ok, unpack
-from tumble.estimators import LINEAR
+from tumble.core.binding import ESTIMATOR_ROWS, CoreSchedule, pack, require_estimable, require_ok, unpack
 from tumble.stand import COMMON, Stand
-
-_OF = {name: getattr(lib, f"tumble_uncertainty_{name}") for name in LINEAR}
 
 
 class _JudgedRun:
@@ -50,7 +47,7 @@ def uncertainties(
     """
     run, found = _JudgedRun(schedule, k, stand, samples, measured), ffi.new("tumble_uncertainty_t *")
     refusal = ffi.new("tumble_refusal_t *")
-    require_estimable(schedule, _OF[estimator](run.struct, found, refusal), refusal)
+    require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, found, refusal), refusal)
     return unpack(found)
 
 

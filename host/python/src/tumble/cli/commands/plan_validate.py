@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.cli.options import add_seed, parse_seed, parse_whole
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
-from tumble.estimators import ESTIMATORS
+from tumble.estimators import ESTIMATORS, PAPER
 from tumble.messages import on_terminal
 
 DEFAULT_RUNS = 20_000
@@ -28,7 +28,7 @@ def add_to(subparsers) -> None:
     )
     add_case_options(parser, choose_estimator=False)
     parser.add_argument(
-        "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of the four; default: all that the schedule allows"
+        "--estimator", choices=ESTIMATORS, metavar="NAME", help="one of them; default: all that the schedule allows"
     )
     least = f"{FEWEST_RUNS} or more; "
     parser.add_argument("--runs", metavar="N", default=str(DEFAULT_RUNS), help=f"{least}default: {DEFAULT_RUNS}")
@@ -75,7 +75,8 @@ def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
-    return ESTIMATORS if paper_slots(case.fitted) is not None else ("least_squares", "optimal")
+    harmonic = paper_slots(case.fitted) is not None
+    return tuple(name for name in ESTIMATORS if harmonic or name not in PAPER)
 
 
 @contextmanager

@@ -1,0 +1,143 @@
+/* accumulator.h - a mean in the making: exact integer sums of the samples that pass every gate (private to the firmware).
+ *
+ * The positions of a run (averaging_sample.c) and a measurement at rest (sample/at_rest.c) share it, so a gate on samples is
+ * written once, here. The sums stand in a tumble_average_t, what only an open mean needs in a tumble_open_position_t; both
+ * all zero: nothing has come yet. The functions are inline because the way of every sample leads through them: as a
+ * function of its own, which must be told where the sums lie, the way is a fifth longer.
+ *
+ * Most gates refuse a sample alone. One that leaves a fault has the whole mean of a position refused when it is closed
+ * (averaging.c): without that sample the mean would be biased.
+ */
+#ifndef TUMBLE_CORE_ACCUMULATOR_H
+#define TUMBLE_CORE_ACCUMULATOR_H
+
+#include "tumble/core.h"
+
+#include <string.h>
+
+enum { FAULT_SATURATED = 1, FAULT_DEVIATING = 2, FAULT_STUCK = 4, HAS_COUNTER = 8 };
+
+/* Where samples go, and where those are counted that a gate refuses. */
+typedef struct {
+    tumble_average_t *average;
+    tumble_open_position_t *open;
+    tumble_averaging_counters_t *counters;
+} tumble_accumulator_t;
+
+static inline void tumble_gate_count(uint32_t *counter, uint32_t by)
+{
+    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
+}
+
+/* Follow the block's own counter: what came twice or backwards is refused, what is missing is counted. */
+static inline tumble_status_t tumble_gate_counter(tumble_accumulator_t into, uint16_t counter)
+{
+    tumble_open_position_t *open = into.open;
+    const uint16_t missing = (uint16_t)(counter - open->last_counter - 1U);
+    if ((missing != 0U) && ((open->faults & HAS_COUNTER) != 0U)) {
+        if (missing == UINT16_MAX) {
+            tumble_gate_count(&into.counters->repeated, 1U);
+            return TUMBLE_E_REPEATED;
+        }
+        if (missing >= (uint16_t)INT16_MAX) {
+            tumble_gate_count(&into.counters->reordered, 1U);
+            return TUMBLE_E_REORDERED;
+        }
+        tumble_gate_count(&open->lost, missing);
+        tumble_gate_count(&into.counters->lost, missing);
+    }
+    open->last_counter = counter;
+    open->faults |= HAS_COUNTER;
+    return TUMBLE_OK;
+}
+
+/* How far apart two counts are, whatever they are. */
+static inline uint32_t tumble_gate_distance(int32_t a, int32_t b)
+{
+    return (a > b) ? ((uint32_t)a - (uint32_t)b) : ((uint32_t)b - (uint32_t)a);
+}
+
+static inline tumble_status_t tumble_gate_range(tumble_accumulator_t into, const tumble_averaging_config_t *config,
+                                                const int32_t counts[TUMBLE_CHANNELS])
+{
+    const uint32_t highest = (uint32_t)config->saturation_counts - 1U;
+    uint32_t largest = 0; /* of the counts, where those from -highest to highest are 0 to 2 highest */
+    uint32_t farthest = 0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const uint32_t place = (uint32_t)counts[i] + highest;
+        const uint32_t deviation = tumble_gate_distance(counts[i], into.open->first[i]);
+        largest = (place > largest) ? place : largest;
+        farthest = (deviation > farthest) ? deviation : farthest;
+    }
+    if (largest > (2U * highest)) {
+        into.open->faults |= FAULT_SATURATED;
+        tumble_gate_count(&into.counters->saturated, 1U);
+        return TUMBLE_E_SATURATED;
+    }
+    if (farthest > (uint32_t)TUMBLE_MAX_DEVIATION_COUNTS) {
+        into.open->faults |= FAULT_DEVIATING;
+        tumble_gate_count(&into.counters->deviating, 1U);
+        return TUMBLE_E_DEVIATION;
+    }
+    return TUMBLE_OK;
+}
+
+/* Refuses no sample: the mean is refused. */
+static inline void tumble_gate_stuck(tumble_open_position_t *open, const tumble_averaging_config_t *config,
+                                     const int32_t counts[TUMBLE_CHANNELS])
+{
+    const uint32_t longest = (uint32_t)config->stuck_run - 1U; /* without the gate no run is longer */
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const uint32_t before = (counts[i] == open->last[i]) ? open->run[i] : 0U;
+        open->run[i] = (uint16_t)(before + 1U);
+        open->last[i] = counts[i];
+        if (before >= longest) {
+            open->faults |= FAULT_STUCK;
+        }
+    }
+}
+
+/* Deviations are taken from the first sample. */
+static inline void tumble_accumulator_keep_first(tumble_accumulator_t into, const int32_t counts[TUMBLE_CHANNELS])
+{
+    if (into.average->samples == 0U) {
+        (void)memcpy(into.open->first, counts, sizeof into.open->first);
+    }
+}
+
+/* A sample that passed, or that the caller vouches for. */
+static inline void tumble_accumulator_add_up(tumble_accumulator_t into, const int32_t counts[TUMBLE_CHANNELS])
+{
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const int32_t deviation = (int32_t)((int64_t)counts[i] - into.open->first[i]);
+        into.average->sum_counts[i] += counts[i];
+        into.open->square_sum[i] += (int64_t)deviation * deviation;
+    }
+    into.average->samples++;
+}
+
+/* One sample through all gates. The caller vouches for fewer than TUMBLE_MAX_SAMPLES so far. Returns as
+ * tumble_averaging_add does of an open position that is not full. Whoever goes on after TUMBLE_E_UNHEALTHY lets that
+ * sample through the gate of the counter as well. */
+static inline tumble_status_t tumble_accumulator_take(tumble_accumulator_t into, const tumble_averaging_config_t *config,
+                                                      const tumble_sample_t *sample)
+{
+    const int32_t *const counts = sample->counts;
+    if (sample->status != 0U) {
+        return TUMBLE_E_UNHEALTHY;
+    }
+    tumble_status_t status = tumble_gate_counter(into, sample->counter);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    tumble_accumulator_keep_first(into, counts);
+    status = tumble_gate_range(into, config, counts);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    tumble_gate_stuck(into.open, config, counts);
+    tumble_accumulator_add_up(into, counts);
+    return TUMBLE_OK;
+}
+
+#endif
