@@ -300,20 +300,3 @@ static void test_what_node_1_refuses_is_the_persons_affair(void)
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "done"));
     expect_command(2, TUMBLE_COMMAND_RESUME, 0);
 }
-
-SUITE(stand_operator, NULL, NULL)
-{
-    RUN_TEST(test_a_mounting_is_made_and_confirmed_after_its_time);
-    RUN_TEST(test_he_starts_once);
-    RUN_TEST(test_who_does_not_answer_is_asked_again);
-    RUN_TEST(test_what_is_not_for_him_is_ignored);
-    RUN_TEST(test_a_fault_is_mended_as_often_as_he_is_let);
-    RUN_TEST(test_a_wrong_mounting_is_mounted_anew);
-    RUN_TEST(test_hands_mount_and_mend_at_once_and_say_nothing);
-    RUN_TEST(test_who_is_to_do_nothing_does_nothing);
-    RUN_TEST(test_a_person_is_waited_for_and_does_it);
-    RUN_TEST(test_an_answer_that_is_there_before_its_question);
-    RUN_TEST(test_a_person_says_what_is_to_be_done_after_a_fault);
-    RUN_TEST(test_what_is_no_answer);
-    RUN_TEST(test_what_node_1_refuses_is_the_persons_affair);
-}

@@ -353,27 +353,4 @@ static void test_what_init_refuses(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_init(&bench.navcomp, &bench.config));
 }
 
-SUITE(keeper, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_good_result_becomes_the_active_set);
-    RUN_TEST(test_it_is_still_there_after_power_fails);
-    RUN_TEST(test_an_implausible_change_waits_for_an_operator);
-    RUN_TEST(test_a_proposal_can_be_discarded);
-    RUN_TEST(test_rollback_brings_the_set_before_back);
-    RUN_TEST(test_rollback_is_refused_while_a_proposal_waits);
-    RUN_TEST(test_commands_about_sets_wait_for_the_end_of_a_run);
-    RUN_TEST(test_the_same_result_is_not_stored_twice);
-    RUN_TEST(test_nor_is_one_of_the_history);
-    RUN_TEST(test_nor_is_a_proposal);
-    RUN_TEST(test_the_first_set_waits_unless_the_settings_say_otherwise);
-    RUN_TEST(test_without_a_declared_stand_nothing_is_committed);
-    RUN_TEST(test_another_block_is_held);
-    RUN_TEST(test_a_position_repeated_makes_a_new_result);
-    RUN_TEST(test_a_result_overtaken_by_a_start_is_not_lost);
-    RUN_TEST(test_a_memory_that_fails_leaves_the_active_set);
-    RUN_TEST(test_what_could_not_be_stored_is_not_lost);
-    RUN_TEST(test_a_memory_that_cannot_be_read_at_the_end);
-    RUN_TEST(test_a_busy_memory_is_waited_for);
-    RUN_TEST(test_a_missing_entry_of_the_history_is_written_at_power_on);
-    RUN_TEST(test_what_init_refuses);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -124,12 +124,4 @@ static void test_what_cannot_be_put_back_is_no_run_to_go_on_with(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);
 }
 
-SUITE(keeper_checkpoint, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_full_checkpoint_is_written_anew);
-    RUN_TEST(test_a_memory_that_fails_costs_the_checkpoint_alone);
-    RUN_TEST(test_a_checkpoint_that_could_not_be_begun_is_tried_again);
-    RUN_TEST(test_a_checkpoint_that_was_lost_is_begun_again);
-    RUN_TEST(test_the_means_of_two_runs_are_not_mixed);
-    RUN_TEST(test_what_cannot_be_put_back_is_no_run_to_go_on_with);
-}
+static const around_t around_each = {keeper_power_on, NULL};

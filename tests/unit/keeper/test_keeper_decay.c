@@ -206,15 +206,4 @@ static void test_parameters_that_can_be_read_at_the_second_attempt(void)
     }
 }
 
-SUITE(keeper_decay, set_up, NULL)
-{
-    RUN_TEST(test_while_its_successor_is_judged);
-    RUN_TEST(test_while_power_is_off);
-    RUN_TEST(test_both_slots);
-    RUN_TEST(test_it_is_told_again_after_a_reset);
-    RUN_TEST(test_a_run_is_due);
-    RUN_TEST(test_not_decayed_but_unreadable_at_power_on);
-    RUN_TEST(test_and_unreadable_it_remains);
-    RUN_TEST(test_parameters_beside_some_that_cannot_be_read_are_refused);
-    RUN_TEST(test_parameters_that_can_be_read_at_the_second_attempt);
-}
+static const around_t around_each = {set_up, NULL};

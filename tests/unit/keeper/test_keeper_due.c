@@ -353,21 +353,4 @@ static void test_a_clock_that_is_corrected_a_little_makes_no_run_due(void)
     TEST_ASSERT_EQUAL_HEX8(0, due());
 }
 
-SUITE(keeper_due, keeper_power_on, NULL)
-{
-    RUN_TEST(test_utc_is_kept_by_the_clock);
-    RUN_TEST(test_due_by_date);
-    RUN_TEST(test_due_by_uptime);
-    RUN_TEST(test_due_by_temperature);
-    RUN_TEST(test_it_starts_by_itself_when_told_so);
-    RUN_TEST(test_it_pauses_between_starts_by_itself);
-    RUN_TEST(test_a_proposal_or_a_run_to_resume_keeps_it_from_starting);
-    RUN_TEST(test_a_table_that_wants_a_look_keeps_it_from_starting);
-    RUN_TEST(test_settings_are_taken_whole_or_not_at_all);
-    RUN_TEST(test_the_trend_of_a_drifting_bias);
-    RUN_TEST(test_what_was_given_up_is_no_drift);
-    RUN_TEST(test_an_exchange_of_the_block_is_no_drift);
-    RUN_TEST(test_an_active_set_dated_after_the_present_holds_nothing);
-    RUN_TEST(test_nor_does_it_excuse_a_change);
-    RUN_TEST(test_a_clock_that_is_corrected_a_little_makes_no_run_due);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -240,19 +240,4 @@ static void test_a_validator_is_not_interrupted_at_once(void)
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
 
-SUITE(keeper_inhibit, keeper_power_on, NULL)
-{
-    RUN_TEST(test_the_host_inhibits_for_a_time);
-    RUN_TEST(test_the_board_inhibits_as_long_as_it_likes);
-    RUN_TEST(test_a_run_under_way_is_given_up);
-    RUN_TEST(test_the_board_ends_a_run);
-    RUN_TEST(test_a_contact_that_bounces_inhibits_all_the_same);
-    RUN_TEST(test_a_run_that_slipped_through_is_given_up);
-    RUN_TEST(test_a_fault_waits_until_the_inhibit_is_over);
-    RUN_TEST(test_inhibited_it_does_not_start_by_itself);
-    RUN_TEST(test_nor_goes_on_after_a_loss_of_power);
-    RUN_TEST(test_a_validator_homes_and_turns_the_table);
-    RUN_TEST(test_not_before_it_is_homed_nor_in_a_run);
-    RUN_TEST(test_abort_and_inhibit_stop_it);
-    RUN_TEST(test_a_validator_is_not_interrupted_at_once);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -275,15 +275,4 @@ static void test_the_table_is_turned_by_sdo_between_runs(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, sdo_write(0x2002, 3, bytes, 8));
 }
 
-SUITE(keeper_objects, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_every_object_answers);
-    RUN_TEST(test_the_sets);
-    RUN_TEST(test_what_a_set_does_not_know_is_refused);
-    RUN_TEST(test_a_memory_that_cannot_be_read_now_or_at_all);
-    RUN_TEST(test_uncertainties_of_the_result);
-    RUN_TEST(test_the_state_is_the_keepers);
-    RUN_TEST(test_what_the_host_tells);
-    RUN_TEST(test_the_settings);
-    RUN_TEST(test_the_table_is_turned_by_sdo_between_runs);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

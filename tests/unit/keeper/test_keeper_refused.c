@@ -278,20 +278,4 @@ static void test_it_comes_to_rest_where_every_so_many_reads_fail(void)
     }
 }
 
-SUITE(keeper_refused, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_mean_that_is_refused_once_or_twice_is_kept);
-    RUN_TEST(test_a_mean_that_is_refused_too_often_waits_for_the_next);
-    RUN_TEST(test_a_memory_that_refuses_for_ever_is_asked_so_often_a_mean);
-    RUN_TEST(test_a_mean_that_goes_while_it_is_tried_does_not_come_back);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none_of_another);
-    RUN_TEST(test_a_run_that_begins_leaves_none_of_another);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none_unread);
-    RUN_TEST(test_a_run_that_is_given_up_is_not_added_to);
-    RUN_TEST(test_an_entry_of_the_history_that_is_refused_is_written);
-    RUN_TEST(test_an_entry_that_is_refused_too_often_waits_for_the_next_job);
-    RUN_TEST(test_the_next_set_is_tried_as_often);
-    RUN_TEST(test_an_entry_is_written_once_the_history_can_be_read);
-    RUN_TEST(test_it_comes_to_rest_where_every_so_many_reads_fail);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -35,8 +35,4 @@ static void test_the_set_before_is_recognised_without_a_history(void)
     TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
 }
 
-SUITE(keeper_repeated, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_held_proposal_is_recognised_beside_a_set_before);
-    RUN_TEST(test_the_set_before_is_recognised_without_a_history);
-}
+static const around_t around_each = {keeper_power_on, NULL};

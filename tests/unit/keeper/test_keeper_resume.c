@@ -319,24 +319,4 @@ static void test_a_position_of_a_resumed_run_is_repeated(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 31.0, set_of(TUMBLE_SET_ACTIVE).temperature_c);
 }
 
-SUITE(keeper_resume, keeper_power_on, NULL)
-{
-    RUN_TEST(test_cut_at_every_position_the_result_is_the_same);
-    RUN_TEST(test_a_busy_memory_is_waited_for);
-    RUN_TEST(test_cut_twice);
-    RUN_TEST(test_cut_before_the_result_is_stored);
-    RUN_TEST(test_a_committed_run_is_not_gone_on_with);
-    RUN_TEST(test_a_held_run_gives_no_second_proposal);
-    RUN_TEST(test_it_is_busy_until_all_is_stored);
-    RUN_TEST(test_start_abort_and_done_leave_nothing_to_go_on_with);
-    RUN_TEST(test_a_run_begun_at_once_keeps_its_checkpoint);
-    RUN_TEST(test_a_fault_keeps_it);
-    RUN_TEST(test_block_stand_schedule_and_configuration_must_be_the_same);
-    RUN_TEST(test_a_configuration_written_meanwhile);
-    RUN_TEST(test_start_overtakes_a_resumption);
-    RUN_TEST(test_a_mean_that_was_dropped_stays_dropped);
-    RUN_TEST(test_a_mounting_that_was_dropped_stays_dropped);
-    RUN_TEST(test_a_damaged_entry_is_measured_again);
-    RUN_TEST(test_after_an_nmt_reset_the_run_can_be_gone_on_with);
-    RUN_TEST(test_a_position_of_a_resumed_run_is_repeated);
-}
+static const around_t around_each = {keeper_power_on, NULL};

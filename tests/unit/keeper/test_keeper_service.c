@@ -309,20 +309,4 @@ static void test_a_run_gone_on_with_ends_the_level(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, give_key(TUMBLE_SERVICE_KEY));
 }
 
-SUITE(keeper_service, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_nobody_voids_the_rules_at_normal_level);
-    RUN_TEST(test_a_disturbed_run_under_voided_rules_is_held);
-    RUN_TEST(test_every_rule_that_is_another_is_an_objection);
-    RUN_TEST(test_rules_that_come_back_in_time_excuse_nothing);
-    RUN_TEST(test_saved_rules_are_the_boards);
-    RUN_TEST(test_rules_that_could_not_be_saved_are_others);
-    RUN_TEST(test_what_was_saved_is_the_boards_after_a_reset_too);
-    RUN_TEST(test_what_the_board_sets_is_the_boards);
-    RUN_TEST(test_the_proposal_that_was_read_is_accepted_or_none);
-    RUN_TEST(test_the_board_names_it_as_well);
-    RUN_TEST(test_what_is_accepted_at_service_level_says_so);
-    RUN_TEST(test_a_run_by_itself_ends_the_level);
-    RUN_TEST(test_a_start_that_is_refused_does_not_end_it);
-    RUN_TEST(test_a_run_gone_on_with_ends_the_level);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

@@ -120,12 +120,4 @@ static void test_a_reset_meanwhile_loses_nothing(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
 }
 
-SUITE(keeper_uncertainty, set_up, NULL)
-{
-    RUN_TEST(test_every_coefficient_once_and_in_steps_of_its_own);
-    RUN_TEST(test_reading_computes_nothing);
-    RUN_TEST(test_until_they_are_ready_reading_is_refused);
-    RUN_TEST(test_one_that_fails_leaves_none);
-    RUN_TEST(test_of_another_estimator_there_are_none);
-    RUN_TEST(test_a_reset_meanwhile_loses_nothing);
-}
+static const around_t around_each = {set_up, NULL};

@@ -251,17 +251,4 @@ static void test_without_a_keeper_there_are_none_of_these_objects(void)
     TEST_ASSERT_EQUAL_UINT(0, listen_for_pdo(5.0, last));
 }
 
-SUITE(keeper_views, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_parameters_outlast_power_when_they_are_saved);
-    RUN_TEST(test_a_reset_of_the_node_is_as_good_as_power_off);
-    RUN_TEST(test_saving_is_refused_with_the_right_code);
-    RUN_TEST(test_a_smaller_memory_has_no_room_for_parameters);
-    RUN_TEST(test_the_positions_and_their_means);
-    RUN_TEST(test_history_and_trend);
-    RUN_TEST(test_the_stand_as_it_is_seen);
-    RUN_TEST(test_the_stand_of_a_run_after_a_reset);
-    RUN_TEST(test_a_board_that_does_not_look_at_the_stand);
-    RUN_TEST(test_the_calibration_counter_is_broadcast);
-    RUN_TEST(test_without_a_keeper_there_are_none_of_these_objects);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

@@ -363,25 +363,4 @@ static void test_names_of_commands(void)
     TEST_ASSERT_EQUAL_STRING("this command is not in the list", tumble_command_sentence((tumble_command_t)99));
 }
 
-SUITE(navcomp_bus, bench_begin, NULL)
-{
-    RUN_TEST(test_init_refuses_what_it_cannot_work_with);
-    RUN_TEST(test_nodes_may_swap_their_numbers);
-    RUN_TEST(test_nothing_is_sent_before_the_first_step);
-    RUN_TEST(test_boot_up_then_heartbeats_as_operational);
-    RUN_TEST(test_the_heartbeat_time_comes_from_the_configuration);
-    RUN_TEST(test_drive_and_block_are_started_wherever_they_are_found);
-    RUN_TEST(test_a_block_that_does_not_start_is_told_again_now_and_then);
-    RUN_TEST(test_it_stays_operational);
-    RUN_TEST(test_a_reset_by_nmt_stops_the_table_and_brings_the_axis_up_again);
-    RUN_TEST(test_a_port_without_room_is_asked_again_later);
-    RUN_TEST(test_a_port_that_is_often_busy_loses_nothing);
-    RUN_TEST(test_a_port_that_lies_counts_as_down);
-    RUN_TEST(test_a_clock_that_goes_back_does_no_harm);
-    RUN_TEST(test_malformed_and_foreign_frames_are_counted);
-    RUN_TEST(test_garbage_does_no_lasting_harm);
-    RUN_TEST(test_a_step_takes_a_bounded_number_of_frames);
-    RUN_TEST(test_commands_out_of_place_are_refused_and_counted);
-    RUN_TEST(test_a_command_is_due_at_once);
-    RUN_TEST(test_names_of_commands);
-}
+static const around_t around_each = {bench_begin, NULL};

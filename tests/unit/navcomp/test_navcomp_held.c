@@ -81,9 +81,4 @@ static void test_without_a_drive_it_is_free(void)
     }
 }
 
-SUITE(navcomp_held, bench_begin, NULL)
-{
-    RUN_TEST(test_a_run_keeps_what_the_axis_hangs_on);
-    RUN_TEST(test_a_failed_run_and_a_drive_that_is_there_keep_it);
-    RUN_TEST(test_without_a_drive_it_is_free);
-}
+static const around_t around_each = {bench_begin, NULL};

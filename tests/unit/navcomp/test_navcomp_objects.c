@@ -243,17 +243,4 @@ static void test_the_state_pdo_follows_the_procedure(void)
     TEST_ASSERT_TRUE((states & (UINT32_C(1) << TUMBLE_STATE_AVERAGE)) != 0U);
 }
 
-SUITE(navcomp_objects, bench_begin, NULL)
-{
-    RUN_TEST(test_identity);
-    RUN_TEST(test_heartbeat_times_show_the_configuration);
-    RUN_TEST(test_an_outsider_runs_a_calibration_by_sdo);
-    RUN_TEST(test_commands_are_refused_with_the_right_code);
-    RUN_TEST(test_what_there_is_not_yet_is_refused);
-    RUN_TEST(test_progress_and_the_running_mean);
-    RUN_TEST(test_a_failure_shows_state_reason_and_code);
-    RUN_TEST(test_counters);
-    RUN_TEST(test_the_configuration_can_be_written_between_runs);
-    RUN_TEST(test_every_object_answers);
-    RUN_TEST(test_the_state_pdo_follows_the_procedure);
-}
+static const around_t around_each = {bench_begin, NULL};

@@ -310,26 +310,4 @@ static void test_an_abort_stops_the_table_in_mid_move(void)
     assert_right_coefficients();
 }
 
-SUITE(navcomp_run, bench_begin, NULL)
-{
-    RUN_TEST(test_a_whole_calibration_finds_the_coefficients);
-    RUN_TEST(test_the_hook_tells_exactly_the_samples_that_were_averaged);
-    RUN_TEST(test_the_same_run_without_hooks);
-    RUN_TEST(test_nodes_of_other_numbers);
-    RUN_TEST(test_a_repeated_position_replaces_the_mean);
-    RUN_TEST(test_a_repeated_mounting_is_asked_for_again);
-    RUN_TEST(test_a_wrong_mounting_is_found_and_mended);
-    RUN_TEST(test_a_silent_drive_is_a_fault_and_the_run_can_go_on);
-    RUN_TEST(test_a_drive_that_reboots_in_mid_run_has_lost_power);
-    RUN_TEST(test_a_fault_of_the_drive_shows_its_code);
-    RUN_TEST(test_a_drive_that_refuses_its_configuration);
-    RUN_TEST(test_a_target_that_is_never_reached);
-    RUN_TEST(test_a_silent_block_is_a_fault);
-    RUN_TEST(test_a_block_that_stops_to_stream_is_a_fault);
-    RUN_TEST(test_a_block_that_reboots_in_mid_average_is_a_fault_and_is_started_again);
-    RUN_TEST(test_the_block_may_be_switched_off_while_it_is_remounted);
-    RUN_TEST(test_too_many_corrupted_frames_are_a_fault);
-    RUN_TEST(test_too_many_lost_samples_are_a_fault);
-    RUN_TEST(test_a_bus_that_goes_off_is_a_fault);
-    RUN_TEST(test_an_abort_stops_the_table_in_mid_move);
-}
+static const around_t around_each = {bench_begin, NULL};

@@ -368,26 +368,4 @@ static void test_init_refuses_nothing_at_all(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_procedure_init(&bench.procedure, &bench.config, NULL));
 }
 
-SUITE(procedure, set_up, NULL)
-{
-    RUN_TEST(test_every_estimator_finds_the_block);
-    RUN_TEST(test_result_is_what_the_core_makes_of_the_means);
-    RUN_TEST(test_a_run_walks_the_schedule_in_order);
-    RUN_TEST(test_every_state_is_visited_and_seen);
-    RUN_TEST(test_progress_tells_where_it_stands);
-    RUN_TEST(test_running_mean_is_in_volts);
-    RUN_TEST(test_schedule_with_check_positions_and_interleaved_mountings);
-    RUN_TEST(test_closure_is_known_when_a_mounting_is_complete);
-    RUN_TEST(test_no_warm_up_when_none_is_asked_for);
-    RUN_TEST(test_warm_up_waits_for_the_band);
-    RUN_TEST(test_a_cold_block_warms_up_without_being_a_fault);
-    RUN_TEST(test_settling_counts_the_blocks_milliseconds);
-    RUN_TEST(test_settling_ignores_old_samples);
-    RUN_TEST(test_settling_starts_again_when_the_table_moves_again);
-    RUN_TEST(test_no_settling_time_at_all);
-    RUN_TEST(test_the_clock_does_not_matter);
-    RUN_TEST(test_commands_are_allowed_where_the_table_says);
-    RUN_TEST(test_abort_stops_the_table_in_every_state);
-    RUN_TEST(test_a_second_run_starts_from_nothing);
-    RUN_TEST(test_init_refuses_nothing_at_all);
-}
+static const around_t around_each = {set_up, NULL};

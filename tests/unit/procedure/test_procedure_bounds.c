@@ -227,20 +227,4 @@ static void test_the_first_reason_stands(void)
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
 }
 
-SUITE(procedure_bounds, set_up, NULL)
-{
-    RUN_TEST(test_warm_up_wherever_the_temperature_is);
-    RUN_TEST(test_settling_to_the_millisecond);
-    RUN_TEST(test_settling_over_the_wrap_of_the_timestamp);
-    RUN_TEST(test_corrupted_frames_while_settling);
-    RUN_TEST(test_each_leg_of_a_move_has_its_own_time);
-    RUN_TEST(test_running_error_is_never_negative);
-    RUN_TEST(test_counts_that_go_down);
-    RUN_TEST(test_a_wrong_mounting_counts_as_refused);
-    RUN_TEST(test_saturated_and_stuck_are_not_tried_again);
-    RUN_TEST(test_every_preflight_has_its_own_reason);
-    RUN_TEST(test_every_preflight_wants_samples_of_its_own);
-    RUN_TEST(test_every_run_warms_up_for_itself);
-    RUN_TEST(test_a_run_that_goes_on_is_warm);
-    RUN_TEST(test_the_first_reason_stands);
-}
+static const around_t around_each = {set_up, NULL};

@@ -158,14 +158,4 @@ static void test_a_budget_must_be_a_size(void)
     }
 }
 
-SUITE(procedure_budget, set_up, NULL)
-{
-    RUN_TEST(test_a_quiet_block_takes_the_fewest_samples);
-    RUN_TEST(test_without_a_budget_all_are_taken);
-    RUN_TEST(test_a_noisy_position_takes_as_many_as_it_needs);
-    RUN_TEST(test_the_worst_channel_decides);
-    RUN_TEST(test_the_number_of_steps_makes_no_difference);
-    RUN_TEST(test_a_position_that_never_gets_there_is_a_fault);
-    RUN_TEST(test_the_last_sample_counts);
-    RUN_TEST(test_a_budget_must_be_a_size);
-}
+static const around_t around_each = {set_up, NULL};

@@ -317,27 +317,4 @@ static void test_a_closure_is_gone_while_its_mounting_is_measured_again(void)
     TEST_ASSERT_TRUE(tumble_procedure_closure_g(&bench.procedure, 1) > 0.0);
 }
 
-SUITE(procedure_edges, set_up, NULL)
-{
-    RUN_TEST(test_init_needs_no_clean_memory);
-    RUN_TEST(test_what_sample_tells);
-    RUN_TEST(test_no_sample_is_taken_while_computing);
-    RUN_TEST(test_counts_of_what_the_source_reports);
-    RUN_TEST(test_corrupted_frames_are_allowed_up_to_the_limit);
-    RUN_TEST(test_corrupted_frames_before_the_table_stands_do_not_count);
-    RUN_TEST(test_lost_samples_end_a_position_at_once);
-    RUN_TEST(test_saturation_ends_a_position_at_once);
-    RUN_TEST(test_a_leap_ends_a_position_at_once_and_is_tried_again);
-    RUN_TEST(test_warm_up_to_the_sample);
-    RUN_TEST(test_warm_up_starts_again_to_the_sample);
-    RUN_TEST(test_warm_up_counts_nothing_while_too_cold);
-    RUN_TEST(test_the_tolerance_is_the_last_angle_that_holds);
-    RUN_TEST(test_states_that_wait_for_nothing_wait_for_ever);
-    RUN_TEST(test_a_clock_that_goes_back_ends_nothing);
-    RUN_TEST(test_the_mounting_on_the_table_can_be_repeated);
-    RUN_TEST(test_a_homing_that_failed_is_not_taken_for_done);
-    RUN_TEST(test_the_drives_code_belongs_to_its_fault);
-    RUN_TEST(test_the_stands_refusal_is_readable);
-    RUN_TEST(test_a_new_start_forgets_attempts_and_closures);
-    RUN_TEST(test_a_closure_is_gone_while_its_mounting_is_measured_again);
-}
+static const around_t around_each = {set_up, NULL};

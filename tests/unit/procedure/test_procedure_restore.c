@@ -286,17 +286,4 @@ static void test_giving_up_for_another_reason(void)
     TEST_ASSERT_EQUAL_UINT32(0, tumble_procedure_counters(&cut.procedure)->commands_refused);
 }
 
-SUITE(procedure_restore, set_up, NULL)
-{
-    RUN_TEST(test_cut_anywhere_the_result_is_the_same);
-    RUN_TEST(test_a_run_that_was_all_measured_needs_no_stand);
-    RUN_TEST(test_a_mounting_touched_meanwhile_is_repeated);
-    RUN_TEST(test_only_the_first_confirmation_keeps);
-    RUN_TEST(test_start_forgets_what_was_put_back);
-    RUN_TEST(test_states_and_arguments);
-    RUN_TEST(test_a_mean_that_the_gates_would_not_have_kept_is_refused);
-    RUN_TEST(test_a_mean_of_another_direction_is_refused);
-    RUN_TEST(test_a_closure_beyond_its_limit_is_refused);
-    RUN_TEST(test_a_block_moved_meanwhile_is_noticed);
-    RUN_TEST(test_giving_up_for_another_reason);
-}
+static const around_t around_each = {set_up, NULL};

@@ -294,24 +294,4 @@ static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
     }
 }
 
-SUITE(sim_drive, set_up, NULL)
-{
-    RUN_TEST(test_it_boots_and_tells_what_it_is);
-    RUN_TEST(test_power_up_goes_through_all_states);
-    RUN_TEST(test_homing_finds_the_mark);
-    RUN_TEST(test_home_offset_is_the_position_at_the_mark);
-    RUN_TEST(test_homing_on_the_spot);
-    RUN_TEST(test_a_move_reaches_its_target);
-    RUN_TEST(test_target_reached_comes_when_the_window_says_so);
-    RUN_TEST(test_a_target_in_the_frame_of_the_edge_is_stale);
-    RUN_TEST(test_a_forgiving_drive_takes_the_target_of_the_same_frame);
-    RUN_TEST(test_a_set_point_needs_an_edge);
-    RUN_TEST(test_set_points_are_buffered);
-    RUN_TEST(test_change_at_once_and_relative);
-    RUN_TEST(test_the_statusword_lags);
-    RUN_TEST(test_halt_stops_and_goes_on);
-    RUN_TEST(test_the_mode_cannot_change_while_halted);
-    RUN_TEST(test_homing_can_be_interrupted);
-    RUN_TEST(test_quick_stop);
-    RUN_TEST(test_target_reached_waits_for_the_end_of_a_quick_stop);
-}
+static const around_t around_each = {set_up, NULL};

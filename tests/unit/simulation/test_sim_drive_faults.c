@@ -296,23 +296,4 @@ static void test_it_reports_while_it_moves(void)
     TEST_ASSERT_UINT32_WITHIN(15, before + 75U, heard.position_frames);
 }
 
-SUITE(sim_drive_faults, set_up, NULL)
-{
-    RUN_TEST(test_a_fault_stops_the_axis_and_is_told);
-    RUN_TEST(test_a_lasting_fault_cannot_be_reset);
-    RUN_TEST(test_a_jam_is_a_following_error);
-    RUN_TEST(test_without_a_window_a_jam_goes_unnoticed);
-    RUN_TEST(test_without_voltage_the_axis_coasts);
-    RUN_TEST(test_silence_of_the_master_stops_the_axis);
-    RUN_TEST(test_what_it_does_without_its_master_can_be_chosen);
-    RUN_TEST(test_leaving_operational_stops_the_axis);
-    RUN_TEST(test_a_power_cycle_forgets_everything);
-    RUN_TEST(test_nmt_resets_stop_the_axis);
-    RUN_TEST(test_homing_fails_when_there_is_no_mark);
-    RUN_TEST(test_homing_may_never_end);
-    RUN_TEST(test_a_target_may_never_be_reached);
-    RUN_TEST(test_slip_shows_in_the_position_only_if_the_encoder_sees_it);
-    RUN_TEST(test_other_units_and_sign);
-    RUN_TEST(test_positions_that_wrap_go_the_shorter_way);
-    RUN_TEST(test_it_reports_while_it_moves);
-}
+static const around_t around_each = {set_up, NULL};

@@ -272,25 +272,3 @@ static void test_steps_when_due_are_enough(void)
     }
     assert_angle(45.0);
 }
-
-SUITE(drive402, NULL, NULL)
-{
-    RUN_TEST(test_absent_until_it_is_heard);
-    RUN_TEST(test_power_goes_up_step_by_step);
-    RUN_TEST(test_a_drive_found_running_is_taken_down_first);
-    RUN_TEST(test_the_first_word_is_a_quick_stop);
-    RUN_TEST(test_homing);
-    RUN_TEST(test_homing_does_not_believe_the_last_one);
-    RUN_TEST(test_the_handshake_of_a_move);
-    RUN_TEST(test_moves_over_several_turns_both_ways);
-    RUN_TEST(test_a_lingering_target_reached_is_not_believed);
-    RUN_TEST(test_a_drive_that_slips_off_its_target_is_not_in_position);
-    RUN_TEST(test_at_home_without_target_reached);
-    RUN_TEST(test_a_busy_port_delays_and_breaks_nothing);
-    RUN_TEST(test_stop_by_quick_stop_then_on_from_there);
-    RUN_TEST(test_stop_by_halt_leaves_no_old_set_point);
-    RUN_TEST(test_stop_while_homing);
-    RUN_TEST(test_stop_in_the_middle_of_a_mode_change);
-    RUN_TEST(test_next_deadline_is_never_forgotten);
-    RUN_TEST(test_steps_when_due_are_enough);
-}

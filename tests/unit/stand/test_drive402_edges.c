@@ -327,26 +327,3 @@ static void test_our_heartbeat_need_not_be_watched(void)
     TEST_ASSERT_EQUAL_HEX16(0x1017, played.writes[0].index);
     TEST_ASSERT_EQUAL_UINT(23, played.write_count);
 }
-
-SUITE(drive402_edges, NULL, NULL)
-{
-    RUN_TEST(test_stopped_means_at_rest);
-    RUN_TEST(test_a_stop_is_repeated_until_it_acts);
-    RUN_TEST(test_two_process_data_each_way);
-    RUN_TEST(test_old_attained_bits_with_the_position_apart);
-    RUN_TEST(test_one_start_command_is_enough);
-    RUN_TEST(test_power_lost_at_every_moment);
-    RUN_TEST(test_following_error_at_every_moment_of_a_move);
-    RUN_TEST(test_a_failure_on_arrival);
-    RUN_TEST(test_homing_again_after_a_move);
-    RUN_TEST(test_stop_on_the_way_back_to_power);
-    RUN_TEST(test_stopping_again_and_again_gains_no_time);
-    RUN_TEST(test_times_are_over_to_the_microsecond);
-    RUN_TEST(test_an_answer_is_followed_up_at_once);
-    RUN_TEST(test_nothing_is_written_after_a_refusal);
-    RUN_TEST(test_a_restart_with_a_question_open);
-    RUN_TEST(test_a_later_fault_is_not_reset_unasked);
-    RUN_TEST(test_without_a_window_target_reached_is_enough);
-    RUN_TEST(test_profiles_at_the_end_of_their_range);
-    RUN_TEST(test_our_heartbeat_need_not_be_watched);
-}

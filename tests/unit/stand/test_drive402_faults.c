@@ -339,32 +339,3 @@ static void test_a_drive_that_comes_back_is_told_to_stop(void)
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
 }
-
-SUITE(drive402_faults, NULL, NULL)
-{
-    RUN_TEST(test_a_fault_of_the_drive);
-    RUN_TEST(test_a_fault_reaction_is_a_fault_already);
-    RUN_TEST(test_stall_by_emergency_message);
-    RUN_TEST(test_stall_by_a_late_emergency_message);
-    RUN_TEST(test_stall_by_bit_13_in_fault);
-    RUN_TEST(test_stall_by_bit_13_without_fault);
-    RUN_TEST(test_silence);
-    RUN_TEST(test_silence_that_ends_before_it_is_cleared);
-    RUN_TEST(test_power_lost);
-    RUN_TEST(test_power_lost_at_rest);
-    RUN_TEST(test_a_restart_of_the_drive);
-    RUN_TEST(test_a_restart_while_it_is_configured_starts_again);
-    RUN_TEST(test_a_restart_after_a_fault);
-    RUN_TEST(test_a_restart_that_nobody_heard);
-    RUN_TEST(test_somebody_stops_the_node);
-    RUN_TEST(test_a_refused_configuration);
-    RUN_TEST(test_a_drive_found_in_fault_is_not_reset_unasked);
-    RUN_TEST(test_a_fault_that_comes_back_at_once);
-    RUN_TEST(test_homing_that_fails);
-    RUN_TEST(test_a_fault_while_homing_is_no_stall);
-    RUN_TEST(test_a_mode_that_is_refused);
-    RUN_TEST(test_a_fault_while_stopping);
-    RUN_TEST(test_stop_in_fault_is_sent_all_the_same);
-    RUN_TEST(test_a_stop_is_repeated_in_fault);
-    RUN_TEST(test_a_drive_that_comes_back_is_told_to_stop);
-}

@@ -283,18 +283,3 @@ static void test_the_end_of_the_ladder_leaves_the_error_of_a_lost_position(void)
     clear_fault();
     TEST_ASSERT_EQUAL_UINT8(0, bench.node.emcy.error_register);
 }
-
-SUITE(drive402_ladder, NULL, NULL)
-{
-    RUN_TEST(test_a_bring_up_that_fails_stops_a_turning_axis);
-    RUN_TEST(test_nor_does_it_turn_on_where_no_sdo_is_answered);
-    RUN_TEST(test_a_forged_boot_up_does_not_end_the_ladder);
-    RUN_TEST(test_an_axis_that_is_set_going_in_fault_is_stopped);
-    RUN_TEST(test_a_second_stop_climbs_again);
-    RUN_TEST(test_a_stray_statusword_does_not_rush_the_ladder);
-    RUN_TEST(test_halt_is_told_by_sdo_at_once);
-    RUN_TEST(test_a_halt_that_nobody_hears_is_no_rest);
-    RUN_TEST(test_a_fast_homing_is_bounded_by_rare_reports);
-    RUN_TEST(test_a_wrapping_drive_without_timer_keeps_its_position_at_rest);
-    RUN_TEST(test_the_end_of_the_ladder_leaves_the_error_of_a_lost_position);
-}

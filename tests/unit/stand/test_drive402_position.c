@@ -351,27 +351,3 @@ static void test_our_process_data_are_mended(void)
     TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
     TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);
 }
-
-SUITE(drive402_position, NULL, NULL)
-{
-    RUN_TEST(test_one_garbled_report_changes_nothing);
-    RUN_TEST(test_nor_does_one_in_a_move);
-    RUN_TEST(test_two_in_a_row_lose_the_position);
-    RUN_TEST(test_a_wrapping_drive_does_not_lose_a_turn);
-    RUN_TEST(test_a_turn_is_not_guessed_after_silence);
-    RUN_TEST(test_an_axis_that_creeps_at_rest);
-    RUN_TEST(test_a_stopped_axis_that_is_turned_by_hand);
-    RUN_TEST(test_before_homing_the_axis_may_be_turned);
-    RUN_TEST(test_an_axis_that_is_not_homed_and_held_must_rest);
-    RUN_TEST(test_a_homing_that_never_began);
-    RUN_TEST(test_a_homing_on_the_spot);
-    RUN_TEST(test_homing_turns_no_further_than_the_cable_and_a_turn);
-    RUN_TEST(test_nor_on_a_drive_that_wraps);
-    RUN_TEST(test_a_new_zero_is_no_travel);
-    RUN_TEST(test_homing_that_nobody_sees);
-    RUN_TEST(test_the_cables_limits_are_written_and_read_back);
-    RUN_TEST(test_a_drive_that_does_not_keep_them_does_not_run);
-    RUN_TEST(test_a_drive_without_them_is_said_to_be_so);
-    RUN_TEST(test_a_foreign_command_stops_the_axis);
-    RUN_TEST(test_our_process_data_are_mended);
-}

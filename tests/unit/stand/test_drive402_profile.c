@@ -299,21 +299,3 @@ static void test_init_refuses_what_the_node_cannot_carry(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 0));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 128));
 }
-
-SUITE(drive402_profile, NULL, NULL)
-{
-    RUN_TEST(test_configuration_in_order_and_in_units);
-    RUN_TEST(test_all_quantities);
-    RUN_TEST(test_another_maker);
-    RUN_TEST(test_a_mode_in_the_process_data_is_kept);
-    RUN_TEST(test_a_wrapping_drive_goes_long_ways_in_quarters);
-    RUN_TEST(test_a_wrapping_drive_is_at_home_on_either_side);
-    RUN_TEST(test_a_short_way_from_beside_home_is_short);
-    RUN_TEST(test_angles_beyond_the_drive);
-    RUN_TEST(test_rounding);
-    RUN_TEST(test_profiles_that_cannot_be);
-    RUN_TEST(test_identifiers_that_are_taken);
-    RUN_TEST(test_identifiers_that_are_wanted_twice);
-    RUN_TEST(test_further_writes_of_a_wrong_size);
-    RUN_TEST(test_init_refuses_what_the_node_cannot_carry);
-}

@@ -184,16 +184,3 @@ static void test_every_rung_is_a_deadline(void)
     }
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive_next_rung_us(&bench.drive));
 }
-
-SUITE(drive402_stop, NULL, NULL)
-{
-    RUN_TEST(test_a_stop_that_is_obeyed_tells_nothing);
-    RUN_TEST(test_the_second_way_is_sdo);
-    RUN_TEST(test_the_third_way_is_nmt);
-    RUN_TEST(test_the_last_way_is_silence);
-    RUN_TEST(test_a_fault_climbs_too);
-    RUN_TEST(test_one_that_brakes_for_ever);
-    RUN_TEST(test_a_coasting_axis_is_not_at_rest);
-    RUN_TEST(test_a_drive_that_boots_has_let_go);
-    RUN_TEST(test_every_rung_is_a_deadline);
-}

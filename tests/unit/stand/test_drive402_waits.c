@@ -279,27 +279,3 @@ static void test_a_stop_gives_up_reading_the_target(void)
     played.sdo_is_deaf = false;
     assert_moves_again();
 }
-
-SUITE(drive402_waits, NULL, NULL)
-{
-    RUN_TEST(test_an_unanswered_configuration);
-    RUN_TEST(test_a_drive_without_a_heartbeat_is_asked_for_one);
-    RUN_TEST(test_a_drive_that_refuses_a_heartbeat_does_not_run);
-    RUN_TEST(test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent);
-    RUN_TEST(test_nobody_is_asked_again_and_again);
-    RUN_TEST(test_no_process_data_after_the_start);
-    RUN_TEST(test_power_that_does_not_come_up);
-    RUN_TEST(test_a_fault_that_stays);
-    RUN_TEST(test_a_set_point_never_acknowledged);
-    RUN_TEST(test_an_acknowledgement_that_stays);
-    RUN_TEST(test_an_acknowledgement_left_over);
-    RUN_TEST(test_a_target_never_reached);
-    RUN_TEST(test_target_reached_somewhere_else);
-    RUN_TEST(test_homing_that_never_ends);
-    RUN_TEST(test_a_mode_that_does_not_change);
-    RUN_TEST(test_nonsense_from_the_bus);
-    RUN_TEST(test_a_target_that_gets_lost_is_sent_again);
-    RUN_TEST(test_targets_that_all_get_lost_are_a_broken_handshake);
-    RUN_TEST(test_a_target_that_cannot_be_read_back_is_a_broken_handshake);
-    RUN_TEST(test_a_stop_gives_up_reading_the_target);
-}
