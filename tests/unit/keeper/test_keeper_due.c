@@ -345,6 +345,7 @@ static void test_a_clock_that_is_corrected_a_little_makes_no_run_due(void)
     (void)run_and_judge();
     const uint64_t date_s = set_of(TUMBLE_SET_ACTIVE).date_utc_s;
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_KEEPER_CLOCK_SLACK_S));
+    bench_pass(&bench, 0.1);
     TEST_ASSERT_EQUAL_HEX8(0, due());
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, date_s - TUMBLE_KEEPER_CLOCK_SLACK_S - 10U));
     bench_pass(&bench, 1.0);

@@ -182,7 +182,7 @@ static void test_a_reset_by_nmt_stops_the_table_and_brings_the_axis_up_again(voi
         give(TUMBLE_NMT_ID, 2, (const uint8_t[]){commands[i], 1});
         bench_event(&bench);
         TEST_ASSERT_FALSE(scripted_drive_moves(&bench.drive));
-        TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_CONTROL_QUICK_STOP, bench.drive.controlword); /* and it may still brake */
+        TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_CONTROL_QUICK_STOP, bench.drive.control); /* and it may still brake */
         const bool node = commands[i] == TUMBLE_NMT_RESET_NODE;
         TEST_ASSERT_EQUAL(node ? TUMBLE_STATE_IDLE : TUMBLE_STATE_ABORT, bench_progress(&bench).run.state);
         bench_pass(&bench, 2.0);

@@ -165,13 +165,13 @@ static void test_a_fault_of_the_drive_shows_its_code(void)
 
 static void test_a_drive_that_refuses_its_configuration(void)
 {
-    bench.drive.refused_index = TUMBLE_402_HOMING_METHOD;
+    bench.drive.refuse_index = TUMBLE_402_HOMING_METHOD;
     bench_start(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     assert_stopped_for(TUMBLE_REASON_STAND_PROTOCOL);
     const tumble_drive_refusal_t refusal = tumble_navcomp_drive_refusal(&bench.navcomp);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_HOMING_METHOD, refusal.index);
-    TEST_ASSERT_EQUAL_HEX32(0x06010002, refusal.abort);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
 }
 
 static void test_a_target_that_is_never_reached(void)

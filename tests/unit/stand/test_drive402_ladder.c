@@ -40,7 +40,7 @@ static void restart_computer(void)
     memset(&bench, 0, sizeof bench);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, DRIVE_NODE));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, SCRIPTED_DRIVE_NODE));
     bench.stand = tumble_drive402_stand(&bench.drive);
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
 }
@@ -91,7 +91,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
             bench.stand.stop(bench.stand.self);
             run_ms(after_ms[i]);
         }
-        played_send(0x702, 1, &boot_up);
+        scripted_drive_send(&played, 0x702, 1, &boot_up);
         run_ms(500);
         TEST_ASSERT_FALSE(played.homing);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
@@ -103,7 +103,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
 static void test_an_axis_that_is_set_going_in_fault_is_stopped(void)
 {
     start_move(&common);
-    played_fault(0x1234);
+    scripted_drive_fail(&played, &port, 0x1234);
     run_ms(3000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_NONE, bench.drive.rung);
     played.state = IS_ENABLED;
@@ -152,7 +152,7 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
     run_ms(3000);
     const uint16_t braking = played.state;
     played.state = IS_ENABLED;
-    played_transmit();
+    scripted_drive_report(&played);
     played.state = braking;
     run_ms(5);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_TOLD, bench.drive.rung);
@@ -217,7 +217,7 @@ static void report_every(unsigned ms, unsigned most_ms)
     for (unsigned i = 1; (i <= most_ms) && (stand_state() == TUMBLE_STAND_HOMING); i++) {
         run_ms(1);
         if ((i % ms) == 0U) {
-            played_transmit();
+            scripted_drive_report(&played);
         }
     }
 }
@@ -253,14 +253,14 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
     bring_up(&profile);
     played.wrap = 36000;
     played.event_only = true;
-    played_transmit();
+    scripted_drive_report(&played);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     move_to(30.0);
     run_ms(60000);
     for (int32_t by = 1; by >= -1; by -= 2) {
         played.actual += by;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(20);
     }
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());

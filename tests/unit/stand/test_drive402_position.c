@@ -11,7 +11,7 @@ static void forge(int32_t counts)
 {
     const int32_t actual = played.actual;
     played.actual = counts;
-    played_transmit();
+    scripted_drive_report(&played);
     played.actual = actual;
     run_ms(1);
 }
@@ -72,7 +72,7 @@ static void test_a_wrapping_drive_does_not_lose_a_turn(void)
 {
     const tumble_drive_profile_t profile = wrapping();
     for (unsigned pause_ms = 0; pause_ms <= 150U; pause_ms += 50U) {
-        played_drive_t *d = &played;
+        scripted_drive_t *d = &played;
         bring_home(&profile);
         d->wrap = 36000;
         run_ms(pause_ms);
@@ -92,10 +92,10 @@ static void test_a_turn_is_not_guessed_after_silence(void)
     const tumble_drive_profile_t profile = wrapping();
     start_move(&profile);
     played.wrap = 36000;
-    played.powered_up = false;
+    played.dead = true;
     run_ms(3000);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-    played.powered_up = true;
+    played.dead = false;
     run_ms(300);
     clear_fault();
     run_to(TUMBLE_STAND_READY, 1000); /* not STOPPED: that would be homed */
@@ -276,7 +276,7 @@ static void test_the_cables_limits_are_written_and_read_back(void)
     bench_setup(&profile);
     tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     TEST_ASSERT_TRUE(tumble_drive402_is_limited(&bench.drive));
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
     TEST_ASSERT_EQUAL_INT32(3000, played.limits[1]);
@@ -290,7 +290,7 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     bench_setup(&profile);
     tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     played.keeps_no_limits = true;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     const tumble_drive_refusal_t refusal = tumble_drive402_refusal(&bench.drive);
@@ -308,7 +308,7 @@ static void test_a_drive_without_them_is_said_to_be_so(void)
         bench_setup(profiles[i]);
         tumble_drive402_bound(&bench.drive, -30.0, 400.0);
         TEST_ASSERT_FALSE(tumble_drive402_is_limited(&bench.drive));
-        played_boot();
+        scripted_drive_boot(&played, &port);
         run_to(TUMBLE_STAND_READY, 500);
         TEST_ASSERT_EQUAL_UINT(24, played.write_count);
     }
@@ -346,7 +346,7 @@ static void test_our_process_data_are_mended(void)
     const tumble_pdo_setup_t other = {.cob_id = 0x80000202U, .type = 255};
     TEST_ASSERT_EQUAL_HEX32(0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0,
                                                     &other));
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
     TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);
