@@ -29,7 +29,7 @@ def build(folder):
     includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
     own += [f"tests/lib/{name}.c" for name in ("keeper_bench", "keeper_memory", "navcomp_bench", "flash",
-                                               "scripted_block", "scripted_config", "scripted_drive")]
+                                               "scripted_axis", "scripted_block", "scripted_config", "scripted_drive")]
     subprocess.run([compiler, *FLAGS, *SANITIZERS, *includes, *own, *sources, "-lm", "-o", str(program)], cwd=ROOT,
                    check=True)
     return program

@@ -10,6 +10,7 @@
 
 extern const tumble_averaging_config_t scripted_averaging;
 extern const tumble_procedure_config_t scripted_procedure;
+extern const tumble_drive_profile_t scripted_drive_profile;
 extern const tumble_navcomp_config_t scripted_navcomp;
 
 #endif

@@ -52,118 +52,6 @@ void scripted_drive_report(scripted_drive_t *d)
     }
 }
 
-static void scripted_drive_stop(scripted_drive_t *d, uint16_t state)
-{
-    d->moving = false;
-    d->homing = false;
-    d->state = state;
-}
-
-static void scripted_drive_power(scripted_drive_t *d, uint16_t before)
-{
-    const unsigned command = d->control & 0x8FU;
-    const bool reset = ((command & 0x80U) != 0U) && ((before & 0x80U) == 0U);
-    if ((d->state == IS_FAULT) || (d->state == IS_FAULT_REACTION)) {
-        d->state = (reset && !d->resets_nothing) ? IS_DISABLED : d->state;
-    } else if ((command & 0x02U) == 0U) {
-        d->coasted = d->coasted || d->moving;
-        scripted_drive_stop(d, IS_DISABLED);
-    } else if ((command & 0x06U) == 0x02U) {
-        if ((d->state == IS_ENABLED) && !d->ignores_stop) {
-            const bool brakes = d->moving && (d->brakes_for_ms > 0U);
-            scripted_drive_stop(d, d->quick_stop_stays ? IS_QUICK_STOP : IS_DISABLED);
-            d->moving = brakes;
-            d->braking_ms = d->brakes_for_ms;
-            d->bits &= (uint16_t)~0x0400U;
-        }
-    } else if ((command == 0x06U) && (d->state != IS_QUICK_STOP)) {
-        scripted_drive_stop(d, IS_READY);
-    } else if ((command == 0x07U) && (d->state != IS_DISABLED)) {
-        d->state = IS_ON;
-    } else if ((command == 0x0FU) && ((d->state == IS_ON) || (d->state == IS_ENABLED))) {
-        d->state = d->stays_in_switched_on ? IS_ON : IS_ENABLED;
-    }
-}
-
-static int32_t scripted_drive_way(const scripted_drive_t *d)
-{
-    int32_t way = d->goal - d->actual;
-    if (d->wrap != 0) {
-        way = (way > (d->wrap / 2)) ? (way - d->wrap) : (way < -(d->wrap / 2)) ? (way + d->wrap) : way;
-    }
-    return way;
-}
-
-/* So that any move takes move_ms. */
-static int32_t scripted_drive_speed(const scripted_drive_t *d)
-{
-    const int32_t way = scripted_drive_way(d);
-    const int32_t ms = (int32_t)d->move_ms;
-    return (ms == 0) ? 0 : ((((way < 0) ? -way : way) / ms) + 1);
-}
-
-static void scripted_drive_position_mode(scripted_drive_t *d, uint16_t before)
-{
-    const bool rises = ((d->control & 0x10U) != 0U) && ((before & 0x10U) == 0U);
-    if (rises && ((d->bits & 0x1000U) == 0U) && !d->never_acknowledges) {
-        d->goal = d->target; /* what 607Ah is now */
-        d->counts_per_ms = scripted_drive_speed(d);
-        d->moving = true;
-        d->bits |= 0x1000U;
-        d->bits &= d->reached_lingers ? 0xFFFFU : (uint16_t)~0x0400U;
-    } else if (((d->control & 0x10U) == 0U) && !d->keeps_acknowledging) {
-        d->bits &= (uint16_t)~0x1000U;
-    }
-}
-
-static void scripted_drive_homing_mode(scripted_drive_t *d, uint16_t before)
-{
-    if (((d->control & 0x10U) != 0U) && ((before & 0x10U) == 0U)) {
-        d->homing = true;
-        d->homing_ms = 0;
-        d->reports = 0;
-    }
-}
-
-static void scripted_drive_move(scripted_drive_t *d)
-{
-    const int32_t way = scripted_drive_way(d);
-    const int32_t speed = (d->counts_per_ms != 0) ? d->counts_per_ms : SCRIPTED_COUNTS_PER_MS;
-    const int32_t most = d->jammed ? 0 : speed;
-    const int32_t up = (way > most) ? most : way;
-    const int32_t step = (up < -most) ? -most : up;
-    d->actual += step;
-    d->braking_ms -= (d->braking_ms > 0U) ? 1U : 0U;
-    if (((d->state == IS_QUICK_STOP) || ((d->control & 0x0100U) != 0U)) && (d->braking_ms == 0U)) {
-        d->moving = false;
-        d->bits |= d->hides_standstill ? 0U : 0x0400U;
-        scripted_drive_report(d);
-        return;
-    }
-    if (d->wrap != 0) {
-        d->actual = (d->actual + d->wrap) % d->wrap;
-    }
-    if ((step == way) && !d->never_reaches) {
-        d->moving = false;
-        d->bits |= 0x0400U;
-        scripted_drive_report(d);
-    }
-}
-
-static void scripted_drive_home(scripted_drive_t *d)
-{
-    const unsigned most_ms = (d->move_ms != 0U) ? d->move_ms : SCRIPTED_HOMING_MS;
-    d->homing_ms++;
-    d->actual += d->homing_turns;
-    if (d->homing_never_ends || d->jammed || (d->homing_ms < most_ms)) {
-        return;
-    }
-    d->homing = false;
-    d->actual = d->homing_fails ? d->actual : d->home;
-    d->bits = d->homing_fails ? 0x2400 : 0x1400;
-    scripted_drive_report(d);
-}
-
 void scripted_drive_beat(scripted_drive_t *d, uint8_t state)
 {
     scripted_drive_send(d, 0x700U + SCRIPTED_DRIVE_NODE, 1, &state);
@@ -405,27 +293,12 @@ void scripted_drive_step(scripted_drive_t *d, fake_port_t *fake)
     }
 }
 
-static uint64_t scripted_drive_after(uint64_t clock_ms, uint64_t period_ms)
-{
-    return (clock_ms / period_ms + 1U) * period_ms;
-}
-
 uint64_t scripted_drive_next_us(const scripted_drive_t *d)
 {
     const bool turns = scripted_drive_moves(d) && !d->jammed;
     const bool reports = d->operational && !d->event_only;
     const uint64_t period_ms = turns ? 1U : (reports ? SCRIPTED_REPORT_MS : SCRIPTED_HEARTBEAT_MS);
-    return d->dead ? UINT64_MAX : (scripted_drive_after(d->clock_ms, period_ms) * 1000U);
-}
-
-bool scripted_drive_moves(const scripted_drive_t *d)
-{
-    return d->moving || d->homing;
-}
-
-double scripted_drive_angle_deg(const scripted_drive_t *d)
-{
-    return (double)d->actual * 360.0 / SCRIPTED_COUNTS_PER_REVOLUTION;
+    return d->dead ? UINT64_MAX : ((d->clock_ms / period_ms + 1U) * period_ms * 1000U);
 }
 
 void scripted_drive_init(scripted_drive_t *d, fake_port_t *fake)
@@ -433,44 +306,3 @@ void scripted_drive_init(scripted_drive_t *d, fake_port_t *fake)
     *d = (scripted_drive_t){.actual = 12345, .move_ms = 200};
     scripted_drive_boot(d, fake);
 }
-
-static const tumble_drive_pdo_t scripted_drive_receive[] = {
-    {.number = 0,
-     .setup = {.cob_id = 0x202, .type = TUMBLE_PDO_EVENT_PROFILE, .count = 2, .map = {0x60400010, 0x607A0020}}},
-};
-static const tumble_drive_pdo_t scripted_drive_transmit[] = {
-    {.number = 0,
-     .setup = {.cob_id = 0x182,
-               .type = TUMBLE_PDO_EVENT_PROFILE,
-               .count = 2,
-               .event_ms = 20,
-               .map = {0x60410010, 0x60640020}}},
-};
-const tumble_drive_profile_t scripted_drive_profile = {
-    .counts_per_revolution = SCRIPTED_COUNTS_PER_REVOLUTION,
-    .velocity_units_per_deg_s = 1000.0,
-    .acceleration_units_per_deg_s2 = 1000.0,
-    .sign = 1,
-    .window_counts = 50,
-    .velocity_deg_s = 1000.0, /* any move takes 0.2 s */
-    .acceleration_deg_s2 = 180.0,
-    .deceleration_deg_s2 = 180.0,
-    .quick_stop_deg_s2 = 720.0,
-    .homing_fast_deg_s = 20.0,
-    .homing_slow_deg_s = 2.0,
-    .homing_acceleration_deg_s2 = 90.0,
-    .homing_method = 35,
-    .stop = TUMBLE_STOP_BY_QUICK_STOP,
-    .receive = scripted_drive_receive,
-    .transmit = scripted_drive_transmit,
-    .receive_count = 1,
-    .transmit_count = 1,
-    .heartbeat_ms = 100,
-    .heartbeat_timeout_ms = 500,
-    .start_timeout_ms = 1000,
-    .power_timeout_ms = 1000,
-    .handshake_timeout_ms = 500,
-    .home_timeout_ms = 30000,
-    .move_timeout_ms = 15000,
-    .stop_timeout_ms = 2000,
-};

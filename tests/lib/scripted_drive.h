@@ -9,7 +9,6 @@
 #define TUMBLE_TESTS_SCRIPTED_DRIVE_H
 
 #include "fake_port.h"
-#include "stand/drive402/drive402.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -125,8 +124,15 @@ uint64_t scripted_drive_next_us(const scripted_drive_t *d);
 /* A fault of its own: the axis stops, an emergency message tells the code unless that is 0. */
 void scripted_drive_fail(scripted_drive_t *d, fake_port_t *fake, uint16_t code);
 
-bool scripted_drive_moves(const scripted_drive_t *d);
-double scripted_drive_angle_deg(const scripted_drive_t *d);
+static inline bool scripted_drive_moves(const scripted_drive_t *d)
+{
+    return d->moving || d->homing;
+}
+
+static inline double scripted_drive_angle_deg(const scripted_drive_t *d)
+{
+    return (double)d->actual * 360.0 / SCRIPTED_COUNTS_PER_REVOLUTION;
+}
 
 /* Out of turn, where it spoke last. */
 void scripted_drive_send(scripted_drive_t *d, uint16_t id, uint8_t length, const uint8_t *data);
@@ -134,7 +140,12 @@ void scripted_drive_report(scripted_drive_t *d);
 void scripted_drive_beat(scripted_drive_t *d, uint8_t state);
 void scripted_drive_emergency(scripted_drive_t *d, uint16_t code);
 
-/* The profile that fits it. */
-extern const tumble_drive_profile_t scripted_drive_profile;
+/* Its axis: power state machine, modes, motion (scripted_axis.c). */
+void scripted_drive_stop(scripted_drive_t *d, uint16_t state);
+void scripted_drive_power(scripted_drive_t *d, uint16_t before);
+void scripted_drive_position_mode(scripted_drive_t *d, uint16_t before);
+void scripted_drive_homing_mode(scripted_drive_t *d, uint16_t before);
+void scripted_drive_move(scripted_drive_t *d);
+void scripted_drive_home(scripted_drive_t *d);
 
 #endif

@@ -3,6 +3,7 @@
 #define TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
 
 #include "scripted_drive.h"
+#include "stand/drive402/drive402.h"
 #include "support.h"
 
 typedef struct {
