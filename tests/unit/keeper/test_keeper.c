@@ -218,8 +218,7 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     const tumble_can_frame_t heartbeat = {.id = 0x702, .length = 1, .data = {TUMBLE_NMT_OPERATIONAL}};
     const tumble_can_frame_t start = {
         .id = 0x601, .length = 8, .data = {0x2F, 0x02, 0x20, 0x02, TUMBLE_COMMAND_START}};
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     while ((bench_progress(&bench).run.samples < (BENCH_SAMPLES - 1U)) || (bench.fake.to_firmware.count < 2U)) {
         bench_event(&bench); /* until the last sample waits */
     }
@@ -260,8 +259,7 @@ static void test_a_memory_that_fails_leaves_the_active_set(void)
 /* The result that could not be stored is made again from the checkpoint, without the table. */
 static void test_what_could_not_be_stored_is_not_lost(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     while (run_state() != TUMBLE_STATE_DONE) {
         bench_event(&bench);
     }
@@ -286,8 +284,7 @@ static void test_a_memory_that_cannot_be_read_at_the_end(void)
 {
     (void)run_and_judge();
     drift(1e-5);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     memory.read_fails_at = 0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     settle_memory();

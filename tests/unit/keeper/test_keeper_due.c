@@ -151,8 +151,7 @@ static void test_a_proposal_or_a_run_to_resume_keeps_it_from_starting(void)
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);
     run_to_average(4);
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     bench_pass(&bench, 100.0);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     TEST_ASSERT_EQUAL_UINT8(4, state_of_keeper().resumable);

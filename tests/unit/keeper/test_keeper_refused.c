@@ -178,8 +178,7 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
 /* The result is in the store, and its entry is about to be written. */
 static void run_to_history(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.history); i++) {
         bench_event(&bench);
     }

@@ -60,8 +60,7 @@ static void test_what_is_about_to_go_cannot_be_resumed(void)
 /* A run under way is one that can be gone on with, as after a loss of power. */
 static void test_a_run_reset_later_can_be_gone_on_with(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     settle_memory();
     reset_application();
     bench_pass(&bench, 1.0);

@@ -137,8 +137,7 @@ static void test_rules_that_come_back_in_time_excuse_nothing(void)
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1.0));
     bench.logged = 0;
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
     ASSERT_STATUS(TUMBLE_OK, tumble_service_unlock(&bench.navcomp, TUMBLE_SERVICE_KEY));
     bench.navcomp.procedure_config.gravity_limit_g = 3e-4; /* as quickly as can be */

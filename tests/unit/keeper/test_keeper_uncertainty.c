@@ -27,12 +27,6 @@ static void set_up(void)
     fails_at = 0;
 }
 
-static void run_to_done(void)
-{
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-}
-
 static void test_every_coefficient_once_and_in_steps_of_its_own(void)
 {
     run_to_done();

@@ -76,8 +76,7 @@ static void test_saving_is_refused_with_the_right_code(void)
 static void test_a_smaller_memory_has_no_room_for_parameters(void)
 {
     memory.nv.size_bytes = 8U * MEMORY_SECTOR;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x1010, 1, 4));
     unlock();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_STORE, write_and_wait(0x1010, 1));
@@ -241,8 +240,7 @@ static void test_without_a_keeper_there_are_none_of_these_objects(void)
     keeper_prepare();
     bench.config.keeping = NULL;
     bench.config.keeper = NULL;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     for (uint8_t i = 0; i < tumble_keeper_table.count; i++) {
         const tumble_entry_t *entry = &tumble_keeper_table.entries[i];
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, refusal_of(entry->index, entry->subindex));

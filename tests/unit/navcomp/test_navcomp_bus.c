@@ -161,8 +161,7 @@ static void test_a_block_that_does_not_start_is_told_again_now_and_then(void)
 static void test_it_stays_operational(void)
 {
     const uint8_t commands[] = {TUMBLE_NMT_STOP, TUMBLE_NMT_ENTER_PRE_OPERATIONAL};
-    bench_power_on(&bench);
-    bench_pass(&bench, 0.5);
+    power_on_for(0.5);
     for (size_t i = 0; i < sizeof commands; i++) {
         give(TUMBLE_NMT_ID, 2, (const uint8_t[]){commands[i], 1});
         bench_event(&bench);
@@ -238,8 +237,7 @@ static void test_a_port_that_lies_counts_as_down(void)
 
 static void test_a_clock_that_goes_back_does_no_harm(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     const uint64_t now_us = bench.fake.now_us;
     bench.fake.now_us = 0;
     tumble_navcomp_step(&bench.navcomp);
@@ -251,8 +249,7 @@ static void test_a_clock_that_goes_back_does_no_harm(void)
 
 static void test_malformed_and_foreign_frames_are_counted(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     tumble_can_frame_t frame = {.id = 0x800, .length = 1};
     fake_port_give(&bench.fake, &frame);
     frame = (tumble_can_frame_t){.id = 0x123, .length = 9};
@@ -349,8 +346,7 @@ static void test_commands_out_of_place_are_refused_and_counted(void)
 
 static void test_a_command_is_due_at_once(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_START, 0));
     TEST_ASSERT_TRUE(tumble_navcomp_next_deadline_us(&bench.navcomp) <= bench.fake.now_us);
 }

@@ -16,8 +16,7 @@ static struct {
 static void set_up(void)
 {
     bench_init(&bench);
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
 }
 
 static void hear(const tumble_can_frame_t *frame)
@@ -161,8 +160,7 @@ static void test_a_reset_ends_it(void)
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_limit(1e-3));
     }
     unlock();
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, level());
 }
 
@@ -211,8 +209,7 @@ static void test_runs_are_numbered(void)
     fake_port_give(&bench.fake, &reset);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, run_number());
 }
 

@@ -23,9 +23,7 @@ static void assert_truth(const bench_t *b, const tumble_coefficients_t *found, d
 static void run_with(tumble_estimate_t estimate)
 {
     bench.config.estimate = estimate;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
 }
 
 static void test_every_estimator_finds_the_block(void)
@@ -182,9 +180,7 @@ static void test_closure_is_known_when_a_mounting_is_complete(void)
 static void test_no_warm_up_when_none_is_asked_for(void)
 {
     bench.config.warm_up_samples = 0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     TEST_ASSERT_EQUAL_HEX32(0, bench.visited & (1UL << TUMBLE_STATE_WARM_UP));
 }
 
@@ -215,8 +211,7 @@ static void test_a_cold_block_warms_up_without_being_a_fault(void)
     }
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
     bench.block.status = 0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
 }
 
 /* Settling takes the block's time: at 10 ms a sample, 200 ms after the first sample in position. */
@@ -281,9 +276,7 @@ static void test_the_clock_does_not_matter(void)
         bench.now_us = starts_us[run];
         bench.block.lose_every = 37;
         bench.block.corrupt_every = 91;
-        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+        bench_start_to_done(&bench);
         bench.procedure.counters.samples = 0; /* how many come while it computes is a matter of steps */
         if (run == 0U) {
             first = bench;

@@ -130,9 +130,7 @@ static void test_counts_that_go_down(void)
     bench_init(&bench);
     bench.config.v_per_count = -V_PER_COUNT;
     bench.config.nominal_scale_v_per_g = 2.0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
     TEST_ASSERT_DOUBLE_WITHIN(2e-5, 2.0, result.coefficients->k_v_per_g[0][0]);
@@ -211,8 +209,7 @@ static void test_a_run_that_goes_on_is_warm(void)
     bench.stand.error_deg = 0.0;
     bench.visited = 0;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_HEX32(0, bench.visited & ((uint32_t)1U << (unsigned)TUMBLE_STATE_WARM_UP));
 }
 

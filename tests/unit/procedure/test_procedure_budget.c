@@ -65,8 +65,7 @@ static void test_a_noisy_position_takes_as_many_as_it_needs(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to_position(&bench, 9, TUMBLE_STATE_SETTLE);
     bench.block.noise_counts = 200;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     const double needed = (COUNT_SIGMA_V(200) / 10e-6) * (COUNT_SIGMA_V(200) / 10e-6); /* 133 */
     for (uint8_t p = 9; p < 18U; p++) {
         const uint32_t taken = average_of(p)->samples;
@@ -122,8 +121,7 @@ static void test_a_position_that_never_gets_there_is_a_fault(void)
 
     bench.block.noise_counts = 30; /* what shook it has been switched off */
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT32(10, average_of(0)->samples);
 }
 

@@ -12,9 +12,7 @@ static void set_up(void)
 
 static void run(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
 }
 
 static void assert_moves(const double *expected_deg, size_t count)

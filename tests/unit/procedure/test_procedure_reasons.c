@@ -124,8 +124,7 @@ static void test_a_late_mean_is_tried_again_first(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->retries);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->timeouts);
     bench.now_us += 1000000U;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
 }
 
 /* The bias of 0.3 g on every channel that the first position must bear with, and a scale that is a tenth off. */
@@ -139,8 +138,7 @@ static void test_bias_and_scale_are_no_wrong_mounting(void)
                 bench.block.k_v_per_g[i][j] *= ((signs & 8U) != 0U) ? 1.1 : 0.9;
             }
         }
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+        bench_run_to_done(&bench);
     }
 }
 

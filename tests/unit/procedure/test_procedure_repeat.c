@@ -17,8 +17,7 @@ static uint8_t finished(void)
 
 static void assert_done(void)
 {
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
     TEST_ASSERT_TRUE(result.pass);
