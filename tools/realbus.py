@@ -12,9 +12,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT / part) for part in ("host/python/src", "build/host/python", "tests/lib")]
-
-from busy_machine import Watch  # noqa: E402
+sys.path[:0] = [str(ROOT / part) for part in ("host/python/src", "build/host/python")]
 
 from tumble.bench import uml  # noqa: E402
 from tumble.errors import TumbleError  # noqa: E402
@@ -78,8 +76,7 @@ def in_uml(report, chosen):
         settings = shlex.join(f"{key}={value}" for key, value in environment().items()
                               if key.startswith("PYTHON") or key == "PATH")
         (folder / "tmp").mkdir()
-        settings += f" TMPDIR={folder}/tmp HOME=/run TUMBLE_BUSY={folder}/busy"
-        Watch(folder / "busy").start()
+        settings += f" TMPDIR={folder}/tmp HOME=/run TUMBLE_CLOCK=own"
         job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
                f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
         code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen])

@@ -198,6 +198,12 @@ def run_stage(stage, log_folder, missing, timeout_s):
     return outcome, time.monotonic() - begin, log
 
 
+def shortened(told):
+    """The first line and the last of what a test said when it failed."""
+    lines = told.splitlines()
+    return lines[0] if len(lines) == 1 else f"{lines[0]} [...] {lines[-1].strip()}"
+
+
 def report(stage, outcome, seconds, log):
     counts = f"{outcome.passed} passed"
     counts += f", {outcome.failed} failed" if outcome.failed else ""
@@ -206,7 +212,7 @@ def report(stage, outcome, seconds, log):
     for reason, times in outcome.reasons.items():
         print(f"         SKIPPED: {reason}" + (f" ({times} times)" if times > 1 else ""))
     for told in outcome.again:
-        print(f"         RAN AGAIN: {told.splitlines()[0]}")
+        print(f"         RAN AGAIN: {shortened(told)}")
     if outcome.verdict == "FAILED":
         print(f"  the end of {os.path.relpath(log.path)}:\n{log.tail()}")
     sys.stdout.flush()

@@ -10,16 +10,15 @@ import runner
 
 PLUGIN = ROOT / "tests/lib"
 PLANTED = """
-import os, time, pytest
+import time, busy_machine, pytest
 def tries(more=[0]):
     more[0] += 1
     return more[0]
 @pytest.mark.real_time
-def test_planted():
+def test_planted(pytestconfig):
     number = tries()
     if {busy}:
-        with open(os.environ["TUMBLE_BUSY"], "a") as file:
-            file.write(f"{{time.time()}} planted\\n")
+        pytestconfig.stash[busy_machine.WATCH].seen.append((time.monotonic(), "planted"))
     assert number >= {passes_at}
 """
 
@@ -29,7 +28,7 @@ def outcome_of(tmp_path, busy, passes_at):
     (tmp_path / "test_planted.py").write_text(PLANTED.format(busy=busy, passes_at=passes_at))
     (tmp_path / "conftest.py").write_text("pytest_plugins = ['busy_machine']\n")
     log = runner.Log(tmp_path / "log", 60)
-    environment = {"TUMBLE_BUSY": str(tmp_path / "busy"), "PYTHONPATH": str(PLUGIN)}
+    environment = {"TUMBLE_CLOCK": "own", "PYTHONPATH": str(PLUGIN)}  # this machine is not watched
     return runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path), env=environment)
 
 

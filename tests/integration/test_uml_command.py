@@ -1,6 +1,7 @@
 """`tumble uml`: any command inside user-mode Linux; what it may write, how it ends, and the terminal it has."""
 
 import os
+import platform
 import pty
 import select
 import signal
@@ -8,10 +9,12 @@ import struct
 import subprocess
 import sys
 import termios
+import time
 from fcntl import ioctl
 
 import pytest
 from bench_program import wait_until
+from conftest import ROOT
 from uml_kernels import inside, kernels
 
 from tumble.bench import uml
@@ -129,3 +132,51 @@ def test_without_user_mode_linux(monkeypatch, capsys):
     out, err = capsys.readouterr()
     lacking = "no linux.that.is.not.there: install user-mode-linux kmod iproute2"
     assert (code, out, err) == (77, "", f"tumble: user-mode Linux is not there: {lacking}\n")
+
+
+SLEEPER = """
+import time
+latest = 0.0
+with open("begun", "w"):
+    pass
+for _ in range(200):
+    begin = time.monotonic()
+    time.sleep(0.01)
+    latest = max(latest, time.monotonic() - begin)
+print(latest)
+"""
+
+
+def latest_wake_up(folder):
+    """How late a process in there wakes up at most, s, that sleeps for 10 ms at a time while the kernel is held up for 1 s."""
+    (folder / "sleeper.py").write_text(SLEEPER)
+    held = []
+
+    def hold_up():
+        if (folder / "begun").exists() and not held:
+            time.sleep(0.3)  # it is in the midst of its sleeps
+            held.append(os.getpgid(int(kernels(folder).pop())))
+            os.kill(held[0], signal.SIGSTOP)
+            time.sleep(1.0)
+            os.kill(held[0], signal.SIGCONT)
+
+    assert uml.run(f"{sys.executable} sleeper.py >said\n", folder, on_tick=hold_up) == 0 and held
+    return float((folder / "said").read_text())
+
+
+@inside
+@pytest.mark.slow
+def test_its_clock_stands_still_while_the_machine_holds_it_up(tmp_path):
+    assert latest_wake_up(tmp_path) < 0.5
+
+
+@inside
+@pytest.mark.slow
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="nothing is preloaded here")
+def test_without_that_clock_it_would_be_late(tmp_path, monkeypatch):
+    """The test above can fail."""
+    preloaded = tmp_path / "without_clock.so"
+    source = ROOT / "boards/linux/uml_ptrace.c"
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", preloaded, source], check=True)
+    monkeypatch.setattr(uml, "built", lambda _: preloaded)
+    assert latest_wake_up(tmp_path) >= 0.9

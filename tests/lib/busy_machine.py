@@ -6,8 +6,8 @@ marked test failed and the machine was busy in its time, the test is run again, 
 machine has come to rest. On a machine that was not busy a failure is a failure at once, and what fails every time has
 failed.
 
-Inside user-mode Linux the machine cannot be seen: whoever starts it watches there, into the file that `TUMBLE_BUSY`
-names.
+Inside user-mode Linux no test runs again: the clock there stands still while the machine lets it wait (`TUMBLE_CLOCK` is
+`own`; boards/linux/uml_clock.c).
 """
 
 import os
@@ -24,16 +24,14 @@ LATE_S = 0.1  # a thread that slept came back so much later
 WINDOW_S = 1.0
 IDLE_LEAST = 0.1  # of all processors, in a window
 STOLEN_MOST = 0.05  # of all processors, by the machine's host
-CLOCKS_S = 0.5  # a guest's clock and its host's differ by less
 
 
 class Watch(threading.Thread):
-    """When the machine was busy: [(time.time(), why)], and the same in lines of a file."""
+    """When the machine was busy: [(time.monotonic(), why)]."""
 
-    def __init__(self, path=None):
+    def __init__(self):
         super().__init__(daemon=True)
         self.seen = []
-        self._path = path
 
     def run(self):
         """Until the process ends."""
@@ -57,23 +55,7 @@ class Watch(threading.Thread):
             self._tell(f"{spent['stolen'] / spent['all']:.0%} taken by its host")
 
     def _tell(self, why):
-        self.seen.append((time.time(), why))
-        if self._path is not None:
-            with open(self._path, "a", encoding="ascii") as file:
-                file.write(f"{time.time()} {why}\n")
-
-
-class WatchedByHost:
-    """What a Watch outside wrote."""
-
-    def __init__(self, path):
-        self._path = Path(path)
-
-    @property
-    def seen(self):
-        """As a Watch has it."""
-        lines = self._path.read_text(encoding="ascii").splitlines() if self._path.exists() else []
-        return [(float(when), why) for when, why in (line.split(" ", 1) for line in lines)]
+        self.seen.append((time.monotonic(), why))
 
 
 def processors():
@@ -88,8 +70,8 @@ def processors():
 
 def rest(watch):
     """Wait until the machine is not busy."""
-    begin = time.time()
-    while (now := time.time()) - begin < REST_MOST_S:
+    begin = time.monotonic()
+    while (now := time.monotonic()) - begin < REST_MOST_S:
         if now - begin >= REST_S and not busy(watch, now - REST_S):
             return
         time.sleep(PERIOD_S)
@@ -97,7 +79,7 @@ def rest(watch):
 
 def busy(watch, since):
     """Why the machine was busy at some time since then, or None."""
-    return next((why for when, why in reversed(watch.seen) if when >= since - CLOCKS_S), None)
+    return next((why for when, why in reversed(watch.seen) if when >= since), None)
 
 
 class Retried:
@@ -105,7 +87,7 @@ class Retried:
 
     def __init__(self, item):
         self._item = item
-        self.begin = time.time()
+        self.begin = time.monotonic()
 
     def again(self, error):
         """Is the failed test to be run again?"""
@@ -113,7 +95,7 @@ class Retried:
         if (why := busy(watch, self.begin)) is None:
             return False
         rest(watch)
-        self._item.user_properties.append(("ran again", f"the machine was busy ({why}): {error!r}"[:500]))
+        self._item.user_properties.append(("ran again", f"the machine was busy ({why}): {error}"))
         return True
 
 
@@ -124,11 +106,9 @@ RETRIED = pytest.StashKey()
 def pytest_configure(config):
     """Watch, or read what is watched outside."""
     config.addinivalue_line("markers", "real_time: waits in real time; run again where it failed on a busy machine")
-    outside = os.environ.get("TUMBLE_BUSY")
-    watch = WatchedByHost(outside) if outside else Watch()
-    config.stash[WATCH] = watch
-    if not outside:
-        watch.start()
+    config.stash[WATCH] = Watch()
+    if os.environ.get("TUMBLE_CLOCK") != "own":
+        config.stash[WATCH].start()
 
 
 @pytest.hookimpl(trylast=True)
@@ -144,4 +124,4 @@ def pytest_collection_modifyitems(items):
 def pytest_runtest_setup(item):
     """Each try has its own time."""
     if (retried := item.stash.get(RETRIED, None)) is not None:
-        retried.begin = time.time()
+        retried.begin = time.monotonic()

@@ -16,7 +16,8 @@ CONFIRM = (0x601, bytes.fromhex("2F02200203000000"))  # 2002h:2, command 3
 
 def answer(child, said, asked, line):
     """Once it has asked."""
-    wait_until(lambda: asked in said.read_text())
+    wait_until(lambda: asked in said.read_text() or "Fault: " in said.read_text() or child.poll() is not None)
+    assert asked in said.read_text(), said.read_text()
     child.stdin.write(line + "\n")
     child.stdin.flush()
 

@@ -37,8 +37,7 @@ _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file lea
 class Setup:
     """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
     `stand_file` are named in complaints. `limit_g`: of the gravity check, g.
-    `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not.
-    `heartbeat_timeout_ms`: after which silence navcomp and drive miss each other; None: the program's own."""
+    `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not."""
 
     seed: int
     stand: Stand
@@ -50,7 +49,6 @@ class Setup:
     estimator: str
     limit_g: float
     error_budget_v: float = 0.0
-    heartbeat_timeout_ms: int | None = None
     stand_file: str = ""
     block_file: str = ""
 
@@ -148,9 +146,6 @@ def _procedure(setup: Setup) -> Iterator[tuple[str, str]]:
     if setup.error_budget_v > 0.0:
         yield "procedure.error_budget_v", _numbers(setup.error_budget_v)
     yield "procedure.gravity_limit_g", _numbers(setup.limit_g)
-    if setup.heartbeat_timeout_ms is not None:
-        for room in ("firmware", "profile"):
-            yield f"{room}.heartbeat_timeout_ms", str(setup.heartbeat_timeout_ms)
     yield "limit.virtual_s", _numbers(36000.0 + 4.0 * len(setup.schedule) * setup.samples / rate_hz)
 
 

@@ -26,7 +26,7 @@ INTERFACE = "vcan0"
 PACKAGES = "user-mode-linux kmod iproute2"
 
 _KERNEL = "linux.uml"
-_SHIM = "tumble_uml_ptrace.so"
+_SHIM = "tumble_uml.so"
 _MODULES = ("net/can/can", "net/can/can-raw", "net/can/can-bcm", "drivers/net/can/dev/can-dev", "drivers/net/can/vcan")
 _MODULE_FOLDERS = "/usr/lib/uml/modules"
 _PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"

@@ -19,9 +19,6 @@ from tumble.errors import (
 from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
 
-# This machine may hold user-mode Linux up for half a second: no fault of the stand.
-_UML_HEARTBEAT_TIMEOUT_MS = 3000
-
 
 def add_to(subparsers) -> None:
     """Describe the command to argparse."""
@@ -135,7 +132,6 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
         schedule=schedule,
         samples=samples,
         error_budget_v=error_budget_v,
-        heartbeat_timeout_ms=_UML_HEARTBEAT_TIMEOUT_MS if arguments.bus == realbus.UML else None,
         estimator=arguments.estimator,
         limit_g=limit_g,
         stand_file=arguments.stand or "",
