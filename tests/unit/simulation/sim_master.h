@@ -48,6 +48,7 @@ uint32_t sdo_read(uint16_t index, uint8_t subindex);
 
 /* Receive PDO 1: controlword and target. */
 void command(uint16_t controlword, int32_t target);
+void command_for(uint32_t ms, uint16_t controlword, int32_t target); /* and let so long pass */
 
 /* A fresh drive at 10 degrees, master beating, drive booted. The scenario may be changed before. */
 void power_on(void);
@@ -62,5 +63,6 @@ void home(void);
 
 /* The set-point handshake as it should be: target first, then the edge, until it is taken; then bit 4 down. */
 void set_target(int32_t target);
+void target_for(uint32_t ms, int32_t target);
 
 #endif
