@@ -250,10 +250,6 @@ static void test_the_settings(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_f32(0x2126, 1, 0.5F));
 }
 
-/* The scripted block stands on an ideal stand: its angles are zero within their uncertainties. */
-
-/* Listen for the keeper's PDO. Returns how many came; the last one's counter, objections, verdict, due. */
-
 static void test_the_table_is_turned_by_sdo_between_runs(void)
 {
     uint8_t bytes[8];
