@@ -109,6 +109,12 @@ tumble_verdict_t run_and_judge(void)
     return (tumble_verdict_t)state_of_keeper().verdict;
 }
 
+void assert_verdict_after(double drift_v, tumble_verdict_t verdict)
+{
+    drift(drift_v);
+    TEST_ASSERT_EQUAL(verdict, run_and_judge());
+}
+
 tumble_set_t set_of(tumble_which_set_t which)
 {
     tumble_set_t set;
@@ -148,12 +154,17 @@ void start_and_cut(uint8_t index)
     settle_and_power_cycle();
 }
 
+void end_and_settle(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    settle_memory();
+}
+
 void resume_to_end(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
 }
 
 void assert_goes_on(uint8_t kept)

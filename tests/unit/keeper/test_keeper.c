@@ -96,8 +96,7 @@ static void test_rollback_brings_the_set_before_back(void)
     (void)run_and_judge();
     const tumble_set_t first = set_of(TUMBLE_SET_ACTIVE);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK)); /* to what? */
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ROLLBACK));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ROLLED_BACK, state_of_keeper().verdict);
@@ -162,8 +161,7 @@ static void test_nor_is_one_of_the_history(void)
 static void test_nor_is_a_proposal(void)
 {
     (void)run_and_judge();
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 }
@@ -193,8 +191,7 @@ static void test_another_block_is_held(void)
     (void)run_and_judge();
     keeper_config.serial = "TB-0002";
     keeper_power_cycle();
-    drift(1e-6);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(1e-6, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK), state_of_keeper().objections);
 }
 
@@ -300,8 +297,7 @@ static void test_a_busy_memory_is_waited_for(void)
         memory.busy_every = every;
         keeper_power_cycle();
         settle_memory();
-        drift(1e-5);
-        TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+        assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
         TEST_ASSERT_EQUAL_UINT32(0, tumble_keeper_counters(&keeper)->failures);
         TEST_ASSERT_EQUAL_UINT32(every - 1U, tumble_keeper_counter(&keeper));
         TEST_ASSERT_EQUAL_UINT8(every - 1U, tumble_history_count(tumble_keeper_history(&keeper)));

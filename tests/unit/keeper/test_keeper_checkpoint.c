@@ -19,8 +19,7 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
     nv_refuse(&memory, NV_NEVER);
     run_to_average(9);
     nv_arm(&memory, nv_no_fault);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_keeper_counters(&keeper)->failures);
 }

@@ -24,8 +24,7 @@ static void decay(uint32_t sequence)
 
 static void commit_one(uint32_t sequence)
 {
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL(TUMBLE_ORIGIN_COMMITTED, set_of(TUMBLE_SET_ACTIVE).origin);
     TEST_ASSERT_EQUAL_UINT32(sequence, tumble_keeper_counter(&keeper));
     TEST_ASSERT_EQUAL_UINT8(sequence + events, tumble_history_count(tumble_keeper_history(&keeper)));
@@ -155,8 +154,7 @@ static void test_and_unreadable_it_remains(void)
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     memory.read_fails_at = 0;
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();

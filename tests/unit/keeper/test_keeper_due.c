@@ -105,8 +105,7 @@ static void test_it_starts_by_itself_when_told_so(void)
     drift(1e-5);
     bench_pass(&bench, 0.5);
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_DONE, run_state());
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
     TEST_ASSERT_EQUAL_UINT32(2, tumble_keeper_counter(&keeper));
     TEST_ASSERT_EQUAL_UINT32(1, tumble_keeper_counters(&keeper)->self_started);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
@@ -141,8 +140,7 @@ static void test_a_proposal_or_a_run_to_resume_keeps_it_from_starting(void)
     settings.interval_s = 10;
     keeper_power_cycle();
     (void)run_and_judge();
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     settings.flags = TUMBLE_KEEPER_STARTS;
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_configure(&keeper, &settings));
     bench_pass(&bench, 100.0);
@@ -320,8 +318,7 @@ static void test_an_active_set_dated_after_the_present_holds_nothing(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_DATE, due());
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_HEX16(0, state_of_keeper().objections);
     TEST_ASSERT_EQUAL_HEX8(0, due());
     TEST_ASSERT_UINT64_WITHIN(1000, UTC_S, set_of(TUMBLE_SET_ACTIVE).date_utc_s);
@@ -333,8 +330,7 @@ static void test_nor_does_it_excuse_a_change(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S + (30U * (uint64_t)TUMBLE_MONTH_S)));
     (void)run_and_judge();
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, UTC_S));
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), state_of_keeper().objections);
 }
 

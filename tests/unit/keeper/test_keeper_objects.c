@@ -32,8 +32,7 @@ static void test_every_object_answers(void)
     const unsigned before = count_answers(&tumble_keeper_table);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     const unsigned with_one = count_answers(&tumble_keeper_table);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const unsigned with_both = count_answers(&tumble_keeper_table);
     printf("values that answer: %u, with an active set %u, with a proposal %u; rows %u and %u, the latter of %u bytes\n",
            before, with_one, with_both, (unsigned)tumble_navcomp_table.count, (unsigned)tumble_keeper_table.count,
@@ -90,10 +89,8 @@ static void test_the_sets(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_keeper_set_utc(&keeper, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     check_set(TUMBLE_SET_ACTIVE);
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     check_set(TUMBLE_SET_ACTIVE);
     check_set(TUMBLE_SET_PROPOSAL);
     check_set(TUMBLE_SET_PREVIOUS);

@@ -216,8 +216,7 @@ static void test_an_entry_that_is_refused_too_often_waits_for_the_next_job(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_KEEPER_TRIES, failures());
     assert_history(0, 0);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     assert_history(1, 1);
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_KEEPER_TRIES, failures());
 }

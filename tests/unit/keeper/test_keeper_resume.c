@@ -296,8 +296,7 @@ static void test_a_position_of_a_resumed_run_is_repeated(void)
     TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
     TEST_ASSERT_BITS_HIGH(TUMBLE_SET_RESUMED, set.flags);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 25.0, set.temperature_c);
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_BITS_LOW(TUMBLE_SET_RESUMED, set_of(TUMBLE_SET_ACTIVE).flags);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 31.0, set_of(TUMBLE_SET_ACTIVE).temperature_c);
 }

@@ -216,12 +216,10 @@ static uint32_t name_proposal(uint32_t name)
 static void test_the_proposal_that_was_read_is_accepted_or_none(void)
 {
     (void)run_and_judge();
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const uint32_t read = read_number(0x2102, 14, 4);
     TEST_ASSERT_EQUAL_HEX32(set_of(TUMBLE_SET_PROPOSAL).record_crc, read);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const uint32_t other = read_number(0x2102, 14, 4);
     TEST_ASSERT_NOT_EQUAL(read, other);
     TEST_ASSERT_EQUAL_UINT32(set_of(TUMBLE_SET_PROPOSAL).sequence, 2); /* its sequence would not have told */

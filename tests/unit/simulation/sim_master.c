@@ -71,6 +71,12 @@ void pass_ms(uint32_t ms)
     pass_until(virtual_clock.now_us + 1000U * (uint64_t)ms);
 }
 
+void expect_status_after(uint32_t ms, uint16_t expected, uint16_t mask)
+{
+    pass_ms(ms);
+    TEST_ASSERT_EQUAL_HEX16(expected, heard.statusword & mask);
+}
+
 void send_frame(uint16_t id, uint8_t length, const uint8_t *data)
 {
     tumble_can_frame_t frame = {.id = id, .length = length};

@@ -38,6 +38,7 @@ extern bool beating; /* does the master send its heartbeat? */
 
 void pass_until(uint64_t limit_us);
 void pass_ms(uint32_t ms);
+void expect_status_after(uint32_t ms, uint16_t expected, uint16_t mask); /* what the statusword has of these bits */
 void send_frame(uint16_t id, uint8_t length, const uint8_t *data);
 void nmt(uint8_t command);
 

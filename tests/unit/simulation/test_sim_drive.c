@@ -23,8 +23,7 @@ static void test_it_boots_and_tells_what_it_is(void)
 static void test_power_up_goes_through_all_states(void)
 {
     command(0x000F, 0); /* too early */
-    pass_ms(5);
-    TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU);
+    expect_status_after(5, 0x0040, 0x004FU);
     command_for(5, 0x0006, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0021, heard.statusword & 0x006FU);
     command_for(5, 0x0007, 0);
@@ -41,8 +40,7 @@ static void test_homing_finds_the_mark(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
     command_for(50, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* under way: neither reached nor attained */
-    pass_ms(20000);
-    TEST_ASSERT_EQUAL_HEX16(0x1400, heard.statusword & 0x3400U);
+    expect_status_after(20000, 0x1400, 0x3400U);
     TEST_ASSERT_EQUAL_INT32(0, heard.position);
     ASSERT_SAME_DOUBLE(0.0, drive.axis.motion.end_position);
 }
@@ -73,8 +71,7 @@ static void test_a_move_reaches_its_target(void)
     home();
     set_target(45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
-    pass_ms(2000);
-    TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & REACHED);
+    expect_status_after(2000, REACHED, REACHED);
     TEST_ASSERT_EQUAL_INT32(45000, heard.position);
     ASSERT_SAME_DOUBLE(45.0, drive.axis.motion.end_position);
 }
@@ -227,8 +224,7 @@ static void test_homing_can_be_interrupted(void)
     command_for(100, 0x001F, 0);
     command_for(5, 0x000F, 0);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* it still brakes */
-    pass_ms(1000);
-    TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & 0x3400U); /* interrupted: reached, not attained */
+    expect_status_after(1000, REACHED, 0x3400U); /* interrupted: reached, not attained */
     TEST_ASSERT_TRUE(virtual_clock.now_us > sim_axis_end_us(&drive.axis));
 }
 
@@ -243,8 +239,7 @@ static void test_quick_stop(void)
     TEST_ASSERT_EQUAL_HEX16(0x0007, heard.statusword & 0x006FU);
     const uint64_t stop_us = sim_axis_end_us(&drive.axis) - drive.axis.start_us;
     TEST_ASSERT_UINT64_WITHIN(20000, 1000000, stop_us);
-    pass_ms(1200);
-    TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU);
+    expect_status_after(1200, 0x0040, 0x004FU);
     command_for(1000, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU); /* no way back without shutdown */
 }

@@ -74,8 +74,7 @@ static void test_a_jam_is_a_following_error(void)
     sim_axis_jam(&drive.axis, virtual_clock.now_us, true);
     sim_drive_disturb(&drive);
     const int32_t jammed_at = (int32_t)(drive.axis.jammed_deg * COUNTS_PER_DEG + 0.5);
-    pass_ms(100);
-    TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
+    expect_status_after(100, 0x0027, 0x006FU);
     pass_ms(60);
     TEST_ASSERT_EQUAL_HEX16(0x8611, heard.emergency);
     TEST_ASSERT_EQUAL_HEX16(0x2000, heard.statusword & 0x2000U);
@@ -89,8 +88,7 @@ static void test_without_a_window_a_jam_goes_unnoticed(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6065, 0, 0xFFFFFFFFU, 4));
     set_out();
     sim_axis_jam(&drive.axis, virtual_clock.now_us, true);
-    pass_ms(5000);
-    TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
+    expect_status_after(5000, 0x0027, 0x006FU);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
 }
 
@@ -203,16 +201,14 @@ static void test_homing_fails_when_there_is_no_mark(void)
 {
     drive.fault.homing_fails = true;
     start_homing();
-    pass_ms(30000);
-    TEST_ASSERT_EQUAL_HEX16(0x2400, heard.statusword & 0x3400U);
+    expect_status_after(30000, 0x2400, 0x3400U);
 }
 
 static void test_homing_may_never_end(void)
 {
     drive.fault.homing_endless = true;
     start_homing();
-    pass_ms(600000);
-    TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U);
+    expect_status_after(600000, 0, 0x3400U);
 }
 
 static void test_a_target_may_never_be_reached(void)
