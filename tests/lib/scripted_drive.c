@@ -261,6 +261,11 @@ void scripted_drive_hear(scripted_drive_t *d, fake_port_t *fake, const tumble_ca
     }
 }
 
+static uint64_t scripted_drive_period_ms(const scripted_drive_t *d)
+{
+    return (d->report_ms != 0U) ? d->report_ms : SCRIPTED_REPORT_MS;
+}
+
 static void scripted_drive_tick(scripted_drive_t *d)
 {
     d->clock_ms++;
@@ -278,7 +283,7 @@ static void scripted_drive_tick(scripted_drive_t *d)
     if (d->homing) {
         scripted_drive_home(d);
     }
-    if (!d->event_only && ((d->clock_ms % SCRIPTED_REPORT_MS) == 0U)) {
+    if (!d->event_only && ((d->clock_ms % scripted_drive_period_ms(d)) == 0U)) {
         scripted_drive_report(d);
     }
 }
@@ -297,12 +302,12 @@ uint64_t scripted_drive_next_us(const scripted_drive_t *d)
 {
     const bool turns = scripted_drive_moves(d) && !d->jammed;
     const bool reports = d->operational && !d->event_only;
-    const uint64_t period_ms = turns ? 1U : (reports ? SCRIPTED_REPORT_MS : SCRIPTED_HEARTBEAT_MS);
+    const uint64_t period_ms = turns ? 1U : (reports ? scripted_drive_period_ms(d) : SCRIPTED_HEARTBEAT_MS);
     return d->dead ? UINT64_MAX : ((d->clock_ms / period_ms + 1U) * period_ms * 1000U);
 }
 
 void scripted_drive_init(scripted_drive_t *d, fake_port_t *fake)
 {
-    *d = (scripted_drive_t){.actual = 12345, .move_ms = 200};
+    *d = (scripted_drive_t){.actual = 12345, .move_ms = 200, .report_ms = 20};
     scripted_drive_boot(d, fake);
 }

@@ -111,10 +111,11 @@ typedef struct {
     unsigned nmt_stops;         /* commands to it */
     int32_t homing_turns;       /* counts per ms while it homes */
     int32_t home;               /* where homing ends */
+    unsigned report_ms;         /* from one transmit PDO to the next; 0: the usual */
     bool event_only;            /* transmit PDOs on change only */
 } scripted_drive_t;
 
-/* At rest somewhere; homing and any move take 0.2 s. */
+/* At rest somewhere; homing and any move take 0.2 s, reports come every 20 ms. */
 void scripted_drive_init(scripted_drive_t *d, fake_port_t *fake);
 void scripted_drive_boot(scripted_drive_t *d, fake_port_t *fake);
 void scripted_drive_hear(scripted_drive_t *d, fake_port_t *fake, const tumble_can_frame_t *frame);
