@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     "stand": {"core", "canopen"},
     "procedure": {"core", "sample", "stand"},
     "navcomp": {"core", "port", "sample", "canopen", "store", "stand", "procedure"},
-    "boards": {"core", "port", "store", "navcomp"},
+    "boards": {"core", "port", "store", "stand", "navcomp"},  # of stand: which kind the board has
 }
 # The same for programs of an operating system. A name without a room is beside the file, or in one of these folders.
 FIRMWARE = set(MAY_INCLUDE) - {"boards"}

@@ -1,5 +1,5 @@
 /* tumble-node: the navigation computer as a process on a CAN interface of Linux. */
-#include "bench/config_prepare.h"
+#include "bench/config.h"
 #include "bench/report.h"
 #include "node.h"
 

@@ -1,9 +1,8 @@
 #include "node_options.h"
 
-#include "arguments.h"
-
+#include <getopt.h>
 #include <signal.h>
-#include <stddef.h>
+#include <stdlib.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -57,64 +56,44 @@ const char node_options_help[] =
     "check failed; 2 bad input, or no such interface; 3 fault; 77 this kernel has\n"
     "no CAN; 130 told to end during a calibration.\n";
 
-enum { START = 1, PATIENCE, OUT, GAINS, NV, PROGRESS, PROGRESS_FD, WITH_PARENT };
-
-static const struct option OPTIONS[] = {
-    {"start", no_argument, NULL, START},
-    {"patience", required_argument, NULL, PATIENCE},
-    {"out", required_argument, NULL, OUT},
-    {"gain-record", required_argument, NULL, GAINS},
-    {"nv", required_argument, NULL, NV},
-    {"progress", no_argument, NULL, PROGRESS},
-    {"progress-fd", required_argument, NULL, PROGRESS_FD},
-    {"with-parent", no_argument, NULL, WITH_PARENT},
-    {"help", no_argument, NULL, BENCH_HELP},
-    {"version", no_argument, NULL, BENCH_VERSION},
-    {0},
-};
-
-static bool take_text(const char *option, const char **text)
-{
-    *text = optarg;
-    return *optarg != '\0' || arguments_refuse(option, "must not be empty");
-}
-
-static bool take(void *to, int option)
+static bool take_patience(void *to, const char *text)
 {
     node_options_t *const options = to;
-    uint64_t fd = 0;
-    switch (option) {
-    case START:
-        options->start = true;
-        return true;
-    case PATIENCE:
-        return arguments_number("--patience", optarg, 0.0, 1e6, &options->patience_s);
-    case OUT:
-        return take_text("--out", &options->out);
-    case GAINS:
-        return take_text("--gain-record", &options->gains);
-    case NV:
-        return take_text("--nv", &options->nv);
-    case PROGRESS:
-        options->progress_fd = STDERR_FILENO;
-        return true;
-    case PROGRESS_FD:
-        if (!arguments_whole("--progress-fd", optarg, 0, 1023, &fd)) {
-            return false;
-        }
-        options->progress_fd = (int)fd;
-        return true;
-    case WITH_PARENT:
-        return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-    default:
-        return false;
-    }
+    char *end = NULL;
+    options->patience_s = strtod(text, &end);
+    return (end != text && *end == '\0' && options->patience_s >= 0.0 && options->patience_s <= 1e6) ||
+           arguments_refuse("--patience", "must be a number from 0 to 1e+06");
 }
+
+static bool take_progress(void *options, const char *none)
+{
+    (void)none;
+    ((node_options_t *)options)->progress_fd = STDERR_FILENO;
+    return true;
+}
+
+static bool take_with_parent(void *options, const char *none)
+{
+    (void)options;
+    (void)none;
+    return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
+}
+
+static const argument_t OPTIONS[] = {
+    ARGUMENT_FLAG("start", node_options_t, start),
+    ARGUMENT_TAKE("patience", take_patience),
+    ARGUMENT_TEXT("out", node_options_t, out),
+    ARGUMENT_TEXT("gain-record", node_options_t, gains),
+    ARGUMENT_TEXT("nv", node_options_t, nv),
+    ARGUMENT_CALL("progress", take_progress),
+    ARGUMENT_WHOLE("progress-fd", node_options_t, progress_fd, 0, 1023),
+    ARGUMENT_CALL("with-parent", take_with_parent),
+};
 
 bool node_options_read(node_options_t *options, int count, char *arguments[])
 {
     *options = (node_options_t){.progress_fd = -1};
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
+    if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;
     }
     if (options->asks != BENCH_ASKS_WORK) {

@@ -2,7 +2,6 @@
 
 #include "bench/json.h"
 #include "bench/report.h"
-#include "bench/report_counters.h"
 
 static void put_interface(const node_t *node, bench_json_t *json)
 {

@@ -3,7 +3,6 @@
 #include "stand.h"
 
 #include "bench/report.h"
-#include "bench/report_counters.h"
 #include "events.h"
 #include "port_linux.h"
 #include "stand_answers.h"

@@ -1,7 +1,6 @@
 #include "stand_options.h"
 
-#include "arguments.h"
-
+#include <getopt.h>
 #include <signal.h>
 #include <stddef.h>
 #include <string.h>
@@ -35,19 +34,9 @@ const char stand_options_help[] =
     "Exit codes: 0 told to end; 2 bad input, or no such interface; 3 fault; 77 this\n"
     "kernel has no CAN.\n";
 
-enum { SEED = 1, OPERATOR, WITH_PARENT };
-
-static const struct option OPTIONS[] = {
-    {"seed", required_argument, NULL, SEED},
-    {"operator", required_argument, NULL, OPERATOR},
-    {"with-parent", no_argument, NULL, WITH_PARENT},
-    {"help", no_argument, NULL, BENCH_HELP},
-    {"version", no_argument, NULL, BENCH_VERSION},
-    {0},
-};
-
-static bool take_operator(stand_options_t *options, const char *what)
+static bool take_operator(void *to, const char *what)
 {
+    stand_options_t *const options = to;
     static const char *const KINDS[] = {"none", "mount", "start", "ask", "hands"}; /* as stand_operator_kind_t */
     for (unsigned kind = 0; kind < sizeof KINDS / sizeof KINDS[0]; kind++) {
         if (strcmp(what, KINDS[kind]) == 0) {
@@ -58,25 +47,23 @@ static bool take_operator(stand_options_t *options, const char *what)
     return arguments_refuse("--operator", "must be none, mount, start, ask or hands");
 }
 
-static bool take(void *to, int option)
+static bool take_with_parent(void *options, const char *none)
 {
-    stand_options_t *const options = to;
-    switch (option) {
-    case SEED:
-        return arguments_whole("--seed", optarg, 0, UINT64_MAX, &options->seed);
-    case OPERATOR:
-        return take_operator(options, optarg);
-    case WITH_PARENT:
-        return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-    default:
-        return false;
-    }
+    (void)options;
+    (void)none;
+    return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
 }
+
+static const argument_t OPTIONS[] = {
+    ARGUMENT_WHOLE("seed", stand_options_t, seed, 0, UINT64_MAX),
+    ARGUMENT_TAKE("operator", take_operator),
+    ARGUMENT_CALL("with-parent", take_with_parent),
+};
 
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])
 {
     *options = (stand_options_t){.seed = 1, .operator = STAND_OPERATOR_MOUNTS};
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
+    if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;
     }
     return options->asks != BENCH_ASKS_WORK ||

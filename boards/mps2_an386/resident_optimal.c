@@ -2,7 +2,7 @@
  * estimator's working memory, and how the procedure reaches it. The record is the board's own, in non-volatile memory.
  */
 #include "tumble/core.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 extern const tumble_weighted_t tumble_resident_weighted;
 

@@ -12,7 +12,7 @@
 #ifndef TUMBLE_BOARDS_REPLAY_H
 #define TUMBLE_BOARDS_REPLAY_H
 
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "tumble/port.h"
 
 #include <stdbool.h>

@@ -1,11 +1,15 @@
 #include "commissioning.h"
 
+#include "navcomp/fields.h"
+
 #include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
 
 #define MAGIC "TUMBLECF"
 #define MAGIC_BYTES 8U
 #define HEADER_BYTES 16U
+#define LAST_PART_BEFORE_LISTS 4U
 
 /* One walk over the fields serves both directions, so that they cannot differ. */
 typedef struct {
@@ -34,9 +38,9 @@ static void walk_u8(walk_t *walk, uint8_t *value)
     *value = (uint8_t)walk_bytes(walk, *value, 1);
 }
 
-static void walk_i8(walk_t *walk, int8_t *value)
+static void walk_bool(walk_t *walk, bool *value)
 {
-    *value = (int8_t)(uint8_t)walk_bytes(walk, (uint8_t)*value, 1);
+    *value = walk_bytes(walk, *value ? 1U : 0U, 1) != 0U;
 }
 
 static void walk_u16(walk_t *walk, uint16_t *value)
@@ -49,7 +53,8 @@ static void walk_u32(walk_t *walk, uint32_t *value)
     *value = (uint32_t)walk_bytes(walk, *value, 4);
 }
 
-static void walk_f32(walk_t *walk, float *value)
+/* A number of four bytes, whatever it is. */
+static void walk_u32_bits(walk_t *walk, void *value)
 {
     uint32_t bits;
     (void)memcpy(&bits, value, sizeof bits);
@@ -72,41 +77,73 @@ static void walk_count(walk_t *walk, uint8_t *count, uint8_t most)
     *count = (*count < most) ? *count : most;
 }
 
-static void walk_averaging(walk_t *walk, tumble_averaging_config_t *averaging)
+/* The numbers of a configuration, each with its place in its struct: column `part` of the tables of fields is the order. */
+
+enum { F64, F32, U32, U16, U8, I32, I8, BOOL, ENUM8, ENUM };
+
+typedef struct {
+    uint8_t type;
+    uint8_t part;
+    uint16_t offset;
+} field_t;
+
+#define AVERAGING_FIELD(type, member, standard, signs, result, part, key, low, high, about)                            \
+    {type, part, offsetof(tumble_averaging_config_t, member)},
+#define PROCEDURE_FIELD(type, member, standard, signs, result, part, key, low, high, about)                            \
+    {type, part, offsetof(tumble_procedure_config_t, member)},
+#define DRIVE_FIELD(type, member, standard, signs, result, part, key, low, high, about)                                \
+    {type, part, offsetof(tumble_drive_profile_t, member)},
+
+static const field_t AVERAGING[] = {TUMBLE_AVERAGING_FIELDS(AVERAGING_FIELD)};
+static const field_t PROCEDURE[] = {TUMBLE_PROCEDURE_FIELDS(PROCEDURE_FIELD)};
+static const field_t DRIVE[] = {TUMBLE_DRIVE_FIELDS(DRIVE_FIELD)};
+
+#define COUNT_OF(fields) (sizeof(fields) / sizeof((fields)[0]))
+
+static void walk_field(walk_t *walk, uint8_t type, void *at)
 {
-    averaging->saturation_counts =
-        (int32_t)(uint32_t)walk_bytes(walk, (uint32_t)averaging->saturation_counts, 4);
-    walk_u32(walk, &averaging->min_samples);
-    walk_u16(walk, &averaging->max_lost);
-    walk_u16(walk, &averaging->stuck_run);
-    walk_f32(walk, &averaging->noise_counts);
-    walk_f32(walk, &averaging->stillness_ratio);
+    tumble_estimate_t choice;
+    switch (type) {
+    case F64:
+        walk_f64(walk, at);
+        break;
+    case F32:
+    case U32:
+    case I32:
+        walk_u32_bits(walk, at);
+        break;
+    case U16:
+        walk_u16(walk, at);
+        break;
+    case BOOL:
+        walk_bool(walk, at);
+        break;
+    case ENUM: /* a byte in the record, whatever the compiler takes for it */
+        (void)memcpy(&choice, at, sizeof choice);
+        choice = (tumble_estimate_t)walk_bytes(walk, (uint64_t)choice, 1);
+        (void)memcpy(at, &choice, sizeof choice);
+        break;
+    default:
+        walk_u8(walk, at);
+        break;
+    }
 }
 
-static void walk_procedure(walk_t *walk, tumble_procedure_config_t *procedure)
+static void walk_fields(walk_t *walk, uint32_t part, const field_t *fields, size_t count, void *structure)
 {
-    double *const numbers[] = {&procedure->error_budget_v,
-                               &procedure->v_per_count,     &procedure->nominal_scale_v_per_g,
-                               &procedure->gravity_limit_g, &procedure->closure_limit_g,
-                               &procedure->position_tolerance_deg, &procedure->approach_deg,
-                               &procedure->cable_min_deg,   &procedure->cable_max_deg};
-    uint32_t *const times[] = {&procedure->preflight_timeout_ms, &procedure->warm_up_timeout_ms,
-                               &procedure->mounting_timeout_ms,  &procedure->home_timeout_ms,
-                               &procedure->move_timeout_ms,      &procedure->settle_timeout_ms,
-                               &procedure->average_timeout_ms,   &procedure->sample_timeout_ms};
-    procedure->estimate = (tumble_estimate_t)walk_bytes(walk, (uint64_t)procedure->estimate, 1);
-    walk_u32(walk, &procedure->samples);
-    for (size_t i = 0; i < (sizeof numbers / sizeof numbers[0]); i++) {
-        walk_f64(walk, numbers[i]);
+    for (size_t i = 0; i < count; i++) {
+        if (fields[i].part == part) {
+            walk_field(walk, fields[i].type, (uint8_t *)structure + fields[i].offset);
+        }
     }
-    walk_u16(walk, &procedure->settle_ms);
-    walk_u16(walk, &procedure->max_corrupted);
-    walk_u8(walk, &procedure->retries);
-    walk_i8(walk, &procedure->warm_up_band_half_c);
-    walk_u16(walk, &procedure->warm_up_samples);
-    for (size_t i = 0; i < (sizeof times / sizeof times[0]); i++) {
-        walk_u32(walk, times[i]);
-    }
+}
+
+/* One part of the tables of fields. */
+static void walk_part(walk_t *walk, uint32_t part, zcu102_commissioned_t *all)
+{
+    walk_fields(walk, part, AVERAGING, COUNT_OF(AVERAGING), &all->averaging);
+    walk_fields(walk, part, PROCEDURE, COUNT_OF(PROCEDURE), &all->procedure);
+    walk_fields(walk, part, DRIVE, COUNT_OF(DRIVE), &all->drive);
 }
 
 static void walk_angle(walk_t *walk, tumble_angle_t *angle)
@@ -170,49 +207,20 @@ static void walk_lists(walk_t *walk, zcu102_commissioned_t *all)
     }
 }
 
-static void walk_drive(walk_t *walk, tumble_drive_profile_t *drive)
-{
-    double *const numbers[] = {&drive->counts_per_revolution, &drive->velocity_units_per_deg_s,
-                               &drive->acceleration_units_per_deg_s2, &drive->velocity_deg_s,
-                               &drive->acceleration_deg_s2, &drive->deceleration_deg_s2,
-                               &drive->quick_stop_deg_s2, &drive->homing_fast_deg_s,
-                               &drive->homing_slow_deg_s, &drive->homing_acceleration_deg_s2};
-    uint32_t *const words[] = {&drive->wrap_counts, &drive->window_counts, &drive->start_timeout_ms,
-                               &drive->power_timeout_ms, &drive->handshake_timeout_ms, &drive->home_timeout_ms,
-                               &drive->move_timeout_ms, &drive->stop_timeout_ms};
-    for (size_t i = 0; i < (sizeof numbers / sizeof numbers[0]); i++) {
-        walk_f64(walk, numbers[i]);
-    }
-    for (size_t i = 0; i < (sizeof words / sizeof words[0]); i++) {
-        walk_u32(walk, words[i]);
-    }
-    walk_i8(walk, &drive->sign);
-    walk_i8(walk, &drive->homing_method);
-    walk_u8(walk, &drive->stop);
-    walk_u16(walk, &drive->heartbeat_ms);
-    walk_u16(walk, &drive->heartbeat_timeout_ms);
-}
-
 /* What came later stands at the end: a record that was made before ends here, and reads as zeros. */
-static void walk_limits(walk_t *walk, tumble_drive_profile_t *drive)
-{
-    uint8_t limited = drive->software_limits ? 1U : 0U;
-    walk_f64(walk, &drive->homing_travel_deg);
-    walk_u8(walk, &limited);
-    drive->software_limits = (limited != 0U);
-}
-
 static void walk_all(walk_t *walk, zcu102_commissioned_t *all)
 {
     walk_u32(walk, &all->block_period_us);
     walk_u16(walk, &all->heartbeat_ms);
     walk_u16(walk, &all->heartbeat_timeout_ms);
-    walk_averaging(walk, &all->averaging);
-    walk_procedure(walk, &all->procedure);
-    walk_drive(walk, &all->drive);
+    for (uint32_t part = 1; part <= LAST_PART_BEFORE_LISTS; part++) {
+        walk_part(walk, part, all);
+    }
     walk_lists(walk, all);
     walk_schedule(walk, all);
-    walk_limits(walk, &all->drive);
+    for (uint32_t part = LAST_PART_BEFORE_LISTS + 1U; part <= UINT8_MAX; part++) {
+        walk_part(walk, part, all);
+    }
 }
 
 static void point_within(zcu102_commissioned_t *all)
@@ -228,9 +236,9 @@ static void point_within(zcu102_commissioned_t *all)
 
 tumble_status_t zcu102_commission(zcu102_commissioned_t *to, const tumble_navcomp_config_t *config)
 {
-    const tumble_drive_profile_t *drive = config->drive;
+    const tumble_drive_profile_t *drive = config->stand_profile;
     const tumble_schedule_t *schedule = config->procedure->schedule;
-    if ((drive == NULL) || (drive->receive_count > TUMBLE_DRIVE402_PDOS) ||
+    if ((config->stand != &tumble_drive402_kind) || (drive->receive_count > TUMBLE_DRIVE402_PDOS) ||
         (drive->transmit_count > TUMBLE_DRIVE402_PDOS) || (drive->write_count > ZCU102_MAX_WRITES) ||
         (schedule->mounting_count > TUMBLE_MAX_MOUNTINGS) || (schedule->position_count > TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;

@@ -2,12 +2,14 @@
  * memory that outlives power, in the place of the built-in configuration.
  *
  * The record, the same on every machine, all little endian: "TUMBLECF"; length of what follows the header, uint32;
- * checksum of it (FNV-1a, 32 bits); then the fields in the order of commissioning.c, numbers as IEEE 754 doubles.
+ * checksum of it (FNV-1a, 32 bits); then the fields, lists and schedule in the order of commissioning.c and of the tables of
+ * fields (procedure/config_fields.h), real numbers as in IEEE 754.
  */
 #ifndef ZCU102_COMMISSIONING_H
 #define ZCU102_COMMISSIONING_H
 
-#include "navcomp/navcomp.h"
+#include "stand/drive402/drive402.h"
+#include "tumble/navcomp.h"
 
 #include <stddef.h>
 #include <stdint.h>

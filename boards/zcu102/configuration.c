@@ -42,7 +42,7 @@ tumble_status_t zcu102_configure(tumble_navcomp_config_t *config, zcu102_commiss
 #endif
     if (status == TUMBLE_OK) {
         config->procedure = &room->procedure;
-        config->drive = &room->drive;
+        config->stand_profile = &room->drive;
         config->block_period_us = room->block_period_us;
         config->heartbeat_ms = room->heartbeat_ms;
         config->heartbeat_timeout_ms = room->heartbeat_timeout_ms;
@@ -62,8 +62,9 @@ static bool is_heard(uint32_t id)
 zcu102_can_config_t zcu102_can_for(const tumble_navcomp_config_t *config)
 {
     zcu102_can_config_t can = zcu102_can;
-    for (uint8_t i = 0; i < config->drive->transmit_count; i++) {
-        if (!is_heard(config->drive->transmit[i].setup.cob_id & TUMBLE_CAN_MAX_ID)) {
+    const tumble_drive_profile_t *drive = config->stand_profile;
+    for (uint8_t i = 0; i < drive->transmit_count; i++) {
+        if (!is_heard(drive->transmit[i].setup.cob_id & TUMBLE_CAN_MAX_ID)) {
             can.filters = NULL;
             can.filter_count = 0;
         }

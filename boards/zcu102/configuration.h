@@ -6,7 +6,7 @@
 
 #include "can.h"
 #include "commissioning.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 /* Where a commissioning record lies: in the emulator, memory that its loader fills. The chip has its flash for that,
  * once a board has one mapped: until then what is built in counts. */
@@ -14,7 +14,7 @@
 #define ZCU102_COMMISSIONING_ADDRESS 0x1800000U
 #endif
 
-/* The configuration in force, without port and hooks: that of the record, read into `room`, or what is built in.
+/* The configuration in force, without port, hooks and the memory of its stand, a drive: that of the record, read into `room`, or what is built in.
  * Returns TUMBLE_OK, or TUMBLE_E_CRC: the record is spoilt. */
 tumble_status_t zcu102_configure(tumble_navcomp_config_t *config, zcu102_commissioned_t *room);
 

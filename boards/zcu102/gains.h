@@ -6,7 +6,7 @@
 #ifndef ZCU102_GAINS_H
 #define ZCU102_GAINS_H
 
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 /* Null: the board has no memory for gains, and refuses the estimator. */
 const tumble_weighted_t *zcu102_weighted(void);

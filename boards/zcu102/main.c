@@ -7,7 +7,7 @@
 #include "processor.h"
 #include "uart.h"
 
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,6 +23,7 @@ static zcu102_can_config_t can_config;
 static zcu102_commissioned_t commissioned;
 static tumble_navcomp_config_t config;
 static tumble_navcomp_t navcomp;
+static tumble_drive402_t drive;
 
 static void put_pair(const char *name, uint64_t value)
 {
@@ -117,6 +118,8 @@ static tumble_status_t init(void)
 #endif
     commissioned.procedure.weighted = zcu102_weighted();
     config.port = &port.port;
+    config.stand_memory = &drive;
+    config.stand_bytes = sizeof drive;
     return (status == TUMBLE_OK) ? tumble_navcomp_init(&navcomp, &config) : status;
 }
 

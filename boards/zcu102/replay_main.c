@@ -19,6 +19,7 @@ static replay_t replay;
 static zcu102_commissioned_t commissioned;
 static tumble_navcomp_config_t config;
 static tumble_navcomp_t navcomp;
+static tumble_drive402_t drive;
 
 static void put_line(const char *name, uint64_t value)
 {
@@ -86,6 +87,8 @@ int main(void)
     if (status == TUMBLE_OK) {
         commissioned.procedure.weighted = zcu102_weighted();
         config.port = &replay.port;
+        config.stand_memory = &drive;
+        config.stand_bytes = sizeof drive;
         status = tumble_navcomp_init(&navcomp, &config);
     }
     if (status != TUMBLE_OK) {

@@ -21,7 +21,7 @@
 #include "tumble/core.h"
 #include "sample/at_rest.h"
 #include "navcomp/keeping.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "navcomp/parameters.h"
 #include "store/checkpoint.h"
 #include "store/commit_rules.h"

@@ -53,7 +53,7 @@ bool tumble_keeper_is_inhibited(const tumble_keeper_t *keeper)
 
 static bool is_turning(const tumble_navcomp_t *navcomp)
 {
-    const tumble_stand_state_t state = navcomp->stand.state(navcomp->stand.self);
+    const tumble_stand_state_t state = navcomp->stand.kind->state(navcomp->stand.self);
     return (state == TUMBLE_STAND_MOVING) || (state == TUMBLE_STAND_HOMING);
 }
 
@@ -73,7 +73,7 @@ void tumble_keeper_obey_inhibit(tumble_keeper_t *keeper)
     if (run) {
         tumble_procedure_give_up(&navcomp->procedure, TUMBLE_REASON_INHIBITED);
     } else {
-        navcomp->stand.stop(navcomp->stand.self);
+        navcomp->stand.kind->stop(navcomp->stand.self);
     }
 }
 
@@ -85,7 +85,7 @@ void tumble_keeper_pause(tumble_keeper_t *keeper)
 /* The table was not seen to stop, or somebody else turns it. */
 static bool stand_wants_a_look(const tumble_navcomp_t *navcomp)
 {
-    const tumble_stand_fault_t fault = navcomp->stand.fault(navcomp->stand.self);
+    const tumble_stand_fault_t fault = navcomp->stand.kind->fault(navcomp->stand.self);
     return (fault == TUMBLE_STAND_FAULT_STOP) || (fault == TUMBLE_STAND_FAULT_FOREIGN);
 }
 

@@ -4,8 +4,9 @@
 
 #include "core/bytes.h"
 #include "core/crc32.h"
-#include "tumble/core.h"
+#include "navcomp/fields.h"
 #include "navcomp/uncertainty.h"
+#include "tumble/core.h"
 
 #include <stddef.h>
 
@@ -22,6 +23,14 @@ static uint32_t add_numbers(uint32_t crc, const double *numbers, size_t count)
     }
     return crc;
 }
+
+/* Of a table of fields those that decide what comes out of a run. */
+#define RESULT_ONLY(number) (number),
+#define NO_RESULT_ONLY(number)
+#define PROCEDURE_RESULT(type, member, standard, signs, result, part, key, low, high, about)                           \
+    result##_ONLY((double)config->member)
+#define AVERAGING_RESULT(type, member, standard, signs, result, part, key, low, high, about)                           \
+    result##_ONLY((double)averaging->member)
 
 #define ADD(crc, numbers) add_numbers((crc), (numbers), sizeof(numbers) / sizeof((numbers)[0]))
 
@@ -42,11 +51,8 @@ uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper)
                                   stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
         crc = ADD(crc, numbers);
     }
-    if (config->drive != NULL) {
-        const double numbers[] = {config->drive->counts_per_revolution, (double)config->drive->sign,
-                                  (double)config->drive->homing_method};
-        crc = ADD(crc, numbers);
-    }
+    double numbers[TUMBLE_STAND_NUMBERS] = {0};
+    crc = add_numbers(crc, numbers, tumble_stand_numbers(config->stand, config->stand_profile, numbers));
     return crc;
 }
 
@@ -54,21 +60,7 @@ uint32_t tumble_keeper_stand_crc(const tumble_keeper_t *keeper)
 static uint32_t add_configuration(uint32_t crc, const tumble_procedure_config_t *config)
 {
     const tumble_averaging_config_t *averaging = config->averaging;
-    const double numbers[] = {(double)config->estimate,
-                              (double)config->samples,
-                              config->error_budget_v,
-                              config->v_per_count,
-                              config->nominal_scale_v_per_g,
-                              config->gravity_limit_g,
-                              config->closure_limit_g,
-                              config->approach_deg,
-                              (double)config->settle_ms,
-                              (double)averaging->saturation_counts,
-                              (double)averaging->min_samples,
-                              (double)averaging->max_lost,
-                              (double)averaging->stuck_run,
-                              (double)averaging->noise_counts,
-                              (double)averaging->stillness_ratio};
+    const double numbers[] = {TUMBLE_PROCEDURE_FIELDS(PROCEDURE_RESULT) TUMBLE_AVERAGING_FIELDS(AVERAGING_RESULT)};
     return ADD(crc, numbers);
 }
 

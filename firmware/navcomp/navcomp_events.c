@@ -2,9 +2,9 @@
 
 #include <stddef.h>
 
-static bool is_drive(const tumble_navcomp_t *navcomp, uint8_t node)
+static bool is_stand(const tumble_navcomp_t *navcomp, uint8_t node)
 {
-    return tumble_has_drive(navcomp) && (node == navcomp->config->drive_node);
+    return node == navcomp->config->stand_node; /* nobody is node 0 */
 }
 
 static bool is_block(const tumble_navcomp_t *navcomp, uint8_t node)
@@ -25,8 +25,8 @@ static void block_heartbeat(tumble_navcomp_t *navcomp, tumble_heartbeat_event_t 
 static void heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
 {
     tumble_navcomp_t *navcomp = context;
-    if (is_drive(navcomp, node)) {
-        tumble_drive402_heartbeat(&navcomp->axis.drive, event, state);
+    if (is_stand(navcomp, node)) {
+        navcomp->stand.kind->heartbeat(navcomp->stand.self, event, state);
     } else if (is_block(navcomp, node)) {
         block_heartbeat(navcomp, event);
     } else {
@@ -45,10 +45,10 @@ static void heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t even
 static void emergency(void *context, uint8_t node, const tumble_emergency_t *message)
 {
     tumble_navcomp_t *navcomp = context;
-    if (is_drive(navcomp, node)) {
-        tumble_drive402_emergency(&navcomp->axis.drive, message);
+    if (is_stand(navcomp, node)) {
+        navcomp->stand.kind->emergency(navcomp->stand.self, message);
     }
-    if (is_drive(navcomp, node) || is_block(navcomp, node)) {
+    if (is_stand(navcomp, node) || is_block(navcomp, node)) {
         tumble_count(&navcomp->events.emergencies);
     }
 }
@@ -56,8 +56,8 @@ static void emergency(void *context, uint8_t node, const tumble_emergency_t *mes
 static void pdo_received(void *context, uint8_t number)
 {
     tumble_navcomp_t *navcomp = context;
-    if (tumble_has_drive(navcomp)) {
-        tumble_drive402_pdo_received(&navcomp->axis.drive, number);
+    if (tumble_is_on_bus(navcomp)) {
+        navcomp->stand.kind->pdo_received(navcomp->stand.self, number);
     }
 }
 
@@ -75,14 +75,12 @@ static void reset(void *context, bool application)
 
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id)
 {
-    const bool drive = tumble_has_drive(navcomp);
-    const bool ours = (id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node)) ||
-                      (drive && tumble_drive402_sends(&navcomp->axis.drive, id));
+    bool ours = (id == (TUMBLE_HEARTBEAT_ID + navcomp->config->node));
+    if (tumble_is_on_bus(navcomp)) {
+        ours = navcomp->stand.kind->foreign(navcomp->stand.self, id, ours);
+    }
     if (ours) {
         tumble_count(&navcomp->events.foreign);
-        if (drive) {
-            tumble_drive402_foreign(&navcomp->axis.drive, id);
-        }
     }
     return ours;
 }

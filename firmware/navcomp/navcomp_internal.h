@@ -1,6 +1,6 @@
 /* navcomp_internal.h - what the files of navcomp share (private to it).
  *
- *     navcomp.c          init, the step, deadlines
+ *     step.c             init, the step, deadlines
  *     navcomp_events.c   what the node tells: heartbeats, emergencies, process data, resets
  *     navcomp_objects.c  the object dictionary's values
  *     navcomp_report.c   commands and the readable side
@@ -10,7 +10,7 @@
 #ifndef TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 #define TUMBLE_NAVCOMP_NAVCOMP_INTERNAL_H
 
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 /* tumble_navcomp_t.restart */
 enum { RESTART_NONE = 0, RESTART_COMMUNICATION, RESTART_APPLICATION };
@@ -18,9 +18,9 @@ enum { RESTART_NONE = 0, RESTART_COMMUNICATION, RESTART_APPLICATION };
 extern const tumble_node_events_t tumble_navcomp_node_events;
 extern const tumble_object_hooks_t tumble_navcomp_object_hooks;
 
-static inline bool tumble_has_drive(const tumble_navcomp_t *navcomp)
+static inline bool tumble_is_on_bus(const tumble_navcomp_t *navcomp)
 {
-    return navcomp->config->drive != NULL;
+    return navcomp->config->stand_node != 0U;
 }
 
 static inline bool tumble_has_block(const tumble_navcomp_t *navcomp)
@@ -49,8 +49,8 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us);
 /* Are 1016h and 1017h such that stand and block are watched, and hear us, as configured? */
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp);
 
-/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the drive, and the
- * heartbeat of its number); the drive has been told. */
+/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the stand, and the
+ * heartbeat of its number); the stand has been told. */
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id);
 
 /* The block streams, or is none of our business. Tell the procedure. */

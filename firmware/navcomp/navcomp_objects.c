@@ -8,11 +8,7 @@
 #define COMMAND_COMMAND 2U
 #define GRAVITY_LIMIT 3U
 #define SERVICE_LEVEL 2U
-#define CONFIGURATION_SAMPLES 1U
-#define CONFIGURATION_ESTIMATE 2U
-#define CONFIGURATION_SETTLE 3U
-#define CONFIGURATION_RETRIES 4U
-#define CONFIGURATION_GRAVITY_LIMIT 5U
+#define CONFIGURATION_ESTIMATE 2U /* an enum, and a byte on the bus */
 
 /* Reading. An entry's offset is the place of its member in the struct that the object stands for. */
 
@@ -132,30 +128,17 @@ static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
 }
 
 /* Between runs only: the means of one run are taken in one way. */
-static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, uint8_t subindex, const uint8_t *bytes)
+static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, const tumble_entry_t *entry, const uint8_t *bytes,
+                                          uint8_t size)
 {
     tumble_procedure_config_t *config = &navcomp->procedure_config;
     if (tumble_run_is_on(navcomp)) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
-    switch (subindex) {
-    case CONFIGURATION_SAMPLES:
-        config->samples = tumble_get_u32(bytes);
-        break;
-    case CONFIGURATION_ESTIMATE:
+    if (entry->subindex == CONFIGURATION_ESTIMATE) {
         config->estimate = (tumble_estimate_t)bytes[0];
-        break;
-    case CONFIGURATION_SETTLE:
-        config->settle_ms = tumble_get_u16(bytes);
-        break;
-    case CONFIGURATION_RETRIES:
-        config->retries = bytes[0];
-        break;
-    case CONFIGURATION_GRAVITY_LIMIT:
-        config->gravity_limit_g = tumble_get_f64(bytes);
-        break;
-    default:
-        return TUMBLE_ABORT_ACCESS;
+    } else {
+        tumble_dictionary_unpack(entry, (uint8_t *)config + entry->offset, bytes, size);
     }
     return TUMBLE_ABORT_NONE;
 }
@@ -163,7 +146,6 @@ static tumble_abort_t write_configuration(tumble_navcomp_t *navcomp, uint8_t sub
 static tumble_abort_t write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
 {
     tumble_navcomp_t *navcomp = context;
-    (void)size;
     if ((entry->index == TUMBLE_NAVCOMP_INDEX_COMMAND) && (entry->subindex == COMMAND_COMMAND)) {
         return write_command(navcomp, bytes[0]);
     }
@@ -171,7 +153,7 @@ static tumble_abort_t write(void *context, const tumble_entry_t *entry, const ui
         return refusal_of(tumble_service_unlock(navcomp, tumble_get_u32(bytes)));
     }
     if (entry->index == TUMBLE_NAVCOMP_INDEX_CONFIGURATION) {
-        return write_configuration(navcomp, entry->subindex, bytes);
+        return write_configuration(navcomp, entry, bytes, size);
     }
     return TUMBLE_ABORT_NONE; /* variables of the dictionary: the arguments, and what the drive's PDOs write */
 }

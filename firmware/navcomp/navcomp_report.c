@@ -4,18 +4,16 @@
 
 /* Commands. */
 
-static tumble_status_t confirm_angle_as_asked(tumble_navcomp_t *navcomp)
+static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double angle_deg)
 {
-    double angle_deg = 0.0;
-    return tumble_navcomp_request(navcomp, &angle_deg)
-               ? navcomp->config->by_hand->confirm(&navcomp->axis.person, angle_deg)
-               : TUMBLE_E_STATE;
+    const tumble_stand_t *stand = &navcomp->stand;
+    return tumble_stand_report(stand)->asks ? stand->kind->confirm(stand->self, angle_deg) : TUMBLE_E_STATE;
 }
 
 /* A stand that is not in FAULT, or cannot leave it now, says so in its own words. */
 static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
 {
-    const tumble_status_t status = navcomp->stand.clear_fault(navcomp->stand.self);
+    const tumble_status_t status = navcomp->stand.kind->clear_fault(navcomp->stand.self);
     return (status == TUMBLE_OK) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
@@ -31,7 +29,7 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     if (tumble_run_is_on(navcomp) || !tumble_is_supervised(navcomp)) {
         return TUMBLE_E_STATE;
     }
-    const tumble_status_t status = turn ? stand->move(stand->self, angle_deg) : stand->home(stand->self);
+    const tumble_status_t status = turn ? stand->kind->move(stand->self, angle_deg) : stand->kind->home(stand->self);
     return (status == TUMBLE_E_STAND_STATE) ? TUMBLE_E_STATE : status;
 }
 
@@ -55,7 +53,7 @@ tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t 
         status = tumble_procedure_confirm_mounting(procedure, argument);
         break;
     case TUMBLE_COMMAND_CONFIRM_ANGLE:
-        status = confirm_angle_as_asked(navcomp);
+        status = confirm_angle(navcomp, tumble_stand_report(&navcomp->stand)->asked_deg);
         break;
     case TUMBLE_COMMAND_REPEAT_POSITION:
         status = tumble_procedure_repeat_position(procedure, argument);
@@ -118,16 +116,18 @@ tumble_status_t tumble_navcomp_accept(tumble_navcomp_t *navcomp, uint32_t propos
 
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg)
 {
-    const tumble_operator_calls_t *by_hand = navcomp->config->by_hand;
-    return account(navcomp, tumble_has_drive(navcomp) ? TUMBLE_E_STATE
-                                                      : by_hand->confirm(&navcomp->axis.person, angle_deg));
+    return account(navcomp, confirm_angle(navcomp, angle_deg));
 }
 
 /* The readable side. */
 
 bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg)
 {
-    return !tumble_has_drive(navcomp) && navcomp->config->by_hand->request(&navcomp->axis.person, angle_deg);
+    const tumble_stand_report_t *report = tumble_stand_report(&navcomp->stand);
+    if (report->asks) {
+        *angle_deg = report->asked_deg;
+    }
+    return report->asks;
 }
 
 void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_progress_t *progress)
@@ -136,11 +136,11 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
     tumble_procedure_progress(&navcomp->procedure, &progress->run);
     progress->has_mean = tumble_procedure_running(&navcomp->procedure, progress->mean_v,
                                                   progress->standard_error_v) == TUMBLE_OK;
-    progress->stand = navcomp->stand.state(navcomp->stand.self);
-    progress->angle_deg = navcomp->stand.angle_deg(navcomp->stand.self);
+    progress->stand = navcomp->stand.kind->state(navcomp->stand.self);
+    progress->angle_deg = navcomp->stand.kind->angle_deg(navcomp->stand.self);
     progress->temperature_half_c = navcomp->temperature_half_c;
-    progress->stand_fault = (uint8_t)navcomp->stand.fault(navcomp->stand.self);
-    progress->limited = (tumble_has_drive(navcomp) && tumble_drive402_is_limited(&navcomp->axis.drive)) ? 1U : 0U;
+    progress->stand_fault = (uint8_t)navcomp->stand.kind->fault(navcomp->stand.self);
+    progress->limited = tumble_stand_report(&navcomp->stand)->limited ? 1U : 0U;
     progress->as_byte.state = (uint8_t)progress->run.state;
     progress->as_byte.reason = (uint8_t)progress->run.reason;
     progress->as_byte.failed_in = (uint8_t)progress->run.failed_in;
@@ -160,12 +160,12 @@ void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_cou
     counters->block = navcomp->block.counters;
     counters->averaging = tumble_procedure_averages(&navcomp->procedure)->counters;
     counters->procedure = *tumble_procedure_counters(&navcomp->procedure);
-    counters->stop = tumble_has_drive(navcomp) ? navcomp->axis.drive.counters : (tumble_stop_counters_t){0};
+    counters->stop = tumble_stand_report(&navcomp->stand)->stop;
 }
 
-tumble_drive_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp)
+tumble_stand_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp)
 {
-    return tumble_has_drive(navcomp) ? tumble_drive402_refusal(&navcomp->axis.drive) : (tumble_drive_refusal_t){0};
+    return tumble_stand_report(&navcomp->stand)->refusal;
 }
 
 const tumble_procedure_t *tumble_navcomp_procedure(const tumble_navcomp_t *navcomp)

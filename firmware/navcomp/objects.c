@@ -3,7 +3,7 @@
 
 #include "canopen/cia402.h"
 #include "canopen/table_checks.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 #include <assert.h>
 #include <stddef.h>

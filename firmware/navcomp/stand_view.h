@@ -9,7 +9,7 @@
 
 #include "core/means.h"
 #include "tumble/core.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -13,13 +13,14 @@
 #ifndef TUMBLE_NAVCOMP_STANDARD_H
 #define TUMBLE_NAVCOMP_STANDARD_H
 
-#include "navcomp/navcomp.h"
+#include "stand/drive402/drive402.h"
+#include "tumble/navcomp.h"
 
 extern const tumble_averaging_config_t tumble_standard_averaging;
 extern const tumble_procedure_config_t tumble_standard_procedure;
 extern const tumble_drive_profile_t tumble_standard_drive; /* one PDO each way */
 
-/* Everything but the port and the hooks, which are null. */
+/* Everything but the port, the hooks and the stand's memory, a tumble_drive402_t, which are null. */
 extern const tumble_navcomp_config_t tumble_standard_navcomp;
 
 #endif

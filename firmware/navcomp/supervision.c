@@ -3,14 +3,14 @@
  */
 #include "navcomp/navcomp_internal.h"
 
-#define WATCHES_DRIVE 1U /* subindices of 1016h */
+#define WATCHES_STAND 1U /* subindices of 1016h */
 #define WATCHES_BLOCK 2U
 
 /* 1016h:1 and :2 as configured. */
-static uint32_t watched_drive(const tumble_navcomp_t *navcomp)
+static uint32_t watched_stand(const tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
-    return tumble_has_drive(navcomp) ? (((uint32_t)config->drive_node << 16) | config->heartbeat_timeout_ms) : 0U;
+    return tumble_is_on_bus(navcomp) ? (((uint32_t)config->stand_node << 16) | config->heartbeat_timeout_ms) : 0U;
 }
 
 static uint32_t watched_block(const tumble_navcomp_t *navcomp)
@@ -29,7 +29,7 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
     for (uint8_t subindex = 1; subindex <= TUMBLE_MAX_CONSUMERS; subindex++) {
         (void)tumble_nmt_set_consumer(nmt, subindex, 0);
     }
-    (void)tumble_nmt_set_consumer(nmt, WATCHES_DRIVE, watched_drive(navcomp));
+    (void)tumble_nmt_set_consumer(nmt, WATCHES_STAND, watched_stand(navcomp));
     (void)tumble_nmt_set_consumer(nmt, WATCHES_BLOCK, watched_block(navcomp));
 }
 
@@ -37,7 +37,7 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
 {
     const tumble_nmt_t *nmt = &navcomp->node.nmt;
-    return (tumble_nmt_consumer(nmt, WATCHES_DRIVE) == watched_drive(navcomp)) &&
+    return (tumble_nmt_consumer(nmt, WATCHES_STAND) == watched_stand(navcomp)) &&
            (tumble_nmt_consumer(nmt, WATCHES_BLOCK) == watched_block(navcomp)) &&
            (nmt->producer_ms == navcomp->config->heartbeat_ms);
 }

@@ -7,7 +7,7 @@
 #define TUMBLE_NAVCOMP_UNCERTAINTY_H
 
 #include "tumble/core.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 
 /* The stand as declared, const data of the board. */
 typedef struct tumble_declared {

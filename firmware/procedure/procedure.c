@@ -210,7 +210,7 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
     }
     (void)memset(procedure, 0, sizeof *procedure);
     procedure->config = config;
-    procedure->stand = stand;
+    procedure->stand = *stand;
     procedure->mounted = TUMBLE_NOT_MOUNTED;
     procedure->block_alive = true;
     procedure->bus_up = true;
@@ -263,7 +263,7 @@ void tumble_procedure_give_up(tumble_procedure_t *procedure, tumble_reason_t rea
 tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure)
 {
     if (!allows(procedure, COMMAND_ABORT)) {
-        procedure->stand->stop(procedure->stand->self);
+        procedure->stand.kind->stop(procedure->stand.self);
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
     tumble_procedure_give_up(procedure, TUMBLE_REASON_COMMAND);

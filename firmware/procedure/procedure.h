@@ -19,7 +19,7 @@
 #include "tumble/core.h"
 #include "procedure/states.h"
 #include "sample/block_sample.h"
-#include "stand/stand.h"
+#include "tumble/stand.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -126,7 +126,7 @@ typedef struct {
     uint16_t last_timestamp_ms;
     uint16_t drive_code;
     const tumble_procedure_config_t *config;
-    const tumble_stand_t *stand;
+    tumble_stand_t stand;
     uint32_t settled_ms; /* of the block's time since the table is in position */
     uint64_t now_us;
     uint64_t started_us;

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/vector.h"
+#include "procedure/config_fields.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -19,16 +20,34 @@
 #define EQUAL_BY_CHANCE 1e-5
 #define MOST_EQUAL_SAMPLES 14U /* with noise of a count */
 
-/* The configuration: which signs a number may have, and where it stands. */
+/* The configuration: which signs a number may have, and where it stands. Column `signs` of the table of fields: of a real
+ * number it becomes a row, of a whole one a condition. */
 
-enum { NEGATIVE = 1, ZERO = 2, POSITIVE = 4, ANY = NEGATIVE | ZERO | POSITIVE };
+enum { NEGATIVE = 1, ZERO = 2, POSITIVE = 4, NOT_ZERO = NEGATIVE | POSITIVE, NOT_NEGATIVE = ZERO | POSITIVE, ANY = 7 };
 
 typedef struct {
     uint8_t offset;
     uint8_t signs;
 } number_row_t;
 
-#define NUMBER(member, signs) {(uint8_t)offsetof(tumble_procedure_config_t, member), (signs)}
+#define ROW(type, member, standard, signs, result, part, key, low, high, about) type##_ROW(member, signs)
+#define F64_ROW(member, signs) {(uint8_t)offsetof(tumble_procedure_config_t, member), (signs)},
+#define U32_ROW(member, signs)
+#define U16_ROW(member, signs)
+#define U8_ROW(member, signs)
+#define I8_ROW(member, signs)
+#define ENUM_ROW(member, signs)
+
+#define WHOLE(type, member, standard, signs, result, part, key, low, high, about) type##_WHOLE(signs, member)
+#define F64_WHOLE(signs, member)
+#define U32_WHOLE(signs, member) signs##_WHOLE(member)
+#define U16_WHOLE(signs, member) signs##_WHOLE(member)
+#define U8_WHOLE(signs, member) signs##_WHOLE(member)
+#define I8_WHOLE(signs, member) signs##_WHOLE(member)
+#define ENUM_WHOLE(signs, member)
+#define ANY_WHOLE(member)
+#define POSITIVE_WHOLE(member) && (config->member > 0)
+#define NOT_NEGATIVE_WHOLE(member) && (config->member >= 0)
 
 /* Of a finite number. */
 static unsigned sign_of(double x)
@@ -38,17 +57,7 @@ static unsigned sign_of(double x)
 
 static bool numbers_are_valid(const tumble_procedure_config_t *config)
 {
-    static const number_row_t number_rows[] = {
-        NUMBER(error_budget_v, ZERO | POSITIVE),
-        NUMBER(v_per_count, NEGATIVE | POSITIVE),
-        NUMBER(nominal_scale_v_per_g, NEGATIVE | POSITIVE),
-        NUMBER(gravity_limit_g, POSITIVE),
-        NUMBER(closure_limit_g, POSITIVE),
-        NUMBER(position_tolerance_deg, POSITIVE),
-        NUMBER(approach_deg, ZERO | POSITIVE),
-        NUMBER(cable_min_deg, ANY),
-        NUMBER(cable_max_deg, ANY),
-    };
+    static const number_row_t number_rows[] = {TUMBLE_PROCEDURE_FIELDS(ROW)};
     bool valid = true;
     for (size_t i = 0; i < (sizeof number_rows / sizeof number_rows[0]); i++) {
         double x;
@@ -58,12 +67,10 @@ static bool numbers_are_valid(const tumble_procedure_config_t *config)
     return valid && (config->cable_min_deg < config->cable_max_deg);
 }
 
-static bool times_are_valid(const tumble_procedure_config_t *config)
+static bool whole_numbers_are_valid(const tumble_procedure_config_t *config)
 {
-    return (config->preflight_timeout_ms > 0U) && (config->warm_up_timeout_ms > 0U) &&
-           (config->mounting_timeout_ms > 0U) && (config->home_timeout_ms > 0U) && (config->move_timeout_ms > 0U) &&
-           (config->settle_timeout_ms > config->settle_ms) && (config->average_timeout_ms > 0U) &&
-           (config->sample_timeout_ms > 0U) && (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS);
+    return (config->settle_timeout_ms > config->settle_ms) &&
+           (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS) TUMBLE_PROCEDURE_FIELDS(WHOLE);
 }
 
 /* So many equal samples that noise makes them by chance in one of 100,000 at most. With noise of s counts no
@@ -97,8 +104,7 @@ static bool is_valid(const tumble_procedure_config_t *config)
            ((unsigned)config->estimate <= (unsigned)TUMBLE_ESTIMATE_OPTIMAL) &&
            ((config->estimate != TUMBLE_ESTIMATE_OPTIMAL) || (config->weighted != NULL)) &&
            ((int64_t)config->samples <= TUMBLE_MAX_SAMPLES) && (config->samples >= config->averaging->min_samples) &&
-           (config->warm_up_band_half_c >= 0) && numbers_are_valid(config) && times_are_valid(config) &&
-           stuck_shows(config);
+           numbers_are_valid(config) && whole_numbers_are_valid(config) && stuck_shows(config);
 }
 
 static tumble_status_t examine_schedule(const tumble_procedure_config_t *config, tumble_refusal_t *refusal)

@@ -13,7 +13,7 @@ outcome_t tumble_fail(tumble_procedure_t *procedure, tumble_reason_t reason)
 
 tumble_stand_state_t tumble_stand_state(const tumble_procedure_t *procedure)
 {
-    return procedure->stand->state(procedure->stand->self);
+    return procedure->stand.kind->state(procedure->stand.self);
 }
 
 tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
@@ -31,13 +31,13 @@ tumble_reason_t tumble_stand_reason(const tumble_procedure_t *procedure)
         [TUMBLE_STAND_FAULT_POSITION] = TUMBLE_REASON_SLIP,
         [TUMBLE_STAND_FAULT_FOREIGN] = TUMBLE_REASON_FOREIGN_COMMAND,
     };
-    const unsigned fault = (unsigned)procedure->stand->fault(procedure->stand->self);
+    const unsigned fault = (unsigned)procedure->stand.kind->fault(procedure->stand.self);
     return (fault < sizeof reasons) ? (tumble_reason_t)reasons[fault] : TUMBLE_REASON_DRIVE_FAULT;
 }
 
 bool tumble_table_slipped(const tumble_procedure_t *procedure)
 {
-    const double off_deg = procedure->stand->angle_deg(procedure->stand->self) - procedure->target_deg;
+    const double off_deg = procedure->stand.kind->angle_deg(procedure->stand.self) - procedure->target_deg;
     return !tumble_within(off_deg, procedure->config->position_tolerance_deg);
 }
 

@@ -54,7 +54,7 @@ outcome_t tumble_preflight_enter(tumble_procedure_t *procedure)
 static void clear_fault(tumble_procedure_t *procedure)
 {
     if (procedure->clearing) {
-        procedure->status = procedure->stand->clear_fault(procedure->stand->self);
+        procedure->status = procedure->stand.kind->clear_fault(procedure->stand.self);
         procedure->clearing = (procedure->status != TUMBLE_OK);
     }
 }
@@ -172,7 +172,7 @@ outcome_t tumble_home_enter(tumble_procedure_t *procedure)
     }
     procedure->homed = false;
     tumble_add_up(&procedure->counters.homings, 1U);
-    return follow_command(procedure, procedure->stand->home(procedure->stand->self));
+    return follow_command(procedure, procedure->stand.kind->home(procedure->stand.self));
 }
 
 outcome_t tumble_home_poll(tumble_procedure_t *procedure)
@@ -187,7 +187,7 @@ static outcome_t command_move(tumble_procedure_t *procedure, double angle_deg)
 {
     procedure->restart_timer = true;
     tumble_add_up(&procedure->counters.moves, 1U);
-    return follow_command(procedure, procedure->stand->move(procedure->stand->self, angle_deg));
+    return follow_command(procedure, procedure->stand.kind->move(procedure->stand.self, angle_deg));
 }
 
 outcome_t tumble_move_enter(tumble_procedure_t *procedure)
@@ -199,7 +199,7 @@ outcome_t tumble_move_enter(tumble_procedure_t *procedure)
     tumble_add_up(&procedure->counters.unwinds, (target_deg < scheduled_deg) || (target_deg > scheduled_deg));
     procedure->target_deg = target_deg;
     const double below_deg = target_deg - config->approach_deg;
-    const double here_deg = procedure->stand->angle_deg(procedure->stand->self);
+    const double here_deg = procedure->stand.kind->angle_deg(procedure->stand.self);
     procedure->leading_in = tumble_is_positive(config->approach_deg) && !(here_deg <= below_deg);
     return command_move(procedure, procedure->leading_in ? below_deg : target_deg);
 }
@@ -278,7 +278,7 @@ outcome_t tumble_settle_late(tumble_procedure_t *procedure)
 outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
 {
     tumble_add_up(&procedure->counters.faults, 1U);
-    procedure->stand->stop(procedure->stand->self);
+    procedure->stand.kind->stop(procedure->stand.self);
     return OUTCOME_STAY;
 }
 
@@ -290,14 +290,14 @@ outcome_t tumble_fault_poll(tumble_procedure_t *procedure)
         procedure->reason = tumble_stand_reason(procedure);
     }
     if (stand_fault && (procedure->drive_code == 0U)) {
-        procedure->drive_code = procedure->stand->fault_code(procedure->stand->self);
+        procedure->drive_code = tumble_stand_report(&procedure->stand)->fault_code;
     }
     return OUTCOME_STAY;
 }
 
 outcome_t tumble_abort_enter(tumble_procedure_t *procedure)
 {
-    procedure->stand->stop(procedure->stand->self);
+    procedure->stand.kind->stop(procedure->stand.self);
     return OUTCOME_STAY;
 }
 
@@ -305,7 +305,7 @@ outcome_t tumble_abort_enter(tumble_procedure_t *procedure)
 outcome_t tumble_abort_poll(tumble_procedure_t *procedure)
 {
     const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
-    if (stand_fault && (procedure->stand->fault(procedure->stand->self) == TUMBLE_STAND_FAULT_STOP)) {
+    if (stand_fault && (procedure->stand.kind->fault(procedure->stand.self) == TUMBLE_STAND_FAULT_STOP)) {
         procedure->reason = TUMBLE_REASON_STOP_NOT_CONFIRMED;
     }
     return OUTCOME_STAY;

@@ -9,8 +9,10 @@
 
 #include "bench/keeping.h"
 #include "tumble/core.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "navcomp/uncertainty.h"
+#include "stand/drive402/drive402.h"
+#include "stand/operator/operator.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
 
@@ -40,7 +42,6 @@ typedef struct {
     sim_scenario_t scenario;
     bench_present_t present;
     bench_stand_t stand;
-    tumble_drive_stop_t stop; /* copied into the profile */
 
     tumble_averaging_config_t averaging;
     tumble_procedure_config_t procedure;
@@ -71,5 +72,13 @@ const char *bench_config_complete(bench_config_t *config);
 
 /* What the firmware, if it takes part, would refuse of a complete configuration as soon as it starts; null: nothing. */
 const char *bench_config_refused(const bench_config_t *config);
+
+/* Defaults, then what the file says ("-": standard input; null: nothing) and the file of a gain record (null: none), then
+ * complete and fit for the firmware. `config` must not be moved
+ * afterwards. False: one line on standard error, which begins with the name of the program, has said what is wrong. */
+bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program);
+
+/* The same for a simulation whose firmware is elsewhere: what only the firmware needs, such as gains, is not asked for. */
+bool bench_config_prepare_stand(bench_config_t *config, const char *path, const char *program);
 
 #endif

@@ -1,8 +1,6 @@
 #include "bench/config_file.h"
 
 #include "bench/config_keys.h"
-#include "bench/config_lines.h"
-#include "bench/config_text.h"
 
 #include <ctype.h>
 #include <stdarg.h>
@@ -10,6 +8,279 @@
 
 #define MAX_LINE 1024
 #define MAX_KEYS 160
+#define MAX_ANGLE_DEG 3600.0
+#define BIG 1e9
+
+/* mounting, position */
+
+static void begin_schedule(sim_scenario_t *scenario)
+{
+    if (scenario->schedule.mountings == tumble_schedule_paper.mountings) {
+        scenario->schedule = (tumble_schedule_t){scenario->mountings, scenario->positions, 0, 0};
+    }
+}
+
+static bool read_angle(char *const word[3], tumble_angle_t *angle)
+{
+    return bench_number(word[0], -MAX_ANGLE_DEG, MAX_ANGLE_DEG, &angle->deg) &&
+           bench_number(word[1], -1.0, 1.0, &angle->sine) && bench_number(word[2], -1.0, 1.0, &angle->cosine);
+}
+
+static const char *read_mounting(bench_config_t *config, const bench_words_t *words)
+{
+    sim_scenario_t *const scenario = &config->scenario;
+    begin_schedule(scenario);
+    if (scenario->schedule.mounting_count == TUMBLE_MAX_MOUNTINGS) {
+        return "more mountings than fit";
+    }
+    tumble_mounting_t *const mounting = &scenario->mountings[scenario->schedule.mounting_count];
+    int64_t number = 0;
+    bool good = words->count == 13U && bench_whole(words->word[0], 1, 255, &number) &&
+                read_angle(&words->word[1], &mounting->tilt);
+    for (unsigned i = 0; good && i < 9U; i++) {
+        good = bench_number(words->word[4U + i], -1.0, 1.0, &mounting->matrix[i / 3U][i % 3U]);
+    }
+    mounting->number = (uint8_t)number;
+    scenario->schedule.mounting_count++;
+    return good ? NULL : "a mounting is a number 1 to 255, tilt (degrees, sine, cosine) and nine elements within 1";
+}
+
+static const char *read_position(bench_config_t *config, const bench_words_t *words)
+{
+    sim_scenario_t *const scenario = &config->scenario;
+    begin_schedule(scenario);
+    if (scenario->schedule.position_count == TUMBLE_MAX_POSITIONS) {
+        return "more positions than fit";
+    }
+    tumble_position_t *const position = &scenario->positions[scenario->schedule.position_count];
+    int64_t mounting = 0;
+    int64_t number = 0;
+    const bool numbers = words->count == 6U && bench_whole(words->word[0], 1, 255, &mounting) &&
+                         bench_whole(words->word[1], 1, 255, &number);
+    const int use = numbers ? bench_choice(words->word[2], "fit|check") : -1;
+    if (use < 0 || !read_angle(&words->word[3], &position->angle)) {
+        return "a position is mounting and number (1 to 255), fit or check, and its angle (degrees, sine, cosine)";
+    }
+    position->mounting = (uint8_t)mounting;
+    position->number = (uint8_t)number;
+    position->use = (tumble_use_t)use;
+    scenario->schedule.position_count++;
+    return NULL;
+}
+
+/* profile.receive_pdo, profile.transmit_pdo, profile.write */
+
+/* INDEX:SUBINDEX:BITS, the index hexadecimal. */
+static bool read_object(char *text, uint32_t *object)
+{
+    static const char DIGITS[] = "0123456789abcdef";
+    char *const first = strchr(text, ':');
+    char *const second = (first != NULL) ? strchr(first + 1, ':') : NULL;
+    int64_t subindex = 0;
+    int64_t bits = 0;
+    if (second == NULL || first - text != 4) {
+        return false;
+    }
+    *first = '\0';
+    *second = '\0';
+    uint32_t index = 0;
+    for (const char *c = text; *c != '\0'; c++) {
+        const char *const digit = strchr(DIGITS, (*c >= 'A' && *c <= 'F') ? *c - 'A' + 'a' : *c);
+        if (digit == NULL) {
+            return false;
+        }
+        index = index << 4 | (uint32_t)(digit - DIGITS);
+    }
+    if (!bench_whole(first + 1, 0, 255, &subindex) || !bench_whole(second + 1, 1, 64, &bits)) {
+        return false;
+    }
+    *object = TUMBLE_MAP(index, (uint32_t)subindex, (uint32_t)bits);
+    return true;
+}
+
+static const char *read_pdo(const bench_words_t *words, bool transmit, tumble_drive_pdo_t *pdo)
+{
+    static const char WRONG[] = "a PDO is its number (0 to 511), COB-ID, for a transmit PDO inhibit time (100 us) and "
+                                "event timer (ms), and up to eight objects INDEX:SUBINDEX:BITS";
+    const unsigned first = transmit ? 4U : 2U;
+    int64_t value[4] = {0};
+    if (words->count <= first || words->count > first + TUMBLE_MAX_MAPPED) {
+        return WRONG;
+    }
+    static const double MOST[4] = {511, TUMBLE_CAN_MAX_ID, 65535, 65535};
+    for (unsigned i = 0; i < first; i++) {
+        if (!bench_whole(words->word[i], 0, MOST[i], &value[i])) {
+            return WRONG;
+        }
+    }
+    pdo->number = (uint8_t)value[0];
+    pdo->setup = (tumble_pdo_setup_t){.cob_id = (uint32_t)value[1],
+                                      .type = TUMBLE_PDO_EVENT_PROFILE,
+                                      .count = (uint8_t)(words->count - first),
+                                      .inhibit_100us = (uint16_t)value[2],
+                                      .event_ms = (uint16_t)value[3]};
+    for (unsigned i = first; i < words->count; i++) {
+        if (!read_object(words->word[i], &pdo->setup.map[i - first])) {
+            return WRONG;
+        }
+    }
+    return NULL;
+}
+
+static const char *read_receive_pdo(bench_config_t *config, const bench_words_t *words)
+{
+    if (config->profile.receive_count == TUMBLE_MAX_RECEIVE_PDOS) {
+        return "more PDOs than fit";
+    }
+    return read_pdo(words, false, &config->lists.receive[config->profile.receive_count++]);
+}
+
+static const char *read_transmit_pdo(bench_config_t *config, const bench_words_t *words)
+{
+    if (config->profile.transmit_count == TUMBLE_MAX_TRANSMIT_PDOS) {
+        return "more PDOs than fit";
+    }
+    return read_pdo(words, true, &config->lists.transmit[config->profile.transmit_count++]);
+}
+
+static const char *read_write(bench_config_t *config, const bench_words_t *words)
+{
+    static const double MOST[4] = {65535, 255, 4, 4294967295.0};
+    int64_t value[4] = {0};
+    bool good = words->count == 4U && config->profile.write_count < BENCH_MAX_WRITES;
+    for (unsigned i = 0; good && i < 4U; i++) {
+        good = bench_whole(words->word[i], (i < 2U) ? 0 : (i == 2U) ? 1 : -2147483648.0, MOST[i], &value[i]);
+    }
+    if (!good) {
+        return "a write is index, subindex, size (1, 2, 4) and value; at most 16 of them";
+    }
+    config->lists.writes[config->profile.write_count++] =
+        (tumble_object_write_t){(uint16_t)value[0], (uint8_t)value[1], (uint8_t)value[2], (uint32_t)value[3]};
+    return NULL;
+}
+
+/* fault */
+
+static bool read_channels(const char *text, uint8_t *channels)
+{
+    *channels = 0;
+    for (; *text != '\0'; text++) {
+        if (*text < 'x' || *text > 'z') {
+            return false;
+        }
+        *channels = (uint8_t)(*channels | 1U << (*text - 'x'));
+    }
+    return *channels != 0U;
+}
+
+static bool read_place(char *text, sim_fault_t *fault)
+{
+    char *const dot = strchr(text, '.');
+    int64_t mounting = 0;
+    int64_t position = 0;
+    if (dot == NULL) {
+        return false;
+    }
+    *dot = '\0';
+    if (!bench_whole(text, 1, 255, &mounting) || !bench_whole(dot + 1, 1, 255, &position)) {
+        return false;
+    }
+    fault->mounting = (uint8_t)mounting;
+    fault->position = (uint8_t)position;
+    return true;
+}
+
+/* The fields that are plain values. */
+static const bench_key_t FAULT_FIELDS[] = {
+    {"phase", BENCH_ENUM, 1, offsetof(sim_fault_t, phase), 0, 0, "mount|home|move|settle|average"},
+    {"time", BENCH_F64, 1, offsetof(sim_fault_t, time_s), 0, BIG, "s"},
+    {"delay", BENCH_F64, 1, offsetof(sim_fault_t, delay_s), 0, BIG, "s"},
+    {"duration", BENCH_F64, 1, offsetof(sim_fault_t, duration_s), 0, BIG, "s"},
+    {"times", BENCH_U32, 1, offsetof(sim_fault_t, times), 0, UINT32_MAX, ""},
+    {"value", BENCH_F64, 1, offsetof(sim_fault_t, value), -BIG, BIG, ""},
+    {"count", BENCH_U32, 1, offsetof(sim_fault_t, count), 0, UINT32_MAX, ""},
+    {"id", BENCH_U16, 1, offsetof(sim_fault_t, id), 0, TUMBLE_CAN_MAX_ID, ""},
+    {"mask", BENCH_U16, 1, offsetof(sim_fault_t, mask), 0, TUMBLE_CAN_MAX_ID, ""},
+    {"probability", BENCH_F64, 1, offsetof(sim_fault_t, probability), 0, 1, ""},
+};
+
+/* One `name=text` of a fault. */
+static bool read_fault_field(sim_fault_t *fault, const char *name, char *text)
+{
+    if (strcmp(name, "at") == 0) {
+        return read_place(text, fault);
+    }
+    if (strcmp(name, "channels") == 0) {
+        return read_channels(text, &fault->channels);
+    }
+    fault->at_time = fault->at_time || strcmp(name, "time") == 0;
+    for (size_t i = 0; i < sizeof FAULT_FIELDS / sizeof FAULT_FIELDS[0]; i++) {
+        if (strcmp(name, FAULT_FIELDS[i].name) == 0) {
+            return bench_store_key(&FAULT_FIELDS[i], fault, &text, 1);
+        }
+    }
+    return false;
+}
+
+static const char *read_fault(bench_config_t *config, const bench_words_t *words)
+{
+#define FAULT_WORD(name, word, sentence) "|" word
+    static const char KINDS[] = SIM_FAULT_LIST(FAULT_WORD);
+#undef FAULT_WORD
+    sim_scenario_t *const scenario = &config->scenario;
+    sim_fault_t fault = {.phase = SIM_PHASE_AVERAGE,
+                         .times = 1,
+                         .channels = 1,
+                         .count = UINT32_MAX,
+                         .probability = 1.0,
+                         .mask = TUMBLE_CAN_MAX_ID};
+    if (scenario->fault_count == SIM_MAX_FAULTS) {
+        return "more faults than fit";
+    }
+    const int kind = (words->count > 0U) ? bench_choice(words->word[0], KINDS + 1) : -1;
+    if (kind < 0) {
+        return "no such fault; tumble-bench --keys lists them";
+    }
+    fault.kind = (sim_fault_kind_t)kind;
+    for (unsigned i = 1; i < words->count; i++) {
+        char *const equals = strchr(words->word[i], '=');
+        if (equals == NULL) {
+            return "a fault is its kind and fields such as at=1.3";
+        }
+        *equals = '\0';
+        if (!read_fault_field(&fault, words->word[i], equals + 1)) {
+            return "a field of the fault is unknown or out of range";
+        }
+    }
+    if (fault.at_time == (fault.mounting != 0U)) {
+        return "a fault needs either at=MOUNTING.POSITION or time=SECONDS";
+    }
+    scenario->faults[scenario->fault_count++] = fault;
+    return NULL;
+}
+
+/* Take such a line. Null: taken. "": not a key of these. Else what is wrong with it. */
+static const char *take_repeated(bench_config_t *config, const char *key, const bench_words_t *words)
+{
+    switch (bench_choice(key, "mounting|position|fault|profile.receive_pdo|profile.transmit_pdo|profile.write")) {
+    case 0:
+        return read_mounting(config, words);
+    case 1:
+        return read_position(config, words);
+    case 2:
+        return read_fault(config, words);
+    case 3:
+        return read_receive_pdo(config, words);
+    case 4:
+        return read_transmit_pdo(config, words);
+    case 5:
+        return read_write(config, words);
+    default:
+        return "";
+    }
+}
+
+/* All lines. */
 
 static bool complain(bench_mistake_t *mistake, const char *format, ...)
 {
@@ -20,112 +291,23 @@ static bool complain(bench_mistake_t *mistake, const char *format, ...)
     return false;
 }
 
-static size_t size_of(bench_type_t type)
-{
-    static const size_t SIZES[] = {sizeof(double), sizeof(float),   sizeof(uint8_t), sizeof(uint16_t), sizeof(uint32_t),
-                                   sizeof(int8_t), sizeof(int32_t), sizeof(bool),    sizeof(int),     1};
-    return SIZES[type];
-}
-
-static void store_whole(bench_type_t type, void *at, int64_t value)
-{
-    switch (type) {
-    case BENCH_U8:
-        *(uint8_t *)at = (uint8_t)value;
-        break;
-    case BENCH_U16:
-        *(uint16_t *)at = (uint16_t)value;
-        break;
-    case BENCH_U32:
-        *(uint32_t *)at = (uint32_t)value;
-        break;
-    case BENCH_I8:
-        *(int8_t *)at = (int8_t)value;
-        break;
-    default:
-        *(int32_t *)at = (int32_t)value;
-        break;
-    }
-}
-
-static bool store(const bench_key_t *key, void *at, const char *text)
-{
-    double number = 0.0;
-    int64_t whole = 0;
-    int choice = 0;
-    switch (key->type) {
-    case BENCH_DOUBLE:
-        return bench_number(text, key->low, key->high, at);
-    case BENCH_FLOAT:
-        if (!bench_number(text, key->low, key->high, &number)) {
-            return false;
-        }
-        *(float *)at = (float)number;
-        return true;
-    case BENCH_BOOL:
-        choice = bench_choice(text, "no|yes");
-        *(bool *)at = choice == 1;
-        return choice >= 0;
-    case BENCH_CHOICE:
-        choice = bench_choice(text, key->about);
-        (void)memcpy(at, &choice, sizeof choice);
-        return choice >= 0;
-    case BENCH_TEXT:
-        return (strlen(text) <= (size_t)key->high) && (strcpy(at, text) != NULL);
-    default:
-        if (!bench_whole(text, key->low, key->high, &whole)) {
-            return false;
-        }
-        store_whole(key->type, at, whole);
-        return true;
-    }
-}
-
-/* The range of a key's values, for people. */
-static void describe(const bench_key_t *key, char *text, size_t size)
-{
-    if (key->type == BENCH_CHOICE) {
-        (void)snprintf(text, size, "one of %s", key->about);
-    } else if (key->type == BENCH_BOOL) {
-        (void)snprintf(text, size, "no or yes");
-    } else if (key->type == BENCH_TEXT) {
-        (void)snprintf(text, size, "a word of at most %.0f characters", key->high);
-    } else {
-        const bool whole = key->type != BENCH_DOUBLE && key->type != BENCH_FLOAT;
-        (void)snprintf(text, size, "%u %snumber%s from %.10g to %.10g", key->count, whole ? "whole " : "",
-                       (key->count == 1U) ? "" : "s", key->low, key->high);
-    }
-}
-
-static bool store_key(bench_config_t *config, const bench_key_t *key, const bench_words_t *words,
-                      bench_mistake_t *mistake)
-{
-    bool good = words->count == key->count;
-    for (unsigned i = 0; good && i < key->count; i++) {
-        good = store(key, (char *)config + key->offset + i * size_of(key->type), words->word[i]);
-    }
-    if (!good) {
-        char range[100];
-        describe(key, range, sizeof range);
-        return complain(mistake, "%s must be %s", key->name, range);
-    }
-    return true;
-}
-
 static bool take_key(bench_config_t *config, const char *name, const bench_words_t *words, bool seen[MAX_KEYS],
                      bench_mistake_t *mistake)
 {
-    for (size_t i = 0; i < bench_config_key_count; i++) {
-        const bench_key_t *const key = &bench_config_keys[i];
-        if (strcmp(name, key->name) == 0) {
-            if (seen[i]) {
-                return complain(mistake, "%s is given twice", name);
-            }
-            seen[i] = true;
-            return store_key(config, key, words, mistake);
-        }
+    const bench_key_t *const key = bench_find_key(name);
+    if (key == NULL) {
+        return complain(mistake, "no such key: %.60s", name);
     }
-    return complain(mistake, "no such key: %.60s", name);
+    if (seen[key - bench_config_keys]) {
+        return complain(mistake, "%s is given twice", name);
+    }
+    seen[key - bench_config_keys] = true;
+    if (!bench_store_key(key, config, words->word, words->count)) {
+        char range[100];
+        bench_describe_key(key, range, sizeof range);
+        return complain(mistake, "%s must be %s", key->name, range);
+    }
+    return true;
 }
 
 /* Without blanks at either end. */
@@ -157,7 +339,7 @@ static bool take_line(bench_config_t *config, char *line, bool seen[MAX_KEYS], b
     if (!bench_cut_words(trim(equals + 1), &words)) {
         return complain(mistake, "%.60s has more than %d values", key, BENCH_MAX_WORDS);
     }
-    const char *const wrong = bench_config_line(config, key, &words);
+    const char *const wrong = take_repeated(config, key, &words);
     if (wrong == NULL) {
         return true;
     }
@@ -166,12 +348,7 @@ static bool take_line(bench_config_t *config, char *line, bool seen[MAX_KEYS], b
 
 static bool is_given(const bool seen[MAX_KEYS], const char *name)
 {
-    for (size_t i = 0; i < bench_config_key_count; i++) {
-        if (strcmp(bench_config_keys[i].name, name) == 0) {
-            return seen[i];
-        }
-    }
-    return false;
+    return seen[bench_find_key(name) - bench_config_keys];
 }
 
 /* What no single line can show. */
@@ -212,28 +389,4 @@ bool bench_config_read(bench_config_t *config, FILE *file, bench_mistake_t *mist
         return complain(mistake, "cannot be read further");
     }
     return check_whole(config, seen, mistake);
-}
-
-void bench_config_print_keys(FILE *out)
-{
-    (void)fprintf(out, "Scenario files: one `key = value` a line, # comments.\n\n");
-    for (size_t i = 0; i < bench_config_key_count; i++) {
-        const bench_key_t *const key = &bench_config_keys[i];
-        char range[100];
-        describe(key, range, sizeof range);
-        (void)fprintf(out, "%-34s %s%s%s\n", key->name, range, (key->type == BENCH_CHOICE) ? "" : "; ",
-                      (key->type == BENCH_CHOICE) ? "" : key->about);
-    }
-    (void)fprintf(out, "\nLines that may repeat:\n"
-                       "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
-                       "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
-                       "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
-                       "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
-                       "profile.write = INDEX SUBINDEX SIZE VALUE\n"
-                       "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
-                       "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
-                       "        [probability=P]\n\nKinds of faults:\n");
-#define PRINT_FAULT(name, word, sentence) (void)fprintf(out, "%-20s %s\n", word, sentence);
-    SIM_FAULT_LIST(PRINT_FAULT)
-#undef PRINT_FAULT
 }

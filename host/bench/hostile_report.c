@@ -67,14 +67,9 @@ static void put_violations(bench_json_t *json, const bench_hostile_sum_t *sum)
 
 static void put_injected(bench_json_t *json, const bench_hostile_sum_t *sum)
 {
-    static const char *const WORDS[] = {
-#define FAULT_WORD(name, word, sentence) word,
-        SIM_FAULT_LIST(FAULT_WORD)
-#undef FAULT_WORD
-    };
     bench_json_open(json, "faults", '{');
     for (uint32_t i = 0; i < SIM_FAULT_KINDS; i++) {
-        bench_json_whole(json, WORDS[i], sum->faults[i]);
+        bench_json_whole(json, sim_fault_word((sim_fault_kind_t)i), sum->faults[i]);
     }
     bench_json_close(json, '}');
     bench_json_open(json, "events", '{');

@@ -35,7 +35,7 @@ bench_text_t bench_text_world(const bench_plan_t *plan)
     add(&text, "drive: %g deg/s, sign %d, ", drive->speed_deg_s, (int)drive->sign);
     add(&text, (drive->wrap_counts > 0U) ? "wraps at %u, " : "does not wrap, ", (unsigned)drive->wrap_counts);
     add(&text, "takes the %s target, stops by %s", drive->latches_stale_target ? "stale" : "new",
-        (config->stop == TUMBLE_STOP_BY_HALT) ? "halt" : "quick stop");
+        (config->profile.stop == TUMBLE_STOP_BY_HALT) ? "halt" : "quick stop");
     add(&text, "; memory: erases in %u us, %s; attendant: mends %u%s", (unsigned)plan->erase_us,
         plan->has_set ? "holds a set" : "blank", (unsigned)plan->attendant.mends,
         plan->attendant.resumes ? ", resumes" : "");
@@ -60,18 +60,13 @@ static void add_moment(bench_text_t *text, const bench_moment_t *moment)
 
 static void add_fault(bench_text_t *text, const sim_fault_t *fault)
 {
-    static const char *const WORDS[] = {
-#define FAULT_WORD(name, word, sentence) word,
-        SIM_FAULT_LIST(FAULT_WORD)
-#undef FAULT_WORD
-    };
     static const char *const PHASES[] = {"mount", "home", "move", "settle", "average"};
     if (fault->at_time) {
         add(text, "%10.6f s  ", fault->time_s);
     } else {
         add(text, "at %u.%u %s, plus %.3f s: ", fault->mounting, fault->position, PHASES[fault->phase], fault->delay_s);
     }
-    add(text, "fault %s, value %g, count %d, channels %u, ", WORDS[fault->kind], fault->value, (int)fault->count,
+    add(text, "fault %s, value %g, count %d, channels %u, ", sim_fault_word(fault->kind), fault->value, (int)fault->count,
         fault->channels);
     if (fault->kind >= SIM_FAULT_FRAME_DROP) {
         add(text, "id %03Xh, mask %03Xh, probability %.3f, ", fault->id, fault->mask, fault->probability);

@@ -3,14 +3,12 @@
 
 #include "bench/campaign.h"
 #include "bench/config.h"
-#include "bench/config_file.h"
-#include "bench/config_prepare.h"
+#include "bench/config_keys.h"
 #include "bench/hostile.h"
 #include "bench/interrupt.h"
 #include "bench/options.h"
 #include "bench/report.h"
 #include "bench/session.h"
-#include "bench/wrong_option.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -68,13 +66,11 @@ int main(int count, char *arguments[])
 {
     hold_standard_streams();
     bench_options_t options;
-    char wrong[200];
-    if (!bench_options_read(&options, count, arguments, wrong)) {
-        return refuse(wrong);
+    if (!bench_options_read(&options, count, arguments)) {
+        return BENCH_EXIT_USAGE;
     }
-    if (options.help || options.version) {
-        const bench_asks_t asks = options.help ? BENCH_ASKS_HELP : BENCH_ASKS_VERSION;
-        return bench_tell("tumble-bench", asks, bench_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_USAGE;
+    if (options.asks != BENCH_ASKS_WORK) {
+        return bench_tell("tumble-bench", options.asks, bench_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_USAGE;
     }
     if (options.keys) {
         bench_config_print_keys(stdout);

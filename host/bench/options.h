@@ -2,6 +2,8 @@
 #ifndef TUMBLE_BENCH_OPTIONS_H
 #define TUMBLE_BENCH_OPTIONS_H
 
+#include "bench/arguments.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -24,12 +26,11 @@ typedef struct {
     bool interactive;
     bool verbose;
     bool keys;
-    bool version;
-    bool help;
+    bench_asks_t asks;
 } bench_options_t;
 
-/* Read the arguments. False: `wrong` (room for 200 characters) says what does not fit. */
-bool bench_options_read(bench_options_t *options, int count, char *const arguments[], char wrong[200]);
+/* False: one line on standard error has said what does not fit. */
+bool bench_options_read(bench_options_t *options, int count, char *arguments[]);
 
 extern const char bench_options_help[];
 

@@ -46,6 +46,13 @@ int bench_exit_code(const bench_world_t *world);
 void bench_report_firmware(const bench_world_t *world, bench_json_t *json);
 void bench_report_simulation(const bench_world_t *world, bench_json_t *json);
 
+/* Members of it: of the firmware, of the simulated bus. */
+void bench_report_firmware_counters(const bench_world_t *world, bench_json_t *json);
+void bench_report_bus_counters(const sim_bus_t *bus, bench_json_t *json);
+
+/* "counters": {name: integer}. */
+void bench_report_counters(const bench_world_t *world, bench_json_t *json);
+
 /* The document, with a newline. */
 void bench_report_document(const bench_world_t *world, FILE *out);
 

@@ -2,7 +2,7 @@
 
 #include "bench/session.h"
 
-#include "bench/config_text.h"
+#include "bench/config_keys.h"
 #include "bench/folder.h"
 #include "bench/guests.h"
 #include "bench/interrupt.h"

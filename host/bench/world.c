@@ -13,25 +13,6 @@
 #define FIRST_PDO_ID 0x180U
 #define LAST_PDO_ID 0x57FU
 
-/* The firmware's port: the bus itself. */
-
-static uint64_t port_now_us(void *context)
-{
-    return ((const bench_world_t *)context)->clock.now_us;
-}
-
-static tumble_status_t port_send(void *context, const tumble_can_frame_t *frame)
-{
-    bench_world_t *const world = context;
-    return sim_bus_send(&world->bus, BENCH_BUS_NAVCOMP, frame);
-}
-
-static tumble_status_t port_receive(void *context, tumble_can_frame_t *frame)
-{
-    bench_world_t *const world = context;
-    return sim_bus_receive(&world->bus, BENCH_BUS_NAVCOMP, frame);
-}
-
 static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample)
 {
     bench_world_t *const world = context;
@@ -79,21 +60,23 @@ static void init_block(bench_world_t *world)
 }
 
 tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
-                                             const tumble_navcomp_hooks_t *hooks)
+                                             const tumble_navcomp_hooks_t *hooks, bench_stand_memory_t *memory)
 {
+    const bool drive = (config->stand == BENCH_STAND_DRIVE);
     return (tumble_navcomp_config_t){
         .port = port,
         .procedure = &config->procedure,
-        .drive = (config->stand == BENCH_STAND_DRIVE) ? &config->profile : NULL,
-        .by_hand = &tumble_operator_calls,
-        .person = &config->person,
+        .stand = drive ? &tumble_drive402_kind : &tumble_operator_kind,
+        .stand_profile = drive ? (const void *)&config->profile : &config->person,
+        .stand_memory = memory,
+        .stand_bytes = sizeof *memory,
         .hooks = hooks,
         .declared = &config->declared,
         .block_period_us = config->scenario.block.sample_period_us,
         .heartbeat_ms = config->heartbeat_ms,
         .heartbeat_timeout_ms = config->heartbeat_timeout_ms,
         .node = 1,
-        .drive_node = 2,
+        .stand_node = drive ? 2 : 0,
         .block_node = 3,
     };
 }
@@ -101,10 +84,10 @@ tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const
 static tumble_status_t init_navcomp(bench_world_t *world)
 {
     const bench_config_t *const config = world->config;
-    world->port = (tumble_port_t){
-        .context = world, .now_us = port_now_us, .can_send = port_send, .can_receive = port_receive};
+    world->firmware = (sim_bus_end_t){&world->bus, BENCH_BUS_NAVCOMP};
+    world->port = sim_bus_port(&world->firmware);
     world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
-    world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks);
+    world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks, &world->stand);
     if (config->present.navcomp) {
         sim_bus_attach(&world->bus, BENCH_BUS_NAVCOMP, SIM_ACTOR_NAVCOMP);
     }

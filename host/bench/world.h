@@ -11,7 +11,7 @@
 #include "bench/config.h"
 #include "bench/fault_script.h"
 #include "bench/person.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "simulation/angle_error.h"
 #include "simulation/block.h"
 #include "simulation/bus.h"
@@ -53,6 +53,12 @@ typedef struct {
     bool (*on_question)(void *context, const bench_question_t *question);
 } bench_watcher_t;
 
+/* The firmware's memory of its stand, whichever it is. */
+typedef union {
+    tumble_drive402_t drive;
+    tumble_operator_t person;
+} bench_stand_memory_t;
+
 typedef struct bench_world {
     const bench_config_t *config;
     const bench_watcher_t *watcher;
@@ -68,10 +74,12 @@ typedef struct bench_world {
     sim_block_t block;
     bench_fault_script_t script;
     bench_person_t person;
+    sim_bus_end_t firmware; /* its end of the bus */
     tumble_port_t port;
     tumble_navcomp_hooks_t hooks;
     tumble_navcomp_config_t navcomp_config;
     tumble_navcomp_t navcomp;
+    bench_stand_memory_t stand;
     tumble_progress_t progress; /* as last seen */
     uint32_t mark;              /* of the procedure at that time */
     bool started;               /* the procedure has left IDLE */
@@ -83,9 +91,9 @@ typedef struct bench_world {
     bench_end_t wanted_end;
 } bench_world_t;
 
-/* How the firmware is told what `config` says; `config`, `port` and `hooks` must outlive what it is told. */
+/* How the firmware is told what `config` says; all that is pointed at must outlive what it is told. */
 tumble_navcomp_config_t bench_navcomp_config(const bench_config_t *config, const tumble_port_t *port,
-                                             const tumble_navcomp_hooks_t *hooks);
+                                             const tumble_navcomp_hooks_t *hooks, bench_stand_memory_t *memory);
 
 /* Power everything on and command the start. Returns TUMBLE_OK or what tumble_navcomp_init says. All that is handed in
  * must outlive the world, which must not be moved. */

@@ -1,4 +1,72 @@
+#define _POSIX_C_SOURCE 200809L
+
 #include "answer.h"
+
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/* What libmodbus asks for, without meaning here: nothing is ever connected to it. */
+#define NOWHERE "127.0.0.1"
+#define NO_PORT 502
+#define NO_DEVICE "/dev/null"
+#define SOME_BAUD 19200
+
+void gateway_replies_close(gateway_replies_t *replies)
+{
+    for (int i = 0; i < 2; i++) {
+        if (replies->ends[i] >= 0) {
+            (void)close(replies->ends[i]);
+        }
+    }
+    modbus_free(replies->tcp);
+    modbus_free(replies->serial);
+    *replies = (gateway_replies_t){.ends = {-1, -1}};
+}
+
+bool gateway_replies_open(gateway_replies_t *replies)
+{
+    *replies = (gateway_replies_t){.ends = {-1, -1}};
+    replies->tcp = modbus_new_tcp(NOWHERE, NO_PORT);
+    replies->serial = modbus_new_rtu(NO_DEVICE, SOME_BAUD, 'N', 8, 1);
+    if (replies->tcp == NULL || replies->serial == NULL ||
+        socketpair(AF_UNIX, SOCK_DGRAM, 0, replies->ends) != 0) {
+        gateway_replies_close(replies);
+        return false;
+    }
+    (void)modbus_set_socket(replies->tcp, replies->ends[0]);
+    (void)modbus_set_socket(replies->serial, replies->ends[0]);
+    return true;
+}
+
+static modbus_t *maker(const gateway_replies_t *replies, bool is_serial)
+{
+    return is_serial ? replies->serial : replies->tcp;
+}
+
+static size_t take(const gateway_replies_t *replies, int sent, uint8_t *answer)
+{
+    const ssize_t size = (sent > 0) ? recv(replies->ends[1], answer, GATEWAY_MAX_ADU, MSG_DONTWAIT) : 0;
+    return (size > 0) ? (size_t)size : 0U;
+}
+
+static size_t reply(const gateway_replies_t *replies, bool is_serial, const uint8_t *frame, size_t size,
+                    const uint16_t *input, const uint16_t *holding, uint8_t *answer)
+{
+    uint16_t inputs[GATEWAY_INPUT_END];
+    uint16_t holdings[GATEWAY_HOLDING_END]; /* libmodbus stores what is written: into these, which nobody keeps */
+    modbus_mapping_t mapping = {.nb_input_registers = (int)GATEWAY_INPUT_END, .tab_input_registers = inputs,
+                                .nb_registers = (int)GATEWAY_HOLDING_END, .tab_registers = holdings};
+    memcpy(inputs, input, sizeof inputs);
+    memcpy(holdings, holding, sizeof holdings);
+    return take(replies, modbus_reply(maker(replies, is_serial), frame, (int)size, &mapping), answer);
+}
+
+static size_t reply_exception(const gateway_replies_t *replies, bool is_serial, const uint8_t *frame,
+                              gateway_exception_t exception, uint8_t *answer)
+{
+    return take(replies, modbus_reply_exception(maker(replies, is_serial), frame, (unsigned)exception), answer);
+}
 
 /* Of a request that writes: what it writes. */
 static void written_words(const gateway_request_t *request, uint16_t *words)
@@ -14,8 +82,8 @@ static bool writes(const gateway_request_t *request)
     return request->function == GATEWAY_WRITE_ONE || request->function == GATEWAY_WRITE_SEVERAL;
 }
 
-static gateway_exception_t write(gateway_t *gateway, gateway_session_t *session, const gateway_request_t *request,
-                                 uint64_t now_us)
+static gateway_exception_t obey(gateway_t *gateway, gateway_session_t *session, const gateway_request_t *request,
+                                uint64_t now_us)
 {
     uint16_t words[GATEWAY_HOLDING_END];
     written_words(request, words);
@@ -38,14 +106,14 @@ static gateway_exception_t carry_out(gateway_t *gateway, gateway_session_t *sess
         gateway_count(&gateway->counters, counter);
         return wrong;
     }
-    return writes(request) ? write(gateway, session, request, now_us) : GATEWAY_OK;
+    return writes(request) ? obey(gateway, session, request, now_us) : GATEWAY_OK;
 }
 
 static size_t refuse(gateway_t *gateway, const gateway_replies_t *replies, bool is_serial, const uint8_t *frame,
                      gateway_exception_t exception, uint8_t *answer)
 {
     gateway_count(&gateway->counters, GATEWAY_COUNT_EXCEPTIONS);
-    return gateway_reply_exception(replies, is_serial, frame, exception, answer);
+    return reply_exception(replies, is_serial, frame, exception, answer);
 }
 
 size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gateway_session_t *session, bool is_serial,
@@ -72,5 +140,5 @@ size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gate
     const uint16_t *const input = (request.function == GATEWAY_READ_INPUT)
                                       ? gateway_session_input(session, gateway, request.at, request.count, now_us)
                                       : session->snapshot.words; /* not looked at */
-    return gateway_reply(replies, is_serial, frame, size, input, holding, answer);
+    return reply(replies, is_serial, frame, size, input, holding, answer);
 }

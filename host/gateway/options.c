@@ -1,7 +1,6 @@
 #include "options.h"
 
-#include "arguments.h"
-
+#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -37,21 +36,10 @@ const char gateway_options_help[] =
 #define US_PER_MS 1000U
 #define US_PER_S 1000000U
 
-enum { CAN = 1, TCP, RTU, UNIT, NODE, POLL, IDLE, ALLOW, UNLOCK };
-
-static const struct option OPTIONS[] = {
-    {"can", required_argument, NULL, CAN},       {"tcp", required_argument, NULL, TCP},
-    {"rtu", required_argument, NULL, RTU},       {"unit", required_argument, NULL, UNIT},
-    {"node", required_argument, NULL, NODE},     {"poll", required_argument, NULL, POLL},
-    {"idle", required_argument, NULL, IDLE},     {"allow-commands", no_argument, NULL, ALLOW},
-    {"unlock", required_argument, NULL, UNLOCK}, {"help", no_argument, NULL, BENCH_HELP},
-    {"version", no_argument, NULL, BENCH_VERSION},
-    {0},
-};
-
 /* HOST:PORT; a host in brackets may have colons. */
-static bool take_tcp(gateway_options_t *options, const char *text)
+static bool take_tcp(void *to, const char *text)
 {
+    gateway_options_t *const options = to;
     uint64_t port = 0;
     const char *const colon = strrchr(text, ':');
     options->has_tcp = strcmp(text, "none") != 0;
@@ -74,8 +62,9 @@ static bool take_tcp(gateway_options_t *options, const char *text)
 }
 
 /* DEVICE,BAUD,PARITY */
-static bool take_rtu(gateway_options_t *options, const char *text)
+static bool take_rtu(void *to, const char *text)
 {
+    gateway_options_t *const options = to;
     char baud_text[12];
     uint64_t baud = 0;
     const char *const first = strchr(text, ',');
@@ -97,61 +86,24 @@ static bool take_rtu(gateway_options_t *options, const char *text)
     return true;
 }
 
-static bool take_byte(const char *option, uint64_t high, uint8_t *value)
-{
-    uint64_t number = 0;
-    if (!arguments_whole(option, optarg, 1, high, &number)) {
-        return false;
-    }
-    *value = (uint8_t)number;
-    return true;
-}
-
-static bool take_time(const char *option, uint64_t low, uint64_t high, uint64_t unit_us, uint64_t *value_us)
-{
-    if (!arguments_whole(option, optarg, low, high, value_us)) {
-        return false;
-    }
-    *value_us *= unit_us;
-    return true;
-}
-
-static bool take(void *to, int option)
-{
-    gateway_options_t *const options = to;
-    gateway_settings_t *const settings = &options->settings;
-    switch (option) {
-    case CAN:
-        options->can = optarg;
-        return true;
-    case TCP:
-        return take_tcp(options, optarg);
-    case RTU:
-        return take_rtu(options, optarg);
-    case UNIT:
-        return take_byte("--unit", 247, &settings->unit);
-    case NODE:
-        return take_byte("--node", 127, &settings->node);
-    case POLL:
-        return take_time("--poll", 50, 3600000, US_PER_MS, &settings->poll_us);
-    case IDLE:
-        return take_time("--idle", 1, 86400, US_PER_S, &settings->idle_us);
-    case ALLOW:
-        settings->allow_commands = true;
-        return true;
-    case UNLOCK:
-        return take_time("--unlock", 1, 3600, US_PER_S, &settings->unlock_us);
-    default:
-        return false;
-    }
-}
+static const argument_t OPTIONS[] = {
+    ARGUMENT_ANY_TEXT("can", gateway_options_t, can),
+    ARGUMENT_TAKE("tcp", take_tcp),
+    ARGUMENT_TAKE("rtu", take_rtu),
+    ARGUMENT_WHOLE("unit", gateway_options_t, settings.unit, 1, 247),
+    ARGUMENT_WHOLE("node", gateway_options_t, settings.node, 1, 127),
+    ARGUMENT_UNITS("poll", gateway_options_t, settings.poll_us, 50, 3600000, US_PER_MS),
+    ARGUMENT_UNITS("idle", gateway_options_t, settings.idle_us, 1, 86400, US_PER_S),
+    ARGUMENT_FLAG("allow-commands", gateway_options_t, settings.allow_commands),
+    ARGUMENT_UNITS("unlock", gateway_options_t, settings.unlock_us, 1, 3600, US_PER_S),
+};
 
 bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
 {
     *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
                                                 .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
-    if (!arguments_options(count, arguments, OPTIONS, take, options, &options->asks)) {
+    if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;
     }
     if (options->asks != BENCH_ASKS_WORK) {

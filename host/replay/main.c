@@ -1,16 +1,16 @@
 /* tumble-replay: a recorded bus log goes through the firmware again, in virtual time. */
 
-#include "bench/config_prepare.h"
+#include "bench/arguments.h"
+#include "bench/config.h"
 #include "bench/folder.h"
 #include "bench/report.h"
-#include "bench/report_counters.h"
 #include "bench/world.h"
-#include "bench/wrong_option.h"
 #include "commissioning.h"
 #include "log.h"
 #include "replay/replay.h"
 
 #include <errno.h>
+#include <getopt.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,34 +78,17 @@ static bool read_operands(options_t *options, int count, char *operands[])
     return true;
 }
 
-enum { OUT = 1, RECORDING, COMMISSIONING, GAINS };
-
-static bool take(void *to, int option)
-{
-    options_t *const options = to;
-    if (option == OUT) {
-        options->out = optarg;
-    } else if (option == RECORDING) {
-        options->recording = optarg;
-    } else if (option == COMMISSIONING) {
-        options->commissioning = optarg;
-    } else {
-        options->gain_record = optarg;
-    }
-    return true;
-}
+static const argument_t OPTIONS[] = {
+    ARGUMENT_ANY_TEXT("out", options_t, out),
+    ARGUMENT_ANY_TEXT("recording", options_t, recording),
+    ARGUMENT_ANY_TEXT("commissioning", options_t, commissioning),
+    ARGUMENT_ANY_TEXT("gain-record", options_t, gain_record),
+};
 
 static bool read_options(options_t *options, int count, char *arguments[])
 {
-    static const struct option KNOWN[] = {{"out", required_argument, NULL, OUT},
-                                          {"recording", required_argument, NULL, RECORDING},
-                                          {"commissioning", required_argument, NULL, COMMISSIONING},
-                                          {"gain-record", required_argument, NULL, GAINS},
-                                          {"help", no_argument, NULL, BENCH_HELP},
-                                          {"version", no_argument, NULL, BENCH_VERSION},
-                                          {0}};
     *options = (options_t){0};
-    return bench_read_options("tumble-replay", count, arguments, KNOWN, take, options, &options->asks) &&
+    return arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks) &&
            (options->asks != BENCH_ASKS_WORK || read_operands(options, count - optind, arguments + optind));
 }
 
@@ -141,7 +124,7 @@ static int write_commissioning(const char *path, const bench_config_t *config)
 {
     static zcu102_commissioned_t commissioned;
     static uint8_t record[ZCU102_COMMISSIONING_BYTES];
-    const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL);
+    const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL, NULL);
     if (zcu102_commission(&commissioned, &navcomp) != TUMBLE_OK) {
         return fail("the board zcu102 cannot do this run", "it needs a drive, with a profile that fits its record",
                     BENCH_EXIT_USAGE);
@@ -173,7 +156,7 @@ static tumble_status_t init_firmware(replay_run_t *run)
     bench_world_t *const world = &run->world;
     const bench_config_t *const config = world->config;
     world->hooks = (tumble_navcomp_hooks_t){run, on_sample};
-    world->navcomp_config = bench_navcomp_config(config, &run->replay.port, &world->hooks);
+    world->navcomp_config = bench_navcomp_config(config, &run->replay.port, &world->hooks, &world->stand);
     return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
 }
 

@@ -7,7 +7,6 @@
 #define TUMBLE_SIMULATION_ANGLE_ERROR_H
 
 #include "tumble/core.h"
-#include "simulation/law.h"
 #include "simulation/random.h"
 
 #include <stdint.h>

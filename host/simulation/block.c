@@ -7,25 +7,6 @@
 #define LEAST_HALF_DEGREES (-128.0)
 #define MOST_HALF_DEGREES 127.0
 
-/* The port: the bus itself. */
-
-static uint64_t now_us(void *context)
-{
-    return ((const sim_block_t *)context)->clock->now_us;
-}
-
-static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
-{
-    sim_block_t *const block = context;
-    return sim_bus_send(block->bus, block->bus_node, frame);
-}
-
-static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
-{
-    sim_block_t *const block = context;
-    return sim_bus_receive(block->bus, block->bus_node, frame);
-}
-
 /* Streams while Operational, from its first sample on. */
 static void state_changed(void *context, tumble_nmt_state_t state)
 {
@@ -93,10 +74,9 @@ void sim_block_init(sim_block_t *block, const sim_block_config_t *config, const 
     memset(block, 0, sizeof *block);
     block->config = config;
     block->clock = clock;
-    block->bus = bus;
-    block->bus_node = bus_node;
+    block->bus = (sim_bus_end_t){bus, bus_node};
     block->axis = axis;
-    block->port = (tumble_port_t){.context = block, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
+    block->port = sim_bus_port(&block->bus);
     sim_sensor_init(&block->sensor, sensor, seed);
     sim_bus_attach(bus, bus_node, SIM_ACTOR_BLOCK);
     boot(block);
@@ -118,7 +98,7 @@ void sim_block_set_power(sim_block_t *block, bool on)
     if (on == block->powered) {
         return;
     }
-    sim_bus_set_down(block->bus, block->bus_node, !on);
+    sim_bus_set_down(block->bus.bus, block->bus.node, !on);
     if (on) {
         boot(block);
         return;
@@ -159,8 +139,8 @@ static bool use_up(uint32_t *count)
 
 static void send_sample(sim_block_t *block, const sim_block_frames_t *frames)
 {
-    (void)sim_bus_send(block->bus, block->bus_node, &frames->xy); /* no room: counted by the bus, and lost */
-    (void)sim_bus_send(block->bus, block->bus_node, &frames->z);
+    (void)sim_bus_send(block->bus.bus, block->bus.node, &frames->xy); /* no room: counted by the bus, and lost */
+    (void)sim_bus_send(block->bus.bus, block->bus.node, &frames->z);
     block->objects.samples_sent++;
 }
 

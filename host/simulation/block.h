@@ -29,9 +29,8 @@ typedef struct {
 typedef struct {
     const sim_block_config_t *config;
     sim_clock_t *clock;
-    sim_bus_t *bus;
+    sim_bus_end_t bus;
     const sim_axis_t *axis;
-    uint8_t bus_node;
     tumble_port_t port;
     tumble_node_t node;
     tumble_block_objects_t objects;

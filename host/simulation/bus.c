@@ -221,6 +221,28 @@ tumble_status_t sim_bus_receive(sim_bus_t *bus, uint8_t node, tumble_can_frame_t
     return TUMBLE_OK;
 }
 
+static uint64_t end_now_us(void *context)
+{
+    return ((const sim_bus_end_t *)context)->bus->clock->now_us;
+}
+
+static tumble_status_t end_send(void *context, const tumble_can_frame_t *frame)
+{
+    const sim_bus_end_t *const end = context;
+    return sim_bus_send(end->bus, end->node, frame);
+}
+
+static tumble_status_t end_receive(void *context, tumble_can_frame_t *frame)
+{
+    const sim_bus_end_t *const end = context;
+    return sim_bus_receive(end->bus, end->node, frame);
+}
+
+tumble_port_t sim_bus_port(sim_bus_end_t *end)
+{
+    return (tumble_port_t){.context = end, .now_us = end_now_us, .can_send = end_send, .can_receive = end_receive};
+}
+
 /* Of all nodes with something to send the one with the lowest identifier; of equals, the lowest node. */
 static uint8_t arbitrate(const sim_bus_t *bus)
 {

@@ -10,9 +10,9 @@
 #define TUMBLE_SIMULATION_BUS_H
 
 #include "tumble/port.h"
-#include "simulation/bus_fault.h"
 #include "simulation/clock.h"
 #include "simulation/frame_bits.h"
+#include "simulation/random.h"
 
 #include <assert.h>
 #include <stdbool.h>
@@ -25,6 +25,40 @@
 
 static_assert((SIM_BUS_RX_DEPTH & (SIM_BUS_RX_DEPTH - 1)) == 0 && (SIM_BUS_TX_DEPTH & (SIM_BUS_TX_DEPTH - 1)) == 0,
               "depths of queues are powers of two");
+
+/* What can go wrong with frames on their way to the bus. */
+#define SIM_BUS_FAULTS 16
+
+typedef enum {
+    SIM_FRAME_DROP = 0,  /* lost without a trace */
+    SIM_FRAME_CORRUPT,   /* one bit of its data flipped, unnoticed by CAN's own CRC */
+    SIM_FRAME_TRUNCATE,  /* its last byte missing */
+    SIM_FRAME_DELAY,     /* handed in later */
+    SIM_FRAME_DUPLICATE, /* handed in twice */
+    SIM_FRAME_REORDER    /* handed in behind the next frame that matches */
+} sim_frame_fault_t;
+
+/* Frames with (id & mask) == match are affected, each with `probability`; the first `skip` of those picked are spared,
+ * then `count` are affected. */
+typedef struct {
+    sim_frame_fault_t kind;
+    uint16_t match;
+    uint16_t mask;
+    uint32_t skip;
+    uint32_t count; /* UINT32_MAX: without end */
+    uint32_t delay_us;
+    double probability;
+    sim_random_t random;
+    bool holding; /* reorder: one frame waits for the next */
+} sim_bus_fault_t;
+
+/* A frame that waits. */
+typedef struct {
+    tumble_can_frame_t frame;
+    uint64_t due_us; /* SIM_NEVER: until fault number `fault` meets its next frame */
+    uint8_t node;
+    uint8_t fault;
+} sim_bus_held_t;
 
 typedef struct {
     uint32_t sent;        /* frames that went over the bus */
@@ -97,6 +131,15 @@ void sim_bus_set_down(sim_bus_t *bus, uint8_t node, bool down);
 /* As in port.h. A frame that is no classic frame is refused with TUMBLE_E_ARGUMENT. */
 tumble_status_t sim_bus_send(sim_bus_t *bus, uint8_t node, const tumble_can_frame_t *frame);
 tumble_status_t sim_bus_receive(sim_bus_t *bus, uint8_t node, tumble_can_frame_t *frame);
+
+/* One node's end of the bus, which its port speaks for: that has the time of the bus and the node's frames, and nothing
+ * else yet. The end must outlive the port. */
+typedef struct {
+    sim_bus_t *bus;
+    uint8_t node;
+} sim_bus_end_t;
+
+tumble_port_t sim_bus_port(sim_bus_end_t *end);
 
 /* The bus's alarm has gone off: end of a frame, or time for the next to begin. */
 void sim_bus_on_alarm(sim_bus_t *bus);

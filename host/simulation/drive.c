@@ -14,25 +14,6 @@
 #define ON_LOSS_DISABLE_VOLTAGE 2
 #define ON_LOSS_QUICK_STOP 3
 
-/* The port: the bus itself. */
-
-static uint64_t now_us(void *context)
-{
-    return ((const sim_drive_t *)context)->clock->now_us;
-}
-
-static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
-{
-    sim_drive_t *const drive = context;
-    return sim_bus_send(drive->bus, drive->bus_node, frame);
-}
-
-static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
-{
-    sim_drive_t *const drive = context;
-    return sim_bus_receive(drive->bus, drive->bus_node, frame);
-}
-
 /* The node's callbacks */
 
 static tumble_abort_t check_write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
@@ -181,9 +162,8 @@ void sim_drive_init(sim_drive_t *drive, const sim_drive_config_t *config, sim_cl
     memset(drive, 0, sizeof *drive);
     drive->config = config;
     drive->clock = clock;
-    drive->bus = bus;
-    drive->bus_node = bus_node;
-    drive->port = (tumble_port_t){.context = drive, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
+    drive->bus = (sim_bus_end_t){bus, bus_node};
+    drive->port = sim_bus_port(&drive->bus);
     sim_bus_attach(bus, bus_node, SIM_ACTOR_DRIVE);
     sim_axis_init(&drive->axis, &config->axis, error, angle_deg);
     boot(drive);
@@ -194,7 +174,7 @@ void sim_drive_set_power(sim_drive_t *drive, bool on)
     if (on == drive->powered) {
         return;
     }
-    sim_bus_set_down(drive->bus, drive->bus_node, !on);
+    sim_bus_set_down(drive->bus.bus, drive->bus.node, !on);
     if (on) {
         boot(drive);
         return;

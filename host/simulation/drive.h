@@ -46,8 +46,7 @@ typedef struct {
 typedef struct {
     const sim_drive_config_t *config;
     sim_clock_t *clock;
-    sim_bus_t *bus;
-    uint8_t bus_node;
+    sim_bus_end_t bus;
     tumble_port_t port;
     tumble_node_t node;
     tumble_drive_objects_t objects;

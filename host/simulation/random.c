@@ -130,3 +130,15 @@ void sim_random_normals(sim_random_t *stream, double *deviates, int count)
         draw_some(stream, deviates + done, (left < AT_ONCE) ? left : AT_ONCE);
     }
 }
+
+double sim_law_draw(sim_law_t law, double limit, sim_random_t *stream)
+{
+    switch (law) {
+    case SIM_LAW_UNIFORM:
+        return limit * sim_random_symmetric(stream);
+    case SIM_LAW_SIGMA3:
+        return limit / 3.0 * sim_random_normal(stream);
+    default:
+        return limit * sim_random_normal(stream);
+    }
+}

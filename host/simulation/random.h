@@ -76,4 +76,14 @@ double sim_normal_quantile(double p);
 /* The generator that seeds the streams: advances `state` and returns 64 bits. */
 uint64_t sim_splitmix64(uint64_t *state);
 
+/* What a declared error limit means. */
+typedef enum {
+    SIM_LAW_SIGMA1 = 0, /* the limit is a standard deviation of a normal law */
+    SIM_LAW_SIGMA3,     /* three of them */
+    SIM_LAW_UNIFORM     /* half the width of a uniform law */
+} sim_law_t;
+
+/* One error of a source with this limit; 0 for a limit of 0. One draw from the stream in either case. */
+double sim_law_draw(sim_law_t law, double limit, sim_random_t *stream);
+
 #endif

@@ -48,3 +48,11 @@ void sim_scenario_defaults(sim_scenario_t *scenario)
     scenario->bits_per_second = 500000;
     scenario->schedule = tumble_schedule_paper;
 }
+
+const char *sim_fault_word(sim_fault_kind_t kind)
+{
+#define FAULT_WORD(name, word, sentence) word,
+    static const char *const WORDS[] = {SIM_FAULT_LIST(FAULT_WORD)};
+#undef FAULT_WORD
+    return WORDS[kind];
+}

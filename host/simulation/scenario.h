@@ -8,7 +8,7 @@
 
 #include "tumble/core.h"
 #include "simulation/axis.h"
-#include "simulation/law.h"
+#include "simulation/random.h"
 #include "simulation/sensor.h"
 
 #include <stdbool.h>
@@ -98,6 +98,9 @@ typedef enum {
 #undef SIM_FAULT_ENUM
         SIM_FAULT_KINDS
 } sim_fault_kind_t;
+
+/* Its word in scenario files and documents. */
+const char *sim_fault_word(sim_fault_kind_t kind);
 
 /* When a fault begins: at a time, or when a position gets to a phase, plus a delay. */
 typedef enum { SIM_PHASE_MOUNT = 0, SIM_PHASE_HOME, SIM_PHASE_MOVE, SIM_PHASE_SETTLE, SIM_PHASE_AVERAGE } sim_phase_t;

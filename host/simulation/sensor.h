@@ -8,7 +8,6 @@
 #define TUMBLE_SIMULATION_SENSOR_H
 
 #include "tumble/core.h"
-#include "simulation/law.h"
 #include "simulation/random.h"
 
 #include <stdbool.h>

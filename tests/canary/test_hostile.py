@@ -18,9 +18,9 @@ PLANTED = {
         ("firmware/stand/drive402/position.c", "(drive->travel > drive->homing_counts)", "false"),
     ],
     "rest": [
-        ("firmware/navcomp/navcomp.c", "held = tumble_run_is_on(navcomp) || has_axis(navcomp);",
+        ("firmware/navcomp/step.c", "held = tumble_run_is_on(navcomp) || has_axis(navcomp);",
          "held = tumble_run_is_on(navcomp);"),
-        ("firmware/navcomp/navcomp.c", "server.service = tumble_service_is_open(navcomp);", "server.service = true;"),
+        ("firmware/navcomp/step.c", "server.service = tumble_service_is_open(navcomp);", "server.service = true;"),
         ("firmware/stand/drive402/stop.c",
          "return tumble_drive_is_stopping(drive) ? since_us(drive, drive->rung + 1U) : TUMBLE_NEVER;",
          "return TUMBLE_NEVER;"),

@@ -8,7 +8,7 @@
  */
 #include "fake_port.h"
 #include "fuzz_input.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "scripted_config.h"
 
 const size_t fuzz_header_bytes = 1;
@@ -21,6 +21,7 @@ typedef struct {
     scripted_drive_t drive;
     scripted_block_t block;
     tumble_navcomp_t navcomp;
+    tumble_drive402_t axis; /* what navcomp knows of the drive */
     tumble_navcomp_counters_t before;
     uint32_t averaged;
 } world_t;
@@ -54,6 +55,8 @@ static void configure(void)
     config.port = &world.fake.port;
     config.procedure = &procedure;
     config.hooks = &hooks;
+    config.stand_memory = &world.axis;
+    config.stand_bytes = sizeof world.axis;
 }
 
 /* Every number of the counters, which are all 32 bits wide, only grows. */

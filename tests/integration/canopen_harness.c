@@ -14,9 +14,10 @@
  */
 #include "tumble/core.h"
 #include "navcomp/keeper.h"
-#include "navcomp/navcomp.h"
+#include "tumble/navcomp.h"
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
+#include "stand/operator/operator.h"
 
 #include "flash.h"
 
@@ -143,11 +144,13 @@ static bool start_navcomp(const char *name)
         .retries = 1, .preflight_timeout_ms = 60000, .warm_up_timeout_ms = 60000, .mounting_timeout_ms = 60000,
         .home_timeout_ms = 60000, .move_timeout_ms = 60000, .settle_timeout_ms = 5000, .average_timeout_ms = 60000,
         .sample_timeout_ms = 60000};
+    static tumble_operator_t head;
     static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
     static const tumble_navcomp_config_t config = {
-        .port = &port, .procedure = &procedure, .by_hand = &tumble_operator_calls, .person = &person,
+        .port = &port, .procedure = &procedure, .stand = &tumble_operator_kind, .stand_profile = &person,
+        .stand_memory = &head, .stand_bytes = sizeof head,
         .block_period_us = 1000000, .heartbeat_ms = 100, .heartbeat_timeout_ms = 500,
-        .node = TUMBLE_NAVCOMP_NODE, .drive_node = 2, .block_node = 3, .keeping = &tumble_keeper_calls,
+        .node = TUMBLE_NAVCOMP_NODE, .block_node = 3, .keeping = &tumble_keeper_calls,
         .keeper = &harness.keeper};
 
     prepare_keeper();

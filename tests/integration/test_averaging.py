@@ -4,11 +4,11 @@ import math
 from fractions import Fraction
 
 import pytest
+from core_averaging import MAX_DEVIATION_COUNTS, Averaging, AveragingConfig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tumble.core import CoreRefusal
-from tumble.core.averaging import MAX_DEVIATION_COUNTS, MAX_SAMPLES, Averaging, AveragingConfig
+from tumble.core import MAX_SAMPLES, CoreRefusal
 
 LARGEST = 2**31 - 1
 

@@ -2,6 +2,7 @@
 nothing changes. The EDS file is read independently of python-canopen."""
 
 import math
+import re
 import struct
 
 import pytest
@@ -216,5 +217,6 @@ def of_service_level():
         if place.endswith("h"):
             index, place = int(place[:-1], 16), ":0"
         if place.startswith(":") and cells[4].strip() == "service":
-            found.add((index, int(place[1:])))
+            subindices = [int(number) for number in re.findall(r":(\d+)", place)]
+            found |= {(index, subindex) for subindex in range(subindices[0], subindices[-1] + 1)}
     return found

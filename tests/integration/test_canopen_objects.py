@@ -21,7 +21,7 @@ PRODUCTS = (
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
 )  # fmt: skip
-LISTS = ("VERSION", "firmware/procedure/states.h", "firmware/navcomp/commands.h", "firmware/store/commit_rules.h")
+HEADERS = [path.relative_to(ROOT).as_posix() for path in (ROOT / "firmware").rglob("*.h")]
 
 
 def generate(*arguments):
@@ -41,7 +41,7 @@ def tables(tmp_path):
 @pytest.fixture
 def tree(tmp_path):
     """A source tree with the products and what the generator reads."""
-    for name in (*PRODUCTS, *LISTS):
+    for name in {"VERSION", *PRODUCTS, *HEADERS}:
         (tmp_path / "tree" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / "tree" / name)
     return tmp_path / "tree"
@@ -69,7 +69,7 @@ def test_a_change_of_a_table_is_noticed(tables):
 
 def test_a_change_of_the_extension_is_noticed(tables):
     """And its canary: the keeper's own tables, the node's EDS file and the page are stale, the first table is not."""
-    change(tables / "keeper.toml", "low = 60,", "low = 61,")
+    change(tables / "keeper.toml", 'low = "TUMBLE_KEEPER_MIN_PAUSE_S",', "low = 61,")
     done = generate("--check", "--tables", tables)
     assert done.returncode == 1
     named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
@@ -99,8 +99,8 @@ def test_the_compiler_takes_the_tables(tree):
     [
         ('member = "judged"', 'member = "committed"', "2130h:2"),
         ('type = "u8", member = "origin"', 'type = "u16", member = "origin"', "2100h:3"),
-        ('"coefficients.k_v_per_g[0][1]"', '"coefficients.k_v_per_g[0][2]"', "2104h:2"),
-        ('    { name = "U0_z", member = "per_month[11]", unit = "V/month" },\n', "", "2163h:1"),
+        ('"coefficients.k_v_per_g[{i}][{j}]"', '"coefficients.k_v_per_g[{j}][{i}]"', "2104h:2"),
+        ('    { vector = "U0_", member = "per_month[{n}]", first = 9, unit = "V/month" },\n', "", "2163h:1"),
     ],
     ids=["out of order", "another size", "an element left out", "not the whole array"],
 )
@@ -134,6 +134,36 @@ def test_a_renumbered_list_makes_the_page_stale(tree):
     change(tree / "firmware/procedure/states.h", "X(TUMBLE_STATE_IDLE", "X(TUMBLE_STATE_ASLEEP")
     done = generate("--check", "--root", tree)
     assert done.returncode == 1 and "docs/canopen.md" in done.stderr
+
+
+def test_a_constant_changed_in_its_header_alone_is_noticed(tree):
+    """The canary of what is read from the headers: a sum, a product, a name of an enum."""
+    for name, old, new, product in (
+        ("firmware/include/tumble/core.h", "POSITIONS 36", "POSITIONS 40", "firmware/navcomp/keeper_objects.c"),
+        ("firmware/include/tumble/core.h", "INT64_C(1) << 20", "INT64_C(1) << 19", "firmware/navcomp/objects.c"),
+        ("firmware/procedure/procedure.h", "TUMBLE_ESTIMATE_AVERAGED = 0", "TUMBLE_ESTIMATE_AVERAGED = 1", "docs/canopen.md"),
+    ):
+        before = (tree / name).read_text(encoding="utf-8")
+        change(tree / name, old, new)
+        done = generate("--check", "--root", tree)
+        assert done.returncode == 1 and f"generate: {product} is not what the tables say" in done.stderr
+        (tree / name).write_text(before, encoding="utf-8")
+
+
+@pytest.mark.parametrize("header, old, new, message", [
+    ("procedure/procedure.h", "    uint8_t retries; ", "    uint8_t tries;\n    uint8_t retries; ",
+     "tumble_procedure_config_t: tries has no row in TUMBLE_PROCEDURE_FIELDS"),
+    ("include/tumble/core.h", "    uint16_t max_lost; ", "    uint16_t least_lost;\n    uint16_t max_lost; ",
+     "tumble_averaging_config_t: least_lost has no row in TUMBLE_AVERAGING_FIELDS"),
+    ("stand/drive402/drive402.h", "    int8_t homing_method;", "    int8_t homing_method, way;",
+     "tumble_drive_profile_t: homing_method, way is not one member a line"),
+    ("procedure/config_fields.h", "X(U8, retries,", "X(U16, retries,", "TUMBLE_PROCEDURE_FIELDS: retries is uint8_t, not U16"),
+])  # fmt: skip
+def test_a_member_without_its_row_is_one_line_and_exit_2(tree, header, old, new, message):
+    """The canary of the tables of fields."""
+    change(tree / "firmware" / header, old, new)
+    done = generate("--check", "--root", tree)
+    assert (done.returncode, done.stderr) == (2, f"generate: {message}\n")
 
 
 MISTAKES = [
@@ -172,7 +202,9 @@ MISTAKES = [
     ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
     ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
     ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
-    ("keeper.toml", "low = 60,", "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
+    ("keeper.toml", 'low = "TUMBLE_KEEPER_MIN_PAUSE_S",', "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
+    ("keeper.toml", "TUMBLE_KEEPER_MIN_PAUSE_S", "TUMBLE_KEEPER_MIN_PAUS_S", "no header of firmware/ has the constant TUM"),
+    ("keeper.toml", "TUMBLE_MAX_POSITIONS - 1", "TUMBLE_MAX_POSITIONS -", "cannot be calculated"),
     ("navcomp.toml", '"firmware/procedure/states.h"', '"firmware/procedure/stakes.h"', "No such file"),
     ("navcomp.toml", 'TUMBLE_STATE = "firmware', 'TUMBLE_STOAT = "firmware', "no list TUMBLE_STOAT_LIST"),
 ]

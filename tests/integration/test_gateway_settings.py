@@ -24,8 +24,10 @@ NUMBER = {row["name"]: row["register"] for row in ROWS}
 CALENDAR, INHIBIT = NUMBER["Host: Calendar"], NUMBER["Host: Inhibit"]
 UNFIT, NO_SERVICE = 5, 6
 KEY_OF_SERVICE, SERV = NUMBER["Service level: Key"], 0x76726573
-PROTECTED = {int(number) for number in re.findall(r"^\| (\d+) \|[^|]*\|[^|]*\|[^|]*\| \w{4}h:\d+ \| service \|$",
-                                                  (ROOT / "docs/modbus.md").read_text(encoding="utf-8"), re.M)}
+PROTECTED = {number for first, last in
+             re.findall(r"^\| (\d+)(?: to (\d+))? \|(?:[^|]*\|){4} service \|$",
+                        (ROOT / "docs/modbus.md").read_text(encoding="utf-8"), re.M)
+             for number in range(int(first), int(last or first) + 1)}
 SAVE = 0x65766173
 PROPOSAL_AT, SERVICE_KEY_AT = (register(name, "holding")["register"] for name in ("Proposal", "Service key"))
 BEHIND = SERVICE_KEY_AT + 2 - OBJECT  # registers from the first to the last that can be staged

@@ -1,5 +1,6 @@
 """The register map of tumble-gateway as scripts find it, and the generator that writes it."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -17,8 +18,17 @@ def test_the_table_for_scripts_names_every_register_once():
         assert len(places) == len(set(places))
         names = [(row["name"], row["scale"]) for row in rows if row["table"] == table]
         assert len(names) == len(set(names))
+
+
+def test_the_page_names_every_register_of_the_table_for_scripts():
+    """In its own row, or in one for all that differ from it in their last part."""
     page = (ROOT / "docs/modbus.md").read_text(encoding="utf-8")
-    assert all(row["name"] in page for row in rows)
+    rows = re.findall(r"^\| (\d+)(?:(?:-| to )(\d+))? \| \**([^|*]+?)\** \|", page, re.M)
+    told = {(number, name) for first, last, name in rows for number in range(int(first), int(last or first) + 1)}
+    stems = {(number, re.sub(r"(\d+|[xyz]{1,2})( to \w+)?$", "", name)) for number, name in told}
+    for row in registers():
+        place = row["register"]
+        assert {(place, row["name"]), (place, re.sub(r"(\d+|[xyz]{1,2})$", "", row["name"]))} & (told | stems), row
 
 
 def test_the_table_for_scripts_names_every_setting_as_the_dictionary_has_it():

@@ -27,6 +27,8 @@ static void bench_configure(bench_t *b)
     b->config.port = &b->fake.port;
     b->config.procedure = &b->procedure;
     b->config.hooks = &b->hooks;
+    b->config.stand_memory = &b->axis;
+    b->config.stand_bytes = sizeof b->axis;
 }
 
 void bench_init(bench_t *b)

@@ -6,9 +6,9 @@
 #define TUMBLE_TESTS_NAVCOMP_BENCH_H
 
 #include "fake_port.h"
-#include "navcomp/navcomp.h"
 #include "scripted_config.h"
 #include "suite.h"
+#include "tumble/navcomp.h"
 
 #include <string.h>
 
@@ -33,6 +33,7 @@ typedef struct {
     tumble_navcomp_hooks_t hooks;
     tumble_navcomp_config_t config;
     tumble_navcomp_t navcomp;
+    tumble_drive402_t axis; /* what navcomp knows of the drive */
     bench_entry_t log[BENCH_LOG]; /* what the firmware received */
     size_t logged;
     uint32_t events;

@@ -76,11 +76,12 @@ const tumble_drive_profile_t scripted_drive_profile = {
 };
 
 const tumble_navcomp_config_t scripted_navcomp = {
-    .drive = &scripted_drive_profile,
+    .stand = &tumble_drive402_kind,
+    .stand_profile = &scripted_drive_profile,
     .block_period_us = 10000,
     .heartbeat_ms = 100,
     .heartbeat_timeout_ms = 500,
     .node = 1,
-    .drive_node = SCRIPTED_DRIVE_NODE,
+    .stand_node = SCRIPTED_DRIVE_NODE,
     .block_node = SCRIPTED_BLOCK_NODE,
 };

@@ -20,7 +20,8 @@ static void set_up(void)
     bench_config_defaults(&bench);
     TEST_ASSERT_NULL(bench_config_complete(&bench));
     config = (tumble_navcomp_config_t){
-        .procedure = &bench.procedure, .drive = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
+        .procedure = &bench.procedure, .stand = &tumble_drive402_kind,
+        .stand_profile = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
     memset(record, 0, sizeof record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
     size = zcu102_commissioning_write(&before, record);
@@ -94,6 +95,18 @@ static void test_no_field_is_left_out(void)
     SAME(drive.software_limits);
 }
 
+/* Records that are out there must be read: no field changes its place. */
+static void test_the_record_of_the_standard_stand_is_as_it_always_was(void)
+{
+    static const uint8_t CHECKSUM[] = {0x1D, 0x4D, 0x7C, 0x93};
+    config.block_period_us = 10000;
+    config.heartbeat_ms = 100;
+    config.heartbeat_timeout_ms = 500;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
+    TEST_ASSERT_EQUAL_size_t(1060, zcu102_commissioning_write(&before, record));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(CHECKSUM, &record[12], sizeof CHECKSUM);
+}
+
 static void test_every_wrong_bit_is_refused(void)
 {
     for (size_t bit = 0; bit < 8U * size; bit++) {
@@ -116,9 +129,9 @@ static void test_erased_memory_is_no_record(void)
 
 static void test_what_does_not_fit_is_refused(void)
 {
-    config.drive = NULL;
+    config.stand = NULL;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
-    config.drive = &bench.profile;
+    config.stand = &tumble_drive402_kind;
     bench.profile.write_count = ZCU102_MAX_WRITES + 1U;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_commission(&after, &config));
 }
@@ -127,14 +140,14 @@ static void test_without_a_record_the_board_has_what_is_built_in(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_configure(&config, &after));
     TEST_ASSERT_EQUAL_PTR(&tumble_standard_procedure, config.procedure);
-    TEST_ASSERT_EQUAL_PTR(&tumble_standard_drive, config.drive);
+    TEST_ASSERT_EQUAL_PTR(&tumble_standard_drive, config.stand_profile);
     TEST_ASSERT_EQUAL_UINT8(ZCU102_CAN_FILTERS, zcu102_can_for(&config).filter_count);
 }
 
 static void test_filters_open_for_a_drive_with_other_process_data(void)
 {
     before.transmit[0].setup.cob_id = 0x2A2;
-    config.drive = &before.drive;
+    config.stand_profile = &before.drive;
     TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
 }
 

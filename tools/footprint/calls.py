@@ -45,8 +45,8 @@ class Calls:
 
     def targets(self, caller):
         """Addresses of the functions that `caller` may call through a pointer; None if it has no entry."""
-        self._used.add(plain(caller))
-        return self._targets.get(plain(caller))
+        self._used.add(source_name(caller))
+        return self._targets.get(source_name(caller))
 
     def faults(self):
         """What is wrong with the list, after a walk has asked for all the calls that there are."""
@@ -81,7 +81,7 @@ class Calls:
         return {self._function_at(self._words[cell]) for cell in cells if cell in self._words}
 
 
-def plain(name):
+def source_name(name):
     """The name that a symbol has in the source."""
     return name.split(".", 1)[0]
 
@@ -91,9 +91,9 @@ def read_symbols(symbols_text):
     functions, tables = {}, {}
     for address, size, kind, name in re.findall(r"^([0-9a-f]+) ([0-9a-f]+) (\w) (\S+)$", symbols_text, re.MULTILINE):
         if kind in "tTW":
-            functions.setdefault(plain(name), set()).add(int(address, 16) & ~1)
+            functions.setdefault(source_name(name), set()).add(int(address, 16) & ~1)
         else:
-            tables.setdefault(plain(name), set()).add((int(address, 16), int(size, 16)))
+            tables.setdefault(source_name(name), set()).add((int(address, 16), int(size, 16)))
     return functions, tables
 
 

@@ -5,10 +5,12 @@ Every mistake is a TableError whose text names the file, the object and what is 
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from headers import headers_of
 from kinds import TYPES, Entry, TableError, Type
 from rules import (
     ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
@@ -91,6 +93,22 @@ def expanded(tables: list[dict]) -> list[dict]:
             for table in tables]
 
 
+def elements(sub: dict, where: str) -> list[dict]:
+    """Of a sub that is a `matrix` or a `vector` a sub for each element, by rows: in `member` {i} and {j} stand for row
+    and column, {n} for the number from `first` on. Any other sub as it is."""
+    shape = next((key for key in ("matrix", "vector") if key in sub), None)
+    if shape is None:
+        return [sub]
+    first = sub.get("first", 0)
+    check(isinstance(sub[shape], str) and isinstance(sub.get("member"), str) and isinstance(first, int), where,
+          f"a {shape} is a name with a member")
+    rest = {key: value for key, value in sub.items() if key not in (shape, "first")}
+    places = list(itertools.product(range(3), repeat=2 if shape == "matrix" else 1))
+    return [rest | {"name": f"{sub[shape]}{''.join('xyz'[axis] for axis in place)}",
+                    "member": sub["member"].format(n=first + number, i=place[0], j=place[-1])}
+            for number, place in enumerate(places)]
+
+
 def read_toml(path: Path) -> dict:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -117,9 +135,9 @@ class NodeReader:
         self.path = path
         self.file = path.name  # whose objects are being read
         self.root = root
-        self.document = read_toml(path)
-        self.common = read_toml(common)
-        self.further = read_toml(extension) if extension else {}
+        headers = headers_of(root)
+        self.document, self.common, self.further = (
+            headers.resolve(read_toml(table)) if table else {} for table in (path, common, extension))
         check_keys(self.document, {"node", "object", "receive_pdo", "transmit_pdo", "lists"}, path.name)
         check_keys(self.common, {"object"}, common.name)
         self.settings = self.read_settings()
@@ -220,9 +238,9 @@ class NodeReader:
 
     def read_subs(self, table: dict, item: Object) -> list[Entry]:
         shared = {key: value for key, value in table.items() if key in SHARED_KEYS}
-        subs = table.get("subs", [])
         where = f"{self.file}: object {item.index:04X}h"
-        check(all(isinstance(sub, dict) for sub in subs), where, "a sub is not a table")
+        check(all(isinstance(sub, dict) for sub in table.get("subs", [])), where, "a sub is not a table")
+        subs = [one for sub in table.get("subs", []) for one in elements(sub, where)]
         numbers = [sub.get("sub", position + 1) for position, sub in enumerate(subs)]
         check(subs != [] and numbers == sorted(set(numbers)), where, "its subs are missing or out of order")
         count = {"name": "Highest subindex supported", "type": "u8", "home": "value", "value": numbers[-1]}

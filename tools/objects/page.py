@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
 
 from kinds import Entry
 from model import Node, Object, Pdo
@@ -18,10 +19,14 @@ SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats. 
 `h` or begin with `0x`. A value in the column "power-on" is there after a reset; limits are inclusive and a write beyond
 them is refused. Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped
 into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level is
-open (2006h, [service-level.md](service-level.md)).
+open (2006h, [service-level.md](service-level.md)). Neighbours that differ in a number or an axis alone share a row,
+matrices row by row: `:1 to :9` are nine subindices. Subindex 0, where it is not listed, holds the highest subindex
+(UNSIGNED8, const).
 
 Objects of every node:
 """
+HIGHEST = "Highest subindex supported"  # of subindex 0
+LAST_PART = re.compile(r"\d+$|[xyz]{1,2}$")
 
 
 def page(nodes: list[Node]) -> str:
@@ -72,13 +77,44 @@ def rows(item: Object) -> list[str]:
     lines = []
     if not item.is_var:
         lines.append(f"| {item.index:04X}h | **{cell(item.name)}** | {item.kind} | | | | | |")
-    for entry in item.entries:
-        place = f"{item.index:04X}h" if item.is_var else f":{entry.subindex}"
-        lines.append(
-            f"| {place} | {cell(entry.name)} | {entry.type.name}{length(entry)} | {access(entry)} "
-            f"| {entry.level or ''} | {cell(value(entry))} | {limits(entry)} | {cell(entry.unit)} |"
-        )
+    said = [entry for entry in item.entries if entry.name != HIGHEST]
+    for alike in families(said, lambda entry: entry.name, lambda entry: (entry.subindex, columns(entry))):
+        place = f"{item.index:04X}h" if item.is_var else span([f":{entry.subindex}" for entry in alike])
+        lines.append(f"| {place} | {cell(family_name([entry.name for entry in alike]))} | {columns(alike[0])} |")
     return lines
+
+
+def columns(entry: Entry) -> str:
+    """All that a row says behind the name."""
+    return (f"{entry.type.name}{length(entry)} | {access(entry)} | {entry.level or ''} | {cell(value(entry))} "
+            f"| {limits(entry)} | {cell(entry.unit)}")
+
+
+def families(items: list, name: Callable, told: Callable) -> list[list]:
+    """What shares a row: neighbours whose names differ in a number or an axis at the end, and of which all else is the
+    same; `told` gives the number that counts up from one to the next, and all else."""
+    groups: list[list] = []
+    for item in items:
+        if groups and LAST_PART.search(name(item)) and is_next(groups[-1], item, name, told):
+            groups[-1].append(item)
+        else:
+            groups.append([item])
+    return groups
+
+
+def is_next(group: list, item: object, name: Callable, told: Callable) -> bool:
+    (number, rest), (following, its_rest) = told(group[-1]), told(item)
+    stems = {LAST_PART.sub("", name(one)) for one in (group[0], item)}
+    return (following, its_rest) == (number + 1, rest) and len(stems) == 1
+
+
+def family_name(names: list[str]) -> str:
+    return span([names[0], LAST_PART.search(names[-1])[0]]) if len(names) > 1 else names[0]
+
+
+def span(places: list[str]) -> str:
+    """From the first to the last."""
+    return places[0] if places[0] == places[-1] else f"{places[0]} to {places[-1]}"
 
 
 def cell(text: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from kinds import Entry
+from page import cell, families, family_name, span
 from registers import Map, Register, Setting
 
 HEAD = """\
@@ -24,6 +25,8 @@ What `tumble-gateway` serves; how it behaves stands in [gateway.md](gateway.md),
   in the order of the table) is there. Where the bit is 0 the value is 0 and means nothing: there is no result yet, the
   node refused it, or it does not fit the registers. No value is ever infinite or not a number.
 - **Scaled numbers**: multiply the i32 by the scale. They resolve more than f32 does: 1e-8 V/g of 2 V/g against 1.2e-7.
+- Neighbours that differ in a number or an axis alone share a row here, matrices row by row; in modbus.csv each has its
+  own.
 - In modbus.csv `table` says what a row is: `input` and `holding` registers by number, and below them each `setting`
   with its number in the column `register`, the type of its object, and the same names as the registers have.
 """
@@ -43,7 +46,8 @@ def page(registers: Map) -> str:
     lines += ["", "### The node's", "", "Objects and subindices are those of [canopen.md](canopen.md), which says what "
               "they mean; `valid` is register and bit.", ""]
     lines += ["| register | name | type | unit | object | valid |", "|---|---|---|---|---|---|"]
-    lines += [node_row(register) for register in registers.input if register.at >= registers.gateway]
+    own = [register for register in registers.input if register.at >= registers.gateway]
+    lines += [node_row(alike) for alike in families(own, lambda one: one.name, register_columns)]
     lines += ["", "## Holding registers", "", "Written only with `--allow-commands`, in a session that is unlocked."]
     lines += [""]
     lines += own_table(registers.holding)
@@ -52,7 +56,7 @@ def page(registers: Map) -> str:
     places = {one.name: one.place for one in registers.holding}
     lines += ["", SETTINGS.format(setting=places["Setting"], value=places["Value"], key=registers.service_key.number)]
     lines += ["| number | name | type | unit | object | level |", "|---|---|---|---|---|---|"]
-    lines += [setting_row(setting) for setting in registers.settings]
+    lines += [setting_row(alike) for alike in families(registers.settings, lambda one: one.name, setting_columns)]
     lines += ["", f"A snapshot is published only if these were the same before and after it was read: "
               f"{listed(registers.marks)}. The same holds of what selects values that it reads anew: "
               f"{listed(selectors(registers))}."]
@@ -67,10 +71,20 @@ def listed(entries: list[Entry]) -> str:
     return ", ".join(f"{entry.name} ({entry.where})" for entry in entries)
 
 
-def setting_row(setting: Setting) -> str:
+def setting_row(alike: list[Setting]) -> str:
+    first, entries = alike[0], [setting.entry for setting in alike]
+    return (f"| {span([str(one.number) for one in alike])} | {cell(family_name([one.name for one in alike]))} "
+            f"| {first.entry.type.key} | {cell(first.entry.unit)} | {objects(entries)} | {first.entry.level or ''} |")
+
+
+def setting_columns(setting: Setting) -> tuple:
     entry = setting.entry
-    return (f"| {setting.number} | {cell(setting.name)} | {entry.type.key} | {cell(entry.unit)} | {entry.where} "
-            f"| {entry.level or ''} |")
+    return setting.number, (setting.number - entry.subindex, entry.index, entry.type.key, entry.unit, entry.level)
+
+
+def objects(entries: list[Entry]) -> str:
+    """Subindices of one object."""
+    return span([entries[0].where, *(f":{entry.subindex}" for entry in entries[1:])])
 
 
 def own_table(registers: list[Register]) -> list[str]:
@@ -79,17 +93,24 @@ def own_table(registers: list[Register]) -> list[str]:
                     for one in registers]
 
 
-def node_row(register: Register) -> str:
+def node_row(alike: list[Register]) -> str:
+    first, last = alike[0], alike[-1]
+    if first.entry is None:
+        return f"| {first.place} | **{cell(first.name)}** | bits | | | |"
+    place = first.place if first is last else f"{first.at}-{last.end - 1}"
+    valid = span([f"{first.validity}.{first.bit}", *(f".{one.bit}" for one in alike[1:])])
+    return (f"| {place} | {cell(family_name([one.name for one in alike]))} | {number(first)} | {cell(first.unit)} "
+            f"| {objects([one.entry for one in alike])} | {valid} |")
+
+
+def register_columns(register: Register) -> tuple:
+    """The place among the values of its object, and what else a row says."""
     entry = register.entry
     if entry is None:
-        return f"| {register.place} | **{cell(register.name)}** | bits | | | |"
-    return (f"| {register.place} | {cell(register.name)} | {number(register)} | {cell(register.unit)} | {entry.where} "
-            f"| {register.validity}.{register.bit} |")
+        return register.at, None
+    rest = register.bit - entry.subindex, entry.index, number(register), register.unit, register.validity
+    return register.bit, rest
 
 
 def number(register: Register) -> str:
     return register.type if register.scale is None else f"{register.type} x {register.scale:g}"
-
-
-def cell(text: str) -> str:
-    return text.replace("|", "\\|")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+from headers import OWN
 from kinds import Entry, TableError, Type
 
-MAX_BYTES = 64  # TUMBLE_MAX_OBJECT_BYTES
-MAX_CONSUMERS = 4  # TUMBLE_MAX_CONSUMERS
+MAX_BYTES = OWN.value("TUMBLE_MAX_OBJECT_BYTES")
+MAX_CONSUMERS = OWN.value("TUMBLE_MAX_CONSUMERS")
 PDO_BYTES = 8
 
 HOMES = ("value", "variable", "other", "computed", "communication")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from headers import OWN
 from kinds import TYPES
 
-MAX_MAPPED = 8  # TUMBLE_MAX_MAPPED
+MAX_MAPPED = OWN.value("TUMBLE_MAX_MAPPED")
 PDO_INVALID = 0x80000000
 
 

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/one_copy.h"
+#include "stand/drive402/profile_fields.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -23,26 +24,49 @@ static bool reports_by_timer(const tumble_drive_profile_t *profile)
     return timed;
 }
 
-tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_drive_profile_t *profile,
-                                     tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node)
+/* The cable's limits, as counts of homing and of the drive's own limits. */
+static void bound(tumble_drive402_t *drive, double min_deg, double max_deg)
 {
-    if ((drive == NULL) || (node == NULL) || (mirror == NULL) || (drive_node == 0U) || (drive_node > MAX_NODE) ||
-        (tumble_drive402_validate(profile, node->config->node) != TUMBLE_OK)) {
+    const tumble_drive_profile_t *profile = drive->profile;
+    const bool turned = (profile->sign < 0);
+    int64_t at_min;
+    int64_t at_max;
+    drive->homing_counts =
+        tumble_drive_way(profile, tumble_is_positive(profile->homing_travel_deg) ? profile->homing_travel_deg
+                                                                                 : ((max_deg - min_deg) + TURN_DEG));
+    if (profile->software_limits && (profile->wrap_counts == 0U) && tumble_drive_counts(profile, min_deg, &at_min) &&
+        tumble_drive_counts(profile, max_deg, &at_max)) {
+        drive->low_counts = (int32_t)(turned ? at_max : at_min);
+        drive->high_counts = (int32_t)(turned ? at_min : at_max);
+        drive->report.limited = (drive->low_counts != drive->high_counts);
+    }
+}
+
+static tumble_status_t drive_init(void *self, const tumble_stand_setup_t *setup)
+{
+    tumble_drive402_t *drive = self;
+    const tumble_drive_profile_t *profile = setup->profile;
+    if ((setup->stand_node == 0U) || (setup->stand_node > MAX_NODE) ||
+        (tumble_drive402_validate(profile, setup->node->config->node) != TUMBLE_OK)) {
         return TUMBLE_E_ARGUMENT;
     }
+    tumble_stop_counters_t counted;
+    counted = drive->report.stop; /* they outlast an NMT reset */
     *drive = (tumble_drive402_t){
         .profile = profile,
-        .node = node,
-        .mirror = mirror,
-        .drive_node = drive_node,
+        .node = setup->node,
+        .mirror = setup->mirror,
+        .drive_node = setup->stand_node,
         .wanted = (uint8_t)PHASE_IDLE,
         .counts_per_s = tumble_drive_way( /* of one second */
             profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s : UNKNOWN_DEG_S),
         .rest_counts = tumble_drive_way(profile, REST_DEG),
         .timed = reports_by_timer(profile),
     };
-    *mirror = (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP,
-                                      .mode = TUMBLE_402_MODE_PROFILE_POSITION};
+    drive->report.stop = counted;
+    *setup->mirror = (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP,
+                                             .mode = TUMBLE_402_MODE_PROFILE_POSITION};
+    bound(drive, setup->cable_min_deg, setup->cable_max_deg);
     return tumble_drive_map_own(drive) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
@@ -77,8 +101,9 @@ static void lost(tumble_drive402_t *drive)
     }
 }
 
-void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
+static void drive_heartbeat(void *self, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
 {
+    tumble_drive402_t *drive = self;
     if ((event != TUMBLE_HEARTBEAT_LOST) && (state != TUMBLE_NMT_OPERATIONAL)) {
         drive->homed = false; /* it may have booted, and the message been lost */
     }
@@ -103,15 +128,17 @@ void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_
     }
 }
 
-void tumble_drive402_emergency(tumble_drive402_t *drive, const tumble_emergency_t *emergency)
+static void drive_emergency(void *self, const tumble_emergency_t *message)
 {
-    if (emergency->code != TUMBLE_EMCY_NO_ERROR) {
-        drive->code = emergency->code;
+    if (message->code != TUMBLE_EMCY_NO_ERROR) {
+        tumble_drive402_t *drive = self;
+        drive->report.fault_code = message->code;
     }
 }
 
-void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number)
+static void drive_pdo_received(void *self, uint8_t number)
 {
+    tumble_drive402_t *drive = self;
     if (number >= drive->profile->transmit_count) {
         return;
     }
@@ -145,8 +172,9 @@ static void end_late(tumble_drive402_t *drive)
     tumble_drive_fail(drive, faulty ? TUMBLE_STAND_FAULT_DRIVE : (tumble_stand_fault_t)late);
 }
 
-void tumble_drive402_step(tumble_drive402_t *drive, uint64_t now_us)
+static void drive_step(void *self, uint64_t now_us)
 {
+    tumble_drive402_t *drive = self;
     tumble_drive_look(drive, false);
     if (drive->restart_timer) {
         drive->restart_timer = false;
@@ -167,8 +195,9 @@ static uint64_t earlier(uint64_t a_us, uint64_t b_us)
     return (a_us < b_us) ? a_us : b_us;
 }
 
-uint64_t tumble_drive402_next_us(const tumble_drive402_t *drive)
+static uint64_t drive_next_us(const void *self)
 {
+    const tumble_drive402_t *drive = self;
     const uint64_t watch_us = earlier(tumble_drive_blind_us(drive), tumble_drive_next_rung_us(drive));
     const bool free_to_go = drive->blocked && tumble_drive_is_sent(drive);
     const bool by_sdo = (drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ);
@@ -178,7 +207,7 @@ uint64_t tumble_drive402_next_us(const tumble_drive402_t *drive)
 
 /* The stand. */
 
-static tumble_stand_state_t state(void *self)
+static tumble_stand_state_t state(const void *self)
 {
     const tumble_drive402_t *drive = self;
     if ((drive->phase == (uint8_t)PHASE_POWER) && (drive->wanted != (uint8_t)PHASE_IDLE)) {
@@ -263,8 +292,8 @@ static tumble_status_t clear_fault(void *self)
     tumble_emcy_clear(&drive->node->emcy, TUMBLE_ERROR_PROFILE);
     drive->rung = (uint8_t)TUMBLE_RUNG_NONE;
     drive->fault = (uint8_t)TUMBLE_STAND_FAULT_NONE;
-    drive->code = 0;
-    drive->refusal = (tumble_drive_refusal_t){0, 0, TUMBLE_ABORT_NONE};
+    drive->report.fault_code = 0;
+    drive->report.refusal = (tumble_stand_refusal_t){0, 0, TUMBLE_ABORT_NONE};
     drive->may_reset = true;
     if (drive->present) {
         configure(drive);
@@ -275,87 +304,74 @@ static tumble_status_t clear_fault(void *self)
 }
 
 /* A drive that faults over its following error says so in its emergency message, or in bit 13. */
-static tumble_stand_fault_t fault(void *self)
+static tumble_stand_fault_t fault(const void *self)
 {
     const tumble_drive402_t *drive = self;
     const bool bit_13 = (drive->mirror->mode == TUMBLE_402_MODE_PROFILE_POSITION) &&
                         tumble_drive_has(drive, TUMBLE_402_STATUS_FOLLOWING_ERROR);
-    const bool stalled = bit_13 || (drive->code == TUMBLE_402_ERROR_FOLLOWING);
+    const bool stalled = bit_13 || (drive->report.fault_code == TUMBLE_402_ERROR_FOLLOWING);
     if ((drive->fault == (uint8_t)TUMBLE_STAND_FAULT_DRIVE) && stalled) {
         return TUMBLE_STAND_FAULT_STALL;
     }
     return (tumble_stand_fault_t)drive->fault;
 }
 
-static uint16_t fault_code(void *self)
-{
-    const tumble_drive402_t *drive = self;
-    return drive->code;
-}
-
-static double angle(void *self)
+static double angle(const void *self)
 {
     const tumble_drive402_t *drive = self;
     return tumble_drive_angle_deg(drive->profile, drive->actual_counts);
 }
 
-tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive)
-{
-    static const tumble_stand_t calls = {
-        .home = home,
-        .move = move,
-        .stop = stop,
-        .clear_fault = clear_fault,
-        .state = state,
-        .fault = fault,
-        .fault_code = fault_code,
-        .angle_deg = angle,
-    };
-    tumble_stand_t stand = calls;
-    stand.self = drive;
-    return stand;
-}
-
 /* What protects the table. */
 
-void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_deg)
+static bool is_present(const void *self)
 {
-    const tumble_drive_profile_t *profile = drive->profile;
-    const bool turned = (profile->sign < 0);
-    int64_t at_min;
-    int64_t at_max;
-    drive->homing_counts =
-        tumble_drive_way(profile, tumble_is_positive(profile->homing_travel_deg) ? profile->homing_travel_deg
-                                                                                 : ((max_deg - min_deg) + TURN_DEG));
-    if (profile->software_limits && (profile->wrap_counts == 0U) && tumble_drive_counts(profile, min_deg, &at_min) &&
-        tumble_drive_counts(profile, max_deg, &at_max)) {
-        drive->low_counts = (int32_t)(turned ? at_max : at_min);
-        drive->high_counts = (int32_t)(turned ? at_min : at_max);
-    }
-}
-
-bool tumble_drive402_is_present(const tumble_drive402_t *drive)
-{
+    const tumble_drive402_t *drive = self;
     return drive->present || (drive->phase != (uint8_t)PHASE_ABSENT);
 }
 
-void tumble_drive402_foreign(tumble_drive402_t *drive, uint16_t id)
+static bool commands(const tumble_drive402_t *drive, uint16_t id)
 {
-    if (drive->phase >= (uint8_t)PHASE_POWER) {
+    bool is_command = false;
+    for (uint8_t i = 0; i < drive->profile->receive_count; i++) {
+        is_command = is_command || ((drive->profile->receive[i].setup.cob_id & TUMBLE_CAN_MAX_ID) == id);
+    }
+    return is_command;
+}
+
+static bool drive_foreign(void *self, uint16_t id, bool ours)
+{
+    tumble_drive402_t *drive = self;
+    const bool is_foreign = ours || commands(drive, id);
+    if (is_foreign && (drive->phase >= (uint8_t)PHASE_POWER)) {
         tumble_drive_lose_position(drive, TUMBLE_STAND_FAULT_FOREIGN, TUMBLE_EMCY_FOREIGN, id);
     }
+    return is_foreign;
 }
 
-bool tumble_drive402_sends(const tumble_drive402_t *drive, uint16_t id)
-{
-    bool sends = false;
-    for (uint8_t i = 0; i < drive->profile->receive_count; i++) {
-        sends = sends || ((drive->profile->receive[i].setup.cob_id & TUMBLE_CAN_MAX_ID) == id);
-    }
-    return sends;
-}
+/* What a field that decides what comes out of a run is to the seam; the others are nothing to it. */
+#define NUMBER_RESULT(type, member)                                                                                    \
+    {(uint8_t)TUMBLE_STAND_NUMBER_##type, (uint8_t)offsetof(tumble_drive_profile_t, member)},
+#define NUMBER_NO_RESULT(type, member)
+#define NUMBER(type, member, standard, signs, result, part, key, low, high, about) NUMBER_##result(type, member)
 
-tumble_drive_refusal_t tumble_drive402_refusal(const tumble_drive402_t *drive)
-{
-    return drive->refusal;
-}
+const tumble_stand_kind_t tumble_drive402_kind = {
+    .bytes = (uint16_t)sizeof(tumble_drive402_t),
+    .report_at = (uint16_t)offsetof(tumble_drive402_t, report),
+    .numbers = {TUMBLE_DRIVE_FIELDS(NUMBER)},
+    .init = drive_init,
+    .step = drive_step,
+    .next_us = drive_next_us,
+    .home = home,
+    .move = move,
+    .stop = stop,
+    .clear_fault = clear_fault,
+    .state = state,
+    .fault = fault,
+    .angle_deg = angle,
+    .is_present = is_present,
+    .heartbeat = drive_heartbeat,
+    .emergency = drive_emergency,
+    .pdo_received = drive_pdo_received,
+    .foreign = drive_foreign,
+};

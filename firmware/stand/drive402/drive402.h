@@ -7,8 +7,7 @@
  *
  * What happens to the axis follows from received frames and their order; the clock drives timeouts alone.
  *
- * The caller owns the object, one per drive, and calls the four functions that take what the node tells: heartbeat,
- * emergency, pdo_received, and step. Not re-entrant on one object. The node's first TUMBLE_DRIVE402_PDOS transmit
+ * The caller owns the object, one per drive. Not re-entrant on one object. The node's first TUMBLE_DRIVE402_PDOS transmit
  * and receive PDOs belong to the drive, as many of them as the profile has, and so does the node's SDO client while
  * it is busy here. The node's dictionary holds the drive's objects in 2040h: controlword, target, mode, statusword,
  * actual position, mode display, velocity, error code, as subindices 1 to 8, at home in the mirror.
@@ -40,7 +39,7 @@
 #include "canopen/cia402.h"
 #include "canopen/node.h"
 #include "tumble/status.h"
-#include "stand/stand.h"
+#include "tumble/stand.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -49,20 +48,9 @@
 #define TUMBLE_DRIVE402_MIRROR 0x2040U /* where the node's dictionary holds the drive's objects */
 
 /* Emergency messages that it raises on the node (bit PROFILE of the error register). */
-#define TUMBLE_EMCY_STOP 0xFF10U     /* info[0]: tumble_drive_rung_t */
+#define TUMBLE_EMCY_STOP 0xFF10U     /* info[0]: tumble_stop_rung_t */
 #define TUMBLE_EMCY_POSITION 0xFF11U /* the position is unknown now */
 #define TUMBLE_EMCY_FOREIGN 0xFF12U  /* info[0] and [1]: the identifier, low byte first */
-
-/* The rungs of a stop. The numbers travel over CAN: new ones go to the end. */
-typedef enum {
-    TUMBLE_RUNG_NONE = 0,    /* no stop is under way */
-    TUMBLE_RUNG_TOLD,        /* once */
-    TUMBLE_RUNG_AGAIN,
-    TUMBLE_RUNG_SDO,
-    TUMBLE_RUNG_NMT,
-    TUMBLE_RUNG_SILENCE,
-    TUMBLE_RUNG_UNCONFIRMED
-} tumble_drive_rung_t;
 
 /* One PDO of the drive, in the drive's own objects. `number` 0 is 1400h or 1800h. */
 typedef struct {
@@ -120,19 +108,6 @@ typedef struct {
     uint32_t stop_timeout_ms;
 } tumble_drive_profile_t;
 
-/* What the drive refused of its configuration. */
-typedef struct {
-    uint16_t index; /* 0: nothing */
-    uint8_t subindex;
-    uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
-} tumble_drive_refusal_t;
-
-/* How far stops had to go, and what was not believed; monotonic, they stop at UINT32_MAX. */
-typedef struct {
-    uint32_t rungs[TUMBLE_RUNG_UNCONFIRMED - TUMBLE_RUNG_TOLD]; /* how often each was climbed to, from AGAIN on */
-    uint32_t implausible;                                       /* position reports that were not believed */
-} tumble_stop_counters_t;
-
 /* The object; its fields are private. */
 typedef struct {
     uint8_t drive_node;
@@ -154,9 +129,8 @@ typedef struct {
     bool timed;            /* its reports come by a timer, too, also while nothing changes */
     bool tracked;          /* actual_counts is what the next report is compared with */
     bool settled;          /* at rest long enough for `strayed` to count */
-    uint8_t rung;          /* tumble_drive_rung_t: how far a stop has gone */
+    uint8_t rung;          /* tumble_stop_rung_t: how far a stop has gone */
     uint8_t doubtful;      /* reports in a row that were not believed */
-    uint16_t code;         /* of the last emergency message */
     const tumble_drive_profile_t *profile;
     tumble_node_t *node;
     tumble_drive_mirror_t *mirror;
@@ -173,52 +147,16 @@ typedef struct {
     uint32_t rest_counts;  /* an axis at rest may stray so far */
     int32_t low_counts;    /* software limits; both 0: none */
     int32_t high_counts;
-    tumble_drive_refusal_t refusal;
-    tumble_stop_counters_t counters;
+    tumble_stand_report_t report; /* fault_code is that of the last emergency message */
 } tumble_drive402_t;
 
 /* Is a profile usable on the bus of our node? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, uint8_t node);
 
-/* Get ready, absent. `node` must be initialised and watch `drive_node` (1016h); `mirror` is the memory of its
- * objects for the drive. Sets up the node's own PDOs. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT (null, profile, node
- * number, or a mapping that the node's dictionary cannot take). */
-tumble_status_t tumble_drive402_init(tumble_drive402_t *drive, const tumble_drive_profile_t *profile,
-                                     tumble_node_t *node, tumble_drive_mirror_t *mirror, uint8_t drive_node);
-
-/* Tell it the cable's limits, in degrees of the table, min < max: what homing may turn, and what is written to 607Dh,
- * follow from them. After init, which knows none. */
-void tumble_drive402_bound(tumble_drive402_t *drive, double min_deg, double max_deg);
-
-/* Have the cable's limits been written to the drive's own (607Dh), or will they be at its next bring-up? */
-bool tumble_drive402_is_limited(const tumble_drive402_t *drive);
-
-/* Is there a drive, so that what its stop depends on must stay as it is? */
-bool tumble_drive402_is_present(const tumble_drive402_t *drive);
-
-/* A frame of this identifier has come that nobody but our node may send. Once the drive is led, the axis is stopped, a
- * fault, and its position is unknown. */
-void tumble_drive402_foreign(tumble_drive402_t *drive, uint16_t id);
-
-/* Do we command the drive with frames of this identifier? */
-bool tumble_drive402_sends(const tumble_drive402_t *drive, uint16_t id);
-
-/* What the node tells: call them from its events; heartbeat and emergency for this drive's node only, pdo_received for
- * every PDO of ours with its number. */
-void tumble_drive402_heartbeat(tumble_drive402_t *drive, tumble_heartbeat_event_t event, tumble_nmt_state_t state);
-void tumble_drive402_emergency(tumble_drive402_t *drive, const tumble_emergency_t *emergency);
-void tumble_drive402_pdo_received(tumble_drive402_t *drive, uint8_t number);
-
-/* Go on, watch the time. Before the node's own step, which sends what this one has prepared. */
-void tumble_drive402_step(tumble_drive402_t *drive, uint64_t now_us);
-
-/* The next moment at which step has something to do by itself; 0: at once; TUMBLE_NEVER. */
-uint64_t tumble_drive402_next_us(const tumble_drive402_t *drive);
-
-/* The drive as a stand. The table holds the object's address. */
-tumble_stand_t tumble_drive402_stand(tumble_drive402_t *drive);
-
-/* What was refused when it came to FAULT with TUMBLE_STAND_FAULT_PROTOCOL; zeros otherwise. */
-tumble_drive_refusal_t tumble_drive402_refusal(const tumble_drive402_t *drive);
+/* The kind: its object is a tumble_drive402_t, its profile a tumble_drive_profile_t. Its init sets up the node's own PDOs
+ * and leaves it absent; it refuses a profile, a node number, a mapping that the node's dictionary cannot take. What
+ * homing may turn, and what is written to 607Dh, follow from the cable's limits. A foreign frame, once the drive is led,
+ * stops the axis: a fault, and its position is unknown. */
+extern const tumble_stand_kind_t tumble_drive402_kind;
 
 #endif

@@ -87,7 +87,7 @@ static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
 /* One report may be garbled: it is dropped. */
 static void doubt(tumble_drive402_t *drive)
 {
-    tumble_count(&drive->counters.implausible);
+    tumble_count(&drive->report.stop.implausible);
     drive->doubtful++;
     if (drive->doubtful >= DOUBTS) {
         drive->doubtful = 0;

@@ -102,7 +102,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
 static void write_object(const tumble_drive402_t *drive, const object_row_t *row, tumble_object_write_t *write)
 {
     const bool optional = (row->kind >= (uint8_t)VALUE_CONSUMER);
-    const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !tumble_drive402_is_limited(drive);
+    const bool unlimited = (row->kind == (uint8_t)VALUE_LIMIT) && !drive->report.limited;
     write->index = row->index;
     write->subindex = row->subindex;
     write->value = value_of(drive, row);
@@ -306,9 +306,4 @@ tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, 
     const bool valid = (profile != NULL) && numbers_are_valid(profile) && quantities_are_valid(profile) &&
                        pdos_are_valid(profile) && identifiers_are_valid(profile, node) && writes_are_valid(profile);
     return valid ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
-}
-
-bool tumble_drive402_is_limited(const tumble_drive402_t *drive)
-{
-    return drive->low_counts != drive->high_counts;
 }

@@ -18,7 +18,7 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive)
     }
     if ((drive->asked != ASKED_NOTHING) && (result != TUMBLE_OK)) {
         drive->asked = ASKED_NOTHING;
-        drive->refusal = (tumble_drive_refusal_t){client->index, client->subindex, client->abort};
+        drive->report.refusal = (tumble_stand_refusal_t){client->index, client->subindex, client->abort};
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
         return false;
     }
@@ -73,7 +73,7 @@ static bool checks(tumble_drive402_t *drive)
     if (tumble_sdo_client_u32(client) == tumble_drive_limit(drive, client->subindex)) {
         return false;
     }
-    drive->refusal = (tumble_drive_refusal_t){client->index, client->subindex, (uint32_t)TUMBLE_ABORT_VALUE};
+    drive->report.refusal = (tumble_stand_refusal_t){client->index, client->subindex, (uint32_t)TUMBLE_ABORT_VALUE};
     tumble_drive_fail(drive, TUMBLE_STAND_FAULT_PROTOCOL);
     return true;
 }

@@ -101,7 +101,7 @@ void tumble_drive_climb(tumble_drive402_t *drive, uint64_t now_us)
 {
     while (now_us >= tumble_drive_next_rung_us(drive)) {
         drive->rung++;
-        tumble_count(&drive->counters.rungs[drive->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
+        tumble_count(&drive->report.stop.rungs[drive->rung - (uint8_t)TUMBLE_RUNG_AGAIN]);
         tumble_emcy_tell(&drive->node->emcy, TUMBLE_EMCY_STOP, TUMBLE_ERROR_PROFILE, drive->rung);
         act(drive);
     }

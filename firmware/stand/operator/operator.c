@@ -6,19 +6,16 @@
 
 #define US_PER_MS 1000U
 
-tumble_status_t tumble_operator_init(tumble_operator_t *person, const tumble_operator_config_t *config)
+static tumble_status_t init(void *self, const tumble_stand_setup_t *setup)
 {
-    if ((person == NULL) || (config == NULL) || !(config->tolerance_deg >= 0.0) ||
-        !tumble_is_finite(config->tolerance_deg) || (config->timeout_ms == 0U)) {
+    tumble_operator_t *person = self;
+    const tumble_operator_config_t *config = setup->profile;
+    if ((config == NULL) || !(config->tolerance_deg >= 0.0) || !tumble_is_finite(config->tolerance_deg) ||
+        (config->timeout_ms == 0U)) {
         return TUMBLE_E_ARGUMENT;
     }
     *person = (tumble_operator_t){.config = config, .state = (uint8_t)TUMBLE_STAND_READY};
     return TUMBLE_OK;
-}
-
-static bool is_asked(const tumble_operator_t *person)
-{
-    return (person->state == (uint8_t)TUMBLE_STAND_HOMING) || (person->state == (uint8_t)TUMBLE_STAND_MOVING);
 }
 
 static uint64_t deadline_us(const tumble_operator_t *person)
@@ -26,53 +23,52 @@ static uint64_t deadline_us(const tumble_operator_t *person)
     return person->asked_us + ((uint64_t)person->config->timeout_ms * US_PER_MS);
 }
 
-void tumble_operator_step(tumble_operator_t *person, uint64_t now_us)
+static void leave_request(tumble_operator_t *person, tumble_stand_state_t state)
 {
+    person->report.asks = false;
+    person->state = (uint8_t)state;
+}
+
+static void step(void *self, uint64_t now_us)
+{
+    tumble_operator_t *person = self;
     if (person->restart_timer) {
         person->restart_timer = false;
         person->asked_us = now_us;
     }
-    if (is_asked(person) && (now_us >= deadline_us(person))) {
-        person->state = (uint8_t)TUMBLE_STAND_FAULT;
+    if (person->report.asks && (now_us >= deadline_us(person))) {
+        leave_request(person, TUMBLE_STAND_FAULT);
     }
 }
 
-uint64_t tumble_operator_next_us(const tumble_operator_t *person)
+static uint64_t next_us(const void *self)
 {
-    if (!is_asked(person)) {
+    const tumble_operator_t *person = self;
+    if (!person->report.asks) {
         return UINT64_MAX;
     }
     return person->restart_timer ? 0U : deadline_us(person);
 }
 
-bool tumble_operator_request(const tumble_operator_t *person, double *angle_deg)
+static tumble_status_t confirm(void *self, double angle_deg)
 {
-    if (is_asked(person)) {
-        *angle_deg = person->request_deg;
-    }
-    return is_asked(person);
-}
-
-tumble_status_t tumble_operator_confirm(tumble_operator_t *person, double angle_deg)
-{
-    if (!is_asked(person)) {
-        return TUMBLE_E_STATE;
-    }
-    if (!tumble_within(angle_deg - person->request_deg, person->config->tolerance_deg)) {
+    tumble_operator_t *person = self;
+    if (!tumble_within(angle_deg - person->report.asked_deg, person->config->tolerance_deg)) {
         return TUMBLE_E_ARGUMENT;
     }
     person->homed = true;
     person->angle_deg = angle_deg;
-    person->state = (uint8_t)TUMBLE_STAND_IN_POSITION;
+    leave_request(person, TUMBLE_STAND_IN_POSITION);
     return TUMBLE_OK;
 }
 
 static tumble_status_t ask(tumble_operator_t *person, double angle_deg, tumble_stand_state_t state)
 {
-    if (is_asked(person) || (person->state == (uint8_t)TUMBLE_STAND_FAULT)) {
+    if (person->report.asks || (person->state == (uint8_t)TUMBLE_STAND_FAULT)) {
         return TUMBLE_E_STAND_STATE;
     }
-    person->request_deg = angle_deg;
+    person->report.asks = true;
+    person->report.asked_deg = angle_deg;
     person->state = (uint8_t)state;
     person->restart_timer = true;
     return TUMBLE_OK;
@@ -94,7 +90,7 @@ static tumble_status_t move(void *self, double angle_deg)
 
 static void rest(tumble_operator_t *person)
 {
-    person->state = (uint8_t)(person->homed ? TUMBLE_STAND_STOPPED : TUMBLE_STAND_READY);
+    leave_request(person, person->homed ? TUMBLE_STAND_STOPPED : TUMBLE_STAND_READY);
 }
 
 /* The request is withdrawn, at what angle nobody knows: take the higher one, so that the next angle is reached from
@@ -102,8 +98,8 @@ static void rest(tumble_operator_t *person)
 static void stop(void *self)
 {
     tumble_operator_t *person = self;
-    if (is_asked(person) && (person->request_deg > person->angle_deg)) {
-        person->angle_deg = person->request_deg;
+    if (person->report.asks && (person->report.asked_deg > person->angle_deg)) {
+        person->angle_deg = person->report.asked_deg;
     }
     if (person->state != (uint8_t)TUMBLE_STAND_FAULT) {
         rest(person);
@@ -120,49 +116,35 @@ static tumble_status_t clear_fault(void *self)
     return TUMBLE_OK;
 }
 
-static tumble_stand_state_t state(void *self)
+static tumble_stand_state_t state(const void *self)
 {
     const tumble_operator_t *person = self;
     return (tumble_stand_state_t)person->state;
 }
 
-static tumble_stand_fault_t fault(void *self)
+static tumble_stand_fault_t fault(const void *self)
 {
     return (state(self) == TUMBLE_STAND_FAULT) ? TUMBLE_STAND_FAULT_TIMEOUT : TUMBLE_STAND_FAULT_NONE;
 }
 
-static uint16_t fault_code(void *self)
-{
-    (void)self;
-    return 0;
-}
-
-static double angle(void *self)
+static double angle(const void *self)
 {
     const tumble_operator_t *person = self;
     return person->angle_deg;
 }
 
-tumble_stand_t tumble_operator_stand(tumble_operator_t *person)
-{
-    return (tumble_stand_t){
-        .self = person,
-        .home = home,
-        .move = move,
-        .stop = stop,
-        .clear_fault = clear_fault,
-        .state = state,
-        .fault = fault,
-        .fault_code = fault_code,
-        .angle_deg = angle,
-    };
-}
-
-const tumble_operator_calls_t tumble_operator_calls = {
-    .init = tumble_operator_init,
-    .step = tumble_operator_step,
-    .next_us = tumble_operator_next_us,
-    .request = tumble_operator_request,
-    .confirm = tumble_operator_confirm,
-    .stand = tumble_operator_stand,
+const tumble_stand_kind_t tumble_operator_kind = {
+    .bytes = (uint16_t)sizeof(tumble_operator_t),
+    .report_at = (uint16_t)offsetof(tumble_operator_t, report),
+    .init = init,
+    .step = step,
+    .next_us = next_us,
+    .home = home,
+    .move = move,
+    .stop = stop,
+    .clear_fault = clear_fault,
+    .confirm = confirm,
+    .state = state,
+    .fault = fault,
+    .angle_deg = angle,
 };

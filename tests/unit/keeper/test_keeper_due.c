@@ -170,7 +170,7 @@ static void test_a_table_that_wants_a_look_keeps_it_from_starting(void)
         bench_pass(&bench, 3.0);
         fake_port_give(&bench.fake, &foreign);
         bench_pass(&bench, 1.0);
-        bench.navcomp.axis.drive.fault = (uint8_t)faults[i];
+        bench.axis.fault = (uint8_t)faults[i];
         TEST_ASSERT_EQUAL_INT(faults[i], bench_progress(&bench).stand_fault);
         bench_pass(&bench, 200.0);
         TEST_ASSERT_EQUAL_UINT32(i + 1U, tumble_keeper_counters(&keeper)->self_started);

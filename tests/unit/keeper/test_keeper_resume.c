@@ -195,9 +195,9 @@ static void test_block_stand_schedule_and_configuration_must_be_the_same(void)
     declared_stand.angle_rad = 4e-5;
     tumble_drive_profile_t profile = scripted_drive_profile;
     profile.counts_per_revolution += 1.0;
-    bench.config.drive = &profile;
+    bench.config.stand_profile = &profile;
     assert_not_resumable("drive");
-    bench.config.drive = &scripted_drive_profile;
+    bench.config.stand_profile = &scripted_drive_profile;
     memcpy(positions, tumble_schedule_paper.positions, sizeof positions);
     positions[17].use = TUMBLE_USE_CHECK;
     another.positions = positions;

@@ -58,16 +58,19 @@ static void test_init_refuses_what_it_cannot_work_with(void)
     } while (false)
     REFUSED(port = NULL);
     REFUSED(procedure = NULL);
-    REFUSED(drive = NULL); /* and no operator either */
+    REFUSED(stand = NULL);
+    REFUSED(stand_memory = NULL);
+    REFUSED(stand_bytes = 0);
+    REFUSED(stand_bytes--);
     REFUSED(heartbeat_ms = 0);
     REFUSED(heartbeat_timeout_ms = 0);
     REFUSED(node = 0);
     REFUSED(node = 128);
-    REFUSED(drive_node = 0);
-    REFUSED(drive_node = 128);
+    REFUSED(stand_node = 0);
+    REFUSED(stand_node = 128);
     REFUSED(block_node = 0);
     REFUSED(block_node = 128);
-    REFUSED(drive_node = 1);
+    REFUSED(stand_node = 1);
     REFUSED(block_node = 1);
     REFUSED(block_node = 2);
     REFUSED(block_period_us = 0);
@@ -75,13 +78,13 @@ static void test_init_refuses_what_it_cannot_work_with(void)
     tumble_drive_profile_t profile = scripted_drive_profile;
     profile.counts_per_revolution = 0.0;
     bench.config = good;
-    bench.config.drive = &profile;
+    bench.config.stand_profile = &profile;
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, init());
 }
 
 static void test_nodes_may_swap_their_numbers(void)
 {
-    bench.config.drive_node = 3;
+    bench.config.stand_node = 3;
     bench.config.block_node = 2;
     TEST_ASSERT_EQUAL(TUMBLE_OK, init());
 }

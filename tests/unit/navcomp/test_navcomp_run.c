@@ -174,7 +174,7 @@ static void test_a_drive_that_refuses_its_configuration(void)
     bench.drive.refuse_index = TUMBLE_402_HOMING_METHOD;
     bench_start(&bench);
     assert_stops_for(TUMBLE_REASON_STAND_PROTOCOL, 60.0);
-    const tumble_drive_refusal_t refusal = tumble_navcomp_drive_refusal(&bench.navcomp);
+    const tumble_stand_refusal_t refusal = tumble_navcomp_drive_refusal(&bench.navcomp);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_HOMING_METHOD, refusal.index);
     TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
 }

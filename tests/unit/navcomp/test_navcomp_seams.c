@@ -1,5 +1,7 @@
 /* The other ends of the seams: samples from a board's own converter, and a person at a dividing head as the stand. */
+#include "instant_table.h"
 #include "navcomp_bench.h"
+#include "stand/operator/operator.h"
 
 /* A converter: what the block would have sent over the bus, without the bus. */
 static struct {
@@ -31,6 +33,8 @@ static tumble_status_t take(void *context, tumble_block_sample_t *sample)
 }
 
 static const tumble_sample_source_t source = {.context = &converter, .take = take};
+static tumble_operator_t head;
+static instant_table_t table;
 static const tumble_operator_config_t person = {.tolerance_deg = 0.5, .timeout_ms = 60000};
 
 static void set_up(void)
@@ -64,14 +68,21 @@ static void use_converter(void)
     scripted_drive_init(&bench.drive, &bench.fake);
 }
 
-static void use_person(void)
+static void use_stand(const tumble_stand_kind_t *kind, const void *profile, void *memory, uint32_t bytes)
 {
-    bench.config.drive = NULL;
-    bench.config.by_hand = &tumble_operator_calls;
-    bench.config.person = &person;
+    bench.config.stand = kind;
+    bench.config.stand_profile = profile;
+    bench.config.stand_memory = memory;
+    bench.config.stand_bytes = bytes;
+    bench.config.stand_node = 0;
     bench.drive.dead = true;
     fake_port_init(&bench.fake);
     scripted_block_init(&bench.block, &bench.fake, &tumble_schedule_paper.mountings[0]);
+}
+
+static void use_person(void)
+{
+    use_stand(&tumble_operator_kind, &person, &head, sizeof head);
 }
 
 /* The head is turned exactly where it is asked to be. */
@@ -92,6 +103,7 @@ static void one_millisecond(bool with_drive)
         bench_hear(&bench, &frame);
     }
     scripted_drive_step(&bench.drive, &bench.fake);
+    head_deg = (bench.config.stand == &instant_table_kind) ? table.angle_deg : head_deg;
     const double angle_deg = with_drive ? scripted_drive_angle_deg(&bench.drive) : head_deg;
     scripted_block_step(&bench.block, &bench.fake, angle_deg);
     if ((bench.config.source != NULL) && ((bench.fake.now_us % 10000U) == 0U)) {
@@ -225,6 +237,24 @@ static void test_a_person_who_does_not_answer_ends_the_run(void)
     }
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_progress(&bench).run.state);
     TEST_ASSERT_EQUAL_STRING("TUMBLE_REASON_HOMING", tumble_reason_name(bench_progress(&bench).run.reason));
+}
+
+/* Its file and the configuration are all that it takes. */
+static void test_a_kind_of_stand_of_ones_own(void)
+{
+    use_stand(&instant_table_kind, NULL, &table, sizeof table);
+    bench_power_on(&bench);
+    const double asked_of_nobody_deg = 5.0;
+    double asked_deg = asked_of_nobody_deg;
+    TEST_ASSERT_FALSE(tumble_navcomp_request(&bench.navcomp, &asked_deg));
+    TEST_ASSERT_TRUE(asked_deg == asked_of_nobody_deg);
+    TEST_ASSERT_EQUAL(TUMBLE_E_STATE, tumble_navcomp_confirm_angle(&bench.navcomp, 0.0));
+    assert_calibrates(false);
+    TEST_ASSERT_EQUAL_UINT32(0, bench_counters(&bench).stop.implausible);
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_turn(&bench.navcomp, 33.0));
+    TEST_ASSERT_TRUE(bench_progress(&bench).angle_deg == 33.0);
+    bench.config.stand_node = 2;
+    TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, tumble_navcomp_init(&bench.navcomp, &bench.config)); /* it is on no bus */
 }
 
 static const around_t around_each = {set_up, NULL};

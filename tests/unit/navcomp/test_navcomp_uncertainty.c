@@ -49,7 +49,10 @@ static void test_without_a_result_or_a_stand_nothing_is_stated(void)
     run_lines("", 1, NULL);
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(NULL, TUMBLE_ALL_COEFFICIENTS, &stated));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, NULL));
-    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&fresh, &world.navcomp_config));
+    static bench_stand_memory_t stand;
+    tumble_navcomp_config_t other = world.navcomp_config;
+    other.stand_memory = &stand;
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&fresh, &other));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_uncertainty(&fresh, TUMBLE_ALL_COEFFICIENTS, &stated));
     const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL};
     world.navcomp_config.declared = &bare;

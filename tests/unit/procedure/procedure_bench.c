@@ -7,6 +7,11 @@ static bench_t *bench_of(void *self)
     return self;
 }
 
+static const fake_stand_t *stand_of(const void *self)
+{
+    return &((const bench_t *)self)->stand;
+}
+
 static tumble_status_t bench_home(void *self)
 {
     bench_t *bench = bench_of(self);
@@ -54,31 +59,37 @@ static tumble_status_t bench_clear(void *self)
     return TUMBLE_OK;
 }
 
-static tumble_stand_state_t bench_state(void *self)
+static tumble_stand_state_t bench_state(const void *self)
 {
-    return bench_of(self)->stand.state;
+    return stand_of(self)->state;
 }
 
-static tumble_stand_fault_t bench_fault(void *self)
+static tumble_stand_fault_t bench_fault(const void *self)
 {
-    return bench_of(self)->stand.fault;
+    return stand_of(self)->fault;
 }
 
-static uint16_t bench_code(void *self)
+static double bench_angle(const void *self)
 {
-    return bench_of(self)->stand.code;
+    return stand_of(self)->angle_deg + stand_of(self)->error_deg;
 }
 
-static double bench_angle(void *self)
-{
-    return bench_of(self)->stand.angle_deg + bench_of(self)->stand.error_deg;
-}
+static const tumble_stand_kind_t bench_kind = {
+    .report_at = (uint16_t)offsetof(bench_t, stand.report),
+    .home = bench_home,
+    .move = bench_move,
+    .stop = bench_stop,
+    .clear_fault = bench_clear,
+    .state = bench_state,
+    .fault = bench_fault,
+    .angle_deg = bench_angle,
+};
 
 void bench_break_stand(bench_t *bench, tumble_stand_fault_t fault, uint16_t code)
 {
     bench->stand.state = TUMBLE_STAND_FAULT;
     bench->stand.fault = fault;
-    bench->stand.code = code;
+    bench->stand.report.fault_code = code;
 }
 
 /* The block. */
@@ -269,8 +280,7 @@ void bench_init(bench_t *bench)
         .home_timeout_ms = 1000, .move_timeout_ms = 1000, .settle_timeout_ms = 800, .average_timeout_ms = 1000,
         .sample_timeout_ms = 300,
     };
-    bench->table = (tumble_stand_t){bench,      bench_home,  bench_move, bench_stop,
-                                    bench_clear, bench_state, bench_fault, bench_code, bench_angle};
+    bench->table = (tumble_stand_t){&bench_kind, bench};
     bench->stand.state = TUMBLE_STAND_READY;
     memcpy(bench->block.k_v_per_g, k, sizeof k);
     memcpy(bench->block.u0_v, u0, sizeof u0);

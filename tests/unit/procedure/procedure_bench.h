@@ -19,7 +19,7 @@
 typedef struct {
     tumble_stand_state_t state;
     tumble_stand_fault_t fault;
-    uint16_t code;
+    tumble_stand_report_t report; /* fault_code alone */
     double angle_deg;
     double error_deg; /* added to what is reported */
     double target_deg;

@@ -1,5 +1,4 @@
 /* The random streams: published vectors, independence of streams, the law of the deviates. */
-#include "simulation/law.h"
 #include "simulation/random.h"
 #include "support.h"
 

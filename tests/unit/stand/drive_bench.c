@@ -38,7 +38,7 @@ static void own_heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t 
 {
     (void)context;
     if (node == SCRIPTED_DRIVE_NODE) {
-        tumble_drive402_heartbeat(&bench.drive, event, state);
+        tumble_drive402_kind.heartbeat(&bench.drive, event, state);
     }
 }
 
@@ -46,14 +46,14 @@ static void own_emergency(void *context, uint8_t node, const tumble_emergency_t 
 {
     (void)context;
     if (node == SCRIPTED_DRIVE_NODE) {
-        tumble_drive402_emergency(&bench.drive, emergency);
+        tumble_drive402_kind.emergency(&bench.drive, emergency);
     }
 }
 
 static void own_pdo(void *context, uint8_t number)
 {
     (void)context;
-    tumble_drive402_pdo_received(&bench.drive, number);
+    tumble_drive402_kind.pdo_received(&bench.drive, number);
 }
 
 static const tumble_node_events_t own_events = {
@@ -69,9 +69,9 @@ void run_ms(unsigned ms)
         tumble_can_frame_t frame;
         while (tumble_link_receive(&bench.node.link, &frame) == TUMBLE_OK) {
             (void)tumble_node_receive(&bench.node, &frame, port.now_us);
-            tumble_drive402_step(&bench.drive, port.now_us);
+            tumble_drive402_kind.step(&bench.drive, port.now_us);
         }
-        tumble_drive402_step(&bench.drive, port.now_us);
+        tumble_drive402_kind.step(&bench.drive, port.now_us);
         tumble_node_step(&bench.node, port.now_us);
         while (fake_port_take(&port, &frame)) {
             scripted_drive_hear(&played, &port, &frame);
@@ -84,7 +84,7 @@ void run_ms(unsigned ms)
 
 tumble_stand_state_t stand_state(void)
 {
-    return bench.stand.state(bench.stand.self);
+    return bench.stand.kind->state(bench.stand.self);
 }
 
 void run_to(tumble_stand_state_t state, unsigned most_ms)
@@ -95,6 +95,13 @@ void run_to(tumble_stand_state_t state, unsigned most_ms)
     TEST_ASSERT_EQUAL_INT(state, stand_state());
 }
 
+tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_node)
+{
+    const tumble_stand_setup_t setup = {.profile = profile, .node = &bench.node, .mirror = &bench.mirror,
+                                        .cable_min_deg = -30.0, .cable_max_deg = 400.0, .stand_node = drive_node};
+    return tumble_drive402_kind.init(&bench.drive, &setup);
+}
+
 void bench_setup(const tumble_drive_profile_t *profile)
 {
     memset(&bench, 0, sizeof bench);
@@ -102,8 +109,8 @@ void bench_setup(const tumble_drive_profile_t *profile)
     fake_port_init(&port);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, profile, &bench.node, &bench.mirror, SCRIPTED_DRIVE_NODE));
-    bench.stand = tumble_drive402_stand(&bench.drive);
+    ASSERT_STATUS(TUMBLE_OK, drive_init(profile, SCRIPTED_DRIVE_NODE));
+    bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
     run_ms(5);
 }
@@ -118,24 +125,24 @@ void bring_up(const tumble_drive_profile_t *profile)
 void bring_home(const tumble_drive_profile_t *profile)
 {
     bring_up(profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 void assert_fault(tumble_stand_fault_t fault)
 {
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
-    TEST_ASSERT_EQUAL_INT(fault, bench.stand.fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_INT(fault, bench.stand.kind->fault(bench.stand.self));
 }
 
 void assert_angle(double expected_deg)
 {
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, expected_deg, bench.stand.angle_deg(bench.stand.self));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, expected_deg, bench.stand.kind->angle_deg(bench.stand.self));
 }
 
 void move_to(double angle_deg)
 {
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, angle_deg));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angle_deg));
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_to(TUMBLE_STAND_IN_POSITION, 1500);
 }
@@ -143,26 +150,26 @@ void move_to(double angle_deg)
 void start_move(const tumble_drive_profile_t *profile)
 {
     bring_home(profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(20);
     TEST_ASSERT_TRUE(played.moving);
 }
 
 void clear_fault(void)
 {
-    tumble_status_t status = bench.stand.clear_fault(bench.stand.self);
+    tumble_status_t status = bench.stand.kind->clear_fault(bench.stand.self);
     for (unsigned ms = 0; (status == TUMBLE_E_STAND_STATE) && (ms < 3000U); ms++) {
         run_ms(1);
-        status = bench.stand.clear_fault(bench.stand.self);
+        status = bench.stand.kind->clear_fault(bench.stand.self);
     }
     ASSERT_STATUS(TUMBLE_OK, status);
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
-    TEST_ASSERT_EQUAL_UINT16(0, bench.stand.fault_code(bench.stand.self));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.kind->fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_UINT16(0, bench.drive.report.fault_code);
 }
 
 void assert_moves_again(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 30.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 30.0));
     run_to(TUMBLE_STAND_IN_POSITION, 1000);
 }
 

@@ -26,6 +26,9 @@ tumble_stand_state_t stand_state(void);
 /* Until the stand is in this state; fails after so many milliseconds. */
 void run_to(tumble_stand_state_t state, unsigned most_ms);
 
+/* The drive's, with a cable from -30 to 400 degrees. */
+tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_node);
+
 /* With nobody there; with the drive ready; with it homed. */
 void bench_setup(const tumble_drive_profile_t *profile);
 void bring_up(const tumble_drive_profile_t *profile);

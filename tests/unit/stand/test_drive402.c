@@ -6,10 +6,10 @@ static void test_absent_until_it_is_heard(void)
     bench_setup(&common);
     run_ms(1000);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.home(bench.stand.self));
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 0.0));
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.clear_fault(bench.stand.self));
-    bench.stand.stop(bench.stand.self);
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 0.0));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->clear_fault(bench.stand.self));
+    bench.stand.kind->stop(bench.stand.self);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count);
     scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
@@ -48,7 +48,7 @@ static void test_a_drive_found_running_is_taken_down_first(void)
         TEST_ASSERT_FALSE(played.moving);
         TEST_ASSERT_FALSE(played.coasted);
         TEST_ASSERT_EQUAL_HEX16(words[i / COUNT_OF(lost)], played.controls[0].control);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_to(TUMBLE_STAND_IN_POSITION, 500);
     }
 }
@@ -64,15 +64,15 @@ static void test_homing(void)
 {
     bring_up(&common);
     played.actual = 12345;
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 10.0)); /* not homed */
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 10.0)); /* not homed */
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     assert_angle(0.0);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
     TEST_ASSERT_EQUAL_HEX16(0x000F, played.control); /* bit 4 is down again */
-    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.fault(bench.stand.self));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.kind->fault(bench.stand.self));
 }
 
 /* The drive's last homing shows in its statusword when the new one starts, and for some reports after. */
@@ -83,7 +83,7 @@ static void test_homing_does_not_believe_the_last_one(void)
         played.attained_from_before = true;
         played.old_reports = reports;
         played.actual = 12345;
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_to(TUMBLE_STAND_IN_POSITION, 500);
         assert_angle(0.0);
     }
@@ -123,11 +123,11 @@ static void test_a_lingering_target_reached_is_not_believed(void)
     bring_home(&common);
     played.bits |= 0x0400U;
     played.reached_lingers = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(60);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_to(TUMBLE_STAND_IN_POSITION, 100);
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, 90.0, bench.stand.angle_deg(bench.stand.self));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 90.0, bench.stand.kind->angle_deg(bench.stand.self));
 }
 
 static void test_a_drive_that_slips_off_its_target_is_not_in_position(void)
@@ -154,7 +154,7 @@ static void test_at_home_without_target_reached(void)
 static void test_a_busy_port_delays_and_breaks_nothing(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 45.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
     port.send_room = 0;
     run_ms(50);
     const unsigned before = played.control_count;
@@ -171,13 +171,13 @@ static void test_stop_by_quick_stop_then_on_from_there(void)
     for (size_t i = 0; i < COUNT_OF(stays); i++) {
         bring_home(&common);
         played.quick_stop_stays = stays[i];
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
         run_ms(40);
-        bench.stand.stop(bench.stand.self);
+        bench.stand.kind->stop(bench.stand.self);
         run_to(TUMBLE_STAND_STOPPED, 100);
         TEST_ASSERT_FALSE(played.moving);
         TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
-        const double here_deg = bench.stand.angle_deg(bench.stand.self);
+        const double here_deg = bench.stand.kind->angle_deg(bench.stand.self);
         TEST_ASSERT_TRUE((here_deg > 1.0) && (here_deg < 89.0));
         run_ms(200);
         TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
@@ -191,13 +191,13 @@ static void test_stop_by_halt_leaves_no_old_set_point(void)
     tumble_drive_profile_t profile = common;
     profile.stop = TUMBLE_STOP_BY_HALT;
     bring_home(&profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(40);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_STOPPED, 100);
     TEST_ASSERT_EQUAL_HEX16(0x010F, played.control);
     const unsigned before = played.control_count;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self)); /* the mode is not changed under Halt */
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self)); /* the mode is not changed under Halt */
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* power off clears what Halt held back */
 }
@@ -205,41 +205,41 @@ static void test_stop_by_halt_leaves_no_old_set_point(void)
 static void test_stop_while_homing(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(15);
     TEST_ASSERT_TRUE(played.homing);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 200); /* at rest, and not homed */
     TEST_ASSERT_FALSE(played.homing);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 static void test_stop_in_the_middle_of_a_mode_change(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     played.sdo_is_deaf = true;
     run_ms(3);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 200);
     played.sdo_is_deaf = false;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 static void test_next_deadline_is_never_forgotten(void)
 {
     bench_setup(&common);
-    TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_next_us(&bench.drive));
+    TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
     scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     run_ms(5);
-    TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_next_us(&bench.drive));
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
-    TEST_ASSERT_EQUAL_UINT64(0, tumble_drive402_next_us(&bench.drive)); /* its time must begin */
+    TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    TEST_ASSERT_EQUAL_UINT64(0, tumble_drive402_kind.next_us(&bench.drive)); /* its time must begin */
     run_ms(20);
-    const uint64_t deadline_us = tumble_drive402_next_us(&bench.drive);
+    const uint64_t deadline_us = tumble_drive402_kind.next_us(&bench.drive);
     TEST_ASSERT_TRUE(deadline_us > port.now_us + 900000U); /* the axis would be unseen for too long */
     TEST_ASSERT_TRUE(deadline_us <= port.now_us + 1200000U);
 }
@@ -248,10 +248,10 @@ static void test_next_deadline_is_never_forgotten(void)
 static void test_steps_when_due_are_enough(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 45.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
     played.event_only = true;
     for (unsigned i = 0; (i < 2000U) && (stand_state() != TUMBLE_STAND_IN_POSITION); i++) {
-        const uint64_t drive_us = tumble_drive402_next_us(&bench.drive);
+        const uint64_t drive_us = tumble_drive402_kind.next_us(&bench.drive);
         const uint64_t node_us = tumble_node_next_us(&bench.node);
         port.now_us += 1000U;
         scripted_drive_step(&played, &port);
@@ -262,7 +262,7 @@ static void test_steps_when_due_are_enough(void)
             due = true;
         }
         if (due) {
-            tumble_drive402_step(&bench.drive, port.now_us);
+            tumble_drive402_kind.step(&bench.drive, port.now_us);
             tumble_node_step(&bench.node, port.now_us);
         }
         while (fake_port_take(&port, &frame)) {

@@ -35,13 +35,13 @@ static void expect_stop(const tumble_drive_profile_t *profile, bool hides_stands
     played.quick_stop_stays = true;
     played.brakes_for_ms = 45;
     played.hides_standstill = hides_standstill;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     for (unsigned ms = 0; ms < most_ms; ms++) {
         run_ms(1);
         TEST_ASSERT_TRUE((stand_state() == TUMBLE_STAND_MOVING) || !played.moving);
     }
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 45.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 45.0));
     run_to(TUMBLE_STAND_IN_POSITION, 1000);
 }
 
@@ -67,7 +67,7 @@ static void test_a_stop_is_repeated_until_it_acts(void)
             start_move(profiles[i]);
             played.never_reaches = true;
             played.misses = lost;
-            bench.stand.stop(bench.stand.self);
+            bench.stand.kind->stop(bench.stand.self);
             run_to(TUMBLE_STAND_STOPPED, 100);
             TEST_ASSERT_FALSE(played.moving);
         }
@@ -80,9 +80,9 @@ static void test_two_process_data_each_way(void)
     bring_home(&profile);
     static const double angles_deg[] = {45.0, 0.0, 400.0};
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, angles_deg[i]));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angles_deg[i]));
         run_to(TUMBLE_STAND_IN_POSITION, 1500);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, angles_deg[i], bench.stand.angle_deg(bench.stand.self));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, angles_deg[i], bench.stand.kind->angle_deg(bench.stand.self));
     }
 }
 
@@ -94,9 +94,9 @@ static void test_old_attained_bits_with_the_position_apart(void)
     played.attained_from_before = true;
     played.old_reports = 2;
     played.actual = 12345;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, bench.stand.angle_deg(bench.stand.self));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, bench.stand.kind->angle_deg(bench.stand.self));
 }
 
 static void test_one_start_command_is_enough(void)
@@ -111,14 +111,14 @@ static void test_power_lost_at_every_moment(void)
 {
     for (unsigned ms = 0; ms < 70U; ms++) {
         bring_up(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_ms(ms);
         played.state = IS_DISABLED;
         scripted_drive_report(&played);
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         bring_home(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 50.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.state = IS_READY;
         scripted_drive_report(&played);
@@ -131,7 +131,7 @@ static void test_following_error_at_every_moment_of_a_move(void)
 {
     for (unsigned ms = 0; ms < 50U; ms++) {
         bring_home(&common);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 50.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.bits |= 0x2000U;
         scripted_drive_report(&played);
@@ -162,28 +162,28 @@ static void test_a_failure_on_arrival(void)
 static void test_homing_again_after_a_move(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 20.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 20.0));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     played.bits = 0; /* target reached has no meaning now */
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(10);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 200); /* the old home is gone with the new one half done */
 }
 
 static void test_stop_on_the_way_back_to_power(void)
 {
     start_move(&common);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_STOPPED, 100);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_ms(2);
-    bench.stand.stop(bench.stand.self); /* nothing moves yet, and nothing will */
+    bench.stand.kind->stop(bench.stand.self); /* nothing moves yet, and nothing will */
     const int32_t here = played.actual;
     run_ms(300);
     TEST_ASSERT_EQUAL_INT32(here, played.actual);
@@ -196,7 +196,7 @@ static void test_stopping_again_and_again_gains_no_time(void)
     played.ignores_stop = true;
     played.never_reaches = true;
     for (unsigned ms = 0; ms < 1010U; ms++) {
-        bench.stand.stop(bench.stand.self);
+        bench.stand.kind->stop(bench.stand.self);
         run_ms(1);
     }
     assert_fault(TUMBLE_STAND_FAULT_STOP);
@@ -208,11 +208,11 @@ static void test_times_are_over_to_the_microsecond(void)
     profile.move_timeout_ms = 700; /* before the axis would be unseen for too long */
     start_move(&profile);
     played.never_reaches = true;
-    const uint64_t deadline_us = tumble_drive402_next_us(&bench.drive);
+    const uint64_t deadline_us = tumble_drive402_kind.next_us(&bench.drive);
     TEST_ASSERT_TRUE(deadline_us > port.now_us);
-    tumble_drive402_step(&bench.drive, deadline_us - 1U);
+    tumble_drive402_kind.step(&bench.drive, deadline_us - 1U);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    tumble_drive402_step(&bench.drive, deadline_us);
+    tumble_drive402_kind.step(&bench.drive, deadline_us);
     assert_fault(TUMBLE_STAND_FAULT_TIMEOUT);
 }
 
@@ -229,8 +229,8 @@ static void test_an_answer_is_followed_up_at_once(void)
             answered = (frame.id == (0x580U + SCRIPTED_DRIVE_NODE));
         }
         TEST_ASSERT_EQUAL_UINT64(answered ? 0U : TUMBLE_NEVER, bench.drive.restart_timer ? TUMBLE_NEVER
-                                                                   : tumble_drive402_next_us(&bench.drive));
-        tumble_drive402_step(&bench.drive, port.now_us);
+                                                                   : tumble_drive402_kind.next_us(&bench.drive));
+        tumble_drive402_kind.step(&bench.drive, port.now_us);
         tumble_node_step(&bench.node, port.now_us);
         while (fake_port_take(&port, &frame)) {
             scripted_drive_hear(&played, &port, &frame);
@@ -272,11 +272,11 @@ static void test_a_later_fault_is_not_reset_unasked(void)
     run_ms(200);
     clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
     played.state = IS_FAULT;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     run_ms(20);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(IS_FAULT, played.state);
@@ -316,7 +316,7 @@ static void test_profiles_at_the_end_of_their_range(void)
     profile.stop_timeout_ms = 1;
     ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     bench_setup(&common);
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 127));
+    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, 127));
 }
 
 static void test_our_heartbeat_need_not_be_watched(void)

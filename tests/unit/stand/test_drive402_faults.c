@@ -7,10 +7,10 @@ static void test_a_fault_of_the_drive(void)
     scripted_drive_fail(&played, &port, 0x3210);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    TEST_ASSERT_EQUAL_HEX16(0x3210, bench.stand.fault_code(bench.stand.self));
+    TEST_ASSERT_EQUAL_HEX16(0x3210, bench.drive.report.fault_code);
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     const unsigned before = played.control_count;
     clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500); /* homed all the while */
@@ -48,7 +48,7 @@ static void test_stall_by_a_late_emergency_message(void)
     assert_fault(TUMBLE_STAND_FAULT_STALL);
     scripted_drive_emergency(&played, 0x0000); /* "no error" does not hide it */
     run_ms(2);
-    TEST_ASSERT_EQUAL_HEX16(0x8611, bench.stand.fault_code(bench.stand.self));
+    TEST_ASSERT_EQUAL_HEX16(0x8611, bench.drive.report.fault_code);
 }
 
 static void test_stall_by_bit_13_in_fault(void)
@@ -116,8 +116,8 @@ static void test_power_lost(void)
         played.state = IS_DISABLED;
         clear_fault();
         run_to(TUMBLE_STAND_READY, 500); /* where it stands is not known any more */
-        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 1.0));
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_to(TUMBLE_STAND_IN_POSITION, 500);
     }
 }
@@ -184,8 +184,8 @@ static void test_a_restart_that_nobody_heard(void)
         TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
         clear_fault();
         run_to(TUMBLE_STAND_READY, 500);
-        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 30.0));
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 30.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_to(TUMBLE_STAND_IN_POSITION, 500);
         assert_moves_again();
     }
@@ -210,13 +210,13 @@ static void test_a_refused_configuration(void)
     scripted_drive_boot(&played, &port);
     run_ms(50);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    const tumble_drive_refusal_t refusal = tumble_drive402_refusal(&bench.drive);
+    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
     TEST_ASSERT_EQUAL_HEX16(0x6083, refusal.index);
     TEST_ASSERT_EQUAL_HEX8(0, refusal.subindex);
     TEST_ASSERT_EQUAL_HEX32(0x06020000, refusal.abort);
     played.refuse_index = 0;
     clear_fault();
-    TEST_ASSERT_EQUAL_HEX16(0, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX16(0, bench.drive.report.refusal.index);
     run_to(TUMBLE_STAND_READY, 500);
 }
 
@@ -244,27 +244,27 @@ static void test_a_fault_that_comes_back_at_once(void)
     scripted_drive_fail(&played, &port, 0x4211);
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    TEST_ASSERT_EQUAL_HEX16(0x4211, bench.stand.fault_code(bench.stand.self));
+    TEST_ASSERT_EQUAL_HEX16(0x4211, bench.drive.report.fault_code);
 }
 
 static void test_homing_that_fails(void)
 {
     bring_up(&common);
     played.homing_fails = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(60);
     assert_fault(TUMBLE_STAND_FAULT_HOMING);
     played.homing_fails = false;
     clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 static void test_a_fault_while_homing_is_no_stall(void)
 {
     bring_up(&common);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(20);
     played.bits |= 0x2000U; /* in this mode: homing error */
     scripted_drive_fail(&played, &port, 0x7300);
@@ -276,17 +276,17 @@ static void test_a_mode_that_is_refused(void)
 {
     bring_up(&common);
     played.refuse_index = 0x6060;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX16(0x6060, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX16(0x6060, bench.drive.report.refusal.index);
 }
 
 static void test_a_fault_while_stopping(void)
 {
     start_move(&common);
     played.ignores_stop = true;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(5);
     scripted_drive_fail(&played, &port, 0x2220);
     run_ms(2);
@@ -299,7 +299,7 @@ static void test_stop_in_fault_is_sent_all_the_same(void)
     scripted_drive_fail(&played, &port, 0x2220);
     run_ms(5);
     const unsigned before = played.control_count;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(2);
     TEST_ASSERT_EQUAL_UINT(before + 1U, played.control_count);
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);

@@ -9,18 +9,17 @@
 static const tumble_drive_pdo_t untimed[] = {
     {0, {.cob_id = 0x40000182, .type = 255, .count = 2, .map = {0x60410010, 0x60640020}}}};
 
-static uint32_t climbed(tumble_drive_rung_t rung)
+static uint32_t climbed(tumble_stop_rung_t rung)
 {
-    return bench.drive.counters.rungs[rung - TUMBLE_RUNG_AGAIN];
+    return bench.drive.report.stop.rungs[rung - TUMBLE_RUNG_AGAIN];
 }
 
 static void start_endless_homing(const tumble_drive_profile_t *profile, int32_t counts_per_ms)
 {
     bring_up(profile);
-    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     played.homing_never_ends = true;
     played.homing_turns = counts_per_ms;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(200);
     TEST_ASSERT_TRUE(played.homing);
     played.write_count = 0;
@@ -40,8 +39,8 @@ static void restart_computer(void)
     memset(&bench, 0, sizeof bench);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, SCRIPTED_DRIVE_NODE));
-    bench.stand = tumble_drive402_stand(&bench.drive);
+    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, SCRIPTED_DRIVE_NODE));
+    bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
 }
 
@@ -88,7 +87,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
         start_endless_homing(&common, 10);
         played.misses = UINT32_MAX;
         if (after_ms[i] != 0U) {
-            bench.stand.stop(bench.stand.self);
+            bench.stand.kind->stop(bench.stand.self);
             run_ms(after_ms[i]);
         }
         scripted_drive_send(&played, 0x702, 1, &boot_up);
@@ -125,14 +124,14 @@ static void test_a_second_stop_climbs_again(void)
     played.misses = UINT32_MAX;
     played.sdo_is_deaf = true;
     played.ignores_nmt = true;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(5000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_UNCONFIRMED, bench.drive.rung);
     TEST_ASSERT_TRUE(played.homing);
     played.sdo_is_deaf = false;
     played.operational = true; /* somebody has started it again */
     played.stopped = false;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(450);
     TEST_ASSERT_FALSE(played.homing);
     assert_fault(TUMBLE_STAND_FAULT_STOP);
@@ -148,7 +147,7 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
     start_endless_move(&slow);
     played.quick_stop_stays = true;
     played.brakes_for_ms = 3500;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(3000);
     const uint16_t braking = played.state;
     played.state = IS_ENABLED;
@@ -176,7 +175,7 @@ static void test_halt_is_told_by_sdo_at_once(void)
     const tumble_drive_profile_t profile = halting();
     start_endless_move(&profile);
     played.misses = UINT32_MAX;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(5);
     TEST_ASSERT_FALSE(played.moving);
     TEST_ASSERT_EQUAL_UINT(1, played.write_count);
@@ -193,14 +192,14 @@ static void test_a_halt_that_nobody_hears_is_no_rest(void)
     const tumble_drive_profile_t profile = halting();
     bring_home(&profile);
     played.reached_lingers = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 300.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 300.0));
     run_ms(30);
     TEST_ASSERT_TRUE(played.moving);
     played.goal = FAR;
     played.never_reaches = true;
     played.misses = UINT32_MAX;
     played.sdo_is_deaf = true;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_ms(590);
     TEST_ASSERT_TRUE(played.moving);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
@@ -254,7 +253,7 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
     played.wrap = 36000;
     played.event_only = true;
     scripted_drive_report(&played);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     move_to(30.0);
     run_ms(60000);
@@ -264,7 +263,7 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
         run_ms(20);
     }
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
-    TEST_ASSERT_EQUAL_UINT32(0, bench.drive.counters.implausible);
+    TEST_ASSERT_EQUAL_UINT32(0, bench.drive.report.stop.implausible);
     assert_angle(30.0);
 }
 
@@ -273,7 +272,7 @@ static void test_the_end_of_the_ladder_leaves_the_error_of_a_lost_position(void)
 {
     start_endless_move(&common);
     played.misses = UINT32_MAX;
-    tumble_drive402_foreign(&bench.drive, 0x202);
+    (void)tumble_drive402_kind.foreign(&bench.drive, 0x202, false);
     run_ms(1000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_NONE, bench.drive.rung);
     TEST_ASSERT_EQUAL_UINT32(1, climbed(TUMBLE_RUNG_SDO));

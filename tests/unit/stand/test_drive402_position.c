@@ -29,8 +29,8 @@ static void assert_lost(void)
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_EMCY_POSITION, bench.node.emcy.history[0] & 0xFFFFU);
     clear_fault();
     run_to(TUMBLE_STAND_READY, 500);
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 10.0));
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
@@ -42,7 +42,7 @@ static void test_one_garbled_report_changes_nothing(void)
         run_ms(10U + (unsigned)i);
     }
     assert_angle(0.0);
-    TEST_ASSERT_EQUAL_UINT32(20, bench.drive.counters.implausible);
+    TEST_ASSERT_EQUAL_UINT32(20, bench.drive.report.stop.implausible);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
     assert_moves_again();
 }
@@ -80,7 +80,7 @@ static void test_a_wrapping_drive_does_not_lose_a_turn(void)
         forge(12000);
         forge(24000);
         d->event_only = false;
-        TEST_ASSERT_EQUAL_INT(0, tumble_drive402_stand(&bench.drive).angle_deg(&bench.drive) > 1.0);
+        TEST_ASSERT_EQUAL_INT(0, tumble_drive402_kind.angle_deg(&bench.drive) > 1.0);
         assert_lost();
         assert_angle(0.0);
     }
@@ -99,7 +99,7 @@ static void test_a_turn_is_not_guessed_after_silence(void)
     run_ms(300);
     clear_fault();
     run_to(TUMBLE_STAND_READY, 1000); /* not STOPPED: that would be homed */
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 10.0));
 }
 
 /* Slower than any limit of speed, but it was told to rest. */
@@ -122,7 +122,7 @@ static void test_an_axis_that_creeps_at_rest(void)
 static void test_a_stopped_axis_that_is_turned_by_hand(void)
 {
     start_move(&common);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_STOPPED, 100);
     run_ms(100);
     played.actual += 20 * PER_DEG;
@@ -135,15 +135,15 @@ static void test_before_homing_the_axis_may_be_turned(void)
 {
     bring_up(&common);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(50);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 100);
     run_ms(100);
     played.actual += 5000;
     run_ms(100);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_READY, stand_state());
-    TEST_ASSERT_EQUAL_UINT32(0, bench.drive.counters.implausible);
+    TEST_ASSERT_EQUAL_UINT32(0, bench.drive.report.stop.implausible);
 }
 
 /* Somebody else turns it, by a way that we do not see: it was told to rest. */
@@ -153,9 +153,9 @@ static void test_an_axis_that_is_not_homed_and_held_must_rest(void)
     profile.stop = TUMBLE_STOP_BY_HALT;
     bring_up(&profile);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(50);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 100);
     played.homing = false;
     run_ms(100);
@@ -180,7 +180,7 @@ static void test_a_homing_that_never_began(void)
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(450);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());
     run_ms(100);
@@ -195,18 +195,17 @@ static void test_a_homing_on_the_spot(void)
     bring_up(&profile);
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 static void home_without_end(const tumble_drive_profile_t *profile, int32_t counts_per_ms)
 {
     bring_up(profile);
-    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     played.homing_never_ends = true;
     played.homing_turns = counts_per_ms;
     played.wrap = (int32_t)profile->wrap_counts;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
 }
 
 static void assert_bounded(const tumble_drive_profile_t *profile, double most_deg)
@@ -244,10 +243,9 @@ static void test_nor_on_a_drive_that_wraps(void)
 static void test_a_new_zero_is_no_travel(void)
 {
     bring_up(&common);
-    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     played.actual = 90000;
     played.home = -90000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     assert_angle(-900.0);
 }
@@ -274,8 +272,7 @@ static void test_the_cables_limits_are_written_and_read_back(void)
     profile.software_limits = true;
     profile.sign = -1;
     bench_setup(&profile);
-    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
-    TEST_ASSERT_TRUE(tumble_drive402_is_limited(&bench.drive));
+    TEST_ASSERT_TRUE(bench.drive.report.limited);
     scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
@@ -288,12 +285,11 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     tumble_drive_profile_t profile = common;
     profile.software_limits = true;
     bench_setup(&profile);
-    tumble_drive402_bound(&bench.drive, -30.0, 400.0);
     played.keeps_no_limits = true;
     scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    const tumble_drive_refusal_t refusal = tumble_drive402_refusal(&bench.drive);
+    const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
     TEST_ASSERT_EQUAL_HEX16(0x607D, refusal.index);
     TEST_ASSERT_EQUAL_HEX8(1, refusal.subindex);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, refusal.abort);
@@ -306,8 +302,7 @@ static void test_a_drive_without_them_is_said_to_be_so(void)
     const tumble_drive_profile_t *const profiles[] = {&common, &profile};
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         bench_setup(profiles[i]);
-        tumble_drive402_bound(&bench.drive, -30.0, 400.0);
-        TEST_ASSERT_FALSE(tumble_drive402_is_limited(&bench.drive));
+        TEST_ASSERT_FALSE(bench.drive.report.limited);
         scripted_drive_boot(&played, &port);
         run_to(TUMBLE_STAND_READY, 500);
         TEST_ASSERT_EQUAL_UINT(24, played.write_count);
@@ -322,15 +317,14 @@ static void test_a_foreign_command_stops_the_axis(void)
     for (size_t i = 0; i < COUNT_OF(moves); i++) {
         bring_home(&common);
         if (moves[i]) {
-            ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+            ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
             run_ms(20);
         }
-        TEST_ASSERT_TRUE(tumble_drive402_sends(&bench.drive, 0x202));
-        TEST_ASSERT_FALSE(tumble_drive402_sends(&bench.drive, 0x302));
-        tumble_drive402_foreign(&bench.drive, 0x202);
+        TEST_ASSERT_FALSE(tumble_drive402_kind.foreign(&bench.drive, 0x302, false));
+        TEST_ASSERT_TRUE(tumble_drive402_kind.foreign(&bench.drive, 0x202, false));
         assert_fault(TUMBLE_STAND_FAULT_FOREIGN);
         TEST_ASSERT_EQUAL_HEX32(((uint32_t)0x202 << 16) | TUMBLE_EMCY_FOREIGN, bench.node.emcy.history[0]);
-        tumble_drive402_foreign(&bench.drive, 0x202); /* told once */
+        (void)tumble_drive402_kind.foreign(&bench.drive, 0x202, false); /* told once */
         TEST_ASSERT_EQUAL_UINT8(1, bench.node.emcy.recorded);
         run_ms(50);
         TEST_ASSERT_FALSE(played.moving);

@@ -76,10 +76,10 @@ static void test_another_maker(void)
     bring_home(&profile);
     TEST_ASSERT_EQUAL_HEX16(0x1802, played.writes[0].index);
     TEST_ASSERT_EQUAL_HEX16(0x6007, played.writes[1].index);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     run_to(TUMBLE_STAND_IN_POSITION, 3000);
     TEST_ASSERT_EQUAL_INT32(-13467, played.target); /* -10 / 360 * 484,800 = -13,466.67 */
-    TEST_ASSERT_DOUBLE_WITHIN(0.5 * 360.0 / 484800.0, 10.0, bench.stand.angle_deg(bench.stand.self));
+    TEST_ASSERT_DOUBLE_WITHIN(0.5 * 360.0 / 484800.0, 10.0, bench.stand.kind->angle_deg(bench.stand.self));
     bool found = false;
     for (unsigned i = 0; i < played.write_count; i++) {
         found = found || ((played.writes[i].index == 0x6081U) && (played.writes[i].value == 15U));
@@ -95,7 +95,7 @@ static void test_a_mode_in_the_process_data_is_kept(void)
     profile.transmit_count = 1;
     bring_home(&profile);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 10.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     run_to(TUMBLE_STAND_IN_POSITION, 3000);
     TEST_ASSERT_EQUAL_INT8(1, played.mode);
 }
@@ -107,10 +107,10 @@ static void test_a_wrapping_drive_goes_long_ways_in_quarters(void)
     profile.wrap_counts = 36000;
     bring_up(&profile);
     played.wrap = 36000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, angles_deg[i]));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angles_deg[i]));
         run_to(TUMBLE_STAND_IN_POSITION, 3000);
         assert_angle(angles_deg[i]);
         TEST_ASSERT_TRUE((played.target >= 0) && (played.target < 36000));
@@ -128,7 +128,7 @@ static void test_a_wrapping_drive_is_at_home_on_either_side(void)
         bring_up(&profile);
         played.wrap = 36000;
         played.home = homes[i];
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_to(TUMBLE_STAND_IN_POSITION, 500);
         assert_angle(angles_deg[i]);
         run_ms(50); /* and it stays there as the drive goes on reporting */
@@ -143,7 +143,7 @@ static void test_a_short_way_from_beside_home_is_short(void)
     bring_up(&profile);
     played.wrap = 36000;
     played.home = 35999;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     const unsigned before = played.control_count;
     move_to(45.0);
@@ -155,9 +155,9 @@ static void test_a_short_way_from_beside_home_is_short(void)
 static void test_angles_beyond_the_drive(void)
 {
     bring_home(&common);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.move(bench.stand.self, 2.2e7));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.move(bench.stand.self, -2.2e7));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.move(bench.stand.self, (double)NAN));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, 2.2e7));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, -2.2e7));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, bench.stand.kind->move(bench.stand.self, (double)NAN));
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
 }
 
@@ -286,16 +286,13 @@ static void test_init_refuses_what_the_node_cannot_carry(void)
     bench_setup(&common);
     tumble_drive_profile_t profile = common;
     profile.transmit = odd_bits;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &profile, &bench.node, &bench.mirror, 2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
     profile = common;
     profile.receive = unknown;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &profile, &bench.node, &bench.mirror, 2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
     profile.receive = reserved;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &profile, &bench.node, &bench.mirror, 2));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(NULL, &common, &bench.node, &bench.mirror, 2));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, NULL, &bench.node, &bench.mirror, 2));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, NULL, &bench.mirror, 2));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, &bench.node, NULL, 2));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 0));
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_init(&bench.drive, &common, &bench.node, &bench.mirror, 128));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&profile, 2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(NULL, 2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 0));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 128));
 }

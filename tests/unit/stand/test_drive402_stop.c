@@ -10,12 +10,12 @@ static void stop_a_move(const tumble_drive_profile_t *profile)
     played.write_count = 0;
     played.nmt_stops = 0;
     played.silent_ms = 0;
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
 }
 
 static void assert_counters(uint32_t again, uint32_t by_sdo, uint32_t by_nmt, uint32_t by_silence, uint32_t unconfirmed)
 {
-    const tumble_stop_counters_t *counters = &bench.drive.counters;
+    const tumble_stop_counters_t *counters = &bench.drive.report.stop;
     TEST_ASSERT_EQUAL_UINT32(again, counters->rungs[0]);
     TEST_ASSERT_EQUAL_UINT32(by_sdo, counters->rungs[1]);
     TEST_ASSERT_EQUAL_UINT32(by_nmt, counters->rungs[2]);
@@ -23,7 +23,7 @@ static void assert_counters(uint32_t again, uint32_t by_sdo, uint32_t by_nmt, ui
     TEST_ASSERT_EQUAL_UINT32(unconfirmed, counters->rungs[4]);
 }
 
-static void assert_told(tumble_drive_rung_t rung)
+static void assert_told(tumble_stop_rung_t rung)
 {
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_EMCY_STOP, bench.node.emcy.history[0] & 0xFFFFU);
     TEST_ASSERT_EQUAL_HEX32(rung, bench.node.emcy.history[0] >> 16);
@@ -77,7 +77,7 @@ static void test_the_third_way_is_nmt(void)
     TEST_ASSERT_EQUAL_UINT(1, played.nmt_stops);
     assert_fault(TUMBLE_STAND_FAULT_STOP);
     assert_told(TUMBLE_RUNG_NMT);
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.clear_fault(bench.stand.self)); /* not before it is over */
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->clear_fault(bench.stand.self)); /* not before it is over */
     played.misses = 0;
     played.sdo_is_deaf = false;
     clear_fault();
@@ -146,7 +146,7 @@ static void test_one_that_brakes_for_ever(void)
 static void test_a_coasting_axis_is_not_at_rest(void)
 {
     start_move(&common);
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     played.state = IS_DISABLED;
     played.ignores_stop = true;
     played.never_reaches = true;
@@ -177,9 +177,9 @@ static void test_every_rung_is_a_deadline(void)
     played.dead = true;
     for (size_t i = 0; i < COUNT_OF(after_us); i++) {
         TEST_ASSERT_EQUAL_UINT64(told_us + after_us[i], tumble_drive_next_rung_us(&bench.drive));
-        tumble_drive402_step(&bench.drive, told_us + after_us[i] - 1U);
+        tumble_drive402_kind.step(&bench.drive, told_us + after_us[i] - 1U);
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_TOLD + i, bench.drive.rung);
-        tumble_drive402_step(&bench.drive, told_us + after_us[i]);
+        tumble_drive402_kind.step(&bench.drive, told_us + after_us[i]);
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_AGAIN + i, bench.drive.rung);
     }
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive_next_rung_us(&bench.drive));

@@ -8,8 +8,8 @@ static void test_an_unanswered_configuration(void)
     scripted_drive_boot(&played, &port);
     run_ms(600);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX32(0x05040000, tumble_drive402_refusal(&bench.drive).abort);
-    TEST_ASSERT_EQUAL_HEX16(0x1016, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX32(0x05040000, bench.drive.report.refusal.abort);
+    TEST_ASSERT_EQUAL_HEX16(0x1016, bench.drive.report.refusal.index);
 }
 
 /* A drive that was there before us, without a heartbeat. */
@@ -42,8 +42,8 @@ static void test_a_drive_that_refuses_a_heartbeat_does_not_run(void)
     played.refuse_index = 0x1017;
     run_ms(3000);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX16(0x1017, tumble_drive402_refusal(&bench.drive).index);
-    TEST_ASSERT_EQUAL_HEX32(0x06020000, tumble_drive402_refusal(&bench.drive).abort);
+    TEST_ASSERT_EQUAL_HEX16(0x1017, bench.drive.report.refusal.index);
+    TEST_ASSERT_EQUAL_HEX32(0x06020000, bench.drive.report.refusal.abort);
     TEST_ASSERT_EQUAL_UINT32(1, played.refusals);
     TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
     clear_fault();
@@ -63,7 +63,7 @@ static void test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent(v
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     TEST_ASSERT_EQUAL_UINT32(1, played.write_count);
     TEST_ASSERT_EQUAL_UINT32(0, played.nmt_starts);
-    TEST_ASSERT_TRUE(tumble_drive402_next_us(&bench.drive) > port.now_us); /* nothing keeps the computer busy */
+    TEST_ASSERT_TRUE(tumble_drive402_kind.next_us(&bench.drive) > port.now_us); /* nothing keeps the computer busy */
 }
 
 /* Twice a second, as long as there is nobody. */
@@ -125,7 +125,7 @@ static void test_a_set_point_never_acknowledged(void)
 {
     bring_home(&common);
     played.never_acknowledges = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
 }
 
@@ -133,7 +133,7 @@ static void test_an_acknowledgement_that_stays(void)
 {
     bring_home(&common);
     played.keeps_acknowledging = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     TEST_ASSERT_FALSE(played.moving);
 }
@@ -144,7 +144,7 @@ static void test_an_acknowledgement_left_over(void)
     played.bits |= 0x1000U;
     played.keeps_acknowledging = true;
     run_ms(15);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     const unsigned before = played.control_count;
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     for (unsigned i = before; i < played.control_count; i++) {
@@ -156,7 +156,7 @@ static void test_a_target_never_reached(void)
 {
     bring_home(&common);
     played.never_reaches = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
     TEST_ASSERT_FALSE(played.moving);
     played.never_reaches = false;
@@ -171,7 +171,7 @@ static void test_target_reached_somewhere_else(void)
     played.reached_lingers = true;
     played.never_reaches = true;
     played.bits |= 0x0400U;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(20);
     played.moving = false; /* stands still a few degrees on and says that it is there */
     run_ms(1520);
@@ -182,7 +182,7 @@ static void test_homing_that_never_ends(void)
 {
     bring_up(&common);
     played.homing_never_ends = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     expect_late(TUMBLE_STAND_FAULT_HOMING, 1990, 2050);
     TEST_ASSERT_FALSE(played.homing);
 }
@@ -192,7 +192,7 @@ static void test_a_mode_that_does_not_change(void)
     bring_up(&common);
     played.mode_sticks = true;
     played.event_only = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.home(bench.stand.self));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 140, 170);
     TEST_ASSERT_FALSE(played.homing);
 }
@@ -212,16 +212,16 @@ static void test_nonsense_from_the_bus(void)
         }
         switch (dice_below(&dice, 40)) {
         case 0:
-            (void)bench.stand.home(bench.stand.self);
+            (void)bench.stand.kind->home(bench.stand.self);
             break;
         case 1:
-            (void)bench.stand.move(bench.stand.self, 100.0 * dice_signed_unit(&dice));
+            (void)bench.stand.kind->move(bench.stand.self, 100.0 * dice_signed_unit(&dice));
             break;
         case 2:
-            bench.stand.stop(bench.stand.self);
+            bench.stand.kind->stop(bench.stand.self);
             break;
         case 3:
-            (void)bench.stand.clear_fault(bench.stand.self);
+            (void)bench.stand.kind->clear_fault(bench.stand.self);
             break;
         default:
             break;
@@ -230,7 +230,7 @@ static void test_nonsense_from_the_bus(void)
         played.write_count = 0;
         run_ms(1 + dice_below(&dice, 3));
         const bool waits = (stand_state() == TUMBLE_STAND_HOMING) || (bench.drive.entered_us > port.now_us);
-        TEST_ASSERT_TRUE(!waits || (tumble_drive402_next_us(&bench.drive) != TUMBLE_NEVER));
+        TEST_ASSERT_TRUE(!waits || (tumble_drive402_kind.next_us(&bench.drive) != TUMBLE_NEVER));
     }
 }
 
@@ -240,10 +240,10 @@ static void test_a_target_that_gets_lost_is_sent_again(void)
     for (unsigned misses = 1; misses <= 3U; misses++) {
         bring_home(&common);
         played.misses = misses;
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
         run_to(TUMBLE_STAND_IN_POSITION, 1000);
         TEST_ASSERT_EQUAL_UINT(0, played.misses);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.angle_deg(bench.stand.self));
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 90.0, bench.stand.kind->angle_deg(bench.stand.self));
     }
 }
 
@@ -251,7 +251,7 @@ static void test_targets_that_all_get_lost_are_a_broken_handshake(void)
 {
     bring_home(&common);
     played.misses = UINT32_MAX;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     expect_late(TUMBLE_STAND_FAULT_PROTOCOL, 80, 320);
     TEST_ASSERT_FALSE(played.moving);
 }
@@ -260,10 +260,10 @@ static void test_a_target_that_cannot_be_read_back_is_a_broken_handshake(void)
 {
     bring_home(&common);
     played.refuse_index = 0x607A;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(20);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
-    TEST_ASSERT_EQUAL_HEX16(0x607A, tumble_drive402_refusal(&bench.drive).index);
+    TEST_ASSERT_EQUAL_HEX16(0x607A, bench.drive.report.refusal.index);
     TEST_ASSERT_FALSE(played.moving);
 }
 
@@ -271,10 +271,10 @@ static void test_a_stop_gives_up_reading_the_target(void)
 {
     bring_home(&common);
     played.sdo_is_deaf = true;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.move(bench.stand.self, 90.0));
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    bench.stand.stop(bench.stand.self);
+    bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_STOPPED, 100);
     played.sdo_is_deaf = false;
     assert_moves_again();

@@ -159,7 +159,8 @@ def _judged(folder: Path, stage: Path, scenario: Path, interrupted: bool) -> pro
     elif board["end"] == "failed" and ours["reason_number"] != board["reason"]:
         raise BenchFault(_unexplained(_text(folder / "serial.log"), stand))
     board["counters"] |= _controller_counters(_text(folder / "serial.log"))
-    (stage / "bench" / outcome.DOCUMENT).write_text(json.dumps(_joined(ours, stand, board)), encoding="utf-8")
+    joined = outcome.with_stand(ours, stand, board=board)
+    (stage / "bench" / outcome.DOCUMENT).write_text(json.dumps(joined), encoding="utf-8")
     return program.Ended(ours["exit"], "", interrupted)
 
 
@@ -197,16 +198,6 @@ def _controller_counters(log: str) -> dict[str, int]:
     lines = [line for line in log.splitlines() if line.startswith("can: ")]
     pairs = re.findall(r"([a-z][a-z -]*) (\d+)", lines[-1].removeprefix("can: ")) if lines else []
     return {"controller_" + re.sub("[ -]", "_", name.strip()): int(count) for name, count in pairs}
-
-
-def _joined(ours: dict[str, Any], stand: dict[str, Any], board: dict[str, Any]) -> dict[str, Any]:
-    counters = {f"stand_{name}": value for name, value in stand["counters"].items()}
-    counters |= {f"board_{name}": value for name, value in board["counters"].items()}
-    return {
-        **ours,
-        **{name: stand[name] for name in ("seed", "truth", "faults", "table")},
-        "counters": {**ours["counters"], **counters},
-    }
 
 
 def _text(path: Path) -> str:

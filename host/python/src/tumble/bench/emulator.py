@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from tumble.bench.programs import built
+from tumble.bench.programs import built, last_words
 from tumble.errors import BenchFault, Skipped
 
 PACKAGES = "qemu-system-arm gcc-aarch64-linux-gnu"
@@ -73,7 +73,7 @@ def replay(recording: Path, record: Path, gains: Path | None = None) -> dict[str
     told = _run(command("replay", *loaded))
     lines = dict((line.split()[0], line.split()[1:]) for line in told.splitlines() if line.strip())
     if "end" not in lines:
-        raise BenchFault(f"the emulated board did not come to its end: {_last_line(told)}")
+        raise BenchFault(f"the emulated board did not come to its end: {last_words(told)}")
     return lines
 
 
@@ -97,8 +97,3 @@ def _run(arguments: list[str]) -> str:
     except subprocess.TimeoutExpired:
         raise BenchFault(f"the emulated board has not ended after {_PATIENCE_S:.0f} s") from None
     return ended.stdout or ended.stderr
-
-
-def _last_line(text: str) -> str:
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return ascii(lines[-1][:200])[1:-1] if lines else "it says nothing"

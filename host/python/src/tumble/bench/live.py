@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
 
-from tumble.bench.progress import Progress, volts
+from tumble.bench.progress import Progress, in_words, volts
 from tumble.schedule import Schedule
 
 
@@ -37,7 +37,7 @@ class LiveProgress(Progress):
 
     def on_state(self, event: dict[str, Any]) -> None:
         """The place in the schedule and what is being done there."""
-        doing = event["state"].removeprefix("TUMBLE_STATE_").lower().replace("_", " ")
+        doing = in_words(event["state"])
         self._bars.update(self._task, description=f"{_place(event)}, {doing}", completed=event["finished"], mean="")
 
     def on_average(self, event: dict[str, Any]) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from tumble import reference
 from tumble.bench import gains
+from tumble.bench.progress import in_words
 from tumble.bench.setup import Setup
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
@@ -33,16 +34,20 @@ def require_done(document: dict[str, Any]) -> None:
     if document["end"] == "done" and document["K"] is not None:
         return
     if document["end"] == "too long":
-        raise BenchFault(f"no end after {document['virtual_s']:.0f} s of virtual time, in {_plain(document['state'])}")
-    where = f"in state {_plain(document['failed_in'])}, positions finished: {len(document['means'])}"
+        raise BenchFault(f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}")
+    where = f"in state {in_words(document['failed_in'])}, positions finished: {len(document['means'])}"
     code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
     rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
     name = document["reason"].removeprefix("TUMBLE_REASON_")
     raise BenchFault(f"the run failed: {document['reason_sentence']} ({name}, {where}{code}){rest}")
 
 
-def _plain(state: str) -> str:
-    return state.removeprefix("TUMBLE_STATE_").lower().replace("_", " ")
+def with_stand(document: dict[str, Any], stand: dict[str, Any], **others: dict[str, Any]) -> dict[str, Any]:
+    """A run's document with what tumble-stand knows of it, and the counters of both and of `others`."""
+    counters = dict(document["counters"])
+    for who, told in {"stand": stand, **others}.items():
+        counters |= {f"{who}_{name}": value for name, value in told["counters"].items()}
+    return {**document, **{name: stand[name] for name in ("seed", "truth", "faults", "table")}, "counters": counters}
 
 
 def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:

@@ -28,3 +28,9 @@ def find(name: str, folder: str) -> str:
     if found is None:
         raise BenchFault(f"the program {name} is not built: no {file_name(path)}; {variable} may say where it is")
     return found
+
+
+def last_words(text: str) -> str:
+    """The last line of what a program has printed, fit for a complaint."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return ascii(lines[-1][:200])[1:-1] if lines else "it says nothing"

@@ -29,6 +29,11 @@ def mounting_text(mounting: Mounting) -> str:
     return "; ".join(parts)
 
 
+def in_words(state: str) -> str:
+    """A state of the firmware by its name."""
+    return state.removeprefix("TUMBLE_STATE_").lower().replace("_", " ")
+
+
 class Progress:
     """Told every event of a run; one line on stderr whenever another mounting begins. Base of the live display."""
 

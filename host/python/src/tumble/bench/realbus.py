@@ -282,7 +282,7 @@ def _judged(ended: program.Ended, out: Path, stand: str) -> program.Ended:
         raise BenchFault(f"tumble-node ended without a result ({_how(ended)}){rest}")
     if theirs is None:
         raise BenchFault(f"tumble-stand ended without a document; tumble-node says: {ours['reason_sentence']}")
-    (out / outcome.DOCUMENT).write_text(json.dumps(_joined(ours, theirs)), encoding="utf-8")
+    (out / outcome.DOCUMENT).write_text(json.dumps(outcome.with_stand(ours, theirs)), encoding="utf-8")
     return ended
 
 
@@ -295,12 +295,3 @@ def _how(ended: program.Ended) -> str:
     if code > 0 and code in set(signal.Signals):
         return f"killed by {signal.Signals(code).name}"
     return ended.complaint or f"exit code {ended.code}"
-
-
-def _joined(ours: dict[str, Any], theirs: dict[str, Any]) -> dict[str, Any]:
-    counters = {f"stand_{name}": value for name, value in theirs["counters"].items()}
-    return {
-        **ours,
-        **{name: theirs[name] for name in ("seed", "truth", "faults", "table")},
-        "counters": {**ours["counters"], **counters},
-    }

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tumble.bench.programs import built
+from tumble.bench.programs import built, last_words
 from tumble.errors import BenchFault, Skipped
 
 INTERFACE = "vcan0"
@@ -236,6 +236,4 @@ def _exit_code(folder: Path) -> int:
 
 
 def _last_words(folder: Path) -> str:
-    lines = (folder / "console.log").read_text(errors="replace").splitlines()
-    words = [line.strip() for line in lines if line.strip()]
-    return ascii(words[-1][:200])[1:-1] if words else "it says nothing"
+    return last_words((folder / "console.log").read_text(errors="replace"))

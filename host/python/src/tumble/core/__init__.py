@@ -1,8 +1,8 @@
 """The firmware core, for every room but `reference`: numpy arrays in and out, a refusal as an exception.
 
 Nothing is computed here; every number comes from the C functions that fly, through the extension `_tumble_core`. The
-names below are what most need: schedules, the linear estimators, the check of a calibration. The modules `averaging`,
-`optimal`, `uncertainty` and `stand_seen` offer what else the core can do.
+names below are what most need: schedules, the linear estimators, the check of a calibration. The modules `optimal`,
+`uncertainty` and `stand_seen` offer what else the core can do.
 """
 
 from tumble.core.binding import (
@@ -10,6 +10,7 @@ from tumble.core.binding import (
     MAX_MEAN,
     MAX_MOUNTINGS,
     MAX_POSITIONS,
+    MAX_SAMPLES,
     MIN_ROW_RATIO,
     Calibration,
     CoreRefusal,
@@ -32,6 +33,7 @@ __all__ = [
     "MAX_MEAN",
     "MAX_MOUNTINGS",
     "MAX_POSITIONS",
+    "MAX_SAMPLES",
     "MIN_ROW_RATIO",
     "Calibration",
     "CoreRefusal",

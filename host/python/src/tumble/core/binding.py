@@ -17,6 +17,7 @@ from tumble.estimators import LINEAR
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
+MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
 MAX_MOUNTINGS: int = lib.TUMBLE_MAX_MOUNTINGS
 MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO

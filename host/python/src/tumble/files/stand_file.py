@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from tumble.core.averaging import MAX_SAMPLES
+from tumble.core import MAX_SAMPLES
 from tumble.errors import BadInput
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand

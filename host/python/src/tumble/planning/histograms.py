@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from html import escape
 
 import numpy as np
 
@@ -23,7 +24,7 @@ def render(found: list[Validated], title: str) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"'
         ' font-family="sans-serif" font-size="11">',
         f'<rect width="{width}" height="{height}" fill="white"/>',
-        f'<text x="8" y="18" font-size="13">{_escaped(title)}</text>',
+        f'<text x="8" y="18" font-size="13">{escape(title, quote=False)}</text>',
     ]
     for column, one in enumerate(found):
         left = _MARGIN[0] + _CELL[0] * column
@@ -60,7 +61,3 @@ def _cell(left: float, top: float, counts: np.ndarray, runs: int) -> str:
         f'<polyline points="{" ".join(normal)}" fill="none" stroke="#b03030"/>'
         f'<line x1="{left}" y1="{top + tall}" x2="{left + wide}" y2="{top + tall}" stroke="black"/>{ticks}'
     )
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

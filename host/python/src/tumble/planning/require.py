@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from tumble.core.averaging import MAX_SAMPLES
+from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.planning import weights
 from tumble.planning.case import Case

@@ -114,7 +114,7 @@ def solve(
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     u_k, u_u0, misfit = None, None, None
     if declared is not None:
-        u_k, u_u0 = _state(core_schedule, run, found.k, declared, estimator, step, file)
+        u_k, u_u0 = _uncertainties(core_schedule, run, found.k, declared, estimator, step, file)
         if optimal is None:
             witness = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
         else:
@@ -126,7 +126,7 @@ def solve(
     return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, misfit)
 
 
-def _state(
+def _uncertainties(
     schedule: core.CoreSchedule, run: Run, k: np.ndarray, stand: Stand, estimator: str, step: float, file: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""

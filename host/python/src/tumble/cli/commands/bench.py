@@ -108,7 +108,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
 
     from tumble.bench import realbus
     from tumble.bench.setup import Setup
-    from tumble.core.averaging import MAX_SAMPLES
+    from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
     from tumble.stand import PAPER_STAND
 

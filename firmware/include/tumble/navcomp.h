@@ -1,38 +1,62 @@
-/* navcomp.h - the navigation computer: the one place where the parts meet, driven by one non-blocking step.
+/* tumble/navcomp.h - the navigation computer: the one place where the parts meet, driven by one non-blocking step.
  *
- *     tumble_navcomp_init(&navcomp, &config);
- *     for (;;) {
- *         tumble_navcomp_step(&navcomp);
- *         wait for a frame, but not beyond tumble_navcomp_next_deadline_us(&navcomp);
+ * Whoever composes a computer names its parts in one configuration: the port of the board (tumble/port.h), the stand
+ * (tumble/stand.h: of which kind, with which profile, in which memory), a source of samples or the block's frames, what
+ * is to be kept over a loss of power. Then there is one loop.
+ *
+ * The shortest program, for the standard stand, which a drive turns:
+ *
+ *     #include "navcomp/standard.h"
+ *
+ *     void calibrate(const tumble_port_t *port)
+ *     {
+ *         static tumble_drive402_t drive;
+ *         static tumble_navcomp_t navcomp;
+ *         static tumble_navcomp_config_t config;
+ *         config = tumble_standard_navcomp;
+ *         config.port = port;
+ *         config.stand_memory = &drive;
+ *         config.stand_bytes = sizeof drive;
+ *         if ((tumble_navcomp_init(&navcomp, &config) == TUMBLE_OK) &&
+ *             (tumble_navcomp_command(&navcomp, TUMBLE_COMMAND_START, 0) == TUMBLE_OK)) {
+ *             for (;;) {
+ *                 tumble_navcomp_step(&navcomp);
+ *                 // wait for a frame, but not beyond tumble_navcomp_next_deadline_us(&navcomp)
+ *             }
+ *         }
  *     }
  *
  * One object, owned by the caller, holds everything; the configuration is const and must outlive it. Nothing is
  * allocated, no function waits, nothing is global: two objects are two computers. Not re-entrant on one object.
  *
- * On the bus it is the NMT master: it starts the drive and the block, watches their heartbeats, stops the axis when
+ * On the bus it is the NMT master: it starts stand and block, watches their heartbeats, stops the axis when
  * something fails, and serves its own object dictionary (objects.h) to outsiders by SDO.
  *
  * Replay: what is averaged depends only on the frames received, their order, and the block's own counter and
  * timestamps. The port's clock drives timeouts, heartbeats and pacing alone.
  */
-#ifndef TUMBLE_NAVCOMP_NAVCOMP_H
-#define TUMBLE_NAVCOMP_NAVCOMP_H
+#ifndef TUMBLE_NAVCOMP_H
+#define TUMBLE_NAVCOMP_H
 
-#include "canopen/cia402.h"
-#include "canopen/node.h"
-#include "sample/block_frames.h"
+#include "tumble/core.h"
+#include "tumble/port.h"
+#include "tumble/stand.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" { /* for those of the rooms as well */
+#endif
+
 #include "navcomp/commands.h"
 #include "navcomp/keeping.h"
 #include "navcomp/objects.h"
-#include "sample/source.h"
 #include "navcomp/service.h"
-#include "tumble/port.h"
 #include "procedure/procedure.h"
-#include "stand/drive402/drive402.h"
-#include "stand/operator/operator.h"
-
-#include <stdbool.h>
-#include <stdint.h>
+#include "sample/block_frames.h"
+#include "sample/source.h"
 
 /* What a bench wants to record; may be null. */
 typedef struct {
@@ -46,9 +70,10 @@ typedef struct {
 typedef struct {
     const tumble_port_t *port;
     const tumble_procedure_config_t *procedure; /* copied by init: some of its numbers can be written over CAN */
-    const tumble_drive_profile_t *drive;        /* null: an operator turns a dividing head and confirms */
-    const tumble_operator_calls_t *by_hand;     /* with `drive` null: &tumble_operator_calls; else may be null */
-    const tumble_operator_config_t *person;     /* likewise: tolerance and time */
+    const tumble_stand_kind_t *stand;           /* &tumble_drive402_kind, &tumble_operator_kind or your own */
+    const void *stand_profile;                  /* of that kind; const */
+    void *stand_memory;                         /* for its object: all that it keeps */
+    uint32_t stand_bytes;                       /* of that memory */
     const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
     const tumble_navcomp_hooks_t *hooks;        /* may be null */
     const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: states no uncertainties */
@@ -57,9 +82,9 @@ typedef struct {
     uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
                                     * heartbeat of ours together (block_frames.h); ignored with a source of one's own */
     uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */
-    uint16_t heartbeat_timeout_ms; /* silence of drive or block that counts as its loss, above 0 */
+    uint16_t heartbeat_timeout_ms; /* silence of stand or block that counts as its loss, above 0 */
     uint8_t node;                  /* node numbers, 1 to 127, all different */
-    uint8_t drive_node;            /* ignored without a drive */
+    uint8_t stand_node;            /* of a stand on the bus; 0 for one that is not */
     uint8_t block_node;            /* ignored with a sample source of the board's own */
 } tumble_navcomp_config_t;
 
@@ -69,10 +94,10 @@ typedef struct {
     uint32_t source_corrupted;  /* samples that a board's own source found spoilt */
     uint32_t source_faults;     /* answers of such a source outside its list */
     uint32_t commands_refused;
-    uint32_t heartbeats_lost;   /* of drive and block: from present to silent */
-    uint32_t boot_ups;          /* of drive and block */
+    uint32_t heartbeats_lost;   /* of stand and block: from present to silent */
+    uint32_t boot_ups;          /* of stand and block */
     uint32_t starts;            /* NMT start commands given to them */
-    uint32_t emergencies;       /* of drive and block, "no error" included */
+    uint32_t emergencies;       /* of stand and block, "no error" included */
     uint32_t foreign;           /* frames that nobody but this node may send: set-points, its own heartbeat */
 } tumble_navcomp_events_t;
 
@@ -93,10 +118,6 @@ typedef struct tumble_navcomp {
     tumble_procedure_config_t procedure_config;
     tumble_node_config_t node_config;
     tumble_node_t node;
-    union {
-        tumble_drive402_t drive;
-        tumble_operator_t person;
-    } axis;
     tumble_drive_mirror_t mirror;
     tumble_procedure_t procedure;
     tumble_block_receiver_t block;
@@ -107,9 +128,9 @@ typedef struct tumble_navcomp {
 static_assert(sizeof(tumble_navcomp_t) <= ((sizeof(void *) == 4U) ? 4096U : 4608U), "4 kB of RAM is all there is");
 
 /* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
- * is checked when a run starts. Returns TUMBLE_OK, or _ARGUMENT: a null pointer that may not be null, a time of 0, node
- * numbers out of range or equal, a sample timeout too long for the block's counter, a drive profile or operator
- * configuration that its own room refuses; or what the keeper's init says. */
+ * is checked when a run starts. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may not be null, a
+ * time of 0, node numbers out of range or equal, a sample timeout too long for the block's counter, too little memory
+ * for the stand, a profile that its kind refuses; or what the keeper's init says. */
 tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config);
 
 /* One step: drain what was received, advance timers, stand and procedure, send what is due. Returns at once; the work
@@ -168,22 +189,26 @@ typedef struct {
     tumble_block_counters_t block;         /* samples ok, lost, repeated, reordered, corrupted */
     tumble_averaging_counters_t averaging; /* refused by the gates of an open position */
     tumble_procedure_counters_t procedure;
-    tumble_stop_counters_t stop;           /* zeros without a drive */
+    tumble_stop_counters_t stop;           /* zeros where the stand tells of none */
 } tumble_navcomp_counters_t;
 
 void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters);
 
-/* With an operator for a stand: is an angle asked for, and which? False with a drive. */
+/* Is a person asked for an angle, and which? */
 bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg);
 
 /* The same as TUMBLE_COMMAND_CONFIRM_ANGLE, but for the angle at which the head really stands. Returns TUMBLE_OK,
  * TUMBLE_E_STATE (nothing is asked for), TUMBLE_E_ARGUMENT (too far from what is asked for). */
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg);
 
-/* What the drive refused of its configuration; zeros when nothing, or without a drive. */
-tumble_drive_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp);
+/* What the stand refused of its configuration; zeros when nothing. */
+tumble_stand_refusal_t tumble_navcomp_drive_refusal(const tumble_navcomp_t *navcomp);
 
 /* The procedure, to be read: finished means, closure. Valid as long as the object. */
 const tumble_procedure_t *tumble_navcomp_procedure(const tumble_navcomp_t *navcomp);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,4 +1,4 @@
-"""The core's averaging of raw counts, for Python: exact integer sums per position, gates, counters."""
+"""The core's averaging of raw counts, for tests in Python: exact integer sums per position, gates, counters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from _tumble_core import ffi, lib
 
 from tumble.core.binding import require_ok
 
-MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
 MAX_DEVIATION_COUNTS: int = lib.TUMBLE_MAX_DEVIATION_COUNTS
 
 

@@ -1,8 +1,10 @@
-#include "navcomp/navcomp.h"
-
+/* step.c - the computer's init, its step, its deadlines: the one file of navcomp that knows the others. None of them calls
+ * it back: they leave what it must know in the object (restart, woken, more, due_us).
+ */
 #include "navcomp/navcomp_internal.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #define US_PER_MS 1000U
 #define RETRY_US 1000U /* after the port had no room or was off the bus */
@@ -11,12 +13,12 @@
 
 /* Getting ready. */
 
-/* Where there is no drive or no block, 0 stands for its node: nobody has that. */
+/* 0 stands for a node that is not there: nobody has that. */
 static bool nodes_are_distinct(const tumble_navcomp_config_t *config)
 {
-    const uint8_t drive = (config->drive != NULL) ? config->drive_node : 0U;
+    const uint8_t stand = config->stand_node;
     const uint8_t block = (config->source == NULL) ? config->block_node : 0U;
-    return (drive != config->node) && (block != config->node) && ((drive != block) || (drive == 0U));
+    return (stand != config->node) && (block != config->node) && ((stand != block) || (stand == 0U));
 }
 
 static bool is_node(uint8_t node)
@@ -32,33 +34,33 @@ static bool counter_outlasts_silence(const tumble_navcomp_config_t *config)
     return (silence_ms * US_PER_MS) <= ((uint64_t)TUMBLE_BLOCK_MAX_GAP * config->block_period_us);
 }
 
+/* Which node it takes is the stand's own matter, but one that is never on the bus has none. */
+static bool has_stand(const tumble_navcomp_config_t *config)
+{
+    const tumble_stand_kind_t *kind = config->stand;
+    return (kind != NULL) && (config->stand_memory != NULL) && (config->stand_bytes >= kind->bytes) &&
+           ((config->stand_node == 0U) || (kind->heartbeat != NULL));
+}
+
 static bool is_usable(const tumble_navcomp_config_t *config)
 {
-    return (config != NULL) && (config->port != NULL) && (config->procedure != NULL) &&
-           ((config->drive == NULL) ? (config->by_hand != NULL) : is_node(config->drive_node)) &&
+    return (config != NULL) && (config->port != NULL) && (config->procedure != NULL) && has_stand(config) &&
            ((config->source != NULL) || (is_node(config->block_node) && counter_outlasts_silence(config))) &&
            nodes_are_distinct(config) && (config->heartbeat_ms != 0U) && (config->heartbeat_timeout_ms != 0U);
 }
 
-static tumble_status_t init_axis(tumble_navcomp_t *navcomp)
+static tumble_status_t init_stand(tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
-    tumble_status_t status;
-    if (tumble_has_drive(navcomp)) {
-        tumble_drive402_t *drive = &navcomp->axis.drive;
-        tumble_stop_counters_t counted;
-        counted = drive->counters; /* they outlast an NMT reset */
-        status = tumble_drive402_init(drive, config->drive, &navcomp->node, &navcomp->mirror, config->drive_node);
-        drive->counters = counted;
-        if (status == TUMBLE_OK) {
-            tumble_drive402_bound(drive, config->procedure->cable_min_deg, config->procedure->cable_max_deg);
-        }
-        navcomp->stand = tumble_drive402_stand(drive);
-    } else {
-        status = config->by_hand->init(&navcomp->axis.person, config->person);
-        navcomp->stand = config->by_hand->stand(&navcomp->axis.person);
-    }
-    return status;
+    const tumble_stand_setup_t setup = {
+        .profile = config->stand_profile,
+        .node = &navcomp->node,
+        .mirror = &navcomp->mirror,
+        .cable_min_deg = config->procedure->cable_min_deg,
+        .cable_max_deg = config->procedure->cable_max_deg,
+        .stand_node = config->stand_node,
+    };
+    return navcomp->stand.kind->init(navcomp->stand.self, &setup);
 }
 
 /* All that a fresh node needs, at power-on and after an NMT reset. */
@@ -68,7 +70,7 @@ static tumble_status_t join_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
     tumble_node_set_state(&navcomp->node, TUMBLE_NMT_OPERATIONAL);
     tumble_block_receiver_restart(&navcomp->block);
     navcomp->block_start_us = 0;
-    return init_axis(navcomp);
+    return init_stand(navcomp);
 }
 
 static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
@@ -106,7 +108,8 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
     if ((navcomp == NULL) || !is_usable(config)) {
         return TUMBLE_E_ARGUMENT;
     }
-    *navcomp = (tumble_navcomp_t){.config = config};
+    *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory}};
+    (void)memset(config->stand_memory, 0, config->stand->bytes);
     tumble_status_t status = init_node(navcomp);
     if (status == TUMBLE_OK) {
         status = join_bus(navcomp, config->port->now_us(config->port->context));
@@ -149,11 +152,7 @@ static void show_state(tumble_navcomp_t *navcomp)
 
 static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
-    if (tumble_has_drive(navcomp)) {
-        tumble_drive402_step(&navcomp->axis.drive, now_us);
-    } else {
-        navcomp->config->by_hand->step(&navcomp->axis.person, now_us);
-    }
+    navcomp->stand.kind->step(navcomp->stand.self, now_us);
     tumble_procedure_step(&navcomp->procedure, now_us);
     show_state(navcomp);
     tumble_node_step(&navcomp->node, now_us);
@@ -197,7 +196,7 @@ static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t
 /* There is an axis that must be stopped if need be. */
 static bool has_axis(const tumble_navcomp_t *navcomp)
 {
-    return tumble_has_drive(navcomp) && tumble_drive402_is_present(&navcomp->axis.drive);
+    return tumble_is_on_bus(navcomp) && navcomp->stand.kind->is_present(navcomp->stand.self);
 }
 
 /* Everything but samples is followed up at once, so that it does not matter how many frames wait when a step begins. */
@@ -264,7 +263,7 @@ static bool block_waits(const tumble_navcomp_t *navcomp)
     return tumble_has_block(navcomp) && (state != TUMBLE_NMT_UNKNOWN) && (state != TUMBLE_NMT_OPERATIONAL);
 }
 
-/* The duties of the NMT master: itself and the block Operational (the drive's bring-up is the stand's). */
+/* The duties of the NMT master: itself and the block Operational (the stand brings up its drive). */
 static void keep_operational(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
     const tumble_nmt_state_t own = tumble_node_state(&navcomp->node);
@@ -301,8 +300,7 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
     uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
     due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
     due_us = earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
-    due_us = earlier(due_us, tumble_has_drive(navcomp) ? tumble_drive402_next_us(&navcomp->axis.drive)
-                                                       : navcomp->config->by_hand->next_us(&navcomp->axis.person));
+    due_us = earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
     if (block_waits(navcomp)) {
         due_us = earlier(due_us, navcomp->block_start_us);
     }

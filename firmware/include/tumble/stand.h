@@ -1,0 +1,232 @@
+/* tumble/stand.h - the rotary stand as everything else sees it: turn, wait, ask. And how to write one of your own.
+ *
+ * A stand is a kind, a const table of functions, and the object that they work on. No function waits: home and move
+ * start an action, `state` tells how far it has come. Angles are degrees of the table, counted from the home position,
+ * over as many turns as the cable allows; they are the schedule's angles and not counts of an encoder.
+ *
+ * Two kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode, and
+ * &tumble_operator_kind, a person at a dividing head. A third one is a folder of its own with a header that names its
+ * object, its profile and its kind; whoever composes a computer names them in its tumble_navcomp_config_t. Nothing else
+ * in the firmware asks of what kind a stand is.
+ *
+ * The shortest program, a table that is wherever it is told to be:
+ *
+ *     #include <stddef.h>
+ *     typedef struct { tumble_stand_report_t report; double angle_deg; uint8_t state; } table_t;
+ *     static tumble_status_t table_init(void *self, const tumble_stand_setup_t *setup)
+ *     {
+ *         (void)setup;
+ *         ((table_t *)self)->state = TUMBLE_STAND_READY;
+ *         return TUMBLE_OK;
+ *     }
+ *     static void table_step(void *self, uint64_t now_us) { (void)self; (void)now_us; }
+ *     static uint64_t table_next_us(const void *self) { (void)self; return UINT64_MAX; }
+ *     static tumble_status_t table_move(void *self, double angle_deg)
+ *     {
+ *         ((table_t *)self)->angle_deg = angle_deg;
+ *         ((table_t *)self)->state = TUMBLE_STAND_IN_POSITION;
+ *         return TUMBLE_OK;
+ *     }
+ *     static tumble_status_t table_home(void *self) { return table_move(self, 0.0); }
+ *     static void table_stop(void *self) { (void)self; }
+ *     static tumble_status_t table_clear_fault(void *self) { (void)self; return TUMBLE_E_STAND_STATE; }
+ *     static tumble_stand_state_t table_state(const void *self)
+ *     {
+ *         return (tumble_stand_state_t)((const table_t *)self)->state;
+ *     }
+ *     static tumble_stand_fault_t table_fault(const void *self) { (void)self; return TUMBLE_STAND_FAULT_NONE; }
+ *     static double table_angle_deg(const void *self) { return ((const table_t *)self)->angle_deg; }
+ *
+ *     const tumble_stand_kind_t table_kind = {
+ *         .bytes = sizeof(table_t), .report_at = offsetof(table_t, report),
+ *         .init = table_init, .step = table_step, .next_us = table_next_us,
+ *         .home = table_home, .move = table_move, .stop = table_stop, .clear_fault = table_clear_fault,
+ *         .state = table_state, .fault = table_fault, .angle_deg = table_angle_deg,
+ *     };
+ *     static table_t table;
+ *     tumble_stand_t stand = {&table_kind, &table}; // as a navcomp makes it of .stand and .stand_memory
+ *
+ * The functions are called from within navcomp's own, never at once on one object. They may use the node they were
+ * given (trigger its PDOs, use its SDO client, queue NMT commands, raise emergencies), but not step it.
+ */
+#ifndef TUMBLE_STAND_H
+#define TUMBLE_STAND_H
+
+#include "tumble/status.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" { /* for those of canopen as well */
+#endif
+
+#include "canopen/cia402.h"
+#include "canopen/node.h"
+
+/* ---- What a stand tells. */
+
+typedef enum {
+    TUMBLE_STAND_OFFLINE = 0, /* no contact yet, or contact lost */
+    TUMBLE_STAND_READY,       /* in contact, powered, not homed */
+    TUMBLE_STAND_HOMING,
+    TUMBLE_STAND_MOVING,
+    TUMBLE_STAND_IN_POSITION, /* at rest at the last commanded angle (after homing: at home); never believed too early:
+                               * from the moment that move or home returns, the old position does not count */
+    TUMBLE_STAND_STOPPED,     /* at rest after stop; position known */
+    TUMBLE_STAND_FAULT        /* see fault; leaves by clear_fault */
+} tumble_stand_state_t;
+
+typedef enum {
+    TUMBLE_STAND_FAULT_NONE = 0,
+    TUMBLE_STAND_FAULT_DRIVE,       /* the drive reports a fault; report.fault_code holds its own code */
+    TUMBLE_STAND_FAULT_STALL,       /* following error: the axis does not follow its command */
+    TUMBLE_STAND_FAULT_HEARTBEAT,   /* the drive has fallen silent */
+    TUMBLE_STAND_FAULT_HOMING,      /* homing failed */
+    TUMBLE_STAND_FAULT_PROTOCOL,    /* refused or unanswered configuration, broken handshake */
+    TUMBLE_STAND_FAULT_POWER,       /* the drive left Operation enabled by itself */
+    TUMBLE_STAND_FAULT_TIMEOUT,     /* the angle was not reached, or not confirmed, in the stand's own time */
+    TUMBLE_STAND_FAULT_STOP,        /* the axis was told to stop and was not seen to rest */
+    TUMBLE_STAND_FAULT_POSITION,    /* the position jumped, or changed at rest: it is unknown now */
+    TUMBLE_STAND_FAULT_FOREIGN      /* somebody else commands the axis, or has our node number */
+} tumble_stand_fault_t;
+
+/* The rungs of a stop: by what means the axis is told. The numbers travel over CAN: new ones go to the end. */
+typedef enum {
+    TUMBLE_RUNG_NONE = 0,    /* no stop is under way */
+    TUMBLE_RUNG_TOLD,        /* once */
+    TUMBLE_RUNG_AGAIN,
+    TUMBLE_RUNG_SDO,
+    TUMBLE_RUNG_NMT,
+    TUMBLE_RUNG_SILENCE,
+    TUMBLE_RUNG_UNCONFIRMED
+} tumble_stop_rung_t;
+
+/* How far stops had to go, and what was not believed; monotonic, they stop at UINT32_MAX. */
+typedef struct {
+    uint32_t rungs[TUMBLE_RUNG_UNCONFIRMED - TUMBLE_RUNG_TOLD]; /* how often each was climbed to, from AGAIN on */
+    uint32_t implausible;                                       /* position reports that were not believed */
+} tumble_stop_counters_t;
+
+/* What the stand refused of its configuration. */
+typedef struct {
+    uint16_t index; /* 0: nothing */
+    uint8_t subindex;
+    uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
+} tumble_stand_refusal_t;
+
+/* What is read and needs no function: a part of the object. Zeros: there is nothing to tell. */
+typedef struct {
+    double asked_deg;               /* with `asks`: the angle, 0 for homing */
+    tumble_stand_refusal_t refusal; /* what led to TUMBLE_STAND_FAULT_PROTOCOL */
+    tumble_stop_counters_t stop;
+    uint16_t fault_code; /* the drive's own error code (EMCY) */
+    bool asks;           /* a person is to turn the head and to confirm */
+    bool limited;        /* the drive itself keeps to the cable's limits, or will from its next bring-up on */
+} tumble_stand_report_t;
+
+/* ---- What a stand is. */
+
+/* What it is given to work with. */
+typedef struct {
+    const void *profile;           /* the kind's own configuration, const; outlives the object */
+    tumble_node_t *node;           /* ours, initialised, watching `stand_node` (1016h) */
+    tumble_drive_mirror_t *mirror; /* what the node's dictionary shows of a drive at 2040h, for its PDOs */
+    double cable_min_deg;          /* the table may turn from here ... */
+    double cable_max_deg;          /* ... to here */
+    uint8_t stand_node;            /* 0: it is not on the bus */
+} tumble_stand_setup_t;
+
+/* A number of a profile. A run that lost power is gone on with only if it has not changed. */
+typedef enum {
+    TUMBLE_STAND_NUMBER_NONE = 0, /* no more of them */
+    TUMBLE_STAND_NUMBER_F64,
+    TUMBLE_STAND_NUMBER_I8
+} tumble_stand_number_type_t;
+
+typedef struct {
+    uint8_t type; /* tumble_stand_number_type_t */
+    uint8_t at;   /* its offset in the profile */
+} tumble_stand_number_t;
+
+#define TUMBLE_STAND_NUMBERS 3U
+
+/* A kind. None may be null but those that say so. */
+typedef struct {
+    uint16_t bytes;     /* size of its object, which the caller of tumble_navcomp_init owns */
+    uint16_t report_at; /* where in it the report stands */
+
+    /* What of the profile decides where an angle is. */
+    tumble_stand_number_t numbers[TUMBLE_STAND_NUMBERS];
+
+    /* Get ready, at power-on (the object is all zero) and after every NMT reset of our node (it is as it was: counters
+     * go on). TUMBLE_OK; TUMBLE_E_ARGUMENT: a profile or a node number that it cannot work with. */
+    tumble_status_t (*init)(void *self, const tumble_stand_setup_t *setup);
+
+    /* Go on, watch the time. After every frame, and when next_us is over; before the node's own step, which sends what
+     * this one has prepared. */
+    void (*step)(void *self, uint64_t now_us);
+
+    /* The next moment at which step has something to do by itself; 0: at once; UINT64_MAX: never. */
+    uint64_t (*next_us)(const void *self);
+
+    /* Start homing. TUMBLE_OK, or TUMBLE_E_STAND_STATE when the state does not allow it (offline, moving, fault). */
+    tumble_status_t (*home)(void *self);
+
+    /* Start a move to an absolute angle. TUMBLE_OK, TUMBLE_E_STAND_STATE, TUMBLE_E_ARGUMENT (beyond what the stand's
+     * position can express). */
+    tumble_status_t (*move)(void *self, double angle_deg);
+
+    /* Stop the axis as fast as the drive allows, whatever the state. Never refused. The stand goes on until the axis is
+     * seen at rest: STOPPED, or FAULT (with TUMBLE_STAND_FAULT_STOP when it had to take harsher means). */
+    void (*stop)(void *self);
+
+    /* Begin to leave FAULT, towards READY or STOPPED. TUMBLE_OK; TUMBLE_E_STAND_STATE: not in FAULT, or a stop is still
+     * being enforced, which takes seconds at most: ask again. */
+    tumble_status_t (*clear_fault)(void *self);
+
+    /* Called only while report.asks is set, null in a kind that never sets it. The head stands at this angle.
+     * TUMBLE_OK, or TUMBLE_E_ARGUMENT: it is not the angle asked for (the request stands). */
+    tumble_status_t (*confirm)(void *self, double angle_deg);
+
+    tumble_stand_state_t (*state)(const void *self);
+    tumble_stand_fault_t (*fault)(const void *self);
+    double (*angle_deg)(const void *self); /* actual angle, last reported */
+
+    /* Of a kind that is on the bus, where stand_node must not be 0; in others all of them are null. */
+
+    /* Is there a drive, so that what its stop depends on must stay as it is? */
+    bool (*is_present)(const void *self);
+
+    /* What the node tells of stand_node: its heartbeat, an emergency message. */
+    void (*heartbeat)(void *self, tumble_heartbeat_event_t event, tumble_nmt_state_t state);
+    void (*emergency)(void *self, const tumble_emergency_t *message);
+
+    /* Our receive PDO with this number (0 is 1400h), whoever sent it, has been written. */
+    void (*pdo_received)(void *self, uint8_t number);
+
+    /* A frame of this identifier has come that is no service of our node. `ours`: nobody but our node may send it.
+     * Returns `ours`, or true if it is one by which we command the stand: then the axis is not in our hands alone. */
+    bool (*foreign)(void *self, uint16_t id, bool ours);
+} tumble_stand_kind_t;
+
+typedef struct {
+    const tumble_stand_kind_t *kind;
+    void *self;
+} tumble_stand_t;
+
+/* What of a profile decides where an angle is. `numbers` has room for TUMBLE_STAND_NUMBERS; returns how many it holds. */
+uint8_t tumble_stand_numbers(const tumble_stand_kind_t *kind, const void *profile, double *numbers);
+
+static inline const tumble_stand_report_t *tumble_stand_report(const tumble_stand_t *stand)
+{
+    return (const tumble_stand_report_t *)(const void *)((const uint8_t *)stand->self + stand->kind->report_at);
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

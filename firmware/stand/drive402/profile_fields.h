@@ -1,0 +1,45 @@
+/* profile_fields.h - every number of tumble_drive_profile_t (drive402.h), a row each: procedure/config_fields.h tells how.
+ * `signs` is for people here: profile.c has the checks, for most of them are relations. The lists of PDOs and writes are
+ * no fields.
+ */
+#ifndef TUMBLE_STAND_DRIVE402_PROFILE_FIELDS_H
+#define TUMBLE_STAND_DRIVE402_PROFILE_FIELDS_H
+
+/* clang-format off */
+#define TUMBLE_DRIVE_FIELDS(X)                                                                                         \
+    X(F64, counts_per_revolution, 360000.0, POSITIVE, RESULT, 1, "profile.counts_per_turn", 0, 1e12,                   \
+      "what the firmware believes; 0: right")                                                                          \
+    X(I8, sign, 1, ANY, RESULT, 3, "profile.sign", -1, 1, "likewise; 0: right, and so is the wrap")                    \
+    X(U32, wrap_counts, 0U, ANY, NO_RESULT, 2, "profile.wrap_counts", 0, INT32_MAX, "likewise, with profile.sign")     \
+    X(F64, velocity_units_per_deg_s, 1000.0, POSITIVE, NO_RESULT, 1, "profile.velocity_per_deg_s", 0, 1e9,             \
+      "likewise; 0: right")                                                                                            \
+    X(F64, acceleration_units_per_deg_s2, 1000.0, POSITIVE, NO_RESULT, 1, "profile.acceleration_per_deg_s2", 0, 1e9,   \
+      "likewise; 0: right")                                                                                            \
+    X(U32, window_counts, 0U, ANY, NO_RESULT, 2, "profile.window_counts", 0, UINT32_MAX,                               \
+      "target reached is believed within this; 0: always")                                                             \
+    X(F64, velocity_deg_s, 90.0, ANY, NO_RESULT, 1, "profile.speed_deg_s", 0, 1e4, "deg/s; 0: motion.speed_deg_s")     \
+    X(F64, acceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, "profile.acceleration_deg_s2", 0, 1e5,                       \
+      "deg/s2; 0: motion.acceleration_deg_s2")                                                                         \
+    X(F64, deceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                                      \
+    X(F64, quick_stop_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                                        \
+    X(F64, homing_fast_deg_s, 45.0, ANY, NO_RESULT, 1, "profile.homing_fast_deg_s", 0, 1e4, "deg/s")                   \
+    X(F64, homing_slow_deg_s, 4.5, ANY, NO_RESULT, 1, "profile.homing_slow_deg_s", 0, 1e4, "deg/s")                    \
+    X(F64, homing_acceleration_deg_s2, 180.0, ANY, NO_RESULT, 1, NULL, 0, 1e5, "deg/s2")                               \
+    X(F64, homing_travel_deg, 0.0, NOT_NEGATIVE, NO_RESULT, 5, "profile.homing_travel_deg", 0, 1e5,                    \
+      "deg; the table may turn so far in homing; 0: the cable's span and one turn")                                    \
+    X(BOOL, software_limits, true, ANY, NO_RESULT, 5, "profile.software_limits", 0, 0,                                 \
+      "write the cable's limits to 607Dh, if the drive has it")                                                        \
+    X(I8, homing_method, 34, ANY, RESULT, 3, "profile.homing_method", INT8_MIN, INT8_MAX, "object 6098h")              \
+    X(ENUM8, stop, TUMBLE_STOP_BY_QUICK_STOP, ANY, NO_RESULT, 3, "profile.stop", 0, 0, "quick_stop|halt")              \
+    X(U16, heartbeat_ms, 100U, POSITIVE, NO_RESULT, 4, "profile.heartbeat_ms", 1, UINT16_MAX, "ms; of the drive")      \
+    X(U16, heartbeat_timeout_ms, 500U, ANY, NO_RESULT, 4, "profile.heartbeat_timeout_ms", 0, UINT16_MAX,               \
+      "ms; our silence after which it stops")                                                                          \
+    X(U32, start_timeout_ms, 3000U, POSITIVE, NO_RESULT, 2, "profile.start_timeout_ms", 1, UINT32_MAX, "ms")           \
+    X(U32, power_timeout_ms, 3000U, POSITIVE, NO_RESULT, 2, "profile.power_timeout_ms", 1, UINT32_MAX, "ms")           \
+    X(U32, handshake_timeout_ms, 1000U, POSITIVE, NO_RESULT, 2, "profile.handshake_timeout_ms", 1, UINT32_MAX, "ms")   \
+    X(U32, home_timeout_ms, 60000U, POSITIVE, NO_RESULT, 2, "profile.home_timeout_ms", 1, UINT32_MAX, "ms")            \
+    X(U32, move_timeout_ms, 30000U, POSITIVE, NO_RESULT, 2, "profile.move_timeout_ms", 1, UINT32_MAX, "ms")            \
+    X(U32, stop_timeout_ms, 5000U, POSITIVE, NO_RESULT, 2, "profile.stop_timeout_ms", 1, UINT32_MAX, "ms")
+/* clang-format on */
+
+#endif
