@@ -258,9 +258,4 @@ static void test_every_defect_is_found(void)
     }
 }
 
-SUITE(conformance, set_up, NULL)
-{
-    RUN_TEST(test_the_simulated_bus_conforms);
-    RUN_TEST(test_what_a_board_cannot_do_is_skipped_not_passed);
-    RUN_TEST(test_every_defect_is_found);
-}
+static const around_t around_each = {set_up, NULL};

@@ -327,9 +327,4 @@ static void test_granules_of_a_byte(void)
     TEST_ASSERT_EQUAL_UINT32(1, skips);
 }
 
-SUITE(conformance_nv, set_up, NULL)
-{
-    RUN_TEST(test_every_defect_is_found);
-    RUN_TEST(test_a_board_without_such_a_memory_is_skipped_not_passed);
-    RUN_TEST(test_granules_of_a_byte);
-}
+static const around_t around_each = {set_up, NULL};

@@ -3,14 +3,13 @@
 import functools
 import os
 import queue
-import shutil
 import subprocess
 import threading
 import time
 from pathlib import Path
 
 import pytest
-from c_compiler import INCLUDES, firmware_sources
+from c_compiler import SANITIZERS, compiled, firmware_sources
 
 canopen = pytest.importorskip("canopen", reason="python-canopen is not installed")
 can = pytest.importorskip("can", reason="python-can is not installed")
@@ -18,23 +17,15 @@ can = pytest.importorskip("can", reason="python-can is not installed")
 ROOT = Path(__file__).resolve().parents[2]
 EDS = {name: ROOT / "docs" / "eds" / f"tumble_{name}.eds" for name in ("navcomp", "drive", "block")}
 NUMBERS = {"navcomp": 1, "drive": 2, "block": 3}
-FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g"]
-SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+FLAGS = ["-Wall", "-Wextra", "-Werror", "-g", *SANITIZERS]
 
 
 @functools.cache
 def build_harness(folder):
     """Compile tests/integration/canopen_harness.c with the firmware, once; returns the program."""
-    folder.mkdir(exist_ok=True)
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    assert compiler, "no C compiler: set CC"
-    program = folder / "canopen_harness"
-    sources = firmware_sources()
-    sources += [f"host/simulation/{name}_objects.c" for name in ("drive", "block")]
     own = ["tests/integration/canopen_harness.c", "tests/lib/flash.c"]
-    command = [compiler, *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Itests/lib", *own]
-    subprocess.run([*command, *sources, "-lm", "-o", str(program)], cwd=ROOT, check=True)
-    return program
+    own += [f"host/simulation/{name}_objects.c" for name in ("drive", "block")]
+    return compiled(folder / "canopen_harness", *FLAGS, "-Ihost", "-Itests/lib", *own, *firmware_sources())
 
 
 class PipeBus(can.BusABC):

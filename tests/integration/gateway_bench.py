@@ -17,11 +17,10 @@ import time
 from pathlib import Path
 
 import pytest
-from c_compiler import INCLUDES
+from c_compiler import SANITIZERS, compiled
 
 ROOT = Path(__file__).resolve().parents[2]
-FLAGS = ["-std=c11", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-g", "-O1"]
-SANITIZERS = ["-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"]
+FLAGS = ["-Wall", "-Wextra", "-Werror", "-g", "-O1", *SANITIZERS, "-fsanitize=float-cast-overflow"]
 REGISTERS = ROOT / "docs/modbus.csv"
 
 READ_HOLDING, READ_INPUT, WRITE_ONE, WRITE_SEVERAL = 3, 4, 6, 16
@@ -40,16 +39,11 @@ def build(folder):
     if config is None or subprocess.run([config, "libmodbus"]).returncode:
         pytest.skip("libmodbus is not installed (Debian: libmodbus-dev, pkg-config)")
     library = subprocess.run([config, "--cflags", "--libs", "libmodbus"], check=True, capture_output=True, text=True)
-    folder.mkdir()
-    program = folder / "gateway_harness"
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
     sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")]
     sources += ["boards/linux/signals.c", "host/bench/arguments.c"]
-    command = [os.environ.get("CC") or "cc", *FLAGS, *SANITIZERS, *INCLUDES, "-Ihost", "-Ihost/gateway",
-               "-Iboards/linux", "tests/integration/gateway_harness.c", *sources, *library.stdout.split(), "-lm", "-o",
-               str(program)]
-    subprocess.run(command, cwd=ROOT, check=True)
-    return program
+    return compiled(folder / "gateway_harness", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
+                    "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 
 
 @functools.cache

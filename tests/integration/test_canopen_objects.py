@@ -69,7 +69,7 @@ def test_a_change_of_a_table_is_noticed(tables):
 
 def test_a_change_of_the_extension_is_noticed(tables):
     """And its canary: the keeper's own tables, the node's EDS file and the page are stale, the first table is not."""
-    change(tables / "keeper.toml", 'low = "TUMBLE_KEEPER_MIN_PAUSE_S",', "low = 61,")
+    change(tables / "keeper.toml", 'low = "TUMBLE_SETS_MIN_PAUSE_S",', "low = 61,")
     done = generate("--check", "--tables", tables)
     assert done.returncode == 1
     named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
@@ -202,8 +202,8 @@ MISTAKES = [
     ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
     ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
     ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
-    ("keeper.toml", 'low = "TUMBLE_KEEPER_MIN_PAUSE_S",', "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
-    ("keeper.toml", "TUMBLE_KEEPER_MIN_PAUSE_S", "TUMBLE_KEEPER_MIN_PAUS_S", "no header of firmware/ has the constant TUM"),
+    ("keeper.toml", 'low = "TUMBLE_SETS_MIN_PAUSE_S",', "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
+    ("keeper.toml", "TUMBLE_SETS_MIN_PAUSE_S", "TUMBLE_SETS_MIN_PAUS_S", "no header of firmware/ has the constant TUM"),
     ("keeper.toml", "TUMBLE_MAX_POSITIONS - 1", "TUMBLE_MAX_POSITIONS -", "cannot be calculated"),
     ("navcomp.toml", '"firmware/procedure/states.h"', '"firmware/procedure/stakes.h"', "No such file"),
     ("navcomp.toml", 'TUMBLE_STATE = "firmware', 'TUMBLE_STOAT = "firmware', "no list TUMBLE_STOAT_LIST"),

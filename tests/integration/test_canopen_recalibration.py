@@ -1,14 +1,11 @@
 """python-canopen drives whole recalibrations, knowing nothing but the EDS file and the names in docs/canopen.md."""
 
 import functools
-import os
-import shutil
 import struct
-import subprocess
 
 import pytest
-from c_compiler import INCLUDES, firmware_sources
-from canopen_bridge import FLAGS, ROOT, SANITIZERS, PipeBus, canopen
+from c_compiler import compiled, firmware_sources
+from canopen_bridge import FLAGS, PipeBus, canopen
 
 from recalibration import Computer, entries_of, refusal_of, signature
 
@@ -21,18 +18,11 @@ DEVICE_STATE, STORE, VALUE = 0x08000022, 0x08000020, 0x06090030
 @functools.cache
 def build(folder):
     """tests/integration/recalibration_harness.c with the firmware, once."""
-    folder.mkdir(exist_ok=True)
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    assert compiler, "no C compiler: set CC"
-    program = folder / "recalibration_harness"
-    sources = firmware_sources()
-    includes = ["-Itests/integration/plain_unity", *INCLUDES, "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
+    includes = ["-Itests/integration/plain_unity", "-Ihost", "-Itests/lib", "-DUNITY_INCLUDE_DOUBLE"]
     own = ["tests/integration/recalibration_harness.c", "host/simulation/block_encode.c"]
     own += [f"tests/lib/{name}.c" for name in ("keeper_bench", "keeper_memory", "navcomp_bench", "flash",
-                                               "scripted_block", "scripted_config", "scripted_drive")]
-    subprocess.run([compiler, *FLAGS, *SANITIZERS, *includes, *own, *sources, "-lm", "-o", str(program)], cwd=ROOT,
-                   check=True)
-    return program
+                                               "scripted_axis", "scripted_block", "scripted_config", "scripted_drive")]
+    return compiled(folder / "recalibration_harness", *FLAGS, *includes, *own, *firmware_sources())
 
 
 class Bench:

@@ -29,6 +29,12 @@ def unlocked(gateway):
     return client
 
 
+def opened(start):
+    """A gateway that may write, and a session that may command."""
+    gateway = start("--allow-commands")
+    return gateway, unlocked(gateway)
+
+
 def result(client):
     """(result, what it is of, abort code), once there is one."""
     wait_until(lambda: client.number("Result", "holding") != PENDING)
@@ -105,8 +111,7 @@ def test_the_lock_is_the_sessions_own_and_closes_by_itself(start):
 
 
 def test_a_command_goes_to_the_node(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     assert client.write(ARGUMENT, 7) is None and client.write(COMMAND, 3) is None
     assert gateway.written.empty() and client.read(ARGUMENT, 1, READ_HOLDING) == (7,)
     assert client.write(EXECUTE, 99) is None
@@ -121,8 +126,7 @@ def test_a_command_goes_to_the_node(start):
 
 @pytest.mark.parametrize("units", [0, 1, -1, 12345678, -36000000])
 def test_an_angle_goes_with_one_command(start, units):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     assert client.write(ANGLE, *struct.unpack(">HH", struct.pack(">i", units))) is None
     assert client.number("Angle", "holding") == units * 1e-5
     for token in (1, 2):
@@ -148,8 +152,7 @@ def test_a_refusal_of_the_node_is_told(start):
 @pytest.mark.parametrize("words, at", [((256,), ARGUMENT), ((256,), COMMAND), ((0,), EXECUTE), ((1,), OBJECT),
                                        ((5, 0, 0, 256, 1), ARGUMENT), ((5, 0, 0, 1, 0), ARGUMENT)])
 def test_numbers_out_of_range_change_nothing(start, words, at):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     before = client.read(OBJECT, EXECUTE - OBJECT + 1, READ_HOLDING)
     assert client.write(at, *words) == VALUE
     assert client.read(OBJECT, EXECUTE - OBJECT + 1, READ_HOLDING) == before
@@ -165,8 +168,7 @@ def test_registers_that_cannot_be_written(start):
 
 
 def test_a_silent_node_gets_no_commands(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     gateway.tell("silent 1")
     wait_until(lambda: client.number("Link state") == 2)
     assert client.write(COMMAND, 1, 5) == TARGET

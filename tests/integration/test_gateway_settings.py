@@ -10,7 +10,8 @@ from gateway_bench import (
     ADDRESS, BUSY, FUNCTION, KEYS, READ_HOLDING, ROOT, VALUE, gateway_program, register, registers, start, wait_until,
 )  # fmt: skip
 from test_gateway_commands import (
-    ACCEPTED, ARGUMENT, COMMAND, EXECUTE, OBJECT, REFUSED, UNANSWERED, held, mbpoll_write, result, unlocked, written,
+    ACCEPTED, ARGUMENT, COMMAND, EXECUTE, OBJECT, REFUSED, UNANSWERED, held, mbpoll_write, opened, result, unlocked,
+    written,
 )  # fmt: skip
 from test_gateway_registers import DICTIONARY, example, variable
 
@@ -91,8 +92,7 @@ def test_every_setting_is_written_as_its_object_has_it(start):
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf"), -float("inf"), 1e300])
 def test_no_setting_takes_what_is_no_number_of_its_type(start, number):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     rows = [row for row in ROWS if row["type"] != "f64" or number != 1e300]
     for count, row in enumerate(rows, 1):
         assert tell(client, row["register"], number, count) == (UNFIT, 0), row
@@ -101,8 +101,7 @@ def test_no_setting_takes_what_is_no_number_of_its_type(start, number):
 
 
 def test_an_integer_takes_no_fraction_and_nothing_beyond_its_type(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     for row in (row for row in ROWS if row["type"][0] != "f"):
         if is_protected(row):
             open_service(gateway, client)
@@ -127,8 +126,7 @@ def test_without_permission_nothing_is_written(start):
 
 
 def test_a_number_that_is_no_setting(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     assert client.write(SETTING, CALENDAR) is None
     for number in (6, 10, 13, max(NUMBER.values()) + 1, 65535):
         assert number not in NUMBER.values() and client.write(SETTING, number, *words_of(1.0)) == VALUE
@@ -139,8 +137,7 @@ def test_a_number_that_is_no_setting(start):
 
 
 def test_a_setting_is_executed_once_and_what_was_staged_for_a_command_stays(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     angle = struct.unpack(">HH", struct.pack(">i", 9000000))
     assert client.write(OBJECT, 0, 4, *angle, 7) is None
     assert tell(client, INHIBIT, 60) == (ACCEPTED, 0)
@@ -152,8 +149,7 @@ def test_a_setting_is_executed_once_and_what_was_staged_for_a_command_stays(star
 @pytest.mark.parametrize("value, found", [(60, ACCEPTED), (0.5, UNFIT)])
 def test_an_execute_that_is_repeated_after_a_setting_sends_no_command(start, value, found):
     """As by a client that has lost the answer: the setting is no longer staged, but a command still is."""
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     assert client.write(COMMAND, 7, 1) is None and result(client) == (ACCEPTED, 1, 0)
     assert tell(client, INHIBIT, value, 2) == (found, 0)
     for _ in range(2):
@@ -203,8 +199,7 @@ def test_all_in_one_request(start):
 
 
 def test_a_refusal_of_the_node_is_told(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     open_service(gateway, client)
     gateway.tell("refuse 08000020")
     save = NUMBER["Store parameters: Save all parameters"]
@@ -216,8 +211,7 @@ def test_a_refusal_of_the_node_is_told(start):
 
 
 def test_a_node_that_falls_silent_over_a_setting(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     with held(gateway):
         assert client.write(SETTING, CALENDAR, *words_of(1.0)) is None and client.write(EXECUTE, 1) is None
         assert client.write(SETTING, INHIBIT) == BUSY
@@ -230,8 +224,7 @@ def test_a_node_that_falls_silent_over_a_setting(start):
 
 def test_the_position_that_is_selected_is_read_at_once(start):
     """And no other value that is kept."""
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     for index, sub, data in ((0x2150, 1, b"\1"), (0x2150, 4, struct.pack("<d", 0.5)), (0x2151, 2, b"\2"),
                              (0x2104, 1, struct.pack("<d", 1.0))):
         gateway.set(index, sub, data)
@@ -369,8 +362,7 @@ def test_mbpoll_writes_a_protected_setting_in_one_request(start):
 
 
 def test_accept_names_its_proposal(start):
-    gateway = start("--allow-commands")
-    client = unlocked(gateway)
+    gateway, client = opened(start)
     assert client.write(PROPOSAL_AT, 0xFEDC, 0xBA98) is None
     assert client.write(COMMAND, 9, 1) is None and result(client) == (ACCEPTED, 1, 0)
     assert written(gateway, 3) == ["write 2002 1 00", "write 2002 4 98BADCFE", "write 2002 2 09"]

@@ -1,18 +1,14 @@
 """The commit rules against the same inequalities in exact and 60-digit arithmetic, on cases on both sides of the limits."""
 
-import os
 import random
-import shutil
 import struct
 import subprocess
 from decimal import Decimal, getcontext
 from fractions import Fraction
-from pathlib import Path
 
 import pytest
-from c_compiler import INCLUDES
+from c_compiler import compiled
 
-ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/sets/rules.c", "firmware/core/arith.c"]
 CASES = 4000
 MONTH_S = 2629746
@@ -26,11 +22,7 @@ getcontext().prec = 60
 @pytest.fixture(scope="module")
 def rules(tmp_path_factory):
     """A function: the objections to each of many cases."""
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    assert compiler, "no C compiler: set CC"
-    program = tmp_path_factory.mktemp("rules") / "keeper_rules"
-    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, *SOURCES, "-lm", "-o", program], cwd=ROOT,
-                   check=True)
+    program = compiled(tmp_path_factory.mktemp("rules") / "keeper_rules", *SOURCES)
 
     def judge(cases):
         lines = "\n".join(" ".join(float(x).hex() for x in flat(case)) for case in cases)

@@ -1,14 +1,13 @@
 """The store's records, byte by byte: tests/golden/ by the independent encoder, by the firmware, and back. And the dump."""
 
 import importlib.util
-import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from c_compiler import INCLUDES
+from c_compiler import compiled
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -29,13 +28,10 @@ CASES = dict(golden.cases())
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory):
     """A function: kind and bytes of a record in, what the firmware reads of it and writes out."""
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
-    assert compiler, "no C compiler: set CC"
-    program = tmp_path_factory.mktemp("codec") / "store_codec"
-    sources = [f"firmware/sets/{name}.c" for name in STORE] + [f"firmware/core/{name}.c" for name in ("arith", "count", "crc32")]
-    subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *INCLUDES, "-Itests/lib",
-                    "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources, "-lm", "-o", program],
-                   cwd=ROOT, check=True)
+    core = ("arith", "count", "crc32")
+    sources = [f"firmware/sets/{name}.c" for name in STORE] + [f"firmware/core/{name}.c" for name in core]
+    program = compiled(tmp_path_factory.mktemp("codec") / "store_codec", "-Itests/lib",
+                       "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources)
 
     def run(kind, record, fingerprint=0):
         done = subprocess.run([program, kind, hex(fingerprint)], input=record, capture_output=True, timeout=60)

@@ -95,13 +95,24 @@ void settle_memory(void)
     TEST_FAIL_MESSAGE("the memory never rests");
 }
 
+void run_to_done(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+}
+
 tumble_verdict_t run_and_judge(void)
 {
     bench.logged = 0;
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     settle_memory();
     return (tumble_verdict_t)state_of_keeper().verdict;
+}
+
+void assert_verdict_after(double drift_v, tumble_verdict_t verdict)
+{
+    drift(drift_v);
+    TEST_ASSERT_EQUAL(verdict, run_and_judge());
 }
 
 tumble_set_t set_of(tumble_which_set_t which)
@@ -125,20 +136,35 @@ void run_to_average(uint8_t index)
     TEST_FAIL_MESSAGE("the position is never reached");
 }
 
-void start_and_cut(uint8_t index)
+void start_to_average(uint8_t index)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     run_to_average(index);
+}
+
+void settle_and_power_cycle(void)
+{
     settle_memory();
     keeper_power_cycle();
+}
+
+void start_and_cut(uint8_t index)
+{
+    start_to_average(index);
+    settle_and_power_cycle();
+}
+
+void end_and_settle(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    settle_memory();
 }
 
 void resume_to_end(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     bench_pass(&bench, 0.1);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
 }
 
 void assert_goes_on(uint8_t kept)

@@ -35,17 +35,24 @@ void drift(double by_v);
 
 /* Until the memory is at rest. */
 void settle_memory(void);
+void settle_and_power_cycle(void);
 
-/* A whole run and what becomes of it. */
+/* A whole run; and what becomes of it. */
+void run_to_done(void);
 tumble_verdict_t run_and_judge(void);
+void assert_verdict_after(double drift_v, tumble_verdict_t verdict);
 
 tumble_set_t set_of(tumble_which_set_t which);
 
 /* Until so many positions are finished, and then the one after them averages. */
 void run_to_average(uint8_t index);
+void start_to_average(uint8_t index);
 
 /* A run that loses power when so many positions are finished. */
 void start_and_cut(uint8_t index);
+
+/* The run that is under way. */
+void end_and_settle(void);
 
 void resume_to_end(void);
 

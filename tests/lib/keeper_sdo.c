@@ -8,8 +8,7 @@ void keeper_sdo_power_on(void)
     keeper_prepare();
     keeper_config.stand_view = tumble_stand_view;
     keeper_config.stand_memory = &stand_memory;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
 }
 
 float read_f32(uint16_t index, uint8_t subindex)

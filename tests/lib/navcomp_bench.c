@@ -169,6 +169,12 @@ void bench_pass(bench_t *b, double seconds)
     }
 }
 
+void power_on_for(double seconds)
+{
+    bench_power_on(&bench);
+    bench_pass(&bench, seconds);
+}
+
 void bench_start(bench_t *b)
 {
     bench_power_on(b);

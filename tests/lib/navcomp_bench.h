@@ -53,6 +53,7 @@ void bench_init(bench_t *b);
 void bench_begin(void); /* with `bench`, before each case */
 
 void bench_power_on(bench_t *b);
+void power_on_for(double seconds); /* `bench` */
 tumble_navcomp_progress_t bench_progress(const bench_t *b);
 tumble_navcomp_counters_t bench_counters(const bench_t *b);
 

@@ -34,6 +34,47 @@ const tumble_procedure_config_t scripted_procedure = {
     .sample_timeout_ms = 500,
 };
 
+static const tumble_drive_pdo_t scripted_drive_receive[] = {
+    {.number = 0,
+     .setup = {.cob_id = 0x202, .type = TUMBLE_PDO_EVENT_PROFILE, .count = 2, .map = {0x60400010, 0x607A0020}}},
+};
+static const tumble_drive_pdo_t scripted_drive_transmit[] = {
+    {.number = 0,
+     .setup = {.cob_id = 0x182,
+               .type = TUMBLE_PDO_EVENT_PROFILE,
+               .count = 2,
+               .event_ms = 20,
+               .map = {0x60410010, 0x60640020}}},
+};
+const tumble_drive_profile_t scripted_drive_profile = {
+    .counts_per_revolution = SCRIPTED_COUNTS_PER_REVOLUTION,
+    .velocity_units_per_deg_s = 1000.0,
+    .acceleration_units_per_deg_s2 = 1000.0,
+    .sign = 1,
+    .window_counts = 50,
+    .velocity_deg_s = 1000.0, /* any move takes 0.2 s */
+    .acceleration_deg_s2 = 180.0,
+    .deceleration_deg_s2 = 180.0,
+    .quick_stop_deg_s2 = 720.0,
+    .homing_fast_deg_s = 20.0,
+    .homing_slow_deg_s = 2.0,
+    .homing_acceleration_deg_s2 = 90.0,
+    .homing_method = 35,
+    .stop = TUMBLE_STOP_BY_QUICK_STOP,
+    .receive = scripted_drive_receive,
+    .transmit = scripted_drive_transmit,
+    .receive_count = 1,
+    .transmit_count = 1,
+    .heartbeat_ms = 100,
+    .heartbeat_timeout_ms = 500,
+    .start_timeout_ms = 1000,
+    .power_timeout_ms = 1000,
+    .handshake_timeout_ms = 500,
+    .home_timeout_ms = 30000,
+    .move_timeout_ms = 15000,
+    .stop_timeout_ms = 2000,
+};
+
 const tumble_navcomp_config_t scripted_navcomp = {
     .stand = &tumble_drive402_kind,
     .stand_profile = &scripted_drive_profile,

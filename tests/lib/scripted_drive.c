@@ -1,246 +1,313 @@
 #include "scripted_drive.h"
 
-void scripted_drive_boot(scripted_drive_t *drive, fake_port_t *fake)
+void scripted_drive_send(scripted_drive_t *d, uint16_t id, uint8_t length, const uint8_t *data)
 {
-    const tumble_can_frame_t boot_up = {.id = TUMBLE_HEARTBEAT_ID + SCRIPTED_DRIVE_NODE, .length = 1};
-    drive->nmt = TUMBLE_NMT_PRE_OPERATIONAL;
-    drive->power = TUMBLE_402_STATE_SWITCH_ON_DISABLED;
-    drive->controlword = 0;
-    drive->flags = 0;
-    drive->mode = 0;
-    drive->homing = false;
-    drive->arrival_us = UINT64_MAX;
-    drive->next_heartbeat_us = fake->now_us + 100000U;
-    drive->next_report_us = fake->now_us;
-    fake_port_give(fake, &boot_up);
+    const tumble_can_frame_t frame = fake_frame(id, length, data);
+    fake_port_give(d->fake, &frame);
 }
 
-void scripted_drive_init(scripted_drive_t *drive, fake_port_t *fake)
+/* The first of what its master does against the standard is kept. */
+static void scripted_drive_expect(scripted_drive_t *d, bool right, const char *wrong)
 {
-    *drive = (scripted_drive_t){.position_counts = 12345};
-    scripted_drive_boot(drive, fake);
-}
-
-bool scripted_drive_moves(const scripted_drive_t *drive)
-{
-    return drive->arrival_us != UINT64_MAX;
-}
-
-double scripted_drive_angle_deg(const scripted_drive_t *drive)
-{
-    return (double)drive->position_counts * 360.0 / SCRIPTED_COUNTS_PER_REVOLUTION;
-}
-
-static void scripted_drive_halt(scripted_drive_t *drive)
-{
-    drive->arrival_us = UINT64_MAX;
-    drive->homing = false;
-}
-
-static void scripted_drive_power(scripted_drive_t *drive, uint16_t word, bool reset_edge)
-{
-    const uint16_t command = word & TUMBLE_402_CONTROL_MASK;
-    if (drive->power == TUMBLE_402_STATE_FAULT) {
-        drive->power = reset_edge ? TUMBLE_402_STATE_SWITCH_ON_DISABLED : TUMBLE_402_STATE_FAULT;
-    } else if ((command & 0x02U) == 0U) {
-        drive->power = TUMBLE_402_STATE_SWITCH_ON_DISABLED;
-    } else if ((command & 0x04U) == 0U) {
-        drive->power = (drive->power == TUMBLE_402_STATE_OPERATION_ENABLED) ? TUMBLE_402_STATE_QUICK_STOP_ACTIVE
-                                                                            : TUMBLE_402_STATE_SWITCH_ON_DISABLED;
-        drive->flags |= TUMBLE_402_STATUS_TARGET_REACHED;
-    } else if (command == TUMBLE_402_CONTROL_SHUTDOWN) {
-        drive->power = TUMBLE_402_STATE_READY_TO_SWITCH_ON;
-    } else if ((command == TUMBLE_402_CONTROL_SWITCH_ON) && (drive->power != TUMBLE_402_STATE_SWITCH_ON_DISABLED)) {
-        drive->power = TUMBLE_402_STATE_SWITCHED_ON;
-    } else if ((command == TUMBLE_402_CONTROL_ENABLE) && (drive->power != TUMBLE_402_STATE_SWITCH_ON_DISABLED)) {
-        drive->power = TUMBLE_402_STATE_OPERATION_ENABLED;
-    } else {
-        /* no such transition */
-    }
-    if (drive->power != TUMBLE_402_STATE_OPERATION_ENABLED) {
-        scripted_drive_halt(drive);
+    if (!right && (d->wrong == NULL)) {
+        d->wrong = wrong;
     }
 }
 
-static void scripted_drive_set_out(scripted_drive_t *drive, const fake_port_t *fake)
+static uint32_t scripted_drive_value(const scripted_drive_t *d, uint32_t object)
 {
-    drive->homing = (drive->mode == TUMBLE_402_MODE_HOMING);
-    drive->start_counts = drive->position_counts;
-    drive->goal_counts = drive->homing ? 0 : drive->target_counts;
-    drive->arrival_us = drive->jammed ? (UINT64_MAX - 1U) : (fake->now_us + SCRIPTED_MOVE_US);
-    drive->flags = drive->homing ? 0U : TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE;
+    switch (object >> 16) {
+    case 0x6041:
+        return (uint32_t)d->state | d->bits | 0x0210U;
+    case 0x6064:
+        return (uint32_t)d->actual;
+    case 0x6061:
+        return (uint8_t)d->mode_display;
+    case 0x607A:
+        return (uint32_t)d->target;
+    default:
+        return 0x5A5A5A5AU;
+    }
 }
 
-static void scripted_drive_control(scripted_drive_t *drive, const fake_port_t *fake, uint16_t word)
+void scripted_drive_report(scripted_drive_t *d)
 {
-    const uint16_t before = drive->controlword;
-    const uint16_t rising = (uint16_t)(word & ~before);
-    drive->controlword = word;
-    scripted_drive_power(drive, word, (rising & TUMBLE_402_CONTROL_FAULT_RESET) != 0U);
-    if (drive->power != TUMBLE_402_STATE_OPERATION_ENABLED) {
+    if (d->homing && (d->reports++ >= d->old_reports)) {
+        d->bits &= (uint16_t)~0x3400U;
+    }
+    for (unsigned n = 0; n < 4U; n++) {
+        const scripted_pdo_t *pdo = &d->transmit[n];
+        if (((pdo->cob_id & 0x80000000U) != 0U) || (pdo->count == 0U) || !d->operational) {
+            continue;
+        }
+        uint8_t data[8] = {0};
+        uint8_t length = 0;
+        for (unsigned i = 0; i < pdo->count; i++) {
+            const uint32_t value = scripted_drive_value(d, pdo->map[i]);
+            for (unsigned byte = 0; byte < ((pdo->map[i] & 0xFFU) / 8U); byte++) {
+                data[length++] = (uint8_t)(value >> (8U * byte));
+            }
+        }
+        scripted_drive_send(d, (uint16_t)(pdo->cob_id & 0x7FFU), length, data);
+    }
+}
+
+void scripted_drive_beat(scripted_drive_t *d, uint8_t state)
+{
+    scripted_drive_send(d, 0x700U + SCRIPTED_DRIVE_NODE, 1, &state);
+}
+
+void scripted_drive_emergency(scripted_drive_t *d, uint16_t code)
+{
+    const uint8_t data[8] = {(uint8_t)code, (uint8_t)(code >> 8), 0x21};
+    scripted_drive_send(d, 0x080U + SCRIPTED_DRIVE_NODE, 8, data);
+}
+
+void scripted_drive_boot(scripted_drive_t *d, fake_port_t *fake)
+{
+    d->fake = fake;
+    d->dead = false;
+    d->clock_ms = fake->now_us / 1000U;
+    d->operational = false;
+    d->stopped = false;
+    d->heard_ms = d->clock_ms;
+    d->state = IS_DISABLED;
+    d->bits = 0;
+    d->mode = 0;
+    d->mode_display = 0;
+    d->control = 0;
+    d->moving = false;
+    d->homing = false;
+    for (unsigned n = 0; n < 4U; n++) {
+        d->receive[n] = (scripted_pdo_t){.cob_id = 0x80000000U};
+        d->transmit[n] = (scripted_pdo_t){.cob_id = 0x80000000U};
+    }
+    scripted_drive_beat(d, 0);
+}
+
+void scripted_drive_fail(scripted_drive_t *d, fake_port_t *fake, uint16_t code)
+{
+    d->fake = fake;
+    d->state = IS_FAULT;
+    d->moving = false;
+    d->homing = false;
+    if (code != 0U) {
+        scripted_drive_emergency(d, code);
+    }
+    scripted_drive_report(d);
+}
+
+/* A PDO parameter, under the rules of CiA 301: an enabled PDO is not remapped, a mapping in use not changed. */
+static bool scripted_drive_map(scripted_drive_t *d, uint16_t index, uint8_t subindex, uint32_t value)
+{
+    scripted_pdo_t *pdo = (index >= 0x1800U) ? &d->transmit[index & 3U] : &d->receive[index & 3U];
+    const bool mapping = ((index & 0x0200U) != 0U);
+    const bool disabled = ((pdo->cob_id & 0x80000000U) != 0U);
+    if (!mapping) {
+        if (subindex == 1U) {
+            pdo->cob_id = value;
+        }
+        return (subindex == 1U) || disabled;
+    }
+    if (subindex == 0U) {
+        pdo->count = (uint8_t)value;
+        return disabled;
+    }
+    pdo->map[subindex - 1U] = value;
+    return disabled && (pdo->count == 0U);
+}
+
+static void scripted_drive_write(scripted_drive_t *d, const scripted_write_t *write)
+{
+    d->writes[d->write_count % SCRIPTED_WRITES] = *write;
+    d->write_count++;
+    if ((write->index >= 0x1400U) && (write->index < 0x1C00U)) {
+        const bool in_order = scripted_drive_map(d, write->index, write->subindex, write->value);
+        scripted_drive_expect(d, in_order, "PDO written in a wrong order");
+    } else if (write->index == 0x1017U) {
+        d->mute = d->mute && d->stays_mute;
+    } else if (write->index == 0x6040U) {
+        const uint16_t before = d->control;
+        d->control = (uint16_t)write->value;
+        scripted_drive_power(d, before);
+        scripted_drive_report(d);
+    } else if (write->index == 0x607DU) {
+        d->limits[write->subindex - 1U] = d->keeps_no_limits ? 0 : (int32_t)write->value;
+    } else if (write->index == 0x6060U) {
+        scripted_drive_expect(d, write->subindex == 0U, "6060h has no subindices");
+        scripted_drive_expect(d, (d->control & 0x0100U) == 0U, "mode changed while Halt is set");
+        d->mode = (int8_t)write->value;
+        d->mode_display = d->mode_sticks ? d->mode_display : d->mode;
+        d->bits = (d->attained_from_before && (d->mode == 6)) ? 0x1400 : (uint16_t)(d->bits & 0x0400U);
+        scripted_drive_report(d);
+    }
+}
+
+static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *frame)
+{
+    const uint8_t *r = frame->data;
+    const uint16_t index = (uint16_t)(r[1] | (r[2] << 8));
+    uint8_t answer[8] = {0x60, r[1], r[2], r[3]};
+    if (d->sdo_is_deaf || (r[0] == 0x80U)) {
         return;
     }
-    if ((rising & TUMBLE_402_CONTROL_NEW_SET_POINT) != 0U) {
-        scripted_drive_set_out(drive, fake);
-    } else if (((word & TUMBLE_402_CONTROL_NEW_SET_POINT) == 0U) && (drive->mode == TUMBLE_402_MODE_PROFILE_POSITION)) {
-        drive->flags &= (uint16_t)~TUMBLE_402_STATUS_SET_POINT_ACKNOWLEDGE;
+    if (index == d->refuse_index) {
+        d->refusals++;
+        const uint8_t abort[8] = {0x80, r[1], r[2], r[3], 0x00, 0x00, 0x02, 0x06};
+        scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, abort);
+        return;
+    }
+    if ((r[0] & 0xE0U) == 0x20U) {
+        const uint32_t value =
+            (uint32_t)r[4] | ((uint32_t)r[5] << 8) | ((uint32_t)r[6] << 16) | ((uint32_t)r[7] << 24);
+        const scripted_write_t write = {index, r[3], (uint8_t)(4U - ((r[0] >> 2) & 3U)), value};
+        scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, answer);
+        scripted_drive_write(d, &write);
     } else {
-        /* as before */
+        scripted_drive_expect(d, (r[3] == 0U) || (index == 0x607DU), "what is read has no subindices");
+        const uint32_t value =
+            (index == 0x607DU) ? (uint32_t)d->limits[r[3] - 1U] : scripted_drive_value(d, (uint32_t)index << 16);
+        const unsigned size = ((index == 0x607AU) || (index == 0x607DU)) ? 4U : 1U;
+        answer[0] = (uint8_t)(0x43U | ((4U - size) << 2U));
+        for (unsigned byte = 0; byte < size; byte++) {
+            answer[4U + byte] = (uint8_t)(value >> (8U * byte));
+        }
+        scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, answer);
     }
 }
 
-static void scripted_drive_answer_sdo(scripted_drive_t *drive, fake_port_t *fake, const uint8_t *request)
+/* Told again it goes on braking. */
+static void scripted_drive_halt(scripted_drive_t *d, uint16_t before)
 {
-    tumble_can_frame_t answer = {.id = TUMBLE_SDO_RESPONSE_ID + SCRIPTED_DRIVE_NODE, .length = 8};
-    const uint16_t index = tumble_get_u16(&request[1]);
-    for (int i = 1; i < 4; i++) {
-        answer.data[i] = request[i];
+    d->braking_ms = ((before & 0x0100U) == 0U) ? d->brakes_for_ms : d->braking_ms;
+    if (!d->ignores_stop && (d->brakes_for_ms == 0U)) {
+        d->moving = false;
+        d->bits |= 0x0400U;
     }
-    if (request[0] == 0x40U) {
-        answer.data[0] = (index == TUMBLE_402_TARGET_POSITION) ? 0x43U : 0x4FU; /* four bytes or one */
-        tumble_put_i32(&answer.data[4], (index == TUMBLE_402_TARGET_POSITION) ? drive->target_counts
-                                        : (index == TUMBLE_402_MODE_DISPLAY)  ? (uint8_t)drive->mode
-                                                                              : 0);
-    } else if ((request[0] & 0xE0U) != 0x20U) {
-        return; /* an abort, or a kind of transfer that nobody should ask for */
-    } else if ((drive->refused_index != 0U) && (index == drive->refused_index)) {
-        answer.data[0] = 0x80;
-        tumble_put_u32(&answer.data[4], 0x06010002U);
-    } else {
-        answer.data[0] = 0x60;
-        drive->writes++;
-        if (index == TUMBLE_402_MODE) {
-            drive->mode = tumble_get_i8(&request[4]);
-            drive->flags = 0;
+}
+
+static void scripted_drive_control(scripted_drive_t *d, const tumble_can_frame_t *frame, const scripted_pdo_t *pdo)
+{
+    const uint16_t before = d->control;
+    const int32_t target = d->target;
+    unsigned at = 0;
+    for (unsigned i = 0; i < pdo->count; i++) {
+        uint32_t value = 0;
+        const unsigned bytes = (pdo->map[i] & 0xFFU) / 8U;
+        for (unsigned byte = 0; byte < bytes; byte++) {
+            value |= (uint32_t)frame->data[at++] << (8U * byte);
+        }
+        d->control = ((pdo->map[i] >> 16) == 0x6040U) ? (uint16_t)value : d->control;
+        d->target = ((pdo->map[i] >> 16) == 0x607AU) ? (int32_t)value : d->target;
+        d->mode = ((pdo->map[i] >> 16) == 0x6060U) ? (int8_t)value : d->mode;
+    }
+    if (d->misses > 0U) {
+        d->misses--;
+        d->control = before;
+        d->target = target;
+        return;
+    }
+    d->controls[d->control_count % SCRIPTED_CONTROLS] = (scripted_control_t){d->control, d->target};
+    d->control_count++;
+    scripted_drive_power(d, before);
+    if (d->state == IS_ENABLED) {
+        if ((d->control & 0x0100U) != 0U) {
+            scripted_drive_halt(d, before);
+        } else if (d->mode == 1) {
+            scripted_drive_position_mode(d, before);
+        } else if (d->mode == 6) {
+            scripted_drive_homing_mode(d, before);
         }
     }
-    fake_port_give(fake, &answer);
+    scripted_drive_report(d);
 }
 
-void scripted_drive_hear(scripted_drive_t *drive, fake_port_t *fake, const tumble_can_frame_t *frame)
+static uint8_t scripted_drive_nmt_state(const scripted_drive_t *d)
 {
-    const bool nmt = (frame->id == TUMBLE_NMT_ID) && (frame->length == 2U) &&
-                     ((frame->data[1] == 0U) || (frame->data[1] == SCRIPTED_DRIVE_NODE));
-    if (drive->dead) {
+    return d->operational ? 5U : (d->stopped ? 4U : 127U);
+}
+
+void scripted_drive_hear(scripted_drive_t *d, fake_port_t *fake, const tumble_can_frame_t *frame)
+{
+    d->fake = fake;
+    if (d->dead) {
         return;
     }
-    if (nmt && (frame->data[0] == TUMBLE_NMT_START)) {
-        drive->nmt = TUMBLE_NMT_OPERATIONAL;
-        drive->next_report_us = fake->now_us;
-    } else if (frame->id == (TUMBLE_SDO_REQUEST_ID + SCRIPTED_DRIVE_NODE)) {
-        scripted_drive_answer_sdo(drive, fake, frame->data);
-    } else if ((frame->id == (0x200U + SCRIPTED_DRIVE_NODE)) && (drive->nmt == TUMBLE_NMT_OPERATIONAL)) {
-        drive->target_counts = tumble_get_i32(&frame->data[2]);
-        scripted_drive_control(drive, fake, tumble_get_u16(frame->data));
+    if (frame->id == (0x700U + SCRIPTED_MASTER_NODE)) {
+        d->heard_ms = d->clock_ms;
+    }
+    if (frame->id == 0U) {
+        if ((frame->data[1] == SCRIPTED_DRIVE_NODE) || (frame->data[1] == 0U)) {
+            d->operational = (frame->data[0] == 1U);
+            d->stopped = (frame->data[0] == 2U);
+            d->nmt_starts += d->operational ? 1U : 0U;
+            d->nmt_stops += d->stopped ? 1U : 0U;
+            if (!d->operational && !d->ignores_nmt) {
+                scripted_drive_stop(d, IS_FAULT);
+            }
+            scripted_drive_beat(d, scripted_drive_nmt_state(d));
+            scripted_drive_report(d);
+        }
+    } else if (frame->id == (0x600U + SCRIPTED_DRIVE_NODE)) {
+        if (!d->stopped) {
+            scripted_drive_sdo(d, frame);
+        }
     } else {
-        /* not for the drive */
+        for (unsigned n = 0; n < 4U; n++) {
+            if (d->operational && (d->receive[n].cob_id == frame->id)) {
+                scripted_drive_control(d, frame, &d->receive[n]);
+            }
+        }
     }
 }
 
-static uint16_t scripted_drive_statusword(const scripted_drive_t *drive)
+static uint64_t scripted_drive_period_ms(const scripted_drive_t *d)
 {
-    const unsigned voltage = TUMBLE_402_STATUS_VOLTAGE | TUMBLE_402_STATUS_REMOTE;
-    return (uint16_t)(drive->power | drive->flags | voltage);
+    return (d->report_ms != 0U) ? d->report_ms : SCRIPTED_REPORT_MS;
 }
 
-static void scripted_drive_report(scripted_drive_t *drive, fake_port_t *fake)
+static void scripted_drive_tick(scripted_drive_t *d)
 {
-    tumble_can_frame_t frame = {.id = 0x180U + SCRIPTED_DRIVE_NODE, .length = 6};
-    drive->reported = scripted_drive_statusword(drive);
-    drive->next_report_us = fake->now_us + SCRIPTED_REPORT_US;
-    tumble_put_u16(frame.data, drive->reported);
-    tumble_put_i32(&frame.data[2], drive->position_counts);
-    fake_port_give(fake, &frame);
+    d->clock_ms++;
+    if (!d->mute && ((d->clock_ms % SCRIPTED_HEARTBEAT_MS) == 0U)) {
+        scripted_drive_beat(d, scripted_drive_nmt_state(d));
+    }
+    const uint64_t silent_ms = d->clock_ms - d->heard_ms;
+    d->silent_ms = (silent_ms > d->silent_ms) ? silent_ms : d->silent_ms;
+    if ((d->watches_ms != 0U) && (silent_ms > d->watches_ms)) {
+        scripted_drive_stop(d, IS_FAULT);
+    }
+    if (d->moving) {
+        scripted_drive_move(d);
+    }
+    if (d->homing) {
+        scripted_drive_home(d);
+    }
+    if (!d->event_only && ((d->clock_ms % scripted_drive_period_ms(d)) == 0U)) {
+        scripted_drive_report(d);
+    }
 }
 
-void scripted_drive_fail(scripted_drive_t *drive, fake_port_t *fake, uint16_t code)
+void scripted_drive_step(scripted_drive_t *d, fake_port_t *fake)
 {
-    tumble_can_frame_t frame = {.id = TUMBLE_EMCY_ID + SCRIPTED_DRIVE_NODE, .length = 8};
-    drive->power = TUMBLE_402_STATE_FAULT;
-    scripted_drive_halt(drive);
-    tumble_put_u16(frame.data, code);
-    frame.data[2] = TUMBLE_ERROR_GENERIC | TUMBLE_ERROR_PROFILE;
-    fake_port_give(fake, &frame);
-    scripted_drive_report(drive, fake);
+    const uint64_t now_ms = fake->now_us / 1000U;
+    d->fake = fake;
+    d->clock_ms = d->dead ? now_ms : d->clock_ms;
+    while (d->clock_ms < now_ms) {
+        scripted_drive_tick(d);
+    }
 }
 
-static void scripted_drive_arrive(scripted_drive_t *drive)
+uint64_t scripted_drive_next_us(const scripted_drive_t *d)
 {
-    drive->position_counts = drive->goal_counts;
-    drive->flags |= TUMBLE_402_STATUS_TARGET_REACHED;
-    drive->flags |= drive->homing ? TUMBLE_402_STATUS_HOMING_ATTAINED : 0U;
-    scripted_drive_halt(drive);
+    const bool turns = scripted_drive_moves(d) && !d->jammed;
+    const bool reports = d->operational && !d->event_only;
+    const uint64_t period_ms = turns ? 1U : (reports ? scripted_drive_period_ms(d) : SCRIPTED_HEARTBEAT_MS);
+    return d->dead ? UINT64_MAX : ((d->clock_ms / period_ms + 1U) * period_ms * 1000U);
 }
 
-void scripted_drive_step(scripted_drive_t *drive, fake_port_t *fake)
+void scripted_drive_init(scripted_drive_t *d, fake_port_t *fake)
 {
-    if (drive->dead) {
-        return;
-    }
-    if (fake->now_us >= drive->arrival_us) {
-        scripted_drive_arrive(drive);
-    }
-    if (fake->now_us >= drive->next_heartbeat_us) {
-        const tumble_can_frame_t beat = {
-            .id = TUMBLE_HEARTBEAT_ID + SCRIPTED_DRIVE_NODE, .length = 1, .data = {drive->nmt}};
-        fake_port_give(fake, &beat);
-        drive->next_heartbeat_us = fake->now_us + 100000U;
-    }
-    const bool changed = scripted_drive_statusword(drive) != drive->reported;
-    if ((drive->nmt == TUMBLE_NMT_OPERATIONAL) && (changed || (fake->now_us >= drive->next_report_us))) {
-        scripted_drive_report(drive, fake);
-    }
+    *d = (scripted_drive_t){.actual = 12345, .move_ms = 200, .report_ms = 20};
+    scripted_drive_boot(d, fake);
 }
-
-uint64_t scripted_drive_next_us(const scripted_drive_t *drive)
-{
-    uint64_t next_us = drive->next_heartbeat_us;
-    if (drive->dead) {
-        return UINT64_MAX;
-    }
-    if ((drive->nmt == TUMBLE_NMT_OPERATIONAL) && (drive->next_report_us < next_us)) {
-        next_us = drive->next_report_us;
-    }
-    return (drive->arrival_us < next_us) ? drive->arrival_us : next_us;
-}
-
-static const tumble_drive_pdo_t scripted_drive_receive[] = {
-    {.number = 0,
-     .setup = {.cob_id = 0x202, .type = TUMBLE_PDO_EVENT_PROFILE, .count = 2, .map = {0x60400010, 0x607A0020}}},
-};
-static const tumble_drive_pdo_t scripted_drive_transmit[] = {
-    {.number = 0,
-     .setup = {.cob_id = 0x182,
-               .type = TUMBLE_PDO_EVENT_PROFILE,
-               .count = 2,
-               .event_ms = 20,
-               .map = {0x60410010, 0x60640020}}},
-};
-const tumble_drive_profile_t scripted_drive_profile = {
-    .counts_per_revolution = SCRIPTED_COUNTS_PER_REVOLUTION,
-    .velocity_units_per_deg_s = 1000.0,
-    .acceleration_units_per_deg_s2 = 1000.0,
-    .sign = 1,
-    .window_counts = 50,
-    .velocity_deg_s = 1000.0, /* any move takes 0.2 s */
-    .acceleration_deg_s2 = 180.0,
-    .deceleration_deg_s2 = 180.0,
-    .quick_stop_deg_s2 = 720.0,
-    .homing_fast_deg_s = 20.0,
-    .homing_slow_deg_s = 2.0,
-    .homing_acceleration_deg_s2 = 90.0,
-    .homing_method = 35,
-    .stop = TUMBLE_STOP_BY_QUICK_STOP,
-    .receive = scripted_drive_receive,
-    .transmit = scripted_drive_transmit,
-    .receive_count = 1,
-    .transmit_count = 1,
-    .heartbeat_ms = 100,
-    .heartbeat_timeout_ms = 500,
-    .start_timeout_ms = 1000,
-    .power_timeout_ms = 1000,
-    .handshake_timeout_ms = 500,
-    .home_timeout_ms = 30000,
-    .move_timeout_ms = 15000,
-    .stop_timeout_ms = 2000,
-};

@@ -4,15 +4,15 @@ static const suite_t *running;
 
 void setUp(void)
 {
-    if (running->before != NULL) {
-        running->before();
+    if (running->around->before != NULL) {
+        running->around->before();
     }
 }
 
 void tearDown(void)
 {
-    if (running->after != NULL) {
-        running->after();
+    if (running->around->after != NULL) {
+        running->around->after();
     }
 }
 

@@ -1,17 +1,27 @@
-# The sources of a program of suites (suite.h): those given, main, and the list of the suites in its test_*.c.
+# The sources of a program of suites (suite.h): main, the list of the suites, and those given; a test_*.c with its cases
+# listed.
 function(tumble_suites program sources)
   set(declared)
   set(listed)
+  set(taken)
+  set(list_cases ${PROJECT_SOURCE_DIR}/tests/lib/suite_cases.cmake)
   foreach(source IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH source)
     if(source MATCHES "test_([a-z0-9_]+)\\.c$")
-      string(APPEND declared "extern const suite_t suite_${CMAKE_MATCH_1};\n")
-      string(APPEND listed "&suite_${CMAKE_MATCH_1}, ")
+      set(name ${CMAKE_MATCH_1})
+      string(APPEND declared "extern const suite_t suite_${name};\n")
+      string(APPEND listed "&suite_${name}, ")
+      set(suite ${CMAKE_CURRENT_BINARY_DIR}/${program}_${name}.c)
+      add_custom_command(OUTPUT ${suite} DEPENDS ${source} ${list_cases}
+        COMMAND ${CMAKE_COMMAND} -D NAME=${name} -D SOURCE=${source} -D OUT=${suite} -P ${list_cases} VERBATIM)
+      set(source ${suite})
     endif()
+    list(APPEND taken ${source})
   endforeach()
   set(list ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.c)
   file(CONFIGURE OUTPUT ${list} @ONLY
     CONTENT "#include \"suite.h\"\n\n@declared@\nconst suite_t *const suites[] = {@listed@NULL};\n")
-  set(${sources} ${ARGN} ${list} ${PROJECT_SOURCE_DIR}/tests/lib/suite.c PARENT_SCOPE)
+  set(${sources} ${taken} ${list} ${PROJECT_SOURCE_DIR}/tests/lib/suite.c PARENT_SCOPE)
 endfunction()
 
 # A program of suites as a test. TEST_LIBRARIES of the calling folder is what it is linked with.

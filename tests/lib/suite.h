@@ -1,11 +1,9 @@
 /* suite.h - a file of Unity tests as a suite of a program, which runs the suites of all its files (suite.cmake).
  *
- * At the end of test_NAME.c, instead of setUp, tearDown and main:
+ * Every function test_...(void) of test_NAME.c is a case; the build lists them (suite_cases.cmake), in their order. What
+ * is to be done around each case, the file says with
  *
- *     SUITE(NAME, set_up, NULL)
- *     {
- *         RUN_TEST(test_it_does);
- *     }
+ *     static const around_t around_each = {set_up, NULL};
  */
 #ifndef TUMBLE_TESTS_SUITE_H
 #define TUMBLE_TESTS_SUITE_H
@@ -13,16 +11,15 @@
 #include "unity.h"
 
 typedef struct {
+    void (*before)(void); /* NULL: nothing */
+    void (*after)(void);  /* likewise; also when the case has failed */
+} around_t;
+
+typedef struct {
     const char *file;
     void (*run)(void);
-    void (*before)(void); /* each case; NULL: nothing */
-    void (*after)(void);  /* likewise, also when the case has failed */
+    const around_t *around; /* each case */
 } suite_t;
-
-#define SUITE(name, before_each, after_each)                                                                           \
-    static void run_##name(void);                                                                                      \
-    const suite_t suite_##name = {__FILE__, run_##name, before_each, after_each};                                      \
-    static void run_##name(void)
 
 extern const suite_t *const suites[]; /* of the program, the last one NULL */
 

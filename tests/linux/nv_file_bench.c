@@ -6,12 +6,11 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-char folder[] = "/tmp/tumble-nv-XXXXXX";
+char folder[40]; /* empty: there is none */
 char path[100];
 nv_file_t file;
 static bool is_open;
@@ -63,6 +62,12 @@ int __wrap_fdatasync(int fd)
     return __real_fdatasync(fd);
 }
 
+static void remove_file(void)
+{
+    (void)snprintf(path, sizeof path, "%s/memory", folder); /* wherever a test has put it */
+    (void)unlink(path);
+}
+
 void set_up(void)
 {
     killed_after = -1;
@@ -71,8 +76,11 @@ void set_up(void)
     interruptions = 0;
     sync_error = 0;
     sync_ms = 0;
-    (void)snprintf(path, sizeof path, "%s/memory", folder);
-    (void)unlink(path);
+    if (folder[0] == '\0') {
+        (void)snprintf(folder, sizeof folder, "/tmp/tumble-nv-XXXXXX");
+        TEST_ASSERT_NOT_NULL(mkdtemp(folder));
+    }
+    remove_file();
 }
 
 void tear_down(void)
@@ -81,21 +89,9 @@ void tear_down(void)
         is_open = false;
         nv_file_close(&file);
     }
-}
-
-void make_folder(void)
-{
-    memset(&folder[sizeof folder - 7U], 'X', 6);
-    if (mkdtemp(folder) == NULL) {
-        (void)printf("no temporary folder\n");
-        exit(1);
-    }
-}
-
-void remove_folder(void)
-{
-    set_up();
+    remove_file();
     (void)rmdir(folder);
+    folder[0] = '\0';
 }
 
 void open_it(void)

@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-extern char folder[];
-extern char path[100];
+extern char folder[40];
+extern char path[100]; /* in `folder`, unless a test puts it elsewhere */
 extern nv_file_t file;
 
 /* What the system does wrong. */
@@ -21,11 +21,7 @@ extern int interruptions;
 extern int sync_error;
 extern long sync_ms;
 
-/* Round the cases of a suite: `path` is in a folder that nobody else has. */
-void make_folder(void);
-void remove_folder(void);
-
-/* Round each case: no file, and nothing goes wrong. */
+/* Round each case: `path` is in a folder that nobody else has, there is no file, and nothing goes wrong. */
 void set_up(void);
 void tear_down(void);
 

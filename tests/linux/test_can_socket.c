@@ -369,16 +369,4 @@ static void test_the_port_hands_on_classic_data_frames_alone(void)
     TEST_ASSERT_NULL(port.nv);
 }
 
-SUITE(can_socket, set_up, NULL)
-{
-    RUN_TEST(test_what_is_asked_of_the_kernel);
-    RUN_TEST(test_what_cannot_be_opened);
-    RUN_TEST(test_frames_come_in_their_order_with_their_time);
-    RUN_TEST(test_drops_are_counted_across_the_wrap_of_the_kernels_count);
-    RUN_TEST(test_sending);
-    RUN_TEST(test_an_interface_that_goes_down_and_comes_back);
-    RUN_TEST(test_sending_notices_an_interface_that_is_down);
-    RUN_TEST(test_an_interface_that_is_removed_and_made_anew);
-    RUN_TEST(test_bus_off_and_the_restart);
-    RUN_TEST(test_the_port_hands_on_classic_data_frames_alone);
-}
+static const around_t around_each = {set_up, NULL};

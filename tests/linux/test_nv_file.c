@@ -202,20 +202,4 @@ static void test_signals_are_not_taken_by_the_thread(void)
     (void)sigprocmask(SIG_UNBLOCK, &only, NULL);
 }
 
-SUITE(nv_file, set_up, tear_down)
-{
-    make_folder();
-    RUN_TEST(test_it_conforms);
-    RUN_TEST(test_a_slow_medium_is_busy_and_holds_nobody_up);
-    RUN_TEST(test_closing_waits_for_what_was_begun);
-    RUN_TEST(test_no_room_is_told);
-    RUN_TEST(test_what_does_not_reach_the_medium_is_told);
-    RUN_TEST(test_short_and_interrupted_writes_go_on);
-    RUN_TEST(test_a_file_that_somebody_cuts_off);
-    RUN_TEST(test_files_of_another_size_are_refused_and_left_alone);
-    RUN_TEST(test_two_processes_do_not_share_it);
-    RUN_TEST(test_what_is_not_a_file_is_refused);
-    RUN_TEST(test_a_file_that_cannot_be_made_for_want_of_room);
-    RUN_TEST(test_signals_are_not_taken_by_the_thread);
-    remove_folder();
-}
+static const around_t around_each = {set_up, tear_down};

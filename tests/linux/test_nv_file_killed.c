@@ -104,11 +104,4 @@ static void test_killed_while_the_file_is_made(void)
     }
 }
 
-SUITE(nv_file_killed, set_up, tear_down)
-{
-    make_folder();
-    RUN_TEST(test_killed_while_programming_after_every_byte);
-    RUN_TEST(test_killed_while_erasing);
-    RUN_TEST(test_killed_while_the_file_is_made);
-    remove_folder();
-}
+static const around_t around_each = {set_up, tear_down};

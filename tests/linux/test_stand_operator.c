@@ -53,6 +53,12 @@ static void run_s(double seconds)
     }
 }
 
+static void expect_sent_after(double seconds, uint32_t count)
+{
+    run_s(seconds);
+    TEST_ASSERT_EQUAL_UINT32(count, sent_count);
+}
+
 static void tell_state(tumble_state_t state, tumble_reason_t reason, uint8_t index)
 {
     const tumble_can_frame_t frame = {0x181, 8, {(uint8_t)state, (uint8_t)reason, index}};
@@ -92,15 +98,13 @@ static void test_a_mounting_is_made_and_confirmed_after_its_time(void)
 {
     start(STAND_OPERATOR_MOUNTS);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
-    run_s(1.98);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(1.98, 0);
     TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
     run_s(0.03);
     expect_command(0, TUMBLE_COMMAND_CONFIRM_MOUNTING, 2);
     TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
     TEST_ASSERT_EQUAL_UINT32(1, operator.answers);
-    run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(2, sent_count);
+    expect_sent_after(5.0, 2);
 }
 
 static void test_he_starts_once(void)
@@ -110,8 +114,7 @@ static void test_he_starts_once(void)
     expect_command(0, TUMBLE_COMMAND_START, 0);
     tell_state(TUMBLE_STATE_PREFLIGHT, TUMBLE_REASON_NONE, 0);
     tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
-    run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(2, sent_count);
+    expect_sent_after(5.0, 2);
 }
 
 static void test_who_does_not_answer_is_asked_again(void)
@@ -120,8 +123,7 @@ static void test_who_does_not_answer_is_asked_again(void)
     tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
     run_s(0.01);
     expect_request(1, 1, 0);
-    run_s(0.28);
-    TEST_ASSERT_EQUAL_UINT32(1, sent_count);
+    expect_sent_after(0.28, 1);
     run_s(0.03);
     expect_request(2, 1, 0);
     answer_sdo(0x60, 1);
@@ -134,8 +136,7 @@ static void test_who_does_not_answer_is_asked_again(void)
     TEST_ASSERT_EQUAL_UINT32(1, operator.refusals);
     run_s(0.01);
     expect_request(5, 1, 0);
-    run_s(0.98);
-    TEST_ASSERT_EQUAL_UINT32(5, sent_count);
+    expect_sent_after(0.98, 5);
     run_s(0.03);
     expect_request(6, 1, 0);
 }
@@ -154,16 +155,14 @@ static void test_what_is_not_for_him_is_ignored(void)
     for (size_t i = 0; i < sizeof FRAMES / sizeof FRAMES[0]; i++) {
         stand_operator_hear(&operator, &world, &FRAMES[i]);
     }
-    run_s(3.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(3.0, 0);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 0);
     run_s(2.01);
     expect_request(1, 1, 1);
     answer_sdo(0x60, 2); /* of the wrong subindex */
     const tumble_can_frame_t other = {0x581, 8, {0x60, 0x03, 0x20, 1}};
     stand_operator_hear(&operator, &world, &other);
-    run_s(0.1);
-    TEST_ASSERT_EQUAL_UINT32(1, sent_count);
+    expect_sent_after(0.1, 1);
 }
 
 static void test_a_fault_is_mended_as_often_as_he_is_let(void)
@@ -175,8 +174,7 @@ static void test_a_fault_is_mended_as_often_as_he_is_let(void)
     TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
     tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 3);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
-    run_s(10.0);
-    TEST_ASSERT_EQUAL_UINT32(2, sent_count);
+    expect_sent_after(10.0, 2);
 }
 
 static void test_a_wrong_mounting_is_mounted_anew(void)
@@ -201,8 +199,7 @@ static void test_hands_mount_and_mend_at_once_and_say_nothing(void)
     run_s(0.002);
     TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
     tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
-    run_s(10.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(10.0, 0);
 }
 
 static void test_who_is_to_do_nothing_does_nothing(void)
@@ -211,8 +208,7 @@ static void test_who_is_to_do_nothing_does_nothing(void)
     tell_state(TUMBLE_STATE_IDLE, TUMBLE_REASON_NONE, 0);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 0);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 0);
-    run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(5.0, 0);
     TEST_ASSERT_FALSE(stand_operator_answer(&operator, &world, "done"));
 }
 
@@ -222,8 +218,7 @@ static void test_a_person_is_waited_for_and_does_it(void)
 {
     start(STAND_OPERATOR_ASKS);
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
-    run_s(60.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(60.0, 0);
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "done"));
     expect_command(0, TUMBLE_COMMAND_CONFIRM_MOUNTING, 2);
     TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
@@ -241,8 +236,7 @@ static void test_an_answer_that_is_there_before_its_question(void)
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "done"));
     run_s(2.1); /* so long before it was no answer to it */
     tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
-    run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(5.0, 0);
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "repeat position 1"));
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 9); /* another question meanwhile */
     expect_command(0, TUMBLE_COMMAND_REPEAT_POSITION, 1);
@@ -280,8 +274,7 @@ static void test_what_is_no_answer(void)
     for (size_t i = 0; i < sizeof LINES / sizeof LINES[0]; i++) {
         TEST_ASSERT_FALSE_MESSAGE(stand_operator_answer(&operator, &world, LINES[i]), LINES[i]);
     }
-    run_s(1.0);
-    TEST_ASSERT_EQUAL_UINT32(0, sent_count);
+    expect_sent_after(1.0, 0);
 }
 
 /* Refused, it is not repeated behind the person's back; he may say something else. */
@@ -294,26 +287,8 @@ static void test_what_node_1_refuses_is_the_persons_affair(void)
     answer_sdo(0x60, 1);
     run_s(0.01);
     answer_sdo(0x80, 2);
-    run_s(5.0);
-    TEST_ASSERT_EQUAL_UINT32(2, sent_count);
+    expect_sent_after(5.0, 2);
     TEST_ASSERT_EQUAL_UINT32(1, operator.refusals);
     TEST_ASSERT_TRUE(stand_operator_answer(&operator, &world, "done"));
     expect_command(2, TUMBLE_COMMAND_RESUME, 0);
-}
-
-SUITE(stand_operator, NULL, NULL)
-{
-    RUN_TEST(test_a_mounting_is_made_and_confirmed_after_its_time);
-    RUN_TEST(test_he_starts_once);
-    RUN_TEST(test_who_does_not_answer_is_asked_again);
-    RUN_TEST(test_what_is_not_for_him_is_ignored);
-    RUN_TEST(test_a_fault_is_mended_as_often_as_he_is_let);
-    RUN_TEST(test_a_wrong_mounting_is_mounted_anew);
-    RUN_TEST(test_hands_mount_and_mend_at_once_and_say_nothing);
-    RUN_TEST(test_who_is_to_do_nothing_does_nothing);
-    RUN_TEST(test_a_person_is_waited_for_and_does_it);
-    RUN_TEST(test_an_answer_that_is_there_before_its_question);
-    RUN_TEST(test_a_person_says_what_is_to_be_done_after_a_fault);
-    RUN_TEST(test_what_is_no_answer);
-    RUN_TEST(test_what_node_1_refuses_is_the_persons_affair);
 }

@@ -88,10 +88,3 @@ static void test_what_cannot_be_reached_is_refused(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_bit_timing(100000000, 10000, &timing)); /* 10000 > 256 x 25 */
     TEST_ASSERT_EQUAL_UINT32(0, timing.prescaler);
 }
-
-SUITE(zcu102_bit_timing, NULL, NULL)
-{
-    RUN_TEST(test_no_division_is_nearer_the_rate);
-    RUN_TEST(test_the_usual_ones);
-    RUN_TEST(test_what_cannot_be_reached_is_refused);
-}

@@ -257,17 +257,4 @@ static void test_what_is_refused(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, zcu102_can_init(&can, &config));
 }
 
-SUITE(zcu102_can, set_up, tear_down)
-{
-    RUN_TEST(test_the_driver_conforms);
-    RUN_TEST(test_the_registers);
-    RUN_TEST(test_the_words_of_a_frame);
-    RUN_TEST(test_a_full_transmit_queue_is_busy_and_counted);
-    RUN_TEST(test_an_overflow_of_the_receive_queue_is_counted);
-    RUN_TEST(test_bus_off_is_left_after_the_time_the_standard_wants);
-    RUN_TEST(test_bus_off_again_and_again_is_counted);
-    RUN_TEST(test_foreign_frames_do_not_pass_the_filter);
-    RUN_TEST(test_foreign_frames_in_the_queue_are_dropped);
-    RUN_TEST(test_acceptance_filters);
-    RUN_TEST(test_what_is_refused);
-}
+static const around_t around_each = {set_up, tear_down};

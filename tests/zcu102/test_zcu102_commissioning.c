@@ -151,14 +151,4 @@ static void test_filters_open_for_a_drive_with_other_process_data(void)
     TEST_ASSERT_NULL(zcu102_can_for(&config).filters);
 }
 
-SUITE(zcu102_commissioning, set_up, NULL)
-{
-    RUN_TEST(test_what_goes_in_comes_out);
-    RUN_TEST(test_no_field_is_left_out);
-    RUN_TEST(test_the_record_of_the_standard_stand_is_as_it_always_was);
-    RUN_TEST(test_every_wrong_bit_is_refused);
-    RUN_TEST(test_erased_memory_is_no_record);
-    RUN_TEST(test_what_does_not_fit_is_refused);
-    RUN_TEST(test_without_a_record_the_board_has_what_is_built_in);
-    RUN_TEST(test_filters_open_for_a_drive_with_other_process_data);
-}
+static const around_t around_each = {set_up, NULL};

@@ -24,8 +24,3 @@ static void test_the_filters_let_in_what_is_needed_and_little_else(void)
     }
     TEST_ASSERT_EQUAL_UINT32(22, heard);
 }
-
-SUITE(zcu102_configuration, NULL, NULL)
-{
-    RUN_TEST(test_the_filters_let_in_what_is_needed_and_little_else);
-}

@@ -56,9 +56,4 @@ static void test_memory_that_was_loaded_is_kept(void)
     }
 }
 
-SUITE(zcu102_nv_memory, set_up, NULL)
-{
-    RUN_TEST(test_it_conforms);
-    RUN_TEST(test_memory_that_nobody_has_written_is_erased);
-    RUN_TEST(test_memory_that_was_loaded_is_kept);
-}
+static const around_t around_each = {set_up, NULL};

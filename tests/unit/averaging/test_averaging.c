@@ -228,22 +228,4 @@ static void test_the_order_of_samples_does_not_change_the_mean(void)
                              sizeof averaging.averages[0].sum_counts);
 }
 
-SUITE(averaging, bench_start, NULL)
-{
-    RUN_TEST(test_init_refuses_null);
-    RUN_TEST(test_init_refuses_a_saturation_below_one);
-    RUN_TEST(test_init_refuses_a_least_number_of_samples_out_of_range);
-    RUN_TEST(test_init_refuses_a_stuck_run_of_one);
-    RUN_TEST(test_init_refuses_noise_and_stillness_out_of_range);
-    RUN_TEST(test_init_empties_everything);
-    RUN_TEST(test_nothing_is_open_before_begin);
-    RUN_TEST(test_begin_refuses_null_and_an_index_out_of_range);
-    RUN_TEST(test_a_position_from_begin_to_finish);
-    RUN_TEST(test_an_open_position_is_not_finished);
-    RUN_TEST(test_begin_abandons_the_open_position);
-    RUN_TEST(test_begin_forgets_what_the_position_held);
-    RUN_TEST(test_positions_do_not_touch_each_other);
-    RUN_TEST(test_sums_are_exact_at_the_ends_of_the_range);
-    RUN_TEST(test_the_last_sample_that_fits_is_taken);
-    RUN_TEST(test_the_order_of_samples_does_not_change_the_mean);
-}
+static const around_t around_each = {bench_start, NULL};

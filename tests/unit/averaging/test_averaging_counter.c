@@ -212,23 +212,4 @@ static void test_counters_live_until_init(void)
     assert_counters(0, 0, 0, 0, 0);
 }
 
-SUITE(averaging_counter, set_up, NULL)
-{
-    RUN_TEST(test_the_counter_may_start_anywhere_and_wraps);
-    RUN_TEST(test_missing_counter_values_are_lost);
-    RUN_TEST(test_with_no_loss_allowed_one_is_too_many);
-    RUN_TEST(test_nothing_is_lost_between_positions);
-    RUN_TEST(test_losses_count_for_their_own_position);
-    RUN_TEST(test_a_counter_that_comes_twice_is_refused);
-    RUN_TEST(test_a_counter_that_goes_backwards_is_refused);
-    RUN_TEST(test_a_lost_sample_that_comes_late_stays_lost);
-    RUN_TEST(test_half_the_range_divides_forwards_from_backwards);
-    RUN_TEST(test_a_sample_refused_for_its_value_is_not_lost);
-    RUN_TEST(test_a_gap_before_a_refused_sample_is_counted);
-    RUN_TEST(test_a_refused_first_sample_starts_the_count);
-    RUN_TEST(test_saturation_comes_before_deviation);
-    RUN_TEST(test_losses_beyond_16_bits_are_not_forgiven);
-    RUN_TEST(test_the_most_that_may_be_lost_may_be_lost);
-    RUN_TEST(test_counters_stop_instead_of_wrapping);
-    RUN_TEST(test_counters_live_until_init);
-}
+static const around_t around_each = {set_up, NULL};

@@ -281,21 +281,4 @@ static void test_a_sample_that_the_block_calls_faulty_is_refused(void)
     add_good(1, 2, 3);
 }
 
-SUITE(averaging_gates, set_up, NULL)
-{
-    RUN_TEST(test_a_sample_that_the_block_calls_faulty_is_refused);
-    RUN_TEST(test_a_sample_at_the_range_of_the_converter_is_refused);
-    RUN_TEST(test_the_widest_range_still_refuses_its_ends);
-    RUN_TEST(test_a_sample_too_far_from_the_first_is_refused);
-    RUN_TEST(test_the_widest_deviation_does_not_overflow);
-    RUN_TEST(test_deviation_is_from_the_first_sample_taken);
-    RUN_TEST(test_refused_samples_change_neither_sums_nor_scatter);
-    RUN_TEST(test_too_few_samples);
-    RUN_TEST(test_a_channel_that_repeats_a_value_too_often_is_stuck);
-    RUN_TEST(test_only_samples_in_a_row_make_a_run);
-    RUN_TEST(test_a_position_too_short_for_the_gate_shows_a_stuck_channel_too);
-    RUN_TEST(test_the_longest_run_is_counted_to_its_end);
-    RUN_TEST(test_scatter_beyond_the_declared_noise_is_motion);
-    RUN_TEST(test_a_single_sample_is_still);
-    RUN_TEST(test_finish_judges_in_the_documented_order);
-}
+static const around_t around_each = {set_up, NULL};

@@ -236,16 +236,4 @@ static void test_means_are_scaled_and_mark_what_was_measured(void)
     }
 }
 
-SUITE(averaging_statistics, bench_start, NULL)
-{
-    RUN_TEST(test_the_oracle_of_means_itself);
-    RUN_TEST(test_means_are_rounded_correctly);
-    RUN_TEST(test_scatter_is_that_of_the_textbook);
-    RUN_TEST(test_scatter_at_its_largest_sums);
-    RUN_TEST(test_equal_samples_have_no_scatter);
-    RUN_TEST(test_accumulate_counts_as_add_does);
-    RUN_TEST(test_running_needs_two_samples);
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_means_need_a_size_of_a_count);
-    RUN_TEST(test_means_are_scaled_and_mark_what_was_measured);
-}
+static const around_t around_each = {bench_start, NULL};

@@ -73,11 +73,4 @@ static void test_times_that_fall_are_refused(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_FRAME, replay_open(&replay, recording, sizeof recording));
 }
 
-SUITE(recording, set_up, NULL)
-{
-    RUN_TEST(test_the_bytes);
-    RUN_TEST(test_a_whole_one_is_taken);
-    RUN_TEST(test_what_is_not_whole_is_refused);
-    RUN_TEST(test_every_wrong_bit_is_refused);
-    RUN_TEST(test_times_that_fall_are_refused);
-}
+static const around_t around_each = {set_up, NULL};

@@ -291,19 +291,3 @@ static void test_the_sample_timeout_follows_from_the_rate(void)
         }
     }
 }
-
-SUITE(sim_config, NULL, NULL)
-{
-    RUN_TEST(test_mistakes_are_refused_with_their_line);
-    RUN_TEST(test_what_the_firmware_would_refuse_is_known_before);
-    RUN_TEST(test_faults_that_need_no_drive_or_block_are_taken);
-    RUN_TEST(test_a_line_too_long_is_refused);
-    RUN_TEST(test_more_than_fits_is_refused);
-    RUN_TEST(test_blanks_comments_and_the_missing_newline);
-    RUN_TEST(test_every_key_takes_its_whole_range);
-    RUN_TEST(test_values_arrive);
-    RUN_TEST(test_a_fault_line_arrives);
-    RUN_TEST(test_a_schedule_arrives);
-    RUN_TEST(test_the_rest_follows);
-    RUN_TEST(test_the_sample_timeout_follows_from_the_rate);
-}

@@ -113,11 +113,3 @@ static void test_nor_does_the_table_turn_beyond_the_cable(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, answer);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, progress().stand);
 }
-
-SUITE(sim_pdos, NULL, NULL)
-{
-    RUN_TEST(test_the_state_is_not_sent_as_a_controlword);
-    RUN_TEST(test_nor_is_anything_else_that_can_be_mapped);
-    RUN_TEST(test_a_stop_in_a_run_is_as_short);
-    RUN_TEST(test_nor_does_the_table_turn_beyond_the_cable);
-}

@@ -316,18 +316,3 @@ static void test_a_singular_block_is_refused(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_SINGULAR, world.progress.reason);
     TEST_ASSERT_EQUAL_INT(3, bench_exit_code(&world));
 }
-
-SUITE(sim_scenarios, NULL, NULL)
-{
-    RUN_TEST(test_every_fault_ends_in_its_reason);
-    RUN_TEST(test_no_reason_is_forgotten);
-    RUN_TEST(test_what_is_mended_passes);
-    RUN_TEST(test_the_table_keeps_to_its_cable);
-    RUN_TEST(test_an_abort_stops_the_table);
-    RUN_TEST(test_a_reset_by_nmt_does_not_let_the_table_coast);
-    RUN_TEST(test_questions_are_answered_from_outside);
-    RUN_TEST(test_a_fault_that_comes_again_is_asked_about_again);
-    RUN_TEST(test_a_fault_may_be_left_as_it_is);
-    RUN_TEST(test_a_failed_gravity_check_is_a_result);
-    RUN_TEST(test_a_singular_block_is_refused);
-}

@@ -274,20 +274,3 @@ static void test_a_reset_of_the_node_in_a_run_leaves_its_reason(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_STATE_IDLE, progress().run.state);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_COMMAND, progress().run.reason);
 }
-
-SUITE(sim_stop, NULL, NULL)
-{
-    RUN_TEST(test_homing_is_bounded);
-    RUN_TEST(test_a_homing_error_is_within_the_bound);
-    RUN_TEST(test_what_a_stop_depends_on_is_held_between_runs);
-    RUN_TEST(test_a_drive_that_hears_no_process_data);
-    RUN_TEST(test_a_drive_that_hears_nmt_alone);
-    RUN_TEST(test_a_drive_that_hears_nothing_but_our_heartbeat);
-    RUN_TEST(test_a_start_without_supervision_is_refused_with_its_reason);
-    RUN_TEST(test_two_forged_positions_lose_no_turn);
-    RUN_TEST(test_unmended_the_reason_is_a_slip);
-    RUN_TEST(test_a_foreign_set_point_is_noticed_and_stopped);
-    RUN_TEST(test_a_second_computer_is_noticed);
-    RUN_TEST(test_the_drive_keeps_to_the_cables_limits);
-    RUN_TEST(test_a_reset_of_the_node_in_a_run_leaves_its_reason);
-}

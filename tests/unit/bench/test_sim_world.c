@@ -202,16 +202,3 @@ static void test_a_dividing_head_works_as_well(void)
     TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
     TEST_ASSERT_EQUAL_INT(0, bench_exit_code(&world));
 }
-
-SUITE(sim_world, NULL, NULL)
-{
-    RUN_TEST(test_a_seed_replays_the_run);
-    RUN_TEST(test_one_cause_does_not_shift_another);
-    RUN_TEST(test_an_ideal_stand_gives_the_truth);
-    RUN_TEST(test_the_means_are_what_the_truth_says);
-    RUN_TEST(test_what_is_left_of_the_swing_is_small);
-    RUN_TEST(test_errors_are_as_large_as_the_budget_says);
-    RUN_TEST(test_the_table_stays_within_the_cable);
-    RUN_TEST(test_a_reset_node_ends_the_run);
-    RUN_TEST(test_a_dividing_head_works_as_well);
-}

@@ -60,10 +60,4 @@ static void test_block(void)
     TEST_ASSERT_EQUAL_UINT32(bench.scenario.block.sample_period_us, tumble_standard_navcomp.block_period_us);
 }
 
-SUITE(standard, set_up, NULL)
-{
-    RUN_TEST(test_averaging);
-    RUN_TEST(test_procedure);
-    RUN_TEST(test_drive);
-    RUN_TEST(test_block);
-}
+static const around_t around_each = {set_up, NULL};

@@ -215,16 +215,4 @@ static void test_a_first_half_under_the_other_identifier_is_corrupted(void)
     TEST_ASSERT_EQUAL_UINT32(2, receiver.counters.wrong_crc);
 }
 
-SUITE(block_frames, fresh_receiver, NULL)
-{
-    RUN_TEST(test_crc_check_value_of_the_catalogue);
-    RUN_TEST(test_crc_table_agrees_with_the_definition_everywhere);
-    RUN_TEST(test_golden_layout);
-    RUN_TEST(test_extremes_survive_the_round_trip);
-    RUN_TEST(test_every_error_of_up_to_three_bits_is_detected);
-    RUN_TEST(test_some_errors_of_four_bits_are_not_detected);
-    RUN_TEST(test_a_burst_of_up_to_eight_bits_is_detected);
-    RUN_TEST(test_wrong_length_is_corrupted_and_counted_apart);
-    RUN_TEST(test_other_identifiers_are_not_counted);
-    RUN_TEST(test_a_first_half_under_the_other_identifier_is_corrupted);
-}
+static const around_t around_each = {fresh_receiver, NULL};

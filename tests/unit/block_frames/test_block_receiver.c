@@ -185,19 +185,4 @@ static void test_counters_stop_at_their_end(void)
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, receiver.counters.wrong_crc);
 }
 
-SUITE(block_receiver, fresh_receiver, NULL)
-{
-    RUN_TEST(test_halves_of_different_samples_never_pair);
-    RUN_TEST(test_a_mixed_pair_spoils_neither_the_sample_before_nor_the_one_after);
-    RUN_TEST(test_an_even_frame_counter_is_corrupted_even_with_a_right_crc);
-    RUN_TEST(test_loss_of_halves_is_counted);
-    RUN_TEST(test_loss_of_any_length_up_to_126_samples_widens_right);
-    RUN_TEST(test_every_step_back_is_reordering);
-    RUN_TEST(test_repetition_of_halves_and_of_samples);
-    RUN_TEST(test_swapped_halves_are_reordered_not_taken);
-    RUN_TEST(test_the_widened_counter_wraps_at_16_bits);
-    RUN_TEST(test_the_first_counter_may_be_anything);
-    RUN_TEST(test_the_timestamp_takes_all_values_and_wraps);
-    RUN_TEST(test_a_restart_of_the_block_is_no_reordering);
-    RUN_TEST(test_counters_stop_at_their_end);
-}
+static const around_t around_each = {fresh_receiver, NULL};

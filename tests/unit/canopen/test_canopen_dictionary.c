@@ -369,25 +369,4 @@ static void test_abort_codes_have_sentences(void)
     TEST_ASSERT_EQUAL_STRING("this abort code is not in the list", tumble_abort_sentence(0xFFFFFFFFU));
 }
 
-SUITE(canopen_dictionary, set_up, fixture_end)
-{
-    RUN_TEST(test_every_key_is_found_as_the_table_has_it);
-    RUN_TEST(test_an_empty_table_has_nothing);
-    RUN_TEST(test_every_type_goes_out_little_endian);
-    RUN_TEST(test_every_type_comes_back_as_it_was_written);
-    RUN_TEST(test_the_helpers_of_bytes_agree_with_the_machine);
-    RUN_TEST(test_strings_end_at_their_padding_or_their_size);
-    RUN_TEST(test_a_hook_may_shorten_a_string_but_not_lengthen_it);
-    RUN_TEST(test_a_size_that_a_hook_invents_is_cut);
-    RUN_TEST(test_access_is_checked_before_length);
-    RUN_TEST(test_length_must_be_exact_for_numbers);
-    RUN_TEST(test_integer_limits_are_inclusive);
-    RUN_TEST(test_limits_of_unsigned_numbers);
-    RUN_TEST(test_real_limits_refuse_what_is_not_a_number);
-    RUN_TEST(test_a_hook_can_pack_what_it_has_in_memory);
-    RUN_TEST(test_the_hook_is_asked_after_the_checks_only);
-    RUN_TEST(test_without_hooks_variables_work_and_computed_objects_refuse);
-    RUN_TEST(test_a_dummy_takes_everything_and_keeps_nothing);
-    RUN_TEST(test_the_node_reads_and_writes_its_own_objects_by_the_same_rules);
-    RUN_TEST(test_abort_codes_have_sentences);
-}
+static const around_t around_each = {set_up, fixture_end};

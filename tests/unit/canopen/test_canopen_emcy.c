@@ -118,12 +118,4 @@ static void test_emergencies_of_others(void)
     TEST_ASSERT_EQUAL_UINT(2, at.emergencies);
 }
 
-SUITE(canopen_emcy, fixture_booted, fixture_end)
-{
-    RUN_TEST(test_an_error_comes_and_goes);
-    RUN_TEST(test_no_error_is_said_when_the_last_one_goes);
-    RUN_TEST(test_history_keeps_the_newest_and_can_be_forgotten);
-    RUN_TEST(test_messages_wait_for_the_port_and_the_rest_is_counted);
-    RUN_TEST(test_nothing_is_sent_while_stopped);
-    RUN_TEST(test_emergencies_of_others);
-}
+static const around_t around_each = {fixture_booted, fixture_end};

@@ -246,19 +246,4 @@ static void test_producer_time_by_sdo(void)
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
 }
 
-SUITE(canopen_heartbeat, fixture_beating, fixture_end)
-{
-    RUN_TEST(test_boot_up_and_then_heartbeats);
-    RUN_TEST(test_a_late_step_sends_one_heartbeat_and_keeps_the_period);
-    RUN_TEST(test_a_heartbeat_waits_for_the_port);
-    RUN_TEST(test_life_of_a_watched_node);
-    RUN_TEST(test_exactly_the_consumer_time_is_a_loss);
-    RUN_TEST(test_both_lost_at_once_are_both_told);
-    RUN_TEST(test_a_loss_raises_an_emergency_and_its_end_clears_it);
-    RUN_TEST(test_the_error_stays_while_another_node_is_silent);
-    RUN_TEST(test_what_a_loss_does_to_an_operational_node);
-    RUN_TEST(test_heartbeats_of_others_and_broken_ones_change_nothing);
-    RUN_TEST(test_consumer_times_by_sdo);
-    RUN_TEST(test_no_longer_watching_a_silent_node_ends_its_error);
-    RUN_TEST(test_producer_time_by_sdo);
-}
+static const around_t around_each = {fixture_beating, fixture_end};

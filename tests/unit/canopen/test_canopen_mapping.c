@@ -273,19 +273,4 @@ static void test_random_writes_never_leave_a_broken_mapping(void)
     }
 }
 
-SUITE(canopen_mapping, fixture_operational, fixture_end)
-{
-    RUN_TEST(test_power_on_state);
-    RUN_TEST(test_the_whole_sequence_over_the_bus);
-    RUN_TEST(test_a_pdo_that_exists_is_protected);
-    RUN_TEST(test_what_may_not_be_mapped);
-    RUN_TEST(test_number_of_mapped_objects);
-    RUN_TEST(test_identifiers);
-    RUN_TEST(test_only_event_driven_types_are_taken);
-    RUN_TEST(test_parameters_that_are_not_there);
-    RUN_TEST(test_configure_replaces_what_was_there);
-    RUN_TEST(test_an_identifier_that_another_pdo_has_is_refused);
-    RUN_TEST(test_a_new_inhibit_time_counts_from_now);
-    RUN_TEST(test_a_refused_configuration_leaves_the_pdo_invalid);
-    RUN_TEST(test_random_writes_never_leave_a_broken_mapping);
-}
+static const around_t around_each = {fixture_operational, fixture_end};

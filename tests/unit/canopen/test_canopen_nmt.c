@@ -164,15 +164,4 @@ static void test_nmt_alone(void)
     TEST_ASSERT_EQUAL_UINT8(0, tumble_nmt_receive(&nmt, &frame));
 }
 
-SUITE(canopen_nmt, fixture_beating, fixture_end)
-{
-    RUN_TEST(test_boot_up_waits_for_the_port);
-    RUN_TEST(test_commands_change_the_state);
-    RUN_TEST(test_every_command_byte);
-    RUN_TEST(test_resets_start_the_communication_anew);
-    RUN_TEST(test_a_master_sets_its_own_state);
-    RUN_TEST(test_master_commands_go_out_in_order);
-    RUN_TEST(test_a_port_with_room_for_one_takes_one_a_step);
-    RUN_TEST(test_when_the_next_step_is_due);
-    RUN_TEST(test_nmt_alone);
-}
+static const around_t around_each = {fixture_beating, fixture_end};

@@ -291,17 +291,4 @@ static void test_random_frames(void)
     }
 }
 
-SUITE(canopen_node, set_up, fixture_end)
-{
-    RUN_TEST(test_init_refuses_what_cannot_work);
-    RUN_TEST(test_init_clears_whatever_the_memory_held);
-    RUN_TEST(test_defaults_complete_predefined_identifiers);
-    RUN_TEST(test_without_events_and_hooks_everything_still_works);
-    RUN_TEST(test_frames_of_others_are_handed_back);
-    RUN_TEST(test_order_of_what_is_due_together);
-    RUN_TEST(test_a_narrow_port_loses_nothing);
-    RUN_TEST(test_the_link_checks_what_the_port_gives);
-    RUN_TEST(test_an_object_that_only_the_table_claims);
-    RUN_TEST(test_counters_stop_at_their_end);
-    RUN_TEST(test_random_frames);
-}
+static const around_t around_each = {set_up, fixture_end};

@@ -237,20 +237,4 @@ static void test_a_pdo_without_mapping_does_nothing(void)
     TEST_ASSERT_FALSE(hand(0x205, "00"));
 }
 
-SUITE(canopen_pdo, fixture_operational, fixture_end)
-{
-    RUN_TEST(test_a_received_pdo_is_written_in_order);
-    RUN_TEST(test_dummies_skip_bytes);
-    RUN_TEST(test_a_refused_value_is_counted_and_does_not_stop_the_others);
-    RUN_TEST(test_a_short_pdo_writes_nothing_and_raises_one_emergency);
-    RUN_TEST(test_nothing_is_received_unless_operational);
-    RUN_TEST(test_a_trigger_sends_the_values_of_the_moment);
-    RUN_TEST(test_entering_operational_sends_once);
-    RUN_TEST(test_the_event_timer_counts_from_the_last_sending);
-    RUN_TEST(test_the_inhibit_time_holds_back_but_loses_nothing);
-    RUN_TEST(test_the_inhibit_time_bounds_the_event_timer);
-    RUN_TEST(test_a_busy_port_delays_and_loses_nothing);
-    RUN_TEST(test_a_value_that_nobody_has_goes_as_zeros);
-    RUN_TEST(test_the_last_pdos_of_each_direction);
-    RUN_TEST(test_a_pdo_without_mapping_does_nothing);
-}
+static const around_t around_each = {fixture_operational, fixture_end};

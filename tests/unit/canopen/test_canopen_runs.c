@@ -69,8 +69,4 @@ static void test_the_highest_subindex_is_read_only(void)
                             tumble_pdo_write_parameter(&at.node.pdos, &at.node.dictionary, 0x1600, 1, 0x20000308U));
 }
 
-SUITE(canopen_runs, fixture_quietly, fixture_end)
-{
-    RUN_TEST(test_a_run_is_as_good_as_its_entries);
-    RUN_TEST(test_the_highest_subindex_is_read_only);
-}
+static const around_t around_each = {fixture_quietly, fixture_end};

@@ -221,18 +221,4 @@ static void test_client_and_server_agree_on_every_length(void)
     }
 }
 
-SUITE(canopen_sdo_client, fixture_booted, fixture_end)
-{
-    RUN_TEST(test_expedited_write);
-    RUN_TEST(test_expedited_read);
-    RUN_TEST(test_segmented_read);
-    RUN_TEST(test_segmented_read_of_an_unannounced_and_of_no_size);
-    RUN_TEST(test_segmented_write);
-    RUN_TEST(test_a_write_of_seven_bytes_is_one_segment);
-    RUN_TEST(test_one_transfer_at_a_time);
-    RUN_TEST(test_the_callers_memory_is_let_go);
-    RUN_TEST(test_arguments);
-    RUN_TEST(test_the_servers_abort_is_the_result);
-    RUN_TEST(test_cancel_tells_the_server);
-    RUN_TEST(test_client_and_server_agree_on_every_length);
-}
+static const around_t around_each = {fixture_booted, fixture_end};

@@ -211,16 +211,4 @@ static void test_random_answers_always_come_to_an_end(void)
     }
 }
 
-SUITE(canopen_sdo_client_faults, fixture_booted, fixture_end)
-{
-    RUN_TEST(test_late_answers_are_ignored_and_counted);
-    RUN_TEST(test_a_server_that_breaks_the_protocol_is_told);
-    RUN_TEST(test_more_than_announced_is_refused);
-    RUN_TEST(test_a_value_that_does_not_fit_is_refused);
-    RUN_TEST(test_a_wrong_toggle_of_a_write_is_refused);
-    RUN_TEST(test_a_silent_server_is_a_timeout_and_is_told);
-    RUN_TEST(test_a_port_without_room_delays_and_then_times_out);
-    RUN_TEST(test_a_transfer_ends_when_the_node_is_stopped_or_reset);
-    RUN_TEST(test_answers_that_are_not_eight_bytes_are_ignored);
-    RUN_TEST(test_random_answers_always_come_to_an_end);
-}
+static const around_t around_each = {fixture_booted, fixture_end};

@@ -95,12 +95,4 @@ static void test_a_reset_forgets_it(void)
     expect_nothing();
 }
 
-SUITE(canopen_sdo_later, set_up, fixture_end)
-{
-    RUN_TEST(test_it_is_confirmed_when_it_is_done);
-    RUN_TEST(test_it_is_refused_when_it_failed);
-    RUN_TEST(test_it_goes_for_the_last_segment_too);
-    RUN_TEST(test_nobody_is_answered_who_gave_up);
-    RUN_TEST(test_a_segment_meanwhile_ends_it);
-    RUN_TEST(test_a_reset_forgets_it);
-}
+static const around_t around_each = {set_up, fixture_end};

@@ -339,31 +339,4 @@ static void test_random_requests_get_one_answer_each(void)
     }
 }
 
-SUITE(canopen_sdo_server, fixture_booted, fixture_end)
-{
-    RUN_TEST(test_expedited_upload_of_one_to_four_bytes);
-    RUN_TEST(test_segmented_upload);
-    RUN_TEST(test_an_empty_string_goes_in_an_empty_segment);
-    RUN_TEST(test_an_upload_gives_the_value_of_its_beginning);
-    RUN_TEST(test_expedited_download);
-    RUN_TEST(test_expedited_download_without_a_size_takes_the_objects);
-    RUN_TEST(test_segmented_download);
-    RUN_TEST(test_segmented_download_without_a_size);
-    RUN_TEST(test_a_string_of_full_length_and_not_one_byte_more);
-    RUN_TEST(test_refusals_of_the_first_request);
-    RUN_TEST(test_refusals_at_the_end_of_a_download);
-    RUN_TEST(test_toggle_bit_of_both_directions);
-    RUN_TEST(test_block_transfer_and_unknown_commands_are_refused);
-    RUN_TEST(test_a_segment_of_the_wrong_direction_ends_the_transfer);
-    RUN_TEST(test_an_abort_of_the_client_ends_it_without_an_answer);
-    RUN_TEST(test_a_new_request_replaces_an_unfinished_transfer);
-    RUN_TEST(test_a_silent_client_is_told_after_one_second);
-    RUN_TEST(test_every_segment_prolongs_the_time);
-    RUN_TEST(test_an_answer_waits_for_the_port_and_is_sent_once);
-    RUN_TEST(test_an_abort_takes_back_an_answer_that_was_not_sent);
-    RUN_TEST(test_init_clears_whatever_the_memory_held);
-    RUN_TEST(test_frames_that_are_not_eight_bytes_are_dropped_and_counted);
-    RUN_TEST(test_sdo_is_silent_when_stopped_and_before_boot_up);
-    RUN_TEST(test_every_command_byte_in_every_phase);
-    RUN_TEST(test_random_requests_get_one_answer_each);
-}
+static const around_t around_each = {fixture_booted, fixture_end};

@@ -304,15 +304,4 @@ static void test_both_tables_together_have_255_entries_at_most(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_ARGUMENT, start_with(&empty));
 }
 
-SUITE(dictionary_extension, set_up, fixture_end)
-{
-    RUN_TEST(test_every_key_of_both_tables_is_found_and_no_other);
-    RUN_TEST(test_places_run_on);
-    RUN_TEST(test_constants_are_the_tables_own);
-    RUN_TEST(test_limits_are_the_tables_own);
-    RUN_TEST(test_hooks_are_the_tables_own);
-    RUN_TEST(test_without_hooks_it_refuses_what_it_cannot_make);
-    RUN_TEST(test_its_objects_can_be_mapped_into_a_pdo);
-    RUN_TEST(test_its_pdos_are_there_from_power_on);
-    RUN_TEST(test_both_tables_together_have_255_entries_at_most);
-}
+static const around_t around_each = {set_up, fixture_end};

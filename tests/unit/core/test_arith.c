@@ -59,10 +59,3 @@ static void test_what_no_normal_float_holds_is_infinite_or_0(void)
     TEST_ASSERT_EQUAL_HEX32(0, float_bits(tumble_to_float(1e-39)));
     TEST_ASSERT_EQUAL_HEX32(0x80000000U, float_bits(tumble_to_float(-1e-300)));
 }
-
-SUITE(arith, NULL, NULL)
-{
-    RUN_TEST(test_it_rounds_as_a_cast_does);
-    RUN_TEST(test_halves_go_to_the_even_neighbour);
-    RUN_TEST(test_what_no_normal_float_holds_is_infinite_or_0);
-}

@@ -76,11 +76,3 @@ static void test_random_numbers_of_any_size(void)
         agrees(from_bits(state & UINT64_C(0x000FFFFFFFFFFFFF)));
     }
 }
-
-SUITE(board_root, NULL, NULL)
-{
-    RUN_TEST(test_special_numbers);
-    RUN_TEST(test_every_power_of_two_and_its_neighbours);
-    RUN_TEST(test_squares_and_their_neighbours);
-    RUN_TEST(test_random_numbers_of_any_size);
-}

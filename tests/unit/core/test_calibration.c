@@ -261,20 +261,3 @@ static void test_intrinsic_parameters_do_not_depend_on_the_mounting(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-15, one.cosine_yz, other.cosine_yz);
     }
 }
-
-SUITE(calibration, NULL, NULL)
-{
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_the_inverse_times_k_is_one);
-    RUN_TEST(test_apply_undoes_the_block);
-    RUN_TEST(test_apply_counts_is_apply_to_scaled_counts);
-    RUN_TEST(test_any_sign_and_any_unit_will_do);
-    RUN_TEST(test_a_dead_channel_is_singular);
-    RUN_TEST(test_two_parallel_channels_are_singular);
-    RUN_TEST(test_three_channels_in_one_plane_are_singular);
-    RUN_TEST(test_what_is_not_finite_is_refused);
-    RUN_TEST(test_intrinsic_parameters_of_a_known_block);
-    RUN_TEST(test_each_cosine_is_that_of_its_own_pair);
-    RUN_TEST(test_parallel_channels_have_intrinsic_parameters);
-    RUN_TEST(test_intrinsic_parameters_do_not_depend_on_the_mounting);
-}

@@ -24,9 +24,3 @@ static void test_any_bytes_in_any_pieces(void)
         TEST_ASSERT_EQUAL_HEX32(expected, tumble_crc32(tumble_crc32(0, bytes, first), bytes + first, size - first));
     }
 }
-
-SUITE(crc32, NULL, NULL)
-{
-    RUN_TEST(test_known_values);
-    RUN_TEST(test_any_bytes_in_any_pieces);
-}

@@ -274,12 +274,4 @@ static void test_a_number_that_is_none_does_not_fit(void)
     TEST_ASSERT_FALSE(fits());
 }
 
-SUITE(misfit, set_up, NULL)
-{
-    RUN_TEST(test_the_sum_is_that_of_plain_elimination);
-    RUN_TEST(test_the_limit_is_the_quantile);
-    RUN_TEST(test_systematic_errors_of_the_stand_are_none_of_its_business);
-    RUN_TEST(test_a_single_mean_that_is_off_does_not_fit);
-    RUN_TEST(test_a_mounting_with_three_attitudes_passes);
-    RUN_TEST(test_a_number_that_is_none_does_not_fit);
-}
+static const around_t around_each = {set_up, NULL};

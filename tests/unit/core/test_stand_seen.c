@@ -265,17 +265,4 @@ static void test_bad_arguments(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_seen_angle_chi_squared(s, &means, &block, &errors, &work, NULL, &count));
 }
 
-SUITE(stand_seen, set_up, NULL)
-{
-    RUN_TEST(test_an_ideal_stand_shows_no_angles);
-    RUN_TEST(test_every_angle_is_seen_for_itself);
-    RUN_TEST(test_uncertainties_of_the_closed_form);
-    RUN_TEST(test_the_fit_is_sharper);
-    RUN_TEST(test_no_excess_over_the_noise_is_not_known);
-    RUN_TEST(test_the_error_of_set_angles_makes_chi_squared_right);
-    RUN_TEST(test_residuals_far_beyond_the_noise);
-    RUN_TEST(test_a_mounting_for_checks_alone_takes_no_part);
-    RUN_TEST(test_what_cannot_be_told_is_not_known);
-    RUN_TEST(test_the_noise_is_pooled_by_degrees_of_freedom);
-    RUN_TEST(test_bad_arguments);
-}
+static const around_t around_each = {set_up, NULL};

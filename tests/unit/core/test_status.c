@@ -86,11 +86,3 @@ static void test_values_outside_the_list_are_safe(void)
         TEST_ASSERT_EQUAL_STRING("this status is not in the list", tumble_status_sentence(status));
     }
 }
-
-SUITE(status, NULL, NULL)
-{
-    RUN_TEST(test_numbers_on_the_wire_never_change);
-    RUN_TEST(test_every_status_has_a_name_and_a_sentence_of_its_own);
-    RUN_TEST(test_names_belong_to_their_values);
-    RUN_TEST(test_values_outside_the_list_are_safe);
-}

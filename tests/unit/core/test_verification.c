@@ -212,15 +212,4 @@ static void test_what_is_not_finite_is_refused_and_does_not_pass(void)
     assert_gravity_check_is_not_finite();
 }
 
-SUITE(verification, set_up, NULL)
-{
-    RUN_TEST(test_an_ideal_run_has_no_gravity_error);
-    RUN_TEST(test_the_gravity_error_has_its_sign_and_size);
-    RUN_TEST(test_fit_and_check_positions_are_kept_apart);
-    RUN_TEST(test_only_measured_positions_are_judged);
-    RUN_TEST(test_rows_beyond_the_schedule_are_not_read);
-    RUN_TEST(test_one_kind_of_position_is_enough_to_pass_and_none_is_not);
-    RUN_TEST(test_the_limit_itself_passes);
-    RUN_TEST(test_a_bad_limit_and_null_pointers_are_refused);
-    RUN_TEST(test_what_is_not_finite_is_refused_and_does_not_pass);
-}
+static const around_t around_each = {set_up, NULL};

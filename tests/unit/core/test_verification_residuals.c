@@ -179,14 +179,4 @@ static void test_the_root_mean_square_refuses_null(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_residual_rms(&tumble_schedule_paper, &means, &block, NULL));
 }
 
-SUITE(verification_residuals, set_up, NULL)
-{
-    RUN_TEST(test_closure_of_the_paper_is_the_ninth_less_the_first);
-    RUN_TEST(test_closure_needs_a_pair_that_was_measured);
-    RUN_TEST(test_closure_goes_by_attitude_and_takes_the_last_pair);
-    RUN_TEST(test_closure_refuses_null);
-    RUN_TEST(test_residuals_are_what_the_model_leaves);
-    RUN_TEST(test_the_root_mean_square_is_that_of_the_measured_fit_positions);
-    RUN_TEST(test_five_positions_leave_one_degree_of_freedom);
-    RUN_TEST(test_the_root_mean_square_refuses_null);
-}
+static const around_t around_each = {set_up, NULL};

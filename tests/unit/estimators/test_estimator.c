@@ -196,16 +196,3 @@ static void test_they_ignore_check_positions_and_what_was_not_measured(void)
     assert_estimator_ignores_what_is_not_for_it(tumble_estimate_averaged);
     assert_estimator_ignores_what_is_not_for_it(tumble_estimate_refined);
 }
-
-SUITE(estimator, NULL, NULL)
-{
-    RUN_TEST(test_they_are_exact_on_an_ideal_stand);
-    RUN_TEST(test_they_are_the_published_functionals_on_any_data);
-    RUN_TEST(test_refined_keeps_the_yaw_out_of_two_coefficients);
-    RUN_TEST(test_they_find_the_positions_in_any_order);
-    RUN_TEST(test_they_name_the_missing_positions);
-    RUN_TEST(test_they_refuse_a_schedule_without_the_positions_of_the_paper);
-    RUN_TEST(test_they_refuse_null);
-    RUN_TEST(test_they_refuse_what_is_not_finite);
-    RUN_TEST(test_they_ignore_check_positions_and_what_was_not_measured);
-}

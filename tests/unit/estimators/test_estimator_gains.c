@@ -211,14 +211,4 @@ static void test_every_gain_must_be_a_number_in_range(void)
     }
 }
 
-SUITE(estimator_gains, set_up, NULL)
-{
-    RUN_TEST(test_each_gain_belongs_to_one_coefficient_and_one_mean);
-    RUN_TEST(test_the_table_of_an_estimator_is_that_estimator);
-    RUN_TEST(test_the_largest_table_fits);
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_a_table_for_another_number_of_positions_is_refused);
-    RUN_TEST(test_every_fit_position_must_be_measured_and_no_other);
-    RUN_TEST(test_what_is_not_finite_is_refused_where_it_was_measured);
-    RUN_TEST(test_every_gain_must_be_a_number_in_range);
-}
+static const around_t around_each = {set_up, NULL};

@@ -198,16 +198,3 @@ static void test_it_ignores_check_positions_and_what_was_not_measured(void)
 {
     assert_estimator_ignores_what_is_not_for_it(tumble_estimate_least_squares);
 }
-
-SUITE(estimator_least_squares, NULL, NULL)
-{
-    RUN_TEST(test_it_is_exact_on_an_ideal_stand);
-    RUN_TEST(test_it_minimises_the_squares_on_the_papers_schedule);
-    RUN_TEST(test_random_schedules_against_the_dense_solution);
-    RUN_TEST(test_a_weak_schedule_loses_digits_with_its_condition_only);
-    RUN_TEST(test_it_names_what_cannot_be_identified);
-    RUN_TEST(test_any_measured_positions_of_full_rank_will_do);
-    RUN_TEST(test_it_refuses_null);
-    RUN_TEST(test_it_refuses_what_is_not_finite);
-    RUN_TEST(test_it_ignores_check_positions_and_what_was_not_measured);
-}

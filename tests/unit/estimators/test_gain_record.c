@@ -251,17 +251,4 @@ static void test_fingerprints_agree(void)
     }
 }
 
-SUITE(gain_record, set_up, NULL)
-{
-    RUN_TEST(test_every_number_is_where_the_layout_says);
-    RUN_TEST(test_the_record_may_end_before_the_memory);
-    RUN_TEST(test_null_and_crooked_pointers_are_refused);
-    RUN_TEST(test_every_altered_bit_is_noticed);
-    RUN_TEST(test_what_is_wrong_under_a_right_crc_is_refused);
-    RUN_TEST(test_a_k_of_zeros_is_refused);
-    RUN_TEST(test_a_size_that_is_not_that_of_its_counts_is_refused);
-    RUN_TEST(test_a_record_of_another_schedule_is_refused);
-    RUN_TEST(test_the_counts_are_compared_beside_the_fingerprint);
-    RUN_TEST(test_every_number_must_be_finite_and_in_its_range);
-    RUN_TEST(test_fingerprints_agree);
-}
+static const around_t around_each = {set_up, NULL};

@@ -286,18 +286,3 @@ static void test_through_a_source_the_record_is_checked_every_time(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_optimal_estimate(NULL, &tumble_schedule_paper, &means, &found));
     assert_same_coefficients(&expected, &found);
 }
-
-SUITE(optimal, NULL, NULL)
-{
-    RUN_TEST(test_it_does_what_its_definition_says);
-    RUN_TEST(test_without_a_positions_own_error_it_agrees_to_the_last_bits);
-    RUN_TEST(test_a_perfect_stand_leaves_the_gains_alone);
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_every_fit_position_must_be_measured_by_a_number);
-    RUN_TEST(test_a_record_of_other_counts_is_refused);
-    RUN_TEST(test_an_error_that_no_stand_can_have_is_refused);
-    RUN_TEST(test_an_angle_that_no_table_can_miss_is_refused);
-    RUN_TEST(test_a_result_that_overflows_is_refused);
-    RUN_TEST(test_a_curvature_beyond_a_float_is_refused);
-    RUN_TEST(test_through_a_source_the_record_is_checked_every_time);
-}

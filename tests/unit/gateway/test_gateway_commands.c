@@ -323,21 +323,4 @@ static void test_a_command_refused_in_its_last_part_leaves_the_next_one_whole(vo
     assert_written(3, 0x2002U, 2, 1, 2);
 }
 
-SUITE(gateway_commands, bench_set_up, bench_tear_down)
-{
-    RUN_TEST(test_every_type_has_its_bytes);
-    RUN_TEST(test_no_type_holds_what_is_not_finite);
-    RUN_TEST(test_every_setting_is_written_as_its_object_is);
-    RUN_TEST(test_a_setting_behind_its_key);
-    RUN_TEST(test_the_end_of_the_service_level);
-    RUN_TEST(test_no_other_number_is_a_setting);
-    RUN_TEST(test_a_setting_that_is_refused_or_not_answered);
-    RUN_TEST(test_a_command_refused_in_its_last_part_leaves_the_next_one_whole);
-    RUN_TEST(test_commands);
-    RUN_TEST(test_a_refused_argument_ends_the_command);
-    RUN_TEST(test_a_command_in_the_middle_of_a_poll);
-    RUN_TEST(test_polls_between_commands_without_end);
-    RUN_TEST(test_polls_between_commands_of_two_without_end);
-    RUN_TEST(test_a_command_without_an_answer);
-    RUN_TEST(test_no_more_commands_than_fit);
-}
+static const around_t around_each = {bench_set_up, bench_tear_down};

@@ -334,18 +334,4 @@ static void test_what_was_written_is_read_although_a_poll_fails(void)
     TEST_ASSERT_EQUAL_HEX16(0x4040U, word(1151));
 }
 
-SUITE(gateway_groups, set_up, bench_tear_down)
-{
-    RUN_TEST(test_every_key_has_its_group_read_anew_and_no_other);
-    RUN_TEST(test_a_key_that_changes_in_its_last_bit);
-    RUN_TEST(test_a_position_that_is_measured_meanwhile);
-    RUN_TEST(test_a_selection_over_modbus_is_in_the_next_snapshot_and_in_no_mixture);
-    RUN_TEST(test_a_selection_by_others_at_any_read_is_no_mixture);
-    RUN_TEST(test_a_measurement_at_rest_is_seen_poll_by_poll);
-    RUN_TEST(test_a_measurement_that_no_poll_has_seen);
-    RUN_TEST(test_settings_written_here_are_read_back_and_what_others_write_later);
-    RUN_TEST(test_a_refused_setting_changes_nothing);
-    RUN_TEST(test_a_setting_whose_answer_was_disturbed_is_read_back);
-    RUN_TEST(test_a_poll_after_silence_begins_anew_for_a_setting);
-    RUN_TEST(test_what_was_written_is_read_although_a_poll_fails);
-}
+static const around_t around_each = {set_up, bench_tear_down};

@@ -223,18 +223,4 @@ static void test_a_port_without_room_is_asked_again(void)
     TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number);
 }
 
-SUITE(gateway_poller, bench_set_up, bench_tear_down)
-{
-    RUN_TEST(test_a_poll_in_each_period);
-    RUN_TEST(test_no_object_is_read_twice_in_a_row);
-    RUN_TEST(test_what_is_kept_is_read_when_it_may_have_changed);
-    RUN_TEST(test_a_node_that_boots_within_a_poll_tears_it);
-    RUN_TEST(test_a_change_at_any_read_is_no_mixture);
-    RUN_TEST(test_torn_without_end_waits_for_the_next_period);
-    RUN_TEST(test_a_disturbed_transfer_is_no_refusal);
-    RUN_TEST(test_a_value_that_cannot_be_read_now_is_read_soon);
-    RUN_TEST(test_the_verdict_is_a_mark);
-    RUN_TEST(test_silence);
-    RUN_TEST(test_a_bus_that_is_down);
-    RUN_TEST(test_a_port_without_room_is_asked_again);
-}
+static const around_t around_each = {bench_set_up, bench_tear_down};

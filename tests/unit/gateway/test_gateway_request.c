@@ -192,16 +192,3 @@ static void test_write_several_in_all_sizes(void)
         }
     }
 }
-
-SUITE(gateway_request, NULL, NULL)
-{
-    RUN_TEST(test_a_published_crc);
-    RUN_TEST(test_every_length_of_the_header);
-    RUN_TEST(test_a_frame_is_whole_with_its_last_byte);
-    RUN_TEST(test_another_protocol);
-    RUN_TEST(test_requests_of_every_length_and_their_beginnings);
-    RUN_TEST(test_answers_of_others_only);
-    RUN_TEST(test_functions);
-    RUN_TEST(test_every_count_and_the_edges_of_the_map);
-    RUN_TEST(test_write_several_in_all_sizes);
-}

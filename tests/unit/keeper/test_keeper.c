@@ -96,8 +96,7 @@ static void test_rollback_brings_the_set_before_back(void)
     (void)run_and_judge();
     const tumble_set_t first = set_of(TUMBLE_SET_ACTIVE);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK)); /* to what? */
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ROLLBACK));
     settle_memory();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ROLLED_BACK, state_of_keeper().verdict);
@@ -162,8 +161,7 @@ static void test_nor_is_one_of_the_history(void)
 static void test_nor_is_a_proposal(void)
 {
     (void)run_and_judge();
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
     TEST_ASSERT_TRUE(state_of_keeper().has_proposal);
 }
@@ -193,8 +191,7 @@ static void test_another_block_is_held(void)
     (void)run_and_judge();
     keeper_config.sets.serial = "TB-0002";
     keeper_power_cycle();
-    drift(1e-6);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(1e-6, TUMBLE_VERDICT_HELD);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK), state_of_keeper().objections);
 }
 
@@ -218,8 +215,7 @@ static void test_a_result_overtaken_by_a_start_is_not_lost(void)
     const tumble_can_frame_t heartbeat = {.id = 0x702, .length = 1, .data = {TUMBLE_NMT_OPERATIONAL}};
     const tumble_can_frame_t start = {
         .id = 0x601, .length = 8, .data = {0x2F, 0x02, 0x20, 0x02, TUMBLE_COMMAND_START}};
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     while ((bench_progress(&bench).run.samples < (BENCH_SAMPLES - 1U)) || (bench.fake.to_firmware.count < 2U)) {
         bench_event(&bench); /* until the last sample waits */
     }
@@ -260,8 +256,7 @@ static void test_a_memory_that_fails_leaves_the_active_set(void)
 /* The result that could not be stored is made again from the checkpoint, without the table. */
 static void test_what_could_not_be_stored_is_not_lost(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     while (run_state() != TUMBLE_STATE_DONE) {
         bench_event(&bench);
     }
@@ -286,8 +281,7 @@ static void test_a_memory_that_cannot_be_read_at_the_end(void)
 {
     (void)run_and_judge();
     drift(1e-5);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     memory.read_fails_at = 0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     settle_memory();
@@ -303,8 +297,7 @@ static void test_a_busy_memory_is_waited_for(void)
         memory.busy_every = every;
         keeper_power_cycle();
         settle_memory();
-        drift(1e-5);
-        TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+        assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
         TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->failures);
         TEST_ASSERT_EQUAL_UINT32(every - 1U, tumble_sets_counter(&keeper.sets));
         TEST_ASSERT_EQUAL_UINT8(every - 1U, tumble_history_count(&keeper.sets.history));
@@ -353,27 +346,4 @@ static void test_what_init_refuses(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_init(&bench.navcomp, &bench.config));
 }
 
-SUITE(keeper, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_good_result_becomes_the_active_set);
-    RUN_TEST(test_it_is_still_there_after_power_fails);
-    RUN_TEST(test_an_implausible_change_waits_for_an_operator);
-    RUN_TEST(test_a_proposal_can_be_discarded);
-    RUN_TEST(test_rollback_brings_the_set_before_back);
-    RUN_TEST(test_rollback_is_refused_while_a_proposal_waits);
-    RUN_TEST(test_commands_about_sets_wait_for_the_end_of_a_run);
-    RUN_TEST(test_the_same_result_is_not_stored_twice);
-    RUN_TEST(test_nor_is_one_of_the_history);
-    RUN_TEST(test_nor_is_a_proposal);
-    RUN_TEST(test_the_first_set_waits_unless_the_settings_say_otherwise);
-    RUN_TEST(test_without_a_declared_stand_nothing_is_committed);
-    RUN_TEST(test_another_block_is_held);
-    RUN_TEST(test_a_position_repeated_makes_a_new_result);
-    RUN_TEST(test_a_result_overtaken_by_a_start_is_not_lost);
-    RUN_TEST(test_a_memory_that_fails_leaves_the_active_set);
-    RUN_TEST(test_what_could_not_be_stored_is_not_lost);
-    RUN_TEST(test_a_memory_that_cannot_be_read_at_the_end);
-    RUN_TEST(test_a_busy_memory_is_waited_for);
-    RUN_TEST(test_a_missing_entry_of_the_history_is_written_at_power_on);
-    RUN_TEST(test_what_init_refuses);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -186,15 +186,4 @@ static void test_what_the_block_reports_is_counted(void)
     assert_numbers(50, 50, spoilt);
 }
 
-SUITE(keeper_at_rest, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_what_the_block_puts_out_is_measured);
-    RUN_TEST(test_what_is_refused);
-    RUN_TEST(test_a_run_that_begins_ends_it);
-    RUN_TEST(test_a_run_that_is_gone_on_with_ends_it);
-    RUN_TEST(test_a_run_by_itself_ends_it);
-    RUN_TEST(test_a_reset_of_the_node_ends_it);
-    RUN_TEST(test_what_is_lost_or_corrupted_is_counted);
-    RUN_TEST(test_frames_that_come_again_are_counted);
-    RUN_TEST(test_what_the_block_reports_is_counted);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

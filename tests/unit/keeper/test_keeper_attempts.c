@@ -64,6 +64,14 @@ static void copy_memory(nv_memory_t *to, const nv_memory_t *from)
     memcpy(to->bytes, from->bytes, sizeof to->bytes);
 }
 
+static void set_up(void)
+{
+    memory_init(&memory);
+    memory_init(&good);
+    run(NULL, 1, UTC_S, NULL);
+    copy_memory(&good, &memory);
+}
+
 /* What makes an attempt more than lines of a scenario. */
 
 static void other_block(uint64_t seed)
@@ -253,14 +261,4 @@ static void test_good_runs_do(void)
     }
 }
 
-SUITE(keeper_attempts, NULL, NULL)
-{
-    memory_init(&memory);
-    memory_init(&good);
-    run(NULL, 1, UTC_S, NULL);
-    copy_memory(&good, &memory);
-    RUN_TEST(test_none_of_them_reaches_the_active_set);
-    RUN_TEST(test_no_objection_is_left_out);
-    RUN_TEST(test_a_run_cut_and_gone_on_with_otherwise);
-    RUN_TEST(test_good_runs_do);
-}
+static const around_t around_each = {set_up, NULL};

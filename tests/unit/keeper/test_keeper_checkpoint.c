@@ -4,26 +4,22 @@
 /* One position measured over and over fills the log: it is begun anew, and nothing is lost. */
 static void test_a_full_checkpoint_is_written_anew(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
+    start_to_average(3);
     settle_memory();
     keeper.sets.checkpoint.next = TUMBLE_CHECKPOINT_CELLS;
     run_to_average(5);
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
 }
 
 /* The memory fails while the run goes on: the run does not mind. */
 static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     nv_refuse(&memory, NV_NEVER);
     run_to_average(9);
     nv_arm(&memory, nv_no_fault);
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, tumble_sets_counters(&keeper.sets)->failures);
 }
@@ -32,8 +28,7 @@ static void test_a_memory_that_fails_costs_the_checkpoint_alone(void)
 static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
 {
     nv_refuse(&memory, NV_NEVER);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
+    start_to_average(3);
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, tumble_sets_counters(&keeper.sets)->failures);
     TEST_ASSERT_EQUAL_UINT32(4U * TUMBLE_SETS_TRIES, memory.operations);
     nv_arm(&memory, nv_no_fault);
@@ -47,15 +42,13 @@ static void test_a_checkpoint_that_could_not_be_begun_is_tried_again(void)
 /* The same for one that was begun, and then could not even be read. */
 static void test_a_checkpoint_that_was_lost_is_begun_again(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
+    start_to_average(3);
     memory.read_fails_at = 0;
     run_to_average(6);
     TEST_ASSERT_EQUAL_UINT32(1U + (2U * TUMBLE_SETS_TRIES), tumble_sets_counters(&keeper.sets)->failures);
     memory.read_fails_at = NV_NEVER;
     run_to_average(7);
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(7, state_of_keeper().resumable);
 }
 
@@ -64,12 +57,10 @@ static void test_the_means_of_two_runs_are_not_mixed(void)
 {
     start_and_cut(6);
     nv_refuse(&memory, NV_NEVER);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(2);
+    start_to_average(2);
     nv_arm(&memory, nv_no_fault);
     run_to_average(3);
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(3, state_of_keeper().resumable);
 }
 
@@ -124,12 +115,4 @@ static void test_what_cannot_be_put_back_is_no_run_to_go_on_with(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->self_started);
 }
 
-SUITE(keeper_checkpoint, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_full_checkpoint_is_written_anew);
-    RUN_TEST(test_a_memory_that_fails_costs_the_checkpoint_alone);
-    RUN_TEST(test_a_checkpoint_that_could_not_be_begun_is_tried_again);
-    RUN_TEST(test_a_checkpoint_that_was_lost_is_begun_again);
-    RUN_TEST(test_the_means_of_two_runs_are_not_mixed);
-    RUN_TEST(test_what_cannot_be_put_back_is_no_run_to_go_on_with);
-}
+static const around_t around_each = {keeper_power_on, NULL};

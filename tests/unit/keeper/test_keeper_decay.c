@@ -24,8 +24,7 @@ static void decay(uint32_t sequence)
 
 static void commit_one(uint32_t sequence)
 {
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL(TUMBLE_ORIGIN_COMMITTED, set_of(TUMBLE_SET_ACTIVE).origin);
     TEST_ASSERT_EQUAL_UINT32(sequence, tumble_sets_counter(&keeper.sets));
     TEST_ASSERT_EQUAL_UINT8(sequence + events, tumble_history_count(&keeper.sets.history));
@@ -155,8 +154,7 @@ static void test_and_unreadable_it_remains(void)
     drift(1e-5);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     memory.read_fails_at = 0;
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    settle_memory();
+    end_and_settle();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_FAILED, state_of_keeper().verdict);
     memory.read_fails_at = NV_NEVER;
     keeper_power_cycle();
@@ -206,15 +204,4 @@ static void test_parameters_that_can_be_read_at_the_second_attempt(void)
     }
 }
 
-SUITE(keeper_decay, set_up, NULL)
-{
-    RUN_TEST(test_while_its_successor_is_judged);
-    RUN_TEST(test_while_power_is_off);
-    RUN_TEST(test_both_slots);
-    RUN_TEST(test_it_is_told_again_after_a_reset);
-    RUN_TEST(test_a_run_is_due);
-    RUN_TEST(test_not_decayed_but_unreadable_at_power_on);
-    RUN_TEST(test_and_unreadable_it_remains);
-    RUN_TEST(test_parameters_beside_some_that_cannot_be_read_are_refused);
-    RUN_TEST(test_parameters_that_can_be_read_at_the_second_attempt);
-}
+static const around_t around_each = {set_up, NULL};

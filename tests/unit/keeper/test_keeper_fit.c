@@ -155,9 +155,3 @@ static void test_steps_do_not(void)
         TEST_ASSERT_GREATER_THAN_UINT32(runs() / 50U, tally.far_before);
     }
 }
-
-SUITE(keeper_fit, NULL, NULL)
-{
-    RUN_TEST(test_honest_runs_fit);
-    RUN_TEST(test_steps_do_not);
-}

@@ -70,8 +70,7 @@ static void test_a_run_under_way_is_given_up(void)
 /* By the board: noticed within a heartbeat. */
 static void test_the_board_ends_a_run(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
+    start_to_average(3);
     board_inhibits = true;
     bench_pass(&bench, 0.11);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_ABORT, run_state());
@@ -121,8 +120,7 @@ static void test_a_run_that_slipped_through_is_given_up(void)
 
 static void test_a_fault_waits_until_the_inhibit_is_over(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
+    start_to_average(3);
     bench.block.dead = true;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
     tumble_keeper_inhibit(&keeper, 60);
@@ -150,10 +148,8 @@ static void test_inhibited_it_does_not_start_by_itself(void)
 
 static void test_nor_goes_on_after_a_loss_of_power(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(3);
-    settle_memory();
-    keeper_power_cycle();
+    start_to_average(3);
+    settle_and_power_cycle();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     tumble_keeper_inhibit(&keeper, 60); /* while the means are put back */
     bench_pass(&bench, 1.0);
@@ -204,8 +200,7 @@ static void test_not_before_it_is_homed_nor_in_a_run(void)
 {
     wait_for_stand(TUMBLE_STAND_READY);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_turn(&bench.navcomp, 10.0));
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(1);
+    start_to_average(1);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_turn(&bench.navcomp, 10.0));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_HOME_AXIS));
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
@@ -240,19 +235,4 @@ static void test_a_validator_is_not_interrupted_at_once(void)
     TEST_ASSERT_NOT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }
 
-SUITE(keeper_inhibit, keeper_power_on, NULL)
-{
-    RUN_TEST(test_the_host_inhibits_for_a_time);
-    RUN_TEST(test_the_board_inhibits_as_long_as_it_likes);
-    RUN_TEST(test_a_run_under_way_is_given_up);
-    RUN_TEST(test_the_board_ends_a_run);
-    RUN_TEST(test_a_contact_that_bounces_inhibits_all_the_same);
-    RUN_TEST(test_a_run_that_slipped_through_is_given_up);
-    RUN_TEST(test_a_fault_waits_until_the_inhibit_is_over);
-    RUN_TEST(test_inhibited_it_does_not_start_by_itself);
-    RUN_TEST(test_nor_goes_on_after_a_loss_of_power);
-    RUN_TEST(test_a_validator_homes_and_turns_the_table);
-    RUN_TEST(test_not_before_it_is_homed_nor_in_a_run);
-    RUN_TEST(test_abort_and_inhibit_stop_it);
-    RUN_TEST(test_a_validator_is_not_interrupted_at_once);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -32,8 +32,7 @@ static void test_every_object_answers(void)
     const unsigned before = count_answers(&tumble_keeper_table);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     const unsigned with_one = count_answers(&tumble_keeper_table);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const unsigned with_both = count_answers(&tumble_keeper_table);
     printf("values that answer: %u, with an active set %u, with a proposal %u; rows %u and %u, the latter of %u bytes\n",
            before, with_one, with_both, (unsigned)tumble_navcomp_table.count, (unsigned)tumble_keeper_table.count,
@@ -90,10 +89,8 @@ static void test_the_sets(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1800000000));
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
     check_set(TUMBLE_SET_ACTIVE);
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     check_set(TUMBLE_SET_ACTIVE);
     check_set(TUMBLE_SET_PROPOSAL);
     check_set(TUMBLE_SET_PREVIOUS);
@@ -250,10 +247,6 @@ static void test_the_settings(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_f32(0x2126, 1, 0.5F));
 }
 
-/* The scripted block stands on an ideal stand: its angles are zero within their uncertainties. */
-
-/* Listen for the keeper's PDO. Returns how many came; the last one's counter, objections, verdict, due. */
-
 static void test_the_table_is_turned_by_sdo_between_runs(void)
 {
     uint8_t bytes[8];
@@ -275,15 +268,4 @@ static void test_the_table_is_turned_by_sdo_between_runs(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, sdo_write(0x2002, 3, bytes, 8));
 }
 
-SUITE(keeper_objects, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_every_object_answers);
-    RUN_TEST(test_the_sets);
-    RUN_TEST(test_what_a_set_does_not_know_is_refused);
-    RUN_TEST(test_a_memory_that_cannot_be_read_now_or_at_all);
-    RUN_TEST(test_uncertainties_of_the_result);
-    RUN_TEST(test_the_state_is_the_keepers);
-    RUN_TEST(test_what_the_host_tells);
-    RUN_TEST(test_the_settings);
-    RUN_TEST(test_the_table_is_turned_by_sdo_between_runs);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

@@ -178,8 +178,7 @@ static void test_a_run_that_is_given_up_is_not_added_to(void)
 /* The result is in the store, and its entry is about to be written. */
 static void run_to_history(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     for (int i = 0; (i < 2000) && !tumble_history_busy(&keeper.sets.history); i++) {
         bench_event(&bench);
     }
@@ -217,8 +216,7 @@ static void test_an_entry_that_is_refused_too_often_waits_for_the_next_job(void)
     settle_memory();
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, failures());
     assert_history(0, 0);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     assert_history(1, 1);
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_SETS_TRIES, failures());
 }
@@ -278,20 +276,4 @@ static void test_it_comes_to_rest_where_every_so_many_reads_fail(void)
     }
 }
 
-SUITE(keeper_refused, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_mean_that_is_refused_once_or_twice_is_kept);
-    RUN_TEST(test_a_mean_that_is_refused_too_often_waits_for_the_next);
-    RUN_TEST(test_a_memory_that_refuses_for_ever_is_asked_so_often_a_mean);
-    RUN_TEST(test_a_mean_that_goes_while_it_is_tried_does_not_come_back);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none_of_another);
-    RUN_TEST(test_a_run_that_begins_leaves_none_of_another);
-    RUN_TEST(test_a_run_that_is_given_up_leaves_none_unread);
-    RUN_TEST(test_a_run_that_is_given_up_is_not_added_to);
-    RUN_TEST(test_an_entry_of_the_history_that_is_refused_is_written);
-    RUN_TEST(test_an_entry_that_is_refused_too_often_waits_for_the_next_job);
-    RUN_TEST(test_the_next_set_is_tried_as_often);
-    RUN_TEST(test_an_entry_is_written_once_the_history_can_be_read);
-    RUN_TEST(test_it_comes_to_rest_where_every_so_many_reads_fail);
-}
+static const around_t around_each = {keeper_power_on, NULL};

@@ -5,11 +5,9 @@
 static void test_a_held_proposal_is_recognised_beside_a_set_before(void)
 {
     (void)run_and_judge();
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     (void)set_of(TUMBLE_SET_PREVIOUS);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const tumble_set_t held = set_of(TUMBLE_SET_PROPOSAL);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
@@ -23,10 +21,8 @@ static void test_a_held_proposal_is_recognised_beside_a_set_before(void)
 static void test_the_set_before_is_recognised_without_a_history(void)
 {
     (void)run_and_judge();
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     memset(&memory.bytes[(size_t)TUMBLE_REGION_HISTORY * MEMORY_SECTOR], 0xFF, 2U * MEMORY_SECTOR);
     drift(-2e-3 - 1e-5);
     keeper_power_cycle();
@@ -35,8 +31,4 @@ static void test_the_set_before_is_recognised_without_a_history(void)
     TEST_ASSERT_EQUAL_UINT32(2, tumble_sets_counter(&keeper.sets));
 }
 
-SUITE(keeper_repeated, keeper_power_on, NULL)
-{
-    RUN_TEST(test_a_held_proposal_is_recognised_beside_a_set_before);
-    RUN_TEST(test_the_set_before_is_recognised_without_a_history);
-}
+static const around_t around_each = {keeper_power_on, NULL};

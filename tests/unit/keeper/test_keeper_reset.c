@@ -60,8 +60,7 @@ static void test_what_is_about_to_go_cannot_be_resumed(void)
 /* A run under way is one that can be gone on with, as after a loss of power. */
 static void test_a_run_reset_later_can_be_gone_on_with(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     settle_memory();
     reset_application();
     bench_pass(&bench, 1.0);
@@ -165,16 +164,4 @@ static void test_a_start_while_it_is_being_saved(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
 }
 
-SUITE(keeper_reset, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_a_run_reset_as_it_begins_leaves_none_to_go_on_with);
-    RUN_TEST(test_it_starts_by_itself_after_a_reset);
-    RUN_TEST(test_what_is_about_to_go_cannot_be_resumed);
-    RUN_TEST(test_a_run_reset_later_can_be_gone_on_with);
-    RUN_TEST(test_a_reset_ends_going_on);
-    RUN_TEST(test_a_reset_brings_back_what_fits_the_run);
-    RUN_TEST(test_no_start_before_what_was_saved_is_in_force);
-    RUN_TEST(test_no_start_while_a_busy_memory_is_waited_for);
-    RUN_TEST(test_a_start_where_nothing_can_be_read);
-    RUN_TEST(test_a_start_while_it_is_being_saved);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

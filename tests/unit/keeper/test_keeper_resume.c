@@ -51,8 +51,7 @@ static void test_cut_twice(void)
 /* Power fails when all is measured and nothing is stored: the result comes without the table. */
 static void test_cut_before_the_result_is_stored(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     while (run_state() != TUMBLE_STATE_DONE) {
         bench_event(&bench);
     }
@@ -74,8 +73,7 @@ static void test_cut_before_the_result_is_stored(void)
 static void test_a_committed_run_is_not_gone_on_with(void)
 {
     static uint8_t kept[2U * MEMORY_SECTOR];
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     settle_memory();
     memcpy(kept, &memory.bytes[CHECKPOINT_AT], sizeof kept);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
@@ -93,8 +91,7 @@ static void test_a_held_run_gives_no_second_proposal(void)
     static uint8_t kept[2U * MEMORY_SECTOR];
     settings.limits.flags = 0;
     keeper_power_cycle();
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(17);
+    start_to_average(17);
     settle_memory();
     memcpy(kept, &memory.bytes[CHECKPOINT_AT], sizeof kept);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
@@ -115,8 +112,7 @@ static void test_it_is_busy_until_all_is_stored(void)
         settings.limits.flags = flags[i];
         keeper_power_cycle();
         drift(1e-5);
-        ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-        TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+        run_to_done();
         while (state_of_keeper().busy || (state_of_keeper().verdict == TUMBLE_VERDICT_WORKING)) {
             bench_event(&bench);
         }
@@ -139,11 +135,9 @@ static void test_start_abort_and_done_leave_nothing_to_go_on_with(void)
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME));
 
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_ABORT));
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(0, state_of_keeper().resumable);
 
     (void)run_and_judge();
@@ -154,30 +148,25 @@ static void test_start_abort_and_done_leave_nothing_to_go_on_with(void)
 /* A run that is begun while the result of the one before is still being stored keeps its own checkpoint. */
 static void test_a_run_begun_at_once_keeps_its_checkpoint(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
     while (!tumble_store_busy(&keeper.sets.store)) {
         bench_event(&bench); /* before that a START is refused */
     }
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(5);
+    start_to_average(5);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_COMMITTED, state_of_keeper().verdict);
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
 }
 
 /* FAULT keeps it: what was measured before a fault and then a loss of power is not lost. */
 static void test_a_fault_keeps_it(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     bench.block.dead = true;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_DONE, 60.0));
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);
 }
 
@@ -248,8 +237,7 @@ static void test_start_overtakes_a_resumption(void)
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_RESUME));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_RESUME)); /* once */
     bench_event(&bench);
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     TEST_ASSERT_EQUAL_UINT32(POSITIONS, bench_counters(&bench).procedure.positions);
     TEST_ASSERT_EQUAL_UINT32(0, tumble_sets_counters(&keeper.sets)->resumed);
 }
@@ -257,22 +245,18 @@ static void test_start_overtakes_a_resumption(void)
 /* A position that is dropped on purpose does not come back after a loss of power. */
 static void test_a_mean_that_was_dropped_stays_dropped(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 2));
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(5, state_of_keeper().resumable);
     TEST_ASSERT_FALSE(tumble_checkpoint_has(&keeper.sets.checkpoint, 2));
 }
 
 static void test_a_mounting_that_was_dropped_stays_dropped(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(12);
+    start_to_average(12);
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_MOUNTING, 1));
-    settle_memory();
-    keeper_power_cycle();
+    settle_and_power_cycle();
     TEST_ASSERT_EQUAL_UINT8(3, state_of_keeper().resumable);
 }
 
@@ -288,8 +272,7 @@ static void test_a_damaged_entry_is_measured_again(void)
 static void test_after_an_nmt_reset_the_run_can_be_gone_on_with(void)
 {
     const tumble_can_frame_t reset = {.id = 0, .length = 2, .data = {TUMBLE_NMT_RESET_NODE, 1}};
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    run_to_average(6);
+    start_to_average(6);
     settle_memory();
     fake_port_give(&bench.fake, &reset);
     bench_pass(&bench, 0.5);
@@ -313,30 +296,9 @@ static void test_a_position_of_a_resumed_run_is_repeated(void)
     TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
     TEST_ASSERT_BITS_HIGH(TUMBLE_SET_RESUMED, set.flags);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 25.0, set.temperature_c);
-    drift(1e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(1e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_BITS_LOW(TUMBLE_SET_RESUMED, set_of(TUMBLE_SET_ACTIVE).flags);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 31.0, set_of(TUMBLE_SET_ACTIVE).temperature_c);
 }
 
-SUITE(keeper_resume, keeper_power_on, NULL)
-{
-    RUN_TEST(test_cut_at_every_position_the_result_is_the_same);
-    RUN_TEST(test_a_busy_memory_is_waited_for);
-    RUN_TEST(test_cut_twice);
-    RUN_TEST(test_cut_before_the_result_is_stored);
-    RUN_TEST(test_a_committed_run_is_not_gone_on_with);
-    RUN_TEST(test_a_held_run_gives_no_second_proposal);
-    RUN_TEST(test_it_is_busy_until_all_is_stored);
-    RUN_TEST(test_start_abort_and_done_leave_nothing_to_go_on_with);
-    RUN_TEST(test_a_run_begun_at_once_keeps_its_checkpoint);
-    RUN_TEST(test_a_fault_keeps_it);
-    RUN_TEST(test_block_stand_schedule_and_configuration_must_be_the_same);
-    RUN_TEST(test_a_configuration_written_meanwhile);
-    RUN_TEST(test_start_overtakes_a_resumption);
-    RUN_TEST(test_a_mean_that_was_dropped_stays_dropped);
-    RUN_TEST(test_a_mounting_that_was_dropped_stays_dropped);
-    RUN_TEST(test_a_damaged_entry_is_measured_again);
-    RUN_TEST(test_after_an_nmt_reset_the_run_can_be_gone_on_with);
-    RUN_TEST(test_a_position_of_a_resumed_run_is_repeated);
-}
+static const around_t around_each = {keeper_power_on, NULL};

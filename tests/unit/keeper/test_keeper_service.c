@@ -137,8 +137,7 @@ static void test_rules_that_come_back_in_time_excuse_nothing(void)
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1.0));
     bench.logged = 0;
-    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
-    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    run_to_done();
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
     ASSERT_STATUS(TUMBLE_OK, tumble_service_unlock(&bench.navcomp, TUMBLE_SERVICE_KEY));
     bench.navcomp.procedure_config.gravity_limit_g = 3e-4; /* as quickly as can be */
@@ -217,12 +216,10 @@ static uint32_t name_proposal(uint32_t name)
 static void test_the_proposal_that_was_read_is_accepted_or_none(void)
 {
     (void)run_and_judge();
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const uint32_t read = read_number(0x2102, 14, 4);
     TEST_ASSERT_EQUAL_HEX32(set_of(TUMBLE_SET_PROPOSAL).record_crc, read);
-    drift(2e-3);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const uint32_t other = read_number(0x2102, 14, 4);
     TEST_ASSERT_NOT_EQUAL(read, other);
     TEST_ASSERT_EQUAL_UINT32(set_of(TUMBLE_SET_PROPOSAL).sequence, 2); /* its sequence would not have told */
@@ -309,20 +306,4 @@ static void test_a_run_gone_on_with_ends_the_level(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, give_key(TUMBLE_SERVICE_KEY));
 }
 
-SUITE(keeper_service, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_nobody_voids_the_rules_at_normal_level);
-    RUN_TEST(test_a_disturbed_run_under_voided_rules_is_held);
-    RUN_TEST(test_every_rule_that_is_another_is_an_objection);
-    RUN_TEST(test_rules_that_come_back_in_time_excuse_nothing);
-    RUN_TEST(test_saved_rules_are_the_boards);
-    RUN_TEST(test_rules_that_could_not_be_saved_are_others);
-    RUN_TEST(test_what_was_saved_is_the_boards_after_a_reset_too);
-    RUN_TEST(test_what_the_board_sets_is_the_boards);
-    RUN_TEST(test_the_proposal_that_was_read_is_accepted_or_none);
-    RUN_TEST(test_the_board_names_it_as_well);
-    RUN_TEST(test_what_is_accepted_at_service_level_says_so);
-    RUN_TEST(test_a_run_by_itself_ends_the_level);
-    RUN_TEST(test_a_start_that_is_refused_does_not_end_it);
-    RUN_TEST(test_a_run_gone_on_with_ends_the_level);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

@@ -76,8 +76,7 @@ static void test_saving_is_refused_with_the_right_code(void)
 static void test_a_smaller_memory_has_no_room_for_parameters(void)
 {
     memory.nv.size_bytes = 8U * MEMORY_SECTOR;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, read_number(0x1010, 1, 4));
     unlock();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_STORE, write_and_wait(0x1010, 1));
@@ -122,8 +121,7 @@ static void test_history_and_trend(void)
     (void)run_and_judge();
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2163, 1));
     ASSERT_STATUS(TUMBLE_OK, tumble_sets_set_utc(&keeper.sets, 1802629746)); /* a month later */
-    drift(2e-5);
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(2e-5, TUMBLE_VERDICT_COMMITTED);
     TEST_ASSERT_EQUAL_UINT32(2, read_number(0x2160, 2, 1));
     for (uint8_t age = 0; age < 2U; age++) {
         tumble_history_entry_t entry;
@@ -241,8 +239,7 @@ static void test_without_a_keeper_there_are_none_of_these_objects(void)
     keeper_prepare();
     bench.config.keeping = NULL;
     bench.config.keeper = NULL;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     for (uint8_t i = 0; i < tumble_keeper_table.count; i++) {
         const tumble_entry_t *entry = &tumble_keeper_table.entries[i];
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, refusal_of(entry->index, entry->subindex));
@@ -251,17 +248,4 @@ static void test_without_a_keeper_there_are_none_of_these_objects(void)
     TEST_ASSERT_EQUAL_UINT(0, listen_for_pdo(5.0, last));
 }
 
-SUITE(keeper_views, keeper_sdo_power_on, NULL)
-{
-    RUN_TEST(test_parameters_outlast_power_when_they_are_saved);
-    RUN_TEST(test_a_reset_of_the_node_is_as_good_as_power_off);
-    RUN_TEST(test_saving_is_refused_with_the_right_code);
-    RUN_TEST(test_a_smaller_memory_has_no_room_for_parameters);
-    RUN_TEST(test_the_positions_and_their_means);
-    RUN_TEST(test_history_and_trend);
-    RUN_TEST(test_the_stand_as_it_is_seen);
-    RUN_TEST(test_the_stand_of_a_run_after_a_reset);
-    RUN_TEST(test_a_board_that_does_not_look_at_the_stand);
-    RUN_TEST(test_the_calibration_counter_is_broadcast);
-    RUN_TEST(test_without_a_keeper_there_are_none_of_these_objects);
-}
+static const around_t around_each = {keeper_sdo_power_on, NULL};

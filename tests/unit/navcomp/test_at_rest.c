@@ -350,23 +350,4 @@ static void test_the_count_of_spoilt_samples_stops_at_its_end(void)
     assert_numbers(100, 4, UINT16_MAX);
 }
 
-SUITE(at_rest, set_up, NULL)
-{
-    RUN_TEST(test_fractions_by_hand);
-    RUN_TEST(test_volts_and_their_sign);
-    RUN_TEST(test_thirteen_samples);
-    RUN_TEST(test_the_order_does_not_matter);
-    RUN_TEST(test_the_sums_hold_the_most_samples);
-    RUN_TEST(test_little_noise_among_the_most_samples);
-    RUN_TEST(test_the_sums_hold_the_largest_counts);
-    RUN_TEST(test_one_sample_is_none);
-    RUN_TEST(test_nothing_is_told_before_all_are_there);
-    RUN_TEST(test_what_is_missing_is_spoilt);
-    RUN_TEST(test_what_comes_again_or_too_late_is_spoilt);
-    RUN_TEST(test_what_was_dropped_is_spoilt);
-    RUN_TEST(test_saturated_samples_are_spoilt);
-    RUN_TEST(test_whatever_the_block_reports_is_spoilt);
-    RUN_TEST(test_what_lies_too_far_from_the_first_is_spoilt);
-    RUN_TEST(test_spoilt_samples_are_not_averaged);
-    RUN_TEST(test_the_count_of_spoilt_samples_stops_at_its_end);
-}
+static const around_t around_each = {set_up, NULL};

@@ -164,8 +164,7 @@ static void test_a_block_that_does_not_start_is_told_again_now_and_then(void)
 static void test_it_stays_operational(void)
 {
     const uint8_t commands[] = {TUMBLE_NMT_STOP, TUMBLE_NMT_ENTER_PRE_OPERATIONAL};
-    bench_power_on(&bench);
-    bench_pass(&bench, 0.5);
+    power_on_for(0.5);
     for (size_t i = 0; i < sizeof commands; i++) {
         give(TUMBLE_NMT_ID, 2, (const uint8_t[]){commands[i], 1});
         bench_event(&bench);
@@ -185,7 +184,7 @@ static void test_a_reset_by_nmt_stops_the_table_and_brings_the_axis_up_again(voi
         give(TUMBLE_NMT_ID, 2, (const uint8_t[]){commands[i], 1});
         bench_event(&bench);
         TEST_ASSERT_FALSE(scripted_drive_moves(&bench.drive));
-        TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_CONTROL_QUICK_STOP, bench.drive.controlword); /* and it may still brake */
+        TEST_ASSERT_EQUAL_HEX16(TUMBLE_402_CONTROL_QUICK_STOP, bench.drive.control); /* and it may still brake */
         const bool node = commands[i] == TUMBLE_NMT_RESET_NODE;
         TEST_ASSERT_EQUAL(node ? TUMBLE_STATE_IDLE : TUMBLE_STATE_ABORT, bench_progress(&bench).run.state);
         bench_pass(&bench, 2.0);
@@ -241,8 +240,7 @@ static void test_a_port_that_lies_counts_as_down(void)
 
 static void test_a_clock_that_goes_back_does_no_harm(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     const uint64_t now_us = bench.fake.now_us;
     bench.fake.now_us = 0;
     tumble_navcomp_step(&bench.navcomp);
@@ -254,8 +252,7 @@ static void test_a_clock_that_goes_back_does_no_harm(void)
 
 static void test_malformed_and_foreign_frames_are_counted(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     tumble_can_frame_t frame = {.id = 0x800, .length = 1};
     fake_port_give(&bench.fake, &frame);
     frame = (tumble_can_frame_t){.id = 0x123, .length = 9};
@@ -352,8 +349,7 @@ static void test_commands_out_of_place_are_refused_and_counted(void)
 
 static void test_a_command_is_due_at_once(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&bench.navcomp, TUMBLE_COMMAND_START, 0));
     TEST_ASSERT_TRUE(tumble_navcomp_next_deadline_us(&bench.navcomp) <= bench.fake.now_us);
 }
@@ -366,25 +362,4 @@ static void test_names_of_commands(void)
     TEST_ASSERT_EQUAL_STRING("this command is not in the list", tumble_command_sentence((tumble_command_t)99));
 }
 
-SUITE(navcomp_bus, bench_begin, NULL)
-{
-    RUN_TEST(test_init_refuses_what_it_cannot_work_with);
-    RUN_TEST(test_nodes_may_swap_their_numbers);
-    RUN_TEST(test_nothing_is_sent_before_the_first_step);
-    RUN_TEST(test_boot_up_then_heartbeats_as_operational);
-    RUN_TEST(test_the_heartbeat_time_comes_from_the_configuration);
-    RUN_TEST(test_drive_and_block_are_started_wherever_they_are_found);
-    RUN_TEST(test_a_block_that_does_not_start_is_told_again_now_and_then);
-    RUN_TEST(test_it_stays_operational);
-    RUN_TEST(test_a_reset_by_nmt_stops_the_table_and_brings_the_axis_up_again);
-    RUN_TEST(test_a_port_without_room_is_asked_again_later);
-    RUN_TEST(test_a_port_that_is_often_busy_loses_nothing);
-    RUN_TEST(test_a_port_that_lies_counts_as_down);
-    RUN_TEST(test_a_clock_that_goes_back_does_no_harm);
-    RUN_TEST(test_malformed_and_foreign_frames_are_counted);
-    RUN_TEST(test_garbage_does_no_lasting_harm);
-    RUN_TEST(test_a_step_takes_a_bounded_number_of_frames);
-    RUN_TEST(test_commands_out_of_place_are_refused_and_counted);
-    RUN_TEST(test_a_command_is_due_at_once);
-    RUN_TEST(test_names_of_commands);
-}
+static const around_t around_each = {bench_begin, NULL};

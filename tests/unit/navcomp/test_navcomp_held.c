@@ -33,8 +33,7 @@ static void assert_held(void)
 static void test_a_run_keeps_what_the_axis_hangs_on(void)
 {
     static const object_write_t state_pdo = {0x1802, 5, 2, 500};
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     assert_held();
     TEST_ASSERT_EQUAL(TUMBLE_STATE_AVERAGE, bench_run(&bench, TUMBLE_STATE_AVERAGE, 60.0));
@@ -48,8 +47,7 @@ static void test_a_run_keeps_what_the_axis_hangs_on(void)
 /* In segments too; and a run that has failed may go on, so it is held as well. */
 static void test_a_failed_run_and_a_drive_that_is_there_keep_it(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL(TUMBLE_STATE_AVERAGE, bench_run(&bench, TUMBLE_STATE_AVERAGE, 60.0));
     bench.block.dead = true;
@@ -81,9 +79,4 @@ static void test_without_a_drive_it_is_free(void)
     }
 }
 
-SUITE(navcomp_held, bench_begin, NULL)
-{
-    RUN_TEST(test_a_run_keeps_what_the_axis_hangs_on);
-    RUN_TEST(test_a_failed_run_and_a_drive_that_is_there_keep_it);
-    RUN_TEST(test_without_a_drive_it_is_free);
-}
+static const around_t around_each = {bench_begin, NULL};

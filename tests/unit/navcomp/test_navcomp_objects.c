@@ -33,8 +33,7 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
 {
     const uint8_t mounting[] = {1, 2};
     bench.never_confirm = true; /* the scripted operator has the day off */
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_STATE_IDLE, read_number(0x2000, 0, 1));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
     for (size_t i = 0; i < sizeof mounting; i++) {
@@ -65,8 +64,7 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
 
 static void test_commands_are_refused_with_the_right_code(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, command(TUMBLE_COMMAND_RESUME));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_VALUE, command(200));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_NONE));
@@ -76,8 +74,7 @@ static void test_commands_are_refused_with_the_right_code(void)
 
 static void test_what_there_is_not_yet_is_refused(void)
 {
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     for (uint8_t sub = 1; sub <= 3U; sub++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2010, sub));
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2011, sub));
@@ -147,8 +144,7 @@ static void test_the_configuration_can_be_written_between_runs(void)
 {
     uint8_t bytes[8];
     const uint8_t least_squares = TUMBLE_ESTIMATE_LEAST_SQUARES;
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2050, 1, 4));
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_REFINED, read_number(0x2050, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(100, read_number(0x2050, 3, 2));
@@ -243,17 +239,4 @@ static void test_the_state_pdo_follows_the_procedure(void)
     TEST_ASSERT_TRUE((states & (UINT32_C(1) << TUMBLE_STATE_AVERAGE)) != 0U);
 }
 
-SUITE(navcomp_objects, bench_begin, NULL)
-{
-    RUN_TEST(test_identity);
-    RUN_TEST(test_heartbeat_times_show_the_configuration);
-    RUN_TEST(test_an_outsider_runs_a_calibration_by_sdo);
-    RUN_TEST(test_commands_are_refused_with_the_right_code);
-    RUN_TEST(test_what_there_is_not_yet_is_refused);
-    RUN_TEST(test_progress_and_the_running_mean);
-    RUN_TEST(test_a_failure_shows_state_reason_and_code);
-    RUN_TEST(test_counters);
-    RUN_TEST(test_the_configuration_can_be_written_between_runs);
-    RUN_TEST(test_every_object_answers);
-    RUN_TEST(test_the_state_pdo_follows_the_procedure);
-}
+static const around_t around_each = {bench_begin, NULL};

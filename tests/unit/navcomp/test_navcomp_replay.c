@@ -174,12 +174,4 @@ static void test_a_changed_sample_is_noticed(void)
     TEST_ASSERT_TRUE(changed);
 }
 
-SUITE(navcomp_replay, set_up, NULL)
-{
-    RUN_TEST(test_the_same_clock);
-    RUN_TEST(test_frames_one_by_one);
-    RUN_TEST(test_another_epoch);
-    RUN_TEST(test_slower_and_faster_clocks);
-    RUN_TEST(test_many_steps_between_the_frames);
-    RUN_TEST(test_a_changed_sample_is_noticed);
-}
+static const around_t around_each = {set_up, NULL};

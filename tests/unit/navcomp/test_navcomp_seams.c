@@ -257,15 +257,4 @@ static void test_a_kind_of_stand_of_ones_own(void)
     TEST_ASSERT_EQUAL(TUMBLE_E_ARGUMENT, tumble_navcomp_init(&bench.navcomp, &bench.config)); /* it is on no bus */
 }
 
-SUITE(navcomp_seams, set_up, NULL)
-{
-    RUN_TEST(test_a_boards_own_converter);
-    RUN_TEST(test_with_a_converter_the_frames_of_a_block_are_ignored);
-    RUN_TEST(test_a_spoilt_conversion_is_corrupted_and_a_lie_is_a_fault_of_the_source);
-    RUN_TEST(test_an_endless_source_does_not_hold_a_step);
-    RUN_TEST(test_a_person_at_a_dividing_head);
-    RUN_TEST(test_a_person_and_a_converter);
-    RUN_TEST(test_an_angle_far_from_the_one_asked_for_is_not_taken);
-    RUN_TEST(test_a_person_who_does_not_answer_ends_the_run);
-    RUN_TEST(test_a_kind_of_stand_of_ones_own);
-}
+static const around_t around_each = {set_up, NULL};

@@ -16,8 +16,7 @@ static struct {
 static void set_up(void)
 {
     bench_init(&bench);
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
 }
 
 static void hear(const tumble_can_frame_t *frame)
@@ -161,8 +160,7 @@ static void test_a_reset_ends_it(void)
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_limit(1e-3));
     }
     unlock();
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, level());
 }
 
@@ -211,8 +209,7 @@ static void test_runs_are_numbered(void)
     fake_port_give(&bench.fake, &reset);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
-    bench_power_on(&bench);
-    bench_pass(&bench, 1.0);
+    power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(0, run_number());
 }
 
@@ -289,17 +286,4 @@ static void test_writes_from_inside_go_on(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_service_runs(&bench.navcomp));
 }
 
-SUITE(navcomp_service, set_up, NULL)
-{
-    RUN_TEST(test_refused_before_and_accepted_after_unlocking);
-    RUN_TEST(test_another_key_changes_nothing);
-    RUN_TEST(test_it_ends_after_its_time_unless_prolonged);
-    RUN_TEST(test_it_ends_when_a_run_begins_and_is_not_opened_in_one);
-    RUN_TEST(test_a_reset_ends_it);
-    RUN_TEST(test_its_changes_are_told);
-    RUN_TEST(test_runs_are_numbered);
-    RUN_TEST(test_a_repeated_position_out_of_done_is_a_run);
-    RUN_TEST(test_every_object_of_that_level_asks_for_it);
-    RUN_TEST(test_the_others_need_none);
-    RUN_TEST(test_writes_from_inside_go_on);
-}
+static const around_t around_each = {set_up, NULL};

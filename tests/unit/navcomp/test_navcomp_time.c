@@ -107,11 +107,4 @@ static void test_the_mark_follows_state_reason_position_and_attempt(void)
     TEST_ASSERT_TRUE(changes > 54U);
 }
 
-SUITE(navcomp_time, bench_begin, NULL)
-{
-    RUN_TEST(test_the_sample_timeout_stays_below_the_wrap_of_the_counter);
-    RUN_TEST(test_a_caller_that_sleeps_until_the_deadline_sees_a_timeout_when_it_is_due);
-    RUN_TEST(test_a_state_that_is_never_left_is_as_sharp_with_the_drive_under_way);
-    RUN_TEST(test_silence_of_the_block_ends_at_its_deadline);
-    RUN_TEST(test_the_mark_follows_state_reason_position_and_attempt);
-}
+static const around_t around_each = {bench_begin, NULL};

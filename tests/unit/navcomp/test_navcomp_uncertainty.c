@@ -98,9 +98,4 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     ASSERT_STATUS(TUMBLE_E_CRC, tumble_optimal_uncertainty(&source, &run, &stated));
 }
 
-SUITE(navcomp_uncertainty, set_up, NULL)
-{
-    RUN_TEST(test_they_are_those_of_the_estimator_in_use);
-    RUN_TEST(test_without_a_result_or_a_stand_nothing_is_stated);
-    RUN_TEST(test_those_of_a_gain_record_are_for_the_k_it_was_made_for);
-}
+static const around_t around_each = {set_up, NULL};

@@ -298,6 +298,18 @@ void bench_init(bench_t *bench)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench->procedure, &bench->config, &bench->table));
 }
 
+void bench_run_to_done(bench_t *bench)
+{
+    bench_run(bench);
+    ASSERT_ENDED(bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+}
+
+void bench_start_to_done(bench_t *bench)
+{
+    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench->procedure));
+    bench_run_to_done(bench);
+}
+
 void bench_start(bench_t *bench)
 {
     bench_init(bench);

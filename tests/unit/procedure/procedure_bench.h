@@ -97,6 +97,8 @@ void bench_run_to_position(bench_t *bench, uint8_t index, tumble_state_t state);
 
 void bench_init(bench_t *bench);
 void bench_start(bench_t *bench);
+void bench_run_to_done(bench_t *bench);
+void bench_start_to_done(bench_t *bench);
 
 #define ASSERT_ENDED(bench, expected_state, expected_reason)                                                           \
     do {                                                                                                               \

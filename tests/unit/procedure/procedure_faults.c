@@ -3,6 +3,9 @@
 static tumble_position_t spoilt[18];
 static tumble_schedule_t schedule;
 
+#define ACT(name, act)                                                                                                 \
+    static void name(bench_t *b) { act; }
+
 static void use_copy_of_paper(bench_t *b)
 {
     memcpy(spoilt, tumble_schedule_paper.positions, sizeof spoilt);
@@ -31,25 +34,10 @@ void schedule_of_one_mounting(bench_t *b)
     b->config.estimate = TUMBLE_ESTIMATE_LEAST_SQUARES;
 }
 
-static void too_few_samples(bench_t *b)
-{
-    b->config.samples = 9;
-}
-
-static void bad_gates(bench_t *b)
-{
-    b->averaging.stillness_ratio = 0.0F;
-}
-
-static void short_cable(bench_t *b)
-{
-    b->config.cable_max_deg = 300.0;
-}
-
-static void stand_offline(bench_t *b)
-{
-    b->stand.state = TUMBLE_STAND_OFFLINE;
-}
+ACT(too_few_samples, b->config.samples = 9)
+ACT(bad_gates, b->averaging.stillness_ratio = 0.0F)
+ACT(short_cable, b->config.cable_max_deg = 300.0)
+ACT(stand_offline, b->stand.state = TUMBLE_STAND_OFFLINE)
 
 static void stand_in_its_own_world(bench_t *b)
 {
@@ -63,8 +51,7 @@ static void stand_faulty(bench_t *b)
     bench_break_stand(b, TUMBLE_STAND_FAULT_DRIVE, 0x2310);
 }
 
-#define STAND_FAULT(name, fault, code)                                                                                 \
-    static void name(bench_t *b) { bench_break_stand(b, fault, code); }
+#define STAND_FAULT(name, fault, code) ACT(name, bench_break_stand(b, fault, code))
 
 STAND_FAULT(heartbeat_of_stand, TUMBLE_STAND_FAULT_HEARTBEAT, 0)
 STAND_FAULT(drive_fault, TUMBLE_STAND_FAULT_DRIVE, 0x3210)
@@ -78,20 +65,9 @@ STAND_FAULT(stop_not_seen, TUMBLE_STAND_FAULT_STOP, 0)
 STAND_FAULT(position_lost, TUMBLE_STAND_FAULT_POSITION, 0)
 STAND_FAULT(foreign_command, TUMBLE_STAND_FAULT_FOREIGN, 0)
 
-static void move_refused(bench_t *b)
-{
-    b->stand.refuses_moves = true;
-}
-
-static void homing_refused(bench_t *b)
-{
-    b->stand.refuses_homing = true;
-}
-
-static void never_arrives(bench_t *b)
-{
-    b->stand.never_arrives = true;
-}
+ACT(move_refused, b->stand.refuses_moves = true)
+ACT(homing_refused, b->stand.refuses_homing = true)
+ACT(never_arrives, b->stand.never_arrives = true)
 
 /* Within tolerance, but never at rest. */
 static void never_content(bench_t *b)
@@ -100,55 +76,16 @@ static void never_content(bench_t *b)
     b->stand.never_arrives = true;
 }
 
-static void encoder_leaves(bench_t *b)
-{
-    b->stand.error_deg = -0.06;
-}
-
-static void encoder_is_nonsense(bench_t *b)
-{
-    b->stand.error_deg = (double)NAN;
-}
-
-static void block_slips(bench_t *b)
-{
-    b->block.slip_deg = 25.0;
-}
-
-static void block_drifts(bench_t *b)
-{
-    b->block.drift_v = 0.0021;
-}
-
-static void block_dead(bench_t *b)
-{
-    tumble_procedure_set_block_alive(&b->procedure, false);
-}
-
-static void block_silent(bench_t *b)
-{
-    b->block.silent = true;
-}
-
-static void time_frozen(bench_t *b)
-{
-    b->block.frozen_time = true;
-}
-
-static void counter_frozen(bench_t *b)
-{
-    b->block.frozen_counter = true;
-}
-
-static void samples_lost(bench_t *b)
-{
-    b->block.lose_every = 5;
-}
-
-static void samples_corrupted(bench_t *b)
-{
-    b->block.corrupt_every = 2;
-}
+ACT(encoder_leaves, b->stand.error_deg = -0.06)
+ACT(encoder_is_nonsense, b->stand.error_deg = (double)NAN)
+ACT(block_slips, b->block.slip_deg = 25.0)
+ACT(block_drifts, b->block.drift_v = 0.0021)
+ACT(block_dead, tumble_procedure_set_block_alive(&b->procedure, false))
+ACT(block_silent, b->block.silent = true)
+ACT(time_frozen, b->block.frozen_time = true)
+ACT(counter_frozen, b->block.frozen_counter = true)
+ACT(samples_lost, b->block.lose_every = 5)
+ACT(samples_corrupted, b->block.corrupt_every = 2)
 
 /* The gaps in the counter alone would be allowed. */
 static void samples_corrupted_and_few_lost(bench_t *b)
@@ -158,35 +95,12 @@ static void samples_corrupted_and_few_lost(bench_t *b)
     b->config.retries = 0;
 }
 
-static void samples_corrupted_altogether(bench_t *b)
-{
-    b->block.corrupt_every = 1;
-}
-
-static void self_test(bench_t *b)
-{
-    b->block.status = TUMBLE_SAMPLE_SELF_TEST;
-}
-
-static void converter(bench_t *b)
-{
-    b->block.status = TUMBLE_SAMPLE_CONVERTER;
-}
-
-static void too_hot(bench_t *b)
-{
-    b->block.status = TUMBLE_SAMPLE_TEMPERATURE;
-}
-
-static void says_saturated(bench_t *b)
-{
-    b->block.status = TUMBLE_SAMPLE_SATURATED;
-}
-
-static void saturated(bench_t *b)
-{
-    b->block.u0_v[1] = 9.0;
-}
+ACT(samples_corrupted_altogether, b->block.corrupt_every = 1)
+ACT(self_test, b->block.status = TUMBLE_SAMPLE_SELF_TEST)
+ACT(converter, b->block.status = TUMBLE_SAMPLE_CONVERTER)
+ACT(too_hot, b->block.status = TUMBLE_SAMPLE_TEMPERATURE)
+ACT(says_saturated, b->block.status = TUMBLE_SAMPLE_SATURATED)
+ACT(saturated, b->block.u0_v[1] = 9.0)
 
 static void stuck(bench_t *b)
 {
@@ -195,42 +109,17 @@ static void stuck(bench_t *b)
     b->block.noise_counts = 0;
 }
 
-static void restless(bench_t *b)
-{
-    b->block.noise_counts = 200;
-}
+ACT(restless, b->block.noise_counts = 200)
 
 /* Never as certain as it should be. */
-static void out_of_budget(bench_t *b)
-{
-    b->config.error_budget_v = 1e-9;
-}
+ACT(out_of_budget, b->config.error_budget_v = 1e-9)
 
 /* Farther from one sample to the next than the averaging can sum. */
-static void leaping(bench_t *b)
-{
-    b->block.add_counts = 3000000;
-}
-
-static void warming(bench_t *b)
-{
-    b->block.warming_half_c = 3;
-}
-
-static void operator_away(bench_t *b)
-{
-    b->operator_is_away = true;
-}
-
-static void wrong_mounting(bench_t *b)
-{
-    b->operator_mounts = 1;
-}
-
-static void stays_in_mounting_1(bench_t *b)
-{
-    b->operator_mounts = 0;
-}
+ACT(leaping, b->block.add_counts = 3000000)
+ACT(warming, b->block.warming_half_c = 3)
+ACT(operator_away, b->operator_is_away = true)
+ACT(wrong_mounting, b->operator_mounts = 1)
+ACT(stays_in_mounting_1, b->operator_mounts = 0)
 
 static void swapped_xz(bench_t *b)
 {
@@ -244,20 +133,9 @@ static void swapped_xy(bench_t *b)
     b->block.channel[1] = 0;
 }
 
-static void inverted_z(bench_t *b)
-{
-    b->block.sign[2] = -1.0;
-}
-
-static void inverted_x(bench_t *b)
-{
-    b->block.sign[0] = -1.0;
-}
-
-static void scale_far_off(bench_t *b)
-{
-    b->config.nominal_scale_v_per_g = -0.5;
-}
+ACT(inverted_z, b->block.sign[2] = -1.0)
+ACT(inverted_x, b->block.sign[0] = -1.0)
+ACT(scale_far_off, b->config.nominal_scale_v_per_g = -0.5)
 
 /* Small angles tell the directions little, so a dead channel shows in the solution only. */
 static void dead_channel_at_small_angles(bench_t *b)
@@ -278,16 +156,8 @@ static void dead_channel_at_small_angles(bench_t *b)
     b->block.dead[0] = true;
 }
 
-static void bus_down(bench_t *b)
-{
-    tumble_procedure_set_bus_up(&b->procedure, false);
-}
-
-static void unsupervised(bench_t *b)
-{
-    tumble_procedure_set_supervised(&b->procedure, false);
-}
-
+ACT(bus_down, tumble_procedure_set_bus_up(&b->procedure, false))
+ACT(unsupervised, tumble_procedure_set_supervised(&b->procedure, false))
 #define CASE(reason, failed, before, during, index, state, late)                                                       \
     {TUMBLE_REASON_##reason, TUMBLE_STATE_##failed, before, during, TUMBLE_STATE_##state, index, late}
 #define BEFORE(reason, failed, act) CASE(reason, failed, act, NULL, 0, IDLE, false)

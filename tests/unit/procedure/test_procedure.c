@@ -23,9 +23,7 @@ static void assert_truth(const bench_t *b, const tumble_coefficients_t *found, d
 static void run_with(tumble_estimate_t estimate)
 {
     bench.config.estimate = estimate;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
 }
 
 static void test_every_estimator_finds_the_block(void)
@@ -182,9 +180,7 @@ static void test_closure_is_known_when_a_mounting_is_complete(void)
 static void test_no_warm_up_when_none_is_asked_for(void)
 {
     bench.config.warm_up_samples = 0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     TEST_ASSERT_EQUAL_HEX32(0, bench.visited & (1UL << TUMBLE_STATE_WARM_UP));
 }
 
@@ -215,8 +211,7 @@ static void test_a_cold_block_warms_up_without_being_a_fault(void)
     }
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
     bench.block.status = 0;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
 }
 
 /* Settling takes the block's time: at 10 ms a sample, 200 ms after the first sample in position. */
@@ -281,9 +276,7 @@ static void test_the_clock_does_not_matter(void)
         bench.now_us = starts_us[run];
         bench.block.lose_every = 37;
         bench.block.corrupt_every = 91;
-        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+        bench_start_to_done(&bench);
         bench.procedure.counters.samples = 0; /* how many come while it computes is a matter of steps */
         if (run == 0U) {
             first = bench;
@@ -368,26 +361,4 @@ static void test_init_refuses_nothing_at_all(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_procedure_init(&bench.procedure, &bench.config, NULL));
 }
 
-SUITE(procedure, set_up, NULL)
-{
-    RUN_TEST(test_every_estimator_finds_the_block);
-    RUN_TEST(test_result_is_what_the_core_makes_of_the_means);
-    RUN_TEST(test_a_run_walks_the_schedule_in_order);
-    RUN_TEST(test_every_state_is_visited_and_seen);
-    RUN_TEST(test_progress_tells_where_it_stands);
-    RUN_TEST(test_running_mean_is_in_volts);
-    RUN_TEST(test_schedule_with_check_positions_and_interleaved_mountings);
-    RUN_TEST(test_closure_is_known_when_a_mounting_is_complete);
-    RUN_TEST(test_no_warm_up_when_none_is_asked_for);
-    RUN_TEST(test_warm_up_waits_for_the_band);
-    RUN_TEST(test_a_cold_block_warms_up_without_being_a_fault);
-    RUN_TEST(test_settling_counts_the_blocks_milliseconds);
-    RUN_TEST(test_settling_ignores_old_samples);
-    RUN_TEST(test_settling_starts_again_when_the_table_moves_again);
-    RUN_TEST(test_no_settling_time_at_all);
-    RUN_TEST(test_the_clock_does_not_matter);
-    RUN_TEST(test_commands_are_allowed_where_the_table_says);
-    RUN_TEST(test_abort_stops_the_table_in_every_state);
-    RUN_TEST(test_a_second_run_starts_from_nothing);
-    RUN_TEST(test_init_refuses_nothing_at_all);
-}
+static const around_t around_each = {set_up, NULL};

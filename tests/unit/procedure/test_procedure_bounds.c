@@ -130,9 +130,7 @@ static void test_counts_that_go_down(void)
     bench_init(&bench);
     bench.config.v_per_count = -V_PER_COUNT;
     bench.config.nominal_scale_v_per_g = 2.0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
     TEST_ASSERT_DOUBLE_WITHIN(2e-5, 2.0, result.coefficients->k_v_per_g[0][0]);
@@ -211,8 +209,7 @@ static void test_a_run_that_goes_on_is_warm(void)
     bench.stand.error_deg = 0.0;
     bench.visited = 0;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_HEX32(0, bench.visited & ((uint32_t)1U << (unsigned)TUMBLE_STATE_WARM_UP));
 }
 
@@ -227,20 +224,4 @@ static void test_the_first_reason_stands(void)
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
 }
 
-SUITE(procedure_bounds, set_up, NULL)
-{
-    RUN_TEST(test_warm_up_wherever_the_temperature_is);
-    RUN_TEST(test_settling_to_the_millisecond);
-    RUN_TEST(test_settling_over_the_wrap_of_the_timestamp);
-    RUN_TEST(test_corrupted_frames_while_settling);
-    RUN_TEST(test_each_leg_of_a_move_has_its_own_time);
-    RUN_TEST(test_running_error_is_never_negative);
-    RUN_TEST(test_counts_that_go_down);
-    RUN_TEST(test_a_wrong_mounting_counts_as_refused);
-    RUN_TEST(test_saturated_and_stuck_are_not_tried_again);
-    RUN_TEST(test_every_preflight_has_its_own_reason);
-    RUN_TEST(test_every_preflight_wants_samples_of_its_own);
-    RUN_TEST(test_every_run_warms_up_for_itself);
-    RUN_TEST(test_a_run_that_goes_on_is_warm);
-    RUN_TEST(test_the_first_reason_stands);
-}
+static const around_t around_each = {set_up, NULL};

@@ -65,8 +65,7 @@ static void test_a_noisy_position_takes_as_many_as_it_needs(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to_position(&bench, 9, TUMBLE_STATE_SETTLE);
     bench.block.noise_counts = 200;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     const double needed = (COUNT_SIGMA_V(200) / 10e-6) * (COUNT_SIGMA_V(200) / 10e-6); /* 133 */
     for (uint8_t p = 9; p < 18U; p++) {
         const uint32_t taken = average_of(p)->samples;
@@ -122,8 +121,7 @@ static void test_a_position_that_never_gets_there_is_a_fault(void)
 
     bench.block.noise_counts = 30; /* what shook it has been switched off */
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT32(10, average_of(0)->samples);
 }
 
@@ -158,14 +156,4 @@ static void test_a_budget_must_be_a_size(void)
     }
 }
 
-SUITE(procedure_budget, set_up, NULL)
-{
-    RUN_TEST(test_a_quiet_block_takes_the_fewest_samples);
-    RUN_TEST(test_without_a_budget_all_are_taken);
-    RUN_TEST(test_a_noisy_position_takes_as_many_as_it_needs);
-    RUN_TEST(test_the_worst_channel_decides);
-    RUN_TEST(test_the_number_of_steps_makes_no_difference);
-    RUN_TEST(test_a_position_that_never_gets_there_is_a_fault);
-    RUN_TEST(test_the_last_sample_counts);
-    RUN_TEST(test_a_budget_must_be_a_size);
-}
+static const around_t around_each = {set_up, NULL};

@@ -24,9 +24,7 @@ static void test_init_needs_no_clean_memory(void)
 {
     memset(&bench.procedure, 0xA5, sizeof bench.procedure);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT32(18, counters()->positions);
 }
 
@@ -107,8 +105,7 @@ static void test_corrupted_frames_before_the_table_stands_do_not_count(void)
 {
     bench_run_to_position(&bench, 2, TUMBLE_STATE_MOVE);
     tumble_procedure_sample_faults(&bench.procedure, 100, 0);
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT32(0, counters()->refused);
 }
 
@@ -143,8 +140,7 @@ static void test_a_leap_ends_a_position_at_once_and_is_tried_again(void)
     bench.block.u0_v[0] -= 3.0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_SETTLE, bench_state_of(&bench));
     ASSERT_STATUS(TUMBLE_E_DEVIATION, progress().status);
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
 }
 
 /* A spread of exactly the band, and exactly so many samples. */
@@ -246,8 +242,7 @@ static void test_the_mounting_on_the_table_can_be_repeated(void)
     bench_run_to_position(&bench, 12, TUMBLE_STATE_AVERAGE);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_repeat_mounting(&bench.procedure, 2));
     TEST_ASSERT_EQUAL_UINT8(9, progress().finished);
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT(3, bench.confirmations); /* it is put on anew */
     TEST_ASSERT_EQUAL_UINT32(21, counters()->positions);
 }
@@ -265,8 +260,7 @@ static void test_a_homing_that_failed_is_not_taken_for_done(void)
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_HOMING);
     bench.stand.never_arrives = false;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure)); /* stopped, and still not homed */
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT(3, bench.stand.homes);
 }
 
@@ -317,27 +311,4 @@ static void test_a_closure_is_gone_while_its_mounting_is_measured_again(void)
     TEST_ASSERT_TRUE(tumble_procedure_closure_g(&bench.procedure, 1) > 0.0);
 }
 
-SUITE(procedure_edges, set_up, NULL)
-{
-    RUN_TEST(test_init_needs_no_clean_memory);
-    RUN_TEST(test_what_sample_tells);
-    RUN_TEST(test_no_sample_is_taken_while_computing);
-    RUN_TEST(test_counts_of_what_the_source_reports);
-    RUN_TEST(test_corrupted_frames_are_allowed_up_to_the_limit);
-    RUN_TEST(test_corrupted_frames_before_the_table_stands_do_not_count);
-    RUN_TEST(test_lost_samples_end_a_position_at_once);
-    RUN_TEST(test_saturation_ends_a_position_at_once);
-    RUN_TEST(test_a_leap_ends_a_position_at_once_and_is_tried_again);
-    RUN_TEST(test_warm_up_to_the_sample);
-    RUN_TEST(test_warm_up_starts_again_to_the_sample);
-    RUN_TEST(test_warm_up_counts_nothing_while_too_cold);
-    RUN_TEST(test_the_tolerance_is_the_last_angle_that_holds);
-    RUN_TEST(test_states_that_wait_for_nothing_wait_for_ever);
-    RUN_TEST(test_a_clock_that_goes_back_ends_nothing);
-    RUN_TEST(test_the_mounting_on_the_table_can_be_repeated);
-    RUN_TEST(test_a_homing_that_failed_is_not_taken_for_done);
-    RUN_TEST(test_the_drives_code_belongs_to_its_fault);
-    RUN_TEST(test_the_stands_refusal_is_readable);
-    RUN_TEST(test_a_new_start_forgets_attempts_and_closures);
-    RUN_TEST(test_a_closure_is_gone_while_its_mounting_is_measured_again);
-}
+static const around_t around_each = {set_up, NULL};

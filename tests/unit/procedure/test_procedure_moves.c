@@ -12,9 +12,7 @@ static void set_up(void)
 
 static void run(void)
 {
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
 }
 
 static void assert_moves(const double *expected_deg, size_t count)
@@ -275,18 +273,4 @@ static void test_cables_that_are_just_too_short(void)
     expect_refused(TUMBLE_REASON_CABLE_LIMIT, TUMBLE_E_ARGUMENT, __LINE__);
 }
 
-SUITE(procedure_moves, set_up, NULL)
-{
-    RUN_TEST(test_the_papers_schedule);
-    RUN_TEST(test_without_an_approach_every_angle_is_one_move);
-    RUN_TEST(test_an_approach_as_long_as_the_step);
-    RUN_TEST(test_an_equivalent_turn_within_the_cable);
-    RUN_TEST(test_unwinding);
-    RUN_TEST(test_always_from_below_and_never_beyond);
-    RUN_TEST(test_the_scheduled_turn_is_kept_when_allowed);
-    RUN_TEST(test_the_side_is_judged_by_the_actual_angle);
-    RUN_TEST(test_samples_too_few_for_the_stuck_gate);
-    RUN_TEST(test_configurations_out_of_range);
-    RUN_TEST(test_configurations_at_the_end_of_their_range);
-    RUN_TEST(test_cables_that_are_just_too_short);
-}
+static const around_t around_each = {set_up, NULL};

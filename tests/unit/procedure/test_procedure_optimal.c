@@ -44,9 +44,7 @@ static tumble_coefficients_t coefficients_of_a_run(void)
 {
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_init(&bench.procedure, &bench.config, &bench.table));
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_start_to_done(&bench);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
     TEST_ASSERT_TRUE(result.pass);
     return *result.coefficients;
@@ -127,13 +125,4 @@ static void test_a_record_that_is_damaged_on_the_way_gives_no_result(void)
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_result(&bench.procedure, &result));
 }
 
-SUITE(procedure_optimal, set_up, NULL)
-{
-    RUN_TEST(test_a_run_is_solved_with_the_gains_of_the_record);
-    RUN_TEST(test_a_run_does_not_begin_without_an_estimator);
-    RUN_TEST(test_a_run_does_not_begin_with_a_damaged_record);
-    RUN_TEST(test_a_run_does_not_begin_without_a_record);
-    RUN_TEST(test_a_run_does_not_begin_with_a_record_of_another_schedule);
-    RUN_TEST(test_a_schedule_that_is_not_valid_is_told_first);
-    RUN_TEST(test_a_record_that_is_damaged_on_the_way_gives_no_result);
-}
+static const around_t around_each = {set_up, NULL};

@@ -124,8 +124,7 @@ static void test_a_late_mean_is_tried_again_first(void)
     TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->retries);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->timeouts);
     bench.now_us += 1000000U;
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
 }
 
 /* The bias of 0.3 g on every channel that the first position must bear with, and a scale that is a tenth off. */
@@ -139,8 +138,7 @@ static void test_bias_and_scale_are_no_wrong_mounting(void)
                 bench.block.k_v_per_g[i][j] *= ((signs & 8U) != 0U) ? 1.1 : 0.9;
             }
         }
-        bench_run(&bench);
-        ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+        bench_run_to_done(&bench);
     }
 }
 
@@ -189,17 +187,4 @@ static void test_details_of_a_refusal_are_readable(void)
     tumble_procedure_progress(&bench.procedure, &progress);
     ASSERT_STATUS(TUMBLE_E_RANK, progress.status);
     TEST_ASSERT_EQUAL_HEX8(0x2, tumble_procedure_refusal(&bench.procedure).unidentified); /* K_iy */
-}
-
-SUITE(procedure_reasons, NULL, NULL)
-{
-    RUN_TEST(test_every_fault_has_its_reason);
-    RUN_TEST(test_no_reason_is_left_out);
-    RUN_TEST(test_every_state_that_waits_has_a_case_for_its_timeout);
-    RUN_TEST(test_timeouts_are_exact);
-    RUN_TEST(test_a_late_mean_is_tried_again_first);
-    RUN_TEST(test_bias_and_scale_are_no_wrong_mounting);
-    RUN_TEST(test_a_failed_gravity_check_is_a_result);
-    RUN_TEST(test_the_drives_code_is_taken_even_when_late);
-    RUN_TEST(test_details_of_a_refusal_are_readable);
 }

@@ -17,8 +17,7 @@ static uint8_t finished(void)
 
 static void assert_done(void)
 {
-    bench_run(&bench);
-    ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    bench_run_to_done(&bench);
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
     TEST_ASSERT_TRUE(result.pass);
@@ -283,26 +282,4 @@ static void test_a_new_configuration_mends_a_refused_one(void)
     assert_done();
 }
 
-SUITE(procedure_repeat, set_up, NULL)
-{
-    RUN_TEST(test_a_disturbed_position_is_tried_again_by_itself);
-    RUN_TEST(test_every_position_has_its_own_attempts);
-    RUN_TEST(test_a_brief_movement_of_the_table_is_a_repetition);
-    RUN_TEST(test_no_repetition_when_none_is_allowed);
-    RUN_TEST(test_resume_goes_on_at_the_failed_position);
-    RUN_TEST(test_resume_homes_again_after_a_power_loss);
-    RUN_TEST(test_resume_homes_again_after_a_failed_homing);
-    RUN_TEST(test_resume_fails_again_while_nothing_is_mended);
-    RUN_TEST(test_resume_from_every_position_ends_in_the_same_place);
-    RUN_TEST(test_the_operator_mends_a_mounting_that_nobody_confirmed);
-    RUN_TEST(test_the_operator_mends_a_wrong_mounting);
-    RUN_TEST(test_after_a_wrong_mounting_resume_asks_for_it_again);
-    RUN_TEST(test_swapped_channels_are_mended_without_starting_over);
-    RUN_TEST(test_confirm_mends_nothing_but_mountings);
-    RUN_TEST(test_repeat_one_position_while_running);
-    RUN_TEST(test_repeat_one_position_after_the_end);
-    RUN_TEST(test_repeat_one_mounting_after_the_end);
-    RUN_TEST(test_repeat_the_other_mounting_while_running);
-    RUN_TEST(test_a_closure_that_fails_can_be_measured_again);
-    RUN_TEST(test_a_new_configuration_mends_a_refused_one);
-}
+static const around_t around_each = {set_up, NULL};

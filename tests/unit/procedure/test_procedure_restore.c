@@ -54,6 +54,12 @@ static void run_to_cut(bench_t *bench, uint8_t index, uint32_t samples)
     TEST_FAIL_MESSAGE("the position is never reached");
 }
 
+static void start_to_cut(bench_t *bench, uint8_t index, uint32_t samples)
+{
+    bench_start(bench);
+    run_to_cut(bench, index, samples);
+}
+
 static void restore_all(bench_t *bench)
 {
     for (uint8_t p = 0; p < POSITIONS; p++) {
@@ -85,8 +91,7 @@ static void assert_same_result(const bench_t *a, const bench_t *b)
 static void cut_and_resume(uint8_t index, uint32_t samples)
 {
     set_up();
-    bench_start(&cut);
-    run_to_cut(&cut, index, samples);
+    start_to_cut(&cut, index, samples);
     bench_init(&resumed);
     resumed.block.counter = 12345; /* the block has been switched off, too */
     restore_all(&resumed);
@@ -128,8 +133,7 @@ static void test_a_run_that_was_all_measured_needs_no_stand(void)
 /* Whoever mounts the block anew measures the mounting anew: repeat_mounting says so. */
 static void test_a_mounting_touched_meanwhile_is_repeated(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 5, 3);
+    start_to_cut(&cut, 5, 3);
     bench_init(&resumed);
     resumed.operator_is_away = true;
     restore_all(&resumed);
@@ -144,8 +148,7 @@ static void test_a_mounting_touched_meanwhile_is_repeated(void)
 /* Only the first confirmation keeps means; a later one of a mounting means that it was put on anew. */
 static void test_only_the_first_confirmation_keeps(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 12, 3); /* mounting 1 whole, three of mounting 2 */
+    start_to_cut(&cut, 12, 3); /* mounting 1 whole, three of mounting 2 */
     is_kept[4] = false;      /* and one of mounting 1 was lost */
     bench_init(&resumed);
     restore_all(&resumed);
@@ -156,8 +159,7 @@ static void test_only_the_first_confirmation_keeps(void)
 
 static void test_start_forgets_what_was_put_back(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 12, 3);
+    start_to_cut(&cut, 12, 3);
     bench_init(&resumed);
     restore_all(&resumed);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&resumed.procedure));
@@ -168,8 +170,7 @@ static void test_start_forgets_what_was_put_back(void)
 
 static void test_states_and_arguments(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 3, 3);
+    start_to_cut(&cut, 3, 3);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_restore(&cut.procedure, 0, &kept[0]));
     bench_init(&resumed);
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_resume(&resumed.procedure)); /* nothing was put back */
@@ -192,8 +193,7 @@ static void refuse(uint8_t index, const tumble_average_t *average, tumble_status
 
 static void test_a_mean_that_the_gates_would_not_have_kept_is_refused(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 3, 3);
+    start_to_cut(&cut, 3, 3);
     bench_init(&resumed);
     tumble_average_t bad = kept[0];
     bad.samples = resumed.averaging.min_samples - 1U;
@@ -221,8 +221,7 @@ static void test_a_mean_that_the_gates_would_not_have_kept_is_refused(void)
 
 static void test_a_mean_of_another_direction_is_refused(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 12, 3);
+    start_to_cut(&cut, 12, 3);
     bench_init(&resumed);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_restore(&resumed.procedure, 0, &kept[0]));
     refuse(1, &kept[3], TUMBLE_E_ARGUMENT);
@@ -237,8 +236,7 @@ static void test_a_mean_of_another_direction_is_refused(void)
 static void test_a_closure_beyond_its_limit_is_refused(void)
 {
     const double counts_per_g = 2.0 / V_PER_COUNT;
-    bench_start(&cut);
-    run_to_cut(&cut, 9, 0);
+    start_to_cut(&cut, 9, 0);
     bench_init(&resumed);
     tumble_average_t off = kept[8];
     off.sum_counts[0] = kept[0].sum_counts[0] + (int64_t)(1.1e-3 * counts_per_g * off.samples);
@@ -254,8 +252,7 @@ static void test_a_closure_beyond_its_limit_is_refused(void)
 /* A mean that was put back is the reference of those measured after it. */
 static void test_a_block_moved_meanwhile_is_noticed(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 5, 3);
+    start_to_cut(&cut, 5, 3);
     bench_init(&resumed);
     resumed.block.slip_deg = 30.0; /* somebody turned it on the table, and confirmed all the same */
     restore_all(&resumed);
@@ -263,8 +260,7 @@ static void test_a_block_moved_meanwhile_is_noticed(void)
     bench_run(&resumed);
     ASSERT_ENDED(&resumed, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
     set_up();
-    bench_start(&cut);
-    run_to_cut(&cut, 5, 3);
+    start_to_cut(&cut, 5, 3);
     bench_init(&resumed);
     resumed.block.slip_deg = 0.1; /* less than that the direction does not tell; the closure does */
     restore_all(&resumed);
@@ -275,8 +271,7 @@ static void test_a_block_moved_meanwhile_is_noticed(void)
 
 static void test_giving_up_for_another_reason(void)
 {
-    bench_start(&cut);
-    run_to_cut(&cut, 2, 3);
+    start_to_cut(&cut, 2, 3);
     tumble_procedure_give_up(&cut.procedure, TUMBLE_REASON_INHIBITED);
     ASSERT_ENDED(&cut, TUMBLE_STATE_ABORT, TUMBLE_REASON_INHIBITED);
     TEST_ASSERT_EQUAL_UINT(1, cut.stand.stops);
@@ -286,17 +281,4 @@ static void test_giving_up_for_another_reason(void)
     TEST_ASSERT_EQUAL_UINT32(0, tumble_procedure_counters(&cut.procedure)->commands_refused);
 }
 
-SUITE(procedure_restore, set_up, NULL)
-{
-    RUN_TEST(test_cut_anywhere_the_result_is_the_same);
-    RUN_TEST(test_a_run_that_was_all_measured_needs_no_stand);
-    RUN_TEST(test_a_mounting_touched_meanwhile_is_repeated);
-    RUN_TEST(test_only_the_first_confirmation_keeps);
-    RUN_TEST(test_start_forgets_what_was_put_back);
-    RUN_TEST(test_states_and_arguments);
-    RUN_TEST(test_a_mean_that_the_gates_would_not_have_kept_is_refused);
-    RUN_TEST(test_a_mean_of_another_direction_is_refused);
-    RUN_TEST(test_a_closure_beyond_its_limit_is_refused);
-    RUN_TEST(test_a_block_moved_meanwhile_is_noticed);
-    RUN_TEST(test_giving_up_for_another_reason);
-}
+static const around_t around_each = {set_up, NULL};

@@ -63,11 +63,3 @@ static void test_values_outside_the_lists_are_safe(void)
     TEST_ASSERT_EQUAL_STRING("TUMBLE_REASON_UNKNOWN", tumble_reason_name((tumble_reason_t)255));
     TEST_ASSERT_EQUAL_STRING("this reason is not in the list", tumble_reason_sentence(TUMBLE_REASON_COUNT));
 }
-
-SUITE(states, NULL, NULL)
-{
-    RUN_TEST(test_numbers_on_the_wire_never_change);
-    RUN_TEST(test_every_value_has_a_name_and_a_sentence_of_its_own);
-    RUN_TEST(test_names_belong_to_their_values);
-    RUN_TEST(test_values_outside_the_lists_are_safe);
-}

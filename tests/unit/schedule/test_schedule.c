@@ -117,15 +117,3 @@ static void test_look_ups_go_by_number_not_by_order(void)
     TEST_ASSERT_EQUAL_PTR(&mountings[1], tumble_schedule_mounting_of(&schedule, 0));
     TEST_ASSERT_EQUAL_PTR(&mountings[0], tumble_schedule_mounting_of(&schedule, 1));
 }
-
-SUITE(schedule, NULL, NULL)
-{
-    RUN_TEST(test_the_paper_has_two_mountings_of_nine_positions);
-    RUN_TEST(test_the_second_mounting_is_the_first_turned_about_the_bisector_of_y_and_z);
-    RUN_TEST(test_the_attitudes_of_the_paper_are_exact);
-    RUN_TEST(test_the_paper_is_valid);
-    RUN_TEST(test_attitudes_on_a_tilted_axis_follow_the_model);
-    RUN_TEST(test_positions_are_found_by_their_numbers);
-    RUN_TEST(test_numbers_that_are_not_there_are_not_found);
-    RUN_TEST(test_look_ups_go_by_number_not_by_order);
-}

@@ -135,13 +135,4 @@ static void test_the_first_angle_at_fault_is_named(void)
     ASSERT_STATUS(TUMBLE_E_SCHEDULE_ANGLE, tumble_schedule_validate(&schedule, NULL));
 }
 
-SUITE(schedule_angle, set_up, NULL)
-{
-    RUN_TEST(test_angles_that_agree_are_accepted);
-    RUN_TEST(test_every_turn_of_every_step_is_accepted);
-    RUN_TEST(test_an_error_in_the_sine_or_the_cosine_is_refused);
-    RUN_TEST(test_an_error_within_1e_12_is_accepted);
-    RUN_TEST(test_sine_and_cosine_of_another_angle_are_refused);
-    RUN_TEST(test_angles_out_of_range_are_refused);
-    RUN_TEST(test_the_first_angle_at_fault_is_named);
-}
+static const around_t around_each = {set_up, NULL};

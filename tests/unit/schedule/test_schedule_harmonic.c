@@ -218,20 +218,4 @@ static void test_a_refusal_leaves_the_map_as_it_was(void)
     TEST_ASSERT_EQUAL_MEMORY(&as_it_was, &map, sizeof map);
 }
 
-SUITE(schedule_harmonic, set_up, NULL)
-{
-    RUN_TEST(test_the_paper_maps_to_itself);
-    RUN_TEST(test_each_missing_position_is_named);
-    RUN_TEST(test_each_position_that_the_schedule_lacks_is_named);
-    RUN_TEST(test_the_first_and_the_ninth_do_not_stand_for_each_other);
-    RUN_TEST(test_numbers_and_order_do_not_matter);
-    RUN_TEST(test_extra_positions_and_mountings_do_no_harm);
-    RUN_TEST(test_check_positions_fill_no_slot);
-    RUN_TEST(test_a_tilted_axis_is_not_the_papers);
-    RUN_TEST(test_an_axis_turned_end_over_end_is_not_the_papers);
-    RUN_TEST(test_null_is_refused);
-    RUN_TEST(test_another_rotation_is_not_the_papers);
-    RUN_TEST(test_a_slightly_different_angle_is_not_the_papers);
-    RUN_TEST(test_a_repeated_position_may_stand_in);
-    RUN_TEST(test_a_refusal_leaves_the_map_as_it_was);
-}
+static const around_t around_each = {set_up, NULL};

@@ -189,20 +189,3 @@ static void test_null_is_refused(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_schedule_identify(NULL, NULL, &unidentified));
     TEST_ASSERT_EQUAL_HEX8(UNTOUCHED, unidentified);
 }
-
-SUITE(schedule_identify, NULL, NULL)
-{
-    RUN_TEST(test_the_paper_identifies_all_twelve);
-    RUN_TEST(test_one_mounting_of_the_paper_leaves_one_axis_out);
-    RUN_TEST(test_only_measured_positions_count);
-    RUN_TEST(test_four_well_chosen_positions_are_enough_and_three_never_are);
-    RUN_TEST(test_a_single_position_identifies_nothing);
-    RUN_TEST(test_two_opposite_positions_identify_one_axis_and_the_bias);
-    RUN_TEST(test_six_faces_identify_all_and_each_axis_needs_a_pair);
-    RUN_TEST(test_check_positions_do_not_count);
-    RUN_TEST(test_one_tilted_axis_confuses_its_component_with_the_bias);
-    RUN_TEST(test_two_tilts_tell_them_apart);
-    RUN_TEST(test_the_weakest_sensitivity_that_counts_is_a_thousandth_of_g);
-    RUN_TEST(test_random_schedules_against_their_eigenvalues);
-    RUN_TEST(test_null_is_refused);
-}

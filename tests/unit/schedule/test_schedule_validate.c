@@ -229,20 +229,4 @@ static void test_a_position_is_for_the_fit_or_for_the_check(void)
     assert_refused(TUMBLE_E_ARGUMENT, 1);
 }
 
-SUITE(schedule_validate, set_up, NULL)
-{
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_a_fault_that_has_no_place_leaves_where_as_it_was);
-    RUN_TEST(test_sizes_have_limits);
-    RUN_TEST(test_the_smallest_schedule_is_one_position);
-    RUN_TEST(test_mounting_numbers_are_unique);
-    RUN_TEST(test_position_numbers_are_unique_within_a_mounting);
-    RUN_TEST(test_a_position_needs_a_mounting_of_the_schedule);
-    RUN_TEST(test_every_element_of_a_rotation_counts);
-    RUN_TEST(test_a_rotation_is_orthonormal_to_1e_9);
-    RUN_TEST(test_matrices_that_are_not_proper_rotations);
-    RUN_TEST(test_every_rotation_of_a_cube_is_accepted_and_no_reflection);
-    RUN_TEST(test_any_proper_rotation_is_accepted);
-    RUN_TEST(test_what_comes_first_is_reported_first);
-    RUN_TEST(test_a_position_is_for_the_fit_or_for_the_check);
-}
+static const around_t around_each = {set_up, NULL};

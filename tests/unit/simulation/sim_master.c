@@ -71,6 +71,12 @@ void pass_ms(uint32_t ms)
     pass_until(virtual_clock.now_us + 1000U * (uint64_t)ms);
 }
 
+void expect_status_after(uint32_t ms, uint16_t expected, uint16_t mask)
+{
+    pass_ms(ms);
+    TEST_ASSERT_EQUAL_HEX16(expected, heard.statusword & mask);
+}
+
 void send_frame(uint16_t id, uint8_t length, const uint8_t *data)
 {
     tumble_can_frame_t frame = {.id = id, .length = length};
@@ -126,6 +132,12 @@ void command(uint16_t controlword, int32_t target)
     send_frame(0x202, 6, data);
 }
 
+void command_for(uint32_t ms, uint16_t controlword, int32_t target)
+{
+    command(controlword, target);
+    pass_ms(ms);
+}
+
 void power_on(void)
 {
     sim_wire_init(&wire);
@@ -164,8 +176,7 @@ void enable(void)
 {
     command(0x0006, 0);
     command(0x0007, 0);
-    command(0x000F, 0);
-    pass_ms(5);
+    command_for(5, 0x000F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
 }
 
@@ -173,8 +184,7 @@ void home(void)
 {
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6098, 0, 34, 1));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
-    command(0x001F, 0);
-    pass_ms(20000);
+    command_for(20000, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x1400, heard.statusword & 0x3400U);
     command(0x000F, 0);
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 1, 1));
@@ -185,10 +195,14 @@ void home(void)
 void set_target(int32_t target)
 {
     command(0x000F, target);
-    command(0x001F, target);
-    pass_ms(5);
+    command_for(5, 0x001F, target);
     TEST_ASSERT_EQUAL_HEX16(0x1000, heard.statusword & 0x1000U);
-    command(0x000F, target);
-    pass_ms(5);
+    command_for(5, 0x000F, target);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x1000U);
+}
+
+void target_for(uint32_t ms, int32_t target)
+{
+    set_target(target);
+    pass_ms(ms);
 }

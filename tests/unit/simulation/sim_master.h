@@ -38,6 +38,7 @@ extern bool beating; /* does the master send its heartbeat? */
 
 void pass_until(uint64_t limit_us);
 void pass_ms(uint32_t ms);
+void expect_status_after(uint32_t ms, uint16_t expected, uint16_t mask); /* what the statusword has of these bits */
 void send_frame(uint16_t id, uint8_t length, const uint8_t *data);
 void nmt(uint8_t command);
 
@@ -48,6 +49,7 @@ uint32_t sdo_read(uint16_t index, uint8_t subindex);
 
 /* Receive PDO 1: controlword and target. */
 void command(uint16_t controlword, int32_t target);
+void command_for(uint32_t ms, uint16_t controlword, int32_t target); /* and let so long pass */
 
 /* A fresh drive at 10 degrees, master beating, drive booted. The scenario may be changed before. */
 void power_on(void);
@@ -62,5 +64,6 @@ void home(void);
 
 /* The set-point handshake as it should be: target first, then the edge, until it is taken; then bit 4 down. */
 void set_target(int32_t target);
+void target_for(uint32_t ms, int32_t target);
 
 #endif

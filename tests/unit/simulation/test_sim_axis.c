@@ -218,18 +218,4 @@ static void test_backlash_is_the_way_lost_at_every_reversal(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -9.0, sim_axis_encoder_deg(&axis, sim_axis_end_us(&axis)));
 }
 
-SUITE(sim_axis, set_up, NULL)
-{
-    RUN_TEST(test_settling_is_the_stated_oscillation);
-    RUN_TEST(test_quiet_is_when_the_window_is_not_left_any_more);
-    RUN_TEST(test_the_angle_error_is_one_draw_per_arrival);
-    RUN_TEST(test_positions_have_streams_of_their_own);
-    RUN_TEST(test_the_angle_error_changes_on_the_way);
-    RUN_TEST(test_a_stop_leaves_the_table_where_it_is);
-    RUN_TEST(test_the_extent_is_what_the_table_has_passed);
-    RUN_TEST(test_what_the_motor_does_in_a_jam_is_no_extent);
-    RUN_TEST(test_a_jam_holds_the_table_and_lets_go);
-    RUN_TEST(test_a_jam_off_the_way_has_the_error_of_the_nearer_stop);
-    RUN_TEST(test_slip_moves_the_table_and_perhaps_the_encoder);
-    RUN_TEST(test_backlash_is_the_way_lost_at_every_reversal);
-}
+static const around_t around_each = {set_up, NULL};

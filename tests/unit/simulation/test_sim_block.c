@@ -303,19 +303,4 @@ static void test_the_sample_rate_can_be_written(void)
     TEST_ASSERT_UINT32_WITHIN(2, before + 400U, heard_count);
 }
 
-SUITE(sim_block, set_up, NULL)
-{
-    RUN_TEST(test_it_streams_while_operational_and_no_longer);
-    RUN_TEST(test_one_sample_is_two_frames_in_order);
-    RUN_TEST(test_the_frames_carry_the_sample);
-    RUN_TEST(test_every_pattern_of_counts_is_encoded);
-    RUN_TEST(test_it_follows_the_table);
-    RUN_TEST(test_lost_samples_leave_a_gap);
-    RUN_TEST(test_repeated_samples_come_twice);
-    RUN_TEST(test_a_reordered_sample_comes_behind_the_next);
-    RUN_TEST(test_a_spoilt_sample_has_a_wrong_checksum);
-    RUN_TEST(test_a_mute_block_keeps_its_heartbeat);
-    RUN_TEST(test_status_bits_are_set);
-    RUN_TEST(test_a_power_cycle_starts_it_afresh);
-    RUN_TEST(test_the_sample_rate_can_be_written);
-}
+static const around_t around_each = {set_up, NULL};

@@ -230,16 +230,4 @@ static void test_alarms_of_one_moment_go_off_in_the_actors_order(void)
     TEST_ASSERT_EQUAL_UINT64(50, virtual_clock.now_us);
 }
 
-SUITE(sim_bus, set_up, NULL)
-{
-    RUN_TEST(test_lowest_identifier_wins_among_frames_of_one_moment);
-    RUN_TEST(test_a_frame_on_the_wire_is_not_interrupted);
-    RUN_TEST(test_times_to_the_bit);
-    RUN_TEST(test_interframe_space_separates_frames);
-    RUN_TEST(test_everybody_but_the_sender_receives);
-    RUN_TEST(test_an_acceptance_filter_keeps_frames_out);
-    RUN_TEST(test_full_queues_are_refused_or_counted);
-    RUN_TEST(test_a_node_that_is_down_neither_sends_nor_hears);
-    RUN_TEST(test_what_is_no_classic_frame_is_refused);
-    RUN_TEST(test_alarms_of_one_moment_go_off_in_the_actors_order);
-}
+static const around_t around_each = {set_up, NULL};

@@ -193,15 +193,4 @@ static void test_probability_picks_its_share_and_repeats(void)
     TEST_ASSERT_EQUAL_UINT32(received[0], received[1]);
 }
 
-SUITE(sim_bus_faults, set_up, NULL)
-{
-    RUN_TEST(test_dropped_frames_are_gone);
-    RUN_TEST(test_other_identifiers_are_spared);
-    RUN_TEST(test_a_corrupted_frame_has_one_wrong_bit);
-    RUN_TEST(test_a_truncated_frame_lacks_its_last_byte);
-    RUN_TEST(test_a_delayed_frame_comes_later);
-    RUN_TEST(test_a_duplicated_frame_comes_twice);
-    RUN_TEST(test_a_reordered_frame_comes_behind_the_next_that_matches);
-    RUN_TEST(test_a_fault_that_ends_lets_go_what_it_holds);
-    RUN_TEST(test_probability_picks_its_share_and_repeats);
-}
+static const around_t around_each = {set_up, NULL};

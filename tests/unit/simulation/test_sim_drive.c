@@ -23,16 +23,12 @@ static void test_it_boots_and_tells_what_it_is(void)
 static void test_power_up_goes_through_all_states(void)
 {
     command(0x000F, 0); /* too early */
-    pass_ms(5);
-    TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU);
-    command(0x0006, 0);
-    pass_ms(5);
+    expect_status_after(5, 0x0040, 0x004FU);
+    command_for(5, 0x0006, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0021, heard.statusword & 0x006FU);
-    command(0x0007, 0);
-    pass_ms(5);
+    command_for(5, 0x0007, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0023, heard.statusword & 0x006FU);
-    command(0x000F, 0);
-    pass_ms(5);
+    command_for(5, 0x000F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
 }
 
@@ -42,11 +38,9 @@ static void test_homing_finds_the_mark(void)
     enable();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6098, 0, 34, 1));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
-    command(0x001F, 0);
-    pass_ms(50);
+    command_for(50, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* under way: neither reached nor attained */
-    pass_ms(20000);
-    TEST_ASSERT_EQUAL_HEX16(0x1400, heard.statusword & 0x3400U);
+    expect_status_after(20000, 0x1400, 0x3400U);
     TEST_ASSERT_EQUAL_INT32(0, heard.position);
     ASSERT_SAME_DOUBLE(0.0, drive.axis.motion.end_position);
 }
@@ -57,8 +51,7 @@ static void test_home_offset_is_the_position_at_the_mark(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x607C, 0, (uint32_t)-2500, 4));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6098, 0, 34, 1));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
-    command(0x001F, 0);
-    pass_ms(20000);
+    command_for(20000, 0x001F, 0);
     TEST_ASSERT_EQUAL_INT32(-2500, heard.position);
 }
 
@@ -67,8 +60,7 @@ static void test_homing_on_the_spot(void)
 {
     enable();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
-    command(0x001F, 0);
-    pass_ms(50);
+    command_for(50, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x1400, heard.statusword & 0x3400U);
     ASSERT_SAME_DOUBLE(10.0, drive.axis.motion.end_position);
 }
@@ -79,8 +71,7 @@ static void test_a_move_reaches_its_target(void)
     home();
     set_target(45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
-    pass_ms(2000);
-    TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & REACHED);
+    expect_status_after(2000, REACHED, REACHED);
     TEST_ASSERT_EQUAL_INT32(45000, heard.position);
     ASSERT_SAME_DOUBLE(45.0, drive.axis.motion.end_position);
 }
@@ -106,8 +97,7 @@ static void test_a_target_in_the_frame_of_the_edge_is_stale(void)
     enable();
     home();
     command(0x000F, 30 * COUNTS_PER_DEG);
-    command(0x001F, 60 * COUNTS_PER_DEG);
-    pass_ms(3000);
+    command_for(3000, 0x001F, 60 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(30 * COUNTS_PER_DEG, heard.position);
 }
 
@@ -119,8 +109,7 @@ static void test_a_forgiving_drive_takes_the_target_of_the_same_frame(void)
     configure();
     enable();
     home();
-    command(0x001F, 60 * COUNTS_PER_DEG);
-    pass_ms(3000);
+    command_for(3000, 0x001F, 60 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(60 * COUNTS_PER_DEG, heard.position);
 }
 
@@ -129,16 +118,14 @@ static void test_a_set_point_needs_an_edge(void)
 {
     enable();
     home();
-    command(0x000F, 30 * COUNTS_PER_DEG);
-    pass_ms(1000);
+    command_for(1000, 0x000F, 30 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(0, heard.position);
     command(0x001F, 30 * COUNTS_PER_DEG); /* the edge */
     command(0x001F, 60 * COUNTS_PER_DEG); /* bit 4 stays: none */
     pass_ms(3000);
     TEST_ASSERT_EQUAL_INT32(30 * COUNTS_PER_DEG, heard.position);
     TEST_ASSERT_EQUAL_HEX16(ACKNOWLEDGED, heard.statusword & ACKNOWLEDGED); /* until bit 4 falls */
-    command(0x000F, 60 * COUNTS_PER_DEG);
-    pass_ms(5);
+    command_for(5, 0x000F, 60 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & ACKNOWLEDGED);
 }
 
@@ -150,8 +137,7 @@ static void test_set_points_are_buffered(void)
     set_target(90 * COUNTS_PER_DEG);
     command(0x000F, 45 * COUNTS_PER_DEG);
     command(0x001F, 45 * COUNTS_PER_DEG);
-    command(0x000F, 45 * COUNTS_PER_DEG);
-    pass_ms(5);
+    command_for(5, 0x000F, 45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(ACKNOWLEDGED, heard.statusword & ACKNOWLEDGED);
     command(0x000F, 10 * COUNTS_PER_DEG);
     command(0x001F, 10 * COUNTS_PER_DEG); /* ignored */
@@ -168,8 +154,7 @@ static void test_change_at_once_and_relative(void)
 {
     enable();
     home();
-    set_target(180 * COUNTS_PER_DEG);
-    pass_ms(500);
+    target_for(500, 180 * COUNTS_PER_DEG);
     command(0x002F, 20 * COUNTS_PER_DEG);
     command(0x003F, 20 * COUNTS_PER_DEG);
     ASSERT_SAME_DOUBLE(20.0, drive.axis.motion.end_position);
@@ -190,13 +175,11 @@ static void test_the_statusword_lags(void)
     configure();
     command(0x0006, 0);
     command(0x0007, 0);
-    command(0x000F, 0);
-    pass_ms(100);
+    command_for(100, 0x000F, 0);
     home();
     pass_ms(50); /* until the bits of homing are gone */
     command(0x000F, 90 * COUNTS_PER_DEG);
-    command(0x001F, 90 * COUNTS_PER_DEG);
-    pass_ms(20);
+    command_for(20, 0x001F, 90 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(REACHED, (uint16_t)sdo_read(0x6041, 0) & (REACHED | ACKNOWLEDGED));
     pass_ms(20);
     TEST_ASSERT_EQUAL_HEX16(ACKNOWLEDGED, (uint16_t)sdo_read(0x6041, 0) & (REACHED | ACKNOWLEDGED));
@@ -206,17 +189,14 @@ static void test_halt_stops_and_goes_on(void)
 {
     enable();
     home();
-    set_target(180 * COUNTS_PER_DEG);
-    pass_ms(800);
-    command(0x010F, 180 * COUNTS_PER_DEG);
-    pass_ms(1500);
+    target_for(800, 180 * COUNTS_PER_DEG);
+    command_for(1500, 0x010F, 180 * COUNTS_PER_DEG);
     const int32_t halted_at = heard.position;
     TEST_ASSERT_TRUE(halted_at > 30 * COUNTS_PER_DEG && halted_at < 150 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & REACHED); /* at rest */
     pass_ms(1000);
     TEST_ASSERT_EQUAL_INT32(halted_at, heard.position);
-    command(0x000F, 180 * COUNTS_PER_DEG);
-    pass_ms(4000);
+    command_for(4000, 0x000F, 180 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(180 * COUNTS_PER_DEG, heard.position);
 }
 
@@ -241,13 +221,10 @@ static void test_homing_can_be_interrupted(void)
     enable();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6098, 0, 34, 1));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 6, 1));
-    command(0x001F, 0);
-    pass_ms(100);
-    command(0x000F, 0);
-    pass_ms(5);
+    command_for(100, 0x001F, 0);
+    command_for(5, 0x000F, 0);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* it still brakes */
-    pass_ms(1000);
-    TEST_ASSERT_EQUAL_HEX16(REACHED, heard.statusword & 0x3400U); /* interrupted: reached, not attained */
+    expect_status_after(1000, REACHED, 0x3400U); /* interrupted: reached, not attained */
     TEST_ASSERT_TRUE(virtual_clock.now_us > sim_axis_end_us(&drive.axis));
 }
 
@@ -257,17 +234,13 @@ static void test_quick_stop(void)
     enable();
     home();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6085, 0, 90 * COUNTS_PER_DEG, 4)); /* 90 deg/s2 */
-    set_target(270 * COUNTS_PER_DEG);
-    pass_ms(1000);
-    command(0x0002, 270 * COUNTS_PER_DEG);
-    pass_ms(5);
+    target_for(1000, 270 * COUNTS_PER_DEG);
+    command_for(5, 0x0002, 270 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0x0007, heard.statusword & 0x006FU);
     const uint64_t stop_us = sim_axis_end_us(&drive.axis) - drive.axis.start_us;
     TEST_ASSERT_UINT64_WITHIN(20000, 1000000, stop_us);
-    pass_ms(1200);
-    TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU);
-    command(0x001F, 0);
-    pass_ms(1000);
+    expect_status_after(1200, 0x0040, 0x004FU);
+    command_for(1000, 0x001F, 0);
     TEST_ASSERT_EQUAL_HEX16(0x0040, heard.statusword & 0x004FU); /* no way back without shutdown */
 }
 
@@ -281,10 +254,8 @@ static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
         TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6085, 0, 9 * COUNTS_PER_DEG, 4)); /* 9 deg/s2 */
         TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, (homing == 1) ? 6 : 1, 1));
         command((homing == 1) ? 0x001F : 0x000F, 270 * COUNTS_PER_DEG);
-        command(0x001F, 270 * COUNTS_PER_DEG);
-        pass_ms(100);
-        command(0x0002, 270 * COUNTS_PER_DEG);
-        pass_ms(5);
+        command_for(100, 0x001F, 270 * COUNTS_PER_DEG);
+        command_for(5, 0x0002, 270 * COUNTS_PER_DEG);
         while (virtual_clock.now_us < sim_axis_end_us(&drive.axis)) {
             TEST_ASSERT_EQUAL_HEX16(0x0007, heard.statusword & 0x006FU);
             TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
@@ -294,24 +265,4 @@ static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
     }
 }
 
-SUITE(sim_drive, set_up, NULL)
-{
-    RUN_TEST(test_it_boots_and_tells_what_it_is);
-    RUN_TEST(test_power_up_goes_through_all_states);
-    RUN_TEST(test_homing_finds_the_mark);
-    RUN_TEST(test_home_offset_is_the_position_at_the_mark);
-    RUN_TEST(test_homing_on_the_spot);
-    RUN_TEST(test_a_move_reaches_its_target);
-    RUN_TEST(test_target_reached_comes_when_the_window_says_so);
-    RUN_TEST(test_a_target_in_the_frame_of_the_edge_is_stale);
-    RUN_TEST(test_a_forgiving_drive_takes_the_target_of_the_same_frame);
-    RUN_TEST(test_a_set_point_needs_an_edge);
-    RUN_TEST(test_set_points_are_buffered);
-    RUN_TEST(test_change_at_once_and_relative);
-    RUN_TEST(test_the_statusword_lags);
-    RUN_TEST(test_halt_stops_and_goes_on);
-    RUN_TEST(test_the_mode_cannot_change_while_halted);
-    RUN_TEST(test_homing_can_be_interrupted);
-    RUN_TEST(test_quick_stop);
-    RUN_TEST(test_target_reached_waits_for_the_end_of_a_quick_stop);
-}
+static const around_t around_each = {set_up, NULL};

@@ -21,8 +21,7 @@ static void set_up(void)
 /* Half way to 180 degrees. */
 static void set_out(void)
 {
-    set_target(180 * COUNTS_PER_DEG);
-    pass_ms(1000);
+    target_for(1000, 180 * COUNTS_PER_DEG);
 }
 
 static void assert_stopped_within(uint64_t time_us)
@@ -47,11 +46,9 @@ static void test_a_fault_stops_the_axis_and_is_told(void)
     pass_ms(1000);
     assert_state(0x0008);
     const int32_t stopped_at = heard.position;
-    command(0x000F, 0);
-    pass_ms(1000);
+    command_for(1000, 0x000F, 0);
     assert_state(0x0008); /* no way out but a reset */
-    command(0x0080, 0);
-    pass_ms(5);
+    command_for(5, 0x0080, 0);
     assert_state(0x0040);
     TEST_ASSERT_EQUAL_HEX16(0x0000, heard.emergency); /* "no error" */
     TEST_ASSERT_EQUAL_HEX16(0, sdo_read(0x603F, 0));
@@ -62,13 +59,11 @@ static void test_a_lasting_fault_cannot_be_reset(void)
 {
     sim_drive_fail(&drive, 0x4210, true);
     pass_ms(100);
-    command(0x0080, 0);
-    pass_ms(5);
+    command_for(5, 0x0080, 0);
     assert_state(0x0008);
     sim_drive_mend(&drive);
     command(0x0000, 0);
-    command(0x0080, 0);
-    pass_ms(5);
+    command_for(5, 0x0080, 0);
     assert_state(0x0040);
 }
 
@@ -79,8 +74,7 @@ static void test_a_jam_is_a_following_error(void)
     sim_axis_jam(&drive.axis, virtual_clock.now_us, true);
     sim_drive_disturb(&drive);
     const int32_t jammed_at = (int32_t)(drive.axis.jammed_deg * COUNTS_PER_DEG + 0.5);
-    pass_ms(100);
-    TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
+    expect_status_after(100, 0x0027, 0x006FU);
     pass_ms(60);
     TEST_ASSERT_EQUAL_HEX16(0x8611, heard.emergency);
     TEST_ASSERT_EQUAL_HEX16(0x2000, heard.statusword & 0x2000U);
@@ -94,8 +88,7 @@ static void test_without_a_window_a_jam_goes_unnoticed(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6065, 0, 0xFFFFFFFFU, 4));
     set_out();
     sim_axis_jam(&drive.axis, virtual_clock.now_us, true);
-    pass_ms(5000);
-    TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU);
+    expect_status_after(5000, 0x0027, 0x006FU);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
 }
 
@@ -106,11 +99,9 @@ static void test_without_voltage_the_axis_coasts(void)
         fresh();
         set_out();
         if (braking == 1) {
-            command(0x0002, 0);
-            pass_ms(50);
+            command_for(50, 0x0002, 0);
         }
-        command(0x0000, 0);
-        pass_ms(600);
+        command_for(600, 0x0000, 0);
         assert_state(0x0040);
         TEST_ASSERT_FALSE(sim_axis_is_still(&drive.axis, virtual_clock.now_us));
         pass_ms(20000);
@@ -210,23 +201,20 @@ static void test_homing_fails_when_there_is_no_mark(void)
 {
     drive.fault.homing_fails = true;
     start_homing();
-    pass_ms(30000);
-    TEST_ASSERT_EQUAL_HEX16(0x2400, heard.statusword & 0x3400U);
+    expect_status_after(30000, 0x2400, 0x3400U);
 }
 
 static void test_homing_may_never_end(void)
 {
     drive.fault.homing_endless = true;
     start_homing();
-    pass_ms(600000);
-    TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U);
+    expect_status_after(600000, 0, 0x3400U);
 }
 
 static void test_a_target_may_never_be_reached(void)
 {
     drive.fault.short_by_deg = 0.5;
-    set_target(45 * COUNTS_PER_DEG);
-    pass_ms(30000);
+    target_for(30000, 45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
     TEST_ASSERT_EQUAL_INT32(44500, heard.position);
     TEST_ASSERT_EQUAL_HEX16(0x0027, heard.statusword & 0x006FU); /* and no fault either */
@@ -234,8 +222,7 @@ static void test_a_target_may_never_be_reached(void)
 
 static void test_slip_shows_in_the_position_only_if_the_encoder_sees_it(void)
 {
-    set_target(45 * COUNTS_PER_DEG);
-    pass_ms(5000);
+    target_for(5000, 45 * COUNTS_PER_DEG);
     sim_axis_slip(&drive.axis, 0.3, false);
     sim_drive_disturb(&drive);
     pass_ms(100);
@@ -270,17 +257,13 @@ static void test_positions_that_wrap_go_the_shorter_way(void)
     sim_scenario_defaults(&scenario);
     scenario.drive.wrap_counts = 360000;
     fresh();
-    set_target(350 * COUNTS_PER_DEG);
-    pass_ms(5000);
+    target_for(5000, 350 * COUNTS_PER_DEG);
     ASSERT_SAME_DOUBLE(-10.0, drive.axis.motion.end_position);
     TEST_ASSERT_EQUAL_INT32(350000, heard.position);
-    set_target(10 * COUNTS_PER_DEG);
-    pass_ms(5000);
+    target_for(5000, 10 * COUNTS_PER_DEG);
     ASSERT_SAME_DOUBLE(10.0, drive.axis.motion.end_position);
-    set_target(180 * COUNTS_PER_DEG);
-    pass_ms(5000);
-    set_target(350 * COUNTS_PER_DEG);
-    pass_ms(5000);
+    target_for(5000, 180 * COUNTS_PER_DEG);
+    target_for(5000, 350 * COUNTS_PER_DEG);
     ASSERT_SAME_DOUBLE(350.0, drive.axis.motion.end_position);
     TEST_ASSERT_EQUAL_INT32(350000, heard.position);
 }
@@ -291,28 +274,8 @@ static void test_it_reports_while_it_moves(void)
     const uint32_t before = heard.position_frames;
     pass_ms(1000);
     TEST_ASSERT_EQUAL_UINT32(before, heard.position_frames);
-    set_target(90 * COUNTS_PER_DEG);
-    pass_ms(1500);
+    target_for(1500, 90 * COUNTS_PER_DEG);
     TEST_ASSERT_UINT32_WITHIN(15, before + 75U, heard.position_frames);
 }
 
-SUITE(sim_drive_faults, set_up, NULL)
-{
-    RUN_TEST(test_a_fault_stops_the_axis_and_is_told);
-    RUN_TEST(test_a_lasting_fault_cannot_be_reset);
-    RUN_TEST(test_a_jam_is_a_following_error);
-    RUN_TEST(test_without_a_window_a_jam_goes_unnoticed);
-    RUN_TEST(test_without_voltage_the_axis_coasts);
-    RUN_TEST(test_silence_of_the_master_stops_the_axis);
-    RUN_TEST(test_what_it_does_without_its_master_can_be_chosen);
-    RUN_TEST(test_leaving_operational_stops_the_axis);
-    RUN_TEST(test_a_power_cycle_forgets_everything);
-    RUN_TEST(test_nmt_resets_stop_the_axis);
-    RUN_TEST(test_homing_fails_when_there_is_no_mark);
-    RUN_TEST(test_homing_may_never_end);
-    RUN_TEST(test_a_target_may_never_be_reached);
-    RUN_TEST(test_slip_shows_in_the_position_only_if_the_encoder_sees_it);
-    RUN_TEST(test_other_units_and_sign);
-    RUN_TEST(test_positions_that_wrap_go_the_shorter_way);
-    RUN_TEST(test_it_reports_while_it_moves);
-}
+static const around_t around_each = {set_up, NULL};

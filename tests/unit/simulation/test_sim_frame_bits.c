@@ -111,9 +111,4 @@ static void test_the_all_zero_frame(void)
     TEST_ASSERT_EQUAL_UINT32(6, sim_frame_stuff_bits(&wire, &frame));
 }
 
-SUITE(sim_frame_bits, set_up, NULL)
-{
-    RUN_TEST(test_length_without_stuffing_is_the_known_one);
-    RUN_TEST(test_all_lengths_and_patterns_against_the_written_out_frame);
-    RUN_TEST(test_the_all_zero_frame);
-}
+static const around_t around_each = {set_up, NULL};

@@ -109,11 +109,3 @@ static void test_signs_at_the_first_position(void)
     sim_geometry_force(&geometry, 90.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -1e-3, a_g[1]);
 }
-
-SUITE(sim_geometry, NULL, NULL)
-{
-    RUN_TEST(test_both_mountings_of_the_paper);
-    RUN_TEST(test_any_mounting_and_tilt);
-    RUN_TEST(test_the_ideal_stand_is_the_schedules);
-    RUN_TEST(test_signs_at_the_first_position);
-}

@@ -60,11 +60,3 @@ static void test_logarithm_against_the_library(void)
         TEST_ASSERT_DOUBLE_WITHIN(4.5e-16 * fabs(log(near_one)), log(near_one), sim_log(near_one));
     }
 }
-
-SUITE(sim_maths, NULL, NULL)
-{
-    RUN_TEST(test_quarter_turns_are_exact);
-    RUN_TEST(test_sine_and_cosine_against_the_library);
-    RUN_TEST(test_exponential_against_the_library);
-    RUN_TEST(test_logarithm_against_the_library);
-}

@@ -132,14 +132,3 @@ static void test_any_plan_is_sound(void)
         assert_sound(&motion, from, start, target, speed, (up > down) ? up : down);
     }
 }
-
-SUITE(sim_motion, NULL, NULL)
-{
-    RUN_TEST(test_trapezoid_in_closed_form);
-    RUN_TEST(test_triangle_in_closed_form);
-    RUN_TEST(test_unequal_ramps);
-    RUN_TEST(test_no_way_to_go_takes_no_time);
-    RUN_TEST(test_stop_in_closed_form);
-    RUN_TEST(test_a_target_passed_is_come_back_to);
-    RUN_TEST(test_any_plan_is_sound);
-}

@@ -69,11 +69,3 @@ static void test_statusword_tells_the_state(void)
         TEST_ASSERT_EQUAL_HEX16(VALUES[state], sim_power_status((sim_power_t)state) & MASKS[state]);
     }
 }
-
-SUITE(sim_power402, NULL, NULL)
-{
-    RUN_TEST(test_every_transition);
-    RUN_TEST(test_what_is_not_allowed_changes_nothing);
-    RUN_TEST(test_fault_reset_is_an_edge);
-    RUN_TEST(test_statusword_tells_the_state);
-}

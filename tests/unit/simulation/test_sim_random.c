@@ -167,15 +167,3 @@ static void test_laws_read_their_limit(void)
     (void)sim_random_u64(&plain);
     TEST_ASSERT_EQUAL_HEX64(sim_random_u64(&plain), sim_random_u64(&silent));
 }
-
-SUITE(sim_random, NULL, NULL)
-{
-    RUN_TEST(test_splitmix64_gives_the_published_numbers);
-    RUN_TEST(test_xoshiro256ss_gives_the_published_numbers);
-    RUN_TEST(test_a_seed_keeps_its_meaning);
-    RUN_TEST(test_streams_differ_by_seed_cause_and_index);
-    RUN_TEST(test_quantile_against_many_digits);
-    RUN_TEST(test_batch_and_single_draws_agree);
-    RUN_TEST(test_normal_deviates_are_normal);
-    RUN_TEST(test_laws_read_their_limit);
-}

@@ -189,13 +189,4 @@ static void test_a_stuck_channel_repeats_and_swapped_ones_change_places(void)
     }
 }
 
-SUITE(sim_sensor, set_up, NULL)
-{
-    RUN_TEST(test_the_response_is_rounded_to_the_nearest_count);
-    RUN_TEST(test_the_converter_stops_at_its_range);
-    RUN_TEST(test_noise_has_the_declared_size);
-    RUN_TEST(test_channels_do_not_disturb_each_other);
-    RUN_TEST(test_drift_and_temperature);
-    RUN_TEST(test_faults_of_the_output);
-    RUN_TEST(test_a_stuck_channel_repeats_and_swapped_ones_change_places);
-}
+static const around_t around_each = {set_up, NULL};

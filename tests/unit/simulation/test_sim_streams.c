@@ -145,8 +145,4 @@ static void test_carelessly_opened_streams_are_rejected(void)
     }
 }
 
-SUITE(sim_streams, set_up, NULL)
-{
-    RUN_TEST(test_streams_of_consecutive_seeds_are_independent_and_normal);
-    RUN_TEST(test_carelessly_opened_streams_are_rejected);
-}
+static const around_t around_each = {set_up, NULL};

@@ -100,12 +100,4 @@ static void test_causes_are_independent(void)
     ASSERT_SAME_DOUBLE(2.0 * truth.block.k_v_per_g[2][1], other.block.k_v_per_g[2][1]);
 }
 
-SUITE(sim_truth, set_up, NULL)
-{
-    RUN_TEST(test_errors_have_the_declared_size);
-    RUN_TEST(test_one_yaw_for_all_mountings_if_asked_for);
-    RUN_TEST(test_a_remounting_draws_again_for_its_mounting_alone);
-    RUN_TEST(test_drawn_blocks_lie_within_their_limits);
-    RUN_TEST(test_a_given_block_is_taken_as_it_is);
-    RUN_TEST(test_causes_are_independent);
-}
+static const around_t around_each = {set_up, NULL};

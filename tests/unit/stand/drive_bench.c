@@ -3,6 +3,8 @@
 #include <stddef.h>
 
 drive_bench_t bench;
+scripted_drive_t played;
+fake_port_t port;
 
 /* Our node: nothing but the mirror and the dummies. */
 
@@ -30,12 +32,12 @@ static const tumble_entry_t own_entries[] = {
 
 static const tumble_object_table_t own_table = {own_entries, NULL, NULL, COUNT_OF(own_entries)};
 static const tumble_node_defaults_t own_defaults = {
-    .heartbeat_ms = 100, .consumers = {(DRIVE_NODE << 16) | 500U}, .on_error = TUMBLE_ON_ERROR_STAY};
+    .heartbeat_ms = 100, .consumers = {(SCRIPTED_DRIVE_NODE << 16) | 500U}, .on_error = TUMBLE_ON_ERROR_STAY};
 
 static void own_heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t event, tumble_nmt_state_t state)
 {
     (void)context;
-    if (node == DRIVE_NODE) {
+    if (node == SCRIPTED_DRIVE_NODE) {
         tumble_drive402_kind.heartbeat(&bench.drive, event, state);
     }
 }
@@ -43,7 +45,7 @@ static void own_heartbeat(void *context, uint8_t node, tumble_heartbeat_event_t 
 static void own_emergency(void *context, uint8_t node, const tumble_emergency_t *emergency)
 {
     (void)context;
-    if (node == DRIVE_NODE) {
+    if (node == SCRIPTED_DRIVE_NODE) {
         tumble_drive402_kind.emergency(&bench.drive, emergency);
     }
 }
@@ -57,14 +59,13 @@ static void own_pdo(void *context, uint8_t number)
 static const tumble_node_events_t own_events = {
     .heartbeat = own_heartbeat, .emergency = own_emergency, .pdo_received = own_pdo};
 const tumble_node_config_t own_config = {
-    .table = &own_table, .defaults = &own_defaults, .events = &own_events, .node = MASTER_NODE};
+    .table = &own_table, .defaults = &own_defaults, .events = &own_events, .node = SCRIPTED_MASTER_NODE};
 
 void run_ms(unsigned ms)
 {
     for (unsigned i = 0; i < ms; i++) {
-        clock_ms++;
         port.now_us += 1000U;
-        played_tick();
+        scripted_drive_step(&played, &port);
         tumble_can_frame_t frame;
         while (tumble_link_receive(&bench.node.link, &frame) == TUMBLE_OK) {
             (void)tumble_node_receive(&bench.node, &frame, port.now_us);
@@ -73,10 +74,12 @@ void run_ms(unsigned ms)
         tumble_drive402_kind.step(&bench.drive, port.now_us);
         tumble_node_step(&bench.node, port.now_us);
         while (fake_port_take(&port, &frame)) {
-            played_receive(&frame);
+            scripted_drive_hear(&played, &port, &frame);
         }
     }
     TEST_ASSERT_FALSE(port.overflowed);
+    TEST_ASSERT_NULL_MESSAGE(played.wrong, played.wrong);
+    TEST_ASSERT_TRUE((played.write_count <= SCRIPTED_WRITES) && (played.control_count <= SCRIPTED_CONTROLS));
 }
 
 tumble_stand_state_t stand_state(void)
@@ -102,12 +105,11 @@ tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_
 void bench_setup(const tumble_drive_profile_t *profile)
 {
     memset(&bench, 0, sizeof bench);
-    memset(&played, 0, sizeof played);
-    clock_ms = 0;
+    played = (scripted_drive_t){.dead = true, .fake = &port};
     fake_port_init(&port);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, drive_init(profile, DRIVE_NODE));
+    ASSERT_STATUS(TUMBLE_OK, drive_init(profile, SCRIPTED_DRIVE_NODE));
     bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
     run_ms(5);
@@ -116,7 +118,7 @@ void bench_setup(const tumble_drive_profile_t *profile)
 void bring_up(const tumble_drive_profile_t *profile)
 {
     bench_setup(profile);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
 }
 

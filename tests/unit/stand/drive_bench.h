@@ -1,9 +1,10 @@
-/* drive_bench.h - a drive402 on a node of its own, and a played drive at the other end of its port. */
+/* drive_bench.h - a drive402 on a node of its own, and the scripted drive at the other end of its port. */
 #ifndef TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
 #define TUMBLE_TESTS_UNIT_DRIVE_BENCH_H
 
-#include "played_drive.h"
+#include "scripted_drive.h"
 #include "stand/drive402/drive402.h"
+#include "support.h"
 
 typedef struct {
     tumble_node_t node;
@@ -13,6 +14,8 @@ typedef struct {
 } drive_bench_t;
 
 extern drive_bench_t bench;
+extern scripted_drive_t played;
+extern fake_port_t port;
 extern const tumble_node_config_t own_config; /* of the node */
 
 /* A millisecond of both. */

@@ -11,7 +11,7 @@ static void test_absent_until_it_is_heard(void)
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->clear_fault(bench.stand.self));
     bench.stand.kind->stop(bench.stand.self);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
 }
 
@@ -35,7 +35,7 @@ static void test_a_drive_found_running_is_taken_down_first(void)
     static const unsigned lost[] = {0, 3};
     for (size_t i = 0; i < COUNT_OF(states) * COUNT_OF(lost); i++) {
         bench_setup(&common);
-        played_boot();
+        scripted_drive_boot(&played, &port);
         played.state = states[i / COUNT_OF(lost)];
         played.moving = ((played.state == IS_ENABLED) || (played.state == IS_QUICK_STOP));
         played.goal = 100000;
@@ -91,7 +91,7 @@ static void test_homing_does_not_believe_the_last_one(void)
 
 static void test_the_handshake_of_a_move(void)
 {
-    static const control_t expected[] = {
+    static const scripted_control_t expected[] = {
         {0x000F, 4500}, /* the target first, bit 4 low */
         {0x001F, 4500}, /* then the edge */
         {0x000F, 4500}, /* and down after the acknowledgement */
@@ -232,7 +232,7 @@ static void test_next_deadline_is_never_forgotten(void)
 {
     bench_setup(&common);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     run_ms(5);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
@@ -253,9 +253,8 @@ static void test_steps_when_due_are_enough(void)
     for (unsigned i = 0; (i < 2000U) && (stand_state() != TUMBLE_STAND_IN_POSITION); i++) {
         const uint64_t drive_us = tumble_drive402_kind.next_us(&bench.drive);
         const uint64_t node_us = tumble_node_next_us(&bench.node);
-        clock_ms++;
         port.now_us += 1000U;
-        played_tick();
+        scripted_drive_step(&played, &port);
         tumble_can_frame_t frame;
         bool due = (drive_us <= port.now_us) || (node_us <= port.now_us);
         while (tumble_link_receive(&bench.node.link, &frame) == TUMBLE_OK) {
@@ -267,30 +266,8 @@ static void test_steps_when_due_are_enough(void)
             tumble_node_step(&bench.node, port.now_us);
         }
         while (fake_port_take(&port, &frame)) {
-            played_receive(&frame);
+            scripted_drive_hear(&played, &port, &frame);
         }
     }
     assert_angle(45.0);
-}
-
-SUITE(drive402, NULL, NULL)
-{
-    RUN_TEST(test_absent_until_it_is_heard);
-    RUN_TEST(test_power_goes_up_step_by_step);
-    RUN_TEST(test_a_drive_found_running_is_taken_down_first);
-    RUN_TEST(test_the_first_word_is_a_quick_stop);
-    RUN_TEST(test_homing);
-    RUN_TEST(test_homing_does_not_believe_the_last_one);
-    RUN_TEST(test_the_handshake_of_a_move);
-    RUN_TEST(test_moves_over_several_turns_both_ways);
-    RUN_TEST(test_a_lingering_target_reached_is_not_believed);
-    RUN_TEST(test_a_drive_that_slips_off_its_target_is_not_in_position);
-    RUN_TEST(test_at_home_without_target_reached);
-    RUN_TEST(test_a_busy_port_delays_and_breaks_nothing);
-    RUN_TEST(test_stop_by_quick_stop_then_on_from_there);
-    RUN_TEST(test_stop_by_halt_leaves_no_old_set_point);
-    RUN_TEST(test_stop_while_homing);
-    RUN_TEST(test_stop_in_the_middle_of_a_mode_change);
-    RUN_TEST(test_next_deadline_is_never_forgotten);
-    RUN_TEST(test_steps_when_due_are_enough);
 }

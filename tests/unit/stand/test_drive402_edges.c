@@ -114,14 +114,14 @@ static void test_power_lost_at_every_moment(void)
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_ms(ms);
         played.state = IS_DISABLED;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         bring_home(&common);
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.state = IS_READY;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
     }
@@ -134,7 +134,7 @@ static void test_following_error_at_every_moment_of_a_move(void)
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.bits |= 0x2000U;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_STALL);
     }
@@ -153,7 +153,7 @@ static void test_a_failure_on_arrival(void)
         played.actual = 9000;
         played.bits = bits[i];
         played.state = states[i];
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(20);
         assert_fault(faults[i]);
     }
@@ -219,21 +219,21 @@ static void test_times_are_over_to_the_microsecond(void)
 static void test_an_answer_is_followed_up_at_once(void)
 {
     bench_setup(&common);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     tumble_can_frame_t frame;
     bool answered = false;
     for (unsigned ms = 0; (ms < 20U) && !answered; ms++) {
         port.now_us += 1000U;
         while (!answered && (tumble_link_receive(&bench.node.link, &frame) == TUMBLE_OK)) {
             (void)tumble_node_receive(&bench.node, &frame, port.now_us);
-            answered = (frame.id == (0x580U + DRIVE_NODE));
+            answered = (frame.id == (0x580U + SCRIPTED_DRIVE_NODE));
         }
         TEST_ASSERT_EQUAL_UINT64(answered ? 0U : TUMBLE_NEVER, bench.drive.restart_timer ? TUMBLE_NEVER
                                                                    : tumble_drive402_kind.next_us(&bench.drive));
         tumble_drive402_kind.step(&bench.drive, port.now_us);
         tumble_node_step(&bench.node, port.now_us);
         while (fake_port_take(&port, &frame)) {
-            played_receive(&frame);
+            scripted_drive_hear(&played, &port, &frame);
         }
     }
     TEST_ASSERT_TRUE(answered);
@@ -243,7 +243,7 @@ static void test_nothing_is_written_after_a_refusal(void)
 {
     bench_setup(&common);
     played.refuse_index = 0x6083;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(100);
     TEST_ASSERT_EQUAL_UINT(5, played.write_count); /* what comes before it */
     TEST_ASSERT_EQUAL_UINT(1, played.refusals);
@@ -253,12 +253,12 @@ static void test_nothing_is_written_after_a_refusal(void)
 static void test_a_restart_with_a_question_open(void)
 {
     bench_setup(&common);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(3);
     played.sdo_is_deaf = true;
     run_ms(3);
     played.sdo_is_deaf = false;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 100);
 }
 
@@ -266,9 +266,9 @@ static void test_a_restart_with_a_question_open(void)
 static void test_a_later_fault_is_not_reset_unasked(void)
 {
     start_move(&common);
-    played.powered_up = false;
+    played.dead = true;
     run_ms(600);
-    played.powered_up = true;
+    played.dead = false;
     run_ms(200);
     clear_fault();
     run_to(TUMBLE_STAND_STOPPED, 500);
@@ -289,7 +289,7 @@ static void test_without_a_window_target_reached_is_enough(void)
     start_move(&profile);
     played.moving = false; /* a thousand counts short of it */
     played.bits |= 0x0400U;
-    played_transmit();
+    scripted_drive_report(&played);
     run_ms(2);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
 }
@@ -303,9 +303,9 @@ static void test_profiles_at_the_end_of_their_range(void)
     }
     profile.writes = writes;
     profile.write_count = 211; /* with 13 objects and 30 steps of the PDOs: 254 */
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     profile.write_count = 212;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     profile = common;
     profile.heartbeat_ms = 1;
     profile.velocity_units_per_deg_s = 1.0;
@@ -314,7 +314,7 @@ static void test_profiles_at_the_end_of_their_range(void)
     profile.wrap_counts = INT32_MAX;
     profile.start_timeout_ms = 1;
     profile.stop_timeout_ms = 1;
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     bench_setup(&common);
     ASSERT_STATUS(TUMBLE_OK, drive_init(&common, 127));
 }
@@ -326,27 +326,4 @@ static void test_our_heartbeat_need_not_be_watched(void)
     bring_up(&profile);
     TEST_ASSERT_EQUAL_HEX16(0x1017, played.writes[0].index);
     TEST_ASSERT_EQUAL_UINT(23, played.write_count);
-}
-
-SUITE(drive402_edges, NULL, NULL)
-{
-    RUN_TEST(test_stopped_means_at_rest);
-    RUN_TEST(test_a_stop_is_repeated_until_it_acts);
-    RUN_TEST(test_two_process_data_each_way);
-    RUN_TEST(test_old_attained_bits_with_the_position_apart);
-    RUN_TEST(test_one_start_command_is_enough);
-    RUN_TEST(test_power_lost_at_every_moment);
-    RUN_TEST(test_following_error_at_every_moment_of_a_move);
-    RUN_TEST(test_a_failure_on_arrival);
-    RUN_TEST(test_homing_again_after_a_move);
-    RUN_TEST(test_stop_on_the_way_back_to_power);
-    RUN_TEST(test_stopping_again_and_again_gains_no_time);
-    RUN_TEST(test_times_are_over_to_the_microsecond);
-    RUN_TEST(test_an_answer_is_followed_up_at_once);
-    RUN_TEST(test_nothing_is_written_after_a_refusal);
-    RUN_TEST(test_a_restart_with_a_question_open);
-    RUN_TEST(test_a_later_fault_is_not_reset_unasked);
-    RUN_TEST(test_without_a_window_target_reached_is_enough);
-    RUN_TEST(test_profiles_at_the_end_of_their_range);
-    RUN_TEST(test_our_heartbeat_need_not_be_watched);
 }

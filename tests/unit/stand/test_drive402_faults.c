@@ -4,7 +4,7 @@
 static void test_a_fault_of_the_drive(void)
 {
     start_move(&common);
-    played_fault(0x3210);
+    scripted_drive_fail(&played, &port, 0x3210);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(0x3210, bench.drive.report.fault_code);
@@ -24,7 +24,7 @@ static void test_a_fault_reaction_is_a_fault_already(void)
 {
     start_move(&common);
     played.state = IS_FAULT_REACTION;
-    played_transmit();
+    scripted_drive_report(&played);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
@@ -32,7 +32,7 @@ static void test_a_fault_reaction_is_a_fault_already(void)
 static void test_stall_by_emergency_message(void)
 {
     start_move(&common);
-    played_fault(0x8611);
+    scripted_drive_fail(&played, &port, 0x8611);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
 }
@@ -40,13 +40,13 @@ static void test_stall_by_emergency_message(void)
 static void test_stall_by_a_late_emergency_message(void)
 {
     start_move(&common);
-    played_fault(0);
+    scripted_drive_fail(&played, &port, 0);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    played_emergency(0x8611);
+    scripted_drive_emergency(&played, 0x8611);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
-    played_emergency(0x0000); /* "no error" does not hide it */
+    scripted_drive_emergency(&played, 0x0000); /* "no error" does not hide it */
     run_ms(2);
     TEST_ASSERT_EQUAL_HEX16(0x8611, bench.drive.report.fault_code);
 }
@@ -55,7 +55,7 @@ static void test_stall_by_bit_13_in_fault(void)
 {
     start_move(&common);
     played.bits |= 0x2000U;
-    played_fault(0);
+    scripted_drive_fail(&played, &port, 0);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
 }
@@ -64,7 +64,7 @@ static void test_stall_by_bit_13_without_fault(void)
 {
     start_move(&common);
     played.bits |= 0x2000U;
-    played_transmit();
+    scripted_drive_report(&played);
     run_ms(3);
     assert_fault(TUMBLE_STAND_FAULT_STALL);
     TEST_ASSERT_FALSE(played.moving); /* it has been stopped */
@@ -77,7 +77,7 @@ static void test_stall_by_bit_13_without_fault(void)
 static void test_silence(void)
 {
     start_move(&common);
-    played.powered_up = false;
+    played.dead = true;
     run_ms(390);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_ms(200);
@@ -85,7 +85,7 @@ static void test_silence(void)
     clear_fault();
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     run_ms(100);
-    played.powered_up = true; /* the cable is back; it has never lost its power */
+    played.dead = false; /* the cable is back; it has never lost its power */
     run_to(TUMBLE_STAND_STOPPED, 500);
     assert_moves_again();
 }
@@ -93,9 +93,9 @@ static void test_silence(void)
 static void test_silence_that_ends_before_it_is_cleared(void)
 {
     start_move(&common);
-    played.powered_up = false;
+    played.dead = true;
     run_ms(600);
-    played.powered_up = true;
+    played.dead = false;
     run_ms(200);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
     clear_fault();
@@ -110,7 +110,7 @@ static void test_power_lost(void)
         start_move(&common);
         played.state = states[i];
         played.moving = false;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(2);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         played.state = IS_DISABLED;
@@ -134,7 +134,7 @@ static void test_a_restart_of_the_drive(void)
 {
     start_move(&common);
     played.write_count = 0;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
     run_ms(500);
@@ -148,11 +148,11 @@ static void test_a_restart_of_the_drive(void)
 static void test_a_restart_while_it_is_configured_starts_again(void)
 {
     bench_setup(&common);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(6);
     TEST_ASSERT_TRUE((played.write_count > 0U) && (played.write_count < 24U));
     played.write_count = 0;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_UINT(24, played.write_count);
 }
@@ -160,9 +160,9 @@ static void test_a_restart_while_it_is_configured_starts_again(void)
 static void test_a_restart_after_a_fault(void)
 {
     start_move(&common);
-    played_fault(0x1000);
+    scripted_drive_fail(&played, &port, 0x1000);
     run_ms(5);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     clear_fault();
@@ -175,9 +175,9 @@ static void test_a_restart_that_nobody_heard(void)
     static const unsigned silent_ms[] = {0, 600};
     for (size_t i = 0; i < COUNT_OF(silent_ms); i++) {
         start_move(&common);
-        played.powered_up = false;
+        played.dead = true;
         run_ms(silent_ms[i]);
-        played_boot();
+        scripted_drive_boot(&played, &port);
         played.actual = 0; /* where it stands is its zero */
         port.to_firmware.count = 0;
         run_ms(200);
@@ -195,7 +195,7 @@ static void test_somebody_stops_the_node(void)
 {
     start_move(&common);
     played.operational = false;
-    played_heartbeat(127);
+    scripted_drive_beat(&played, 127);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     played.moving = false;
@@ -207,7 +207,7 @@ static void test_a_refused_configuration(void)
 {
     bench_setup(&common);
     played.refuse_index = 0x6083;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(50);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
@@ -223,7 +223,7 @@ static void test_a_refused_configuration(void)
 static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
 {
     bench_setup(&common);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     played.state = IS_FAULT;
     run_ms(100);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
@@ -235,13 +235,13 @@ static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
 static void test_a_fault_that_comes_back_at_once(void)
 {
     start_move(&common);
-    played_fault(0x4210);
+    scripted_drive_fail(&played, &port, 0x4210);
     run_ms(5);
     clear_fault();
     while (played.state != IS_READY) {
         run_ms(1);
     }
-    played_fault(0x4211);
+    scripted_drive_fail(&played, &port, 0x4211);
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
     TEST_ASSERT_EQUAL_HEX16(0x4211, bench.drive.report.fault_code);
@@ -267,7 +267,7 @@ static void test_a_fault_while_homing_is_no_stall(void)
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_ms(20);
     played.bits |= 0x2000U; /* in this mode: homing error */
-    played_fault(0x7300);
+    scripted_drive_fail(&played, &port, 0x7300);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
@@ -288,7 +288,7 @@ static void test_a_fault_while_stopping(void)
     played.ignores_stop = true;
     bench.stand.kind->stop(bench.stand.self);
     run_ms(5);
-    played_fault(0x2220);
+    scripted_drive_fail(&played, &port, 0x2220);
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
@@ -296,7 +296,7 @@ static void test_a_fault_while_stopping(void)
 static void test_stop_in_fault_is_sent_all_the_same(void)
 {
     start_move(&common);
-    played_fault(0x2220);
+    scripted_drive_fail(&played, &port, 0x2220);
     run_ms(5);
     const unsigned before = played.control_count;
     bench.stand.kind->stop(bench.stand.self);
@@ -328,43 +328,14 @@ static void test_a_drive_that_comes_back_is_told_to_stop(void)
 {
     start_move(&common);
     played.never_reaches = true;
-    played.powered_up = false;
+    played.dead = true;
     run_ms(600);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
     TEST_ASSERT_TRUE(played.moving);
     played.event_only = true;
-    played.powered_up = true;
+    played.dead = false;
     run_ms(105);
     TEST_ASSERT_FALSE(played.moving);
     TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-}
-
-SUITE(drive402_faults, NULL, NULL)
-{
-    RUN_TEST(test_a_fault_of_the_drive);
-    RUN_TEST(test_a_fault_reaction_is_a_fault_already);
-    RUN_TEST(test_stall_by_emergency_message);
-    RUN_TEST(test_stall_by_a_late_emergency_message);
-    RUN_TEST(test_stall_by_bit_13_in_fault);
-    RUN_TEST(test_stall_by_bit_13_without_fault);
-    RUN_TEST(test_silence);
-    RUN_TEST(test_silence_that_ends_before_it_is_cleared);
-    RUN_TEST(test_power_lost);
-    RUN_TEST(test_power_lost_at_rest);
-    RUN_TEST(test_a_restart_of_the_drive);
-    RUN_TEST(test_a_restart_while_it_is_configured_starts_again);
-    RUN_TEST(test_a_restart_after_a_fault);
-    RUN_TEST(test_a_restart_that_nobody_heard);
-    RUN_TEST(test_somebody_stops_the_node);
-    RUN_TEST(test_a_refused_configuration);
-    RUN_TEST(test_a_drive_found_in_fault_is_not_reset_unasked);
-    RUN_TEST(test_a_fault_that_comes_back_at_once);
-    RUN_TEST(test_homing_that_fails);
-    RUN_TEST(test_a_fault_while_homing_is_no_stall);
-    RUN_TEST(test_a_mode_that_is_refused);
-    RUN_TEST(test_a_fault_while_stopping);
-    RUN_TEST(test_stop_in_fault_is_sent_all_the_same);
-    RUN_TEST(test_a_stop_is_repeated_in_fault);
-    RUN_TEST(test_a_drive_that_comes_back_is_told_to_stop);
 }

@@ -39,7 +39,7 @@ static void restart_computer(void)
     memset(&bench, 0, sizeof bench);
     const tumble_node_binding_t binding = {.port = &port.port, .other = &bench.mirror, .context = &bench};
     ASSERT_STATUS(TUMBLE_OK, tumble_node_init(&bench.node, &own_config, &binding));
-    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, DRIVE_NODE));
+    ASSERT_STATUS(TUMBLE_OK, drive_init(&common, SCRIPTED_DRIVE_NODE));
     bench.stand = (tumble_stand_t){&tumble_drive402_kind, &bench.drive};
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
 }
@@ -90,7 +90,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
             bench.stand.kind->stop(bench.stand.self);
             run_ms(after_ms[i]);
         }
-        played_send(0x702, 1, &boot_up);
+        scripted_drive_send(&played, 0x702, 1, &boot_up);
         run_ms(500);
         TEST_ASSERT_FALSE(played.homing);
         assert_fault(TUMBLE_STAND_FAULT_POWER);
@@ -102,7 +102,7 @@ static void test_a_forged_boot_up_does_not_end_the_ladder(void)
 static void test_an_axis_that_is_set_going_in_fault_is_stopped(void)
 {
     start_move(&common);
-    played_fault(0x1234);
+    scripted_drive_fail(&played, &port, 0x1234);
     run_ms(3000);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_NONE, bench.drive.rung);
     played.state = IS_ENABLED;
@@ -151,7 +151,7 @@ static void test_a_stray_statusword_does_not_rush_the_ladder(void)
     run_ms(3000);
     const uint16_t braking = played.state;
     played.state = IS_ENABLED;
-    played_transmit();
+    scripted_drive_report(&played);
     played.state = braking;
     run_ms(5);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_TOLD, bench.drive.rung);
@@ -216,7 +216,7 @@ static void report_every(unsigned ms, unsigned most_ms)
     for (unsigned i = 1; (i <= most_ms) && (stand_state() == TUMBLE_STAND_HOMING); i++) {
         run_ms(1);
         if ((i % ms) == 0U) {
-            played_transmit();
+            scripted_drive_report(&played);
         }
     }
 }
@@ -252,14 +252,14 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
     bring_up(&profile);
     played.wrap = 36000;
     played.event_only = true;
-    played_transmit();
+    scripted_drive_report(&played);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
     move_to(30.0);
     run_ms(60000);
     for (int32_t by = 1; by >= -1; by -= 2) {
         played.actual += by;
-        played_transmit();
+        scripted_drive_report(&played);
         run_ms(20);
     }
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
@@ -281,19 +281,4 @@ static void test_the_end_of_the_ladder_leaves_the_error_of_a_lost_position(void)
     played.misses = 0;
     clear_fault();
     TEST_ASSERT_EQUAL_UINT8(0, bench.node.emcy.error_register);
-}
-
-SUITE(drive402_ladder, NULL, NULL)
-{
-    RUN_TEST(test_a_bring_up_that_fails_stops_a_turning_axis);
-    RUN_TEST(test_nor_does_it_turn_on_where_no_sdo_is_answered);
-    RUN_TEST(test_a_forged_boot_up_does_not_end_the_ladder);
-    RUN_TEST(test_an_axis_that_is_set_going_in_fault_is_stopped);
-    RUN_TEST(test_a_second_stop_climbs_again);
-    RUN_TEST(test_a_stray_statusword_does_not_rush_the_ladder);
-    RUN_TEST(test_halt_is_told_by_sdo_at_once);
-    RUN_TEST(test_a_halt_that_nobody_hears_is_no_rest);
-    RUN_TEST(test_a_fast_homing_is_bounded_by_rare_reports);
-    RUN_TEST(test_a_wrapping_drive_without_timer_keeps_its_position_at_rest);
-    RUN_TEST(test_the_end_of_the_ladder_leaves_the_error_of_a_lost_position);
 }

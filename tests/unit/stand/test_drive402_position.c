@@ -11,7 +11,7 @@ static void forge(int32_t counts)
 {
     const int32_t actual = played.actual;
     played.actual = counts;
-    played_transmit();
+    scripted_drive_report(&played);
     played.actual = actual;
     run_ms(1);
 }
@@ -72,7 +72,7 @@ static void test_a_wrapping_drive_does_not_lose_a_turn(void)
 {
     const tumble_drive_profile_t profile = wrapping();
     for (unsigned pause_ms = 0; pause_ms <= 150U; pause_ms += 50U) {
-        played_drive_t *d = &played;
+        scripted_drive_t *d = &played;
         bring_home(&profile);
         d->wrap = 36000;
         run_ms(pause_ms);
@@ -92,10 +92,10 @@ static void test_a_turn_is_not_guessed_after_silence(void)
     const tumble_drive_profile_t profile = wrapping();
     start_move(&profile);
     played.wrap = 36000;
-    played.powered_up = false;
+    played.dead = true;
     run_ms(3000);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-    played.powered_up = true;
+    played.dead = false;
     run_ms(300);
     clear_fault();
     run_to(TUMBLE_STAND_READY, 1000); /* not STOPPED: that would be homed */
@@ -273,7 +273,7 @@ static void test_the_cables_limits_are_written_and_read_back(void)
     profile.sign = -1;
     bench_setup(&profile);
     TEST_ASSERT_TRUE(bench.drive.report.limited);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
     TEST_ASSERT_EQUAL_INT32(3000, played.limits[1]);
@@ -286,7 +286,7 @@ static void test_a_drive_that_does_not_keep_them_does_not_run(void)
     profile.software_limits = true;
     bench_setup(&profile);
     played.keeps_no_limits = true;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_FAULT, 500);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     const tumble_stand_refusal_t refusal = bench.drive.report.refusal;
@@ -303,7 +303,7 @@ static void test_a_drive_without_them_is_said_to_be_so(void)
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         bench_setup(profiles[i]);
         TEST_ASSERT_FALSE(bench.drive.report.limited);
-        played_boot();
+        scripted_drive_boot(&played, &port);
         run_to(TUMBLE_STAND_READY, 500);
         TEST_ASSERT_EQUAL_UINT(24, played.write_count);
     }
@@ -340,32 +340,8 @@ static void test_our_process_data_are_mended(void)
     const tumble_pdo_setup_t other = {.cob_id = 0x80000202U, .type = 255};
     TEST_ASSERT_EQUAL_HEX32(0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0,
                                                     &other));
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
     TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
     TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);
-}
-
-SUITE(drive402_position, NULL, NULL)
-{
-    RUN_TEST(test_one_garbled_report_changes_nothing);
-    RUN_TEST(test_nor_does_one_in_a_move);
-    RUN_TEST(test_two_in_a_row_lose_the_position);
-    RUN_TEST(test_a_wrapping_drive_does_not_lose_a_turn);
-    RUN_TEST(test_a_turn_is_not_guessed_after_silence);
-    RUN_TEST(test_an_axis_that_creeps_at_rest);
-    RUN_TEST(test_a_stopped_axis_that_is_turned_by_hand);
-    RUN_TEST(test_before_homing_the_axis_may_be_turned);
-    RUN_TEST(test_an_axis_that_is_not_homed_and_held_must_rest);
-    RUN_TEST(test_a_homing_that_never_began);
-    RUN_TEST(test_a_homing_on_the_spot);
-    RUN_TEST(test_homing_turns_no_further_than_the_cable_and_a_turn);
-    RUN_TEST(test_nor_on_a_drive_that_wraps);
-    RUN_TEST(test_a_new_zero_is_no_travel);
-    RUN_TEST(test_homing_that_nobody_sees);
-    RUN_TEST(test_the_cables_limits_are_written_and_read_back);
-    RUN_TEST(test_a_drive_that_does_not_keep_them_does_not_run);
-    RUN_TEST(test_a_drive_without_them_is_said_to_be_so);
-    RUN_TEST(test_a_foreign_command_stops_the_axis);
-    RUN_TEST(test_our_process_data_are_mended);
 }

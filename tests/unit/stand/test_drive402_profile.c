@@ -3,7 +3,7 @@
 
 static void test_configuration_in_order_and_in_units(void)
 {
-    static const sdo_write_t expected[] = {
+    static const scripted_write_t expected[] = {
         {0x1016, 1, 4, 0x000101F4}, {0x1017, 0, 2, 100},        {0x6060, 0, 1, 1},          {0x6098, 0, 1, 0xFD},
         {0x6081, 0, 4, 9000},       {0x6083, 0, 4, 18000},      {0x6085, 0, 4, 72050},      {0x6099, 1, 4, 2000},
         {0x1400, 1, 4, 0x80000202}, {0x1600, 0, 1, 0},          {0x1600, 1, 4, 0x60400010}, {0x1600, 2, 4, 0x607A0020},
@@ -14,7 +14,7 @@ static void test_configuration_in_order_and_in_units(void)
     bring_up(&common);
     TEST_ASSERT_EQUAL_UINT(COUNT_OF(expected), played.write_count);
     for (size_t i = 0; i < COUNT_OF(expected); i++) {
-        const sdo_write_t *found = &played.writes[i];
+        const scripted_write_t *found = &played.writes[i];
         TEST_ASSERT_EQUAL_HEX16(expected[i].index, found->index);
         TEST_ASSERT_EQUAL_HEX8(expected[i].subindex, found->subindex);
         TEST_ASSERT_EQUAL_UINT8(expected[i].size, found->size);
@@ -51,7 +51,7 @@ static tumble_drive_profile_t other_profile(void)
 /* Every quantity that the profile may have, in the drive's units. */
 static void test_all_quantities(void)
 {
-    static const sdo_write_t expected[] = {
+    static const scripted_write_t expected[] = {
         {0x6081, 0, 4, 100}, {0x6083, 0, 4, 400}, {0x6084, 0, 4, 600}, {0x6085, 0, 4, 800},
         {0x6099, 1, 4, 500}, {0x6099, 2, 4, 600}, {0x609A, 0, 4, 1400},
     };
@@ -176,9 +176,9 @@ static void test_rounding(void)
 #define EXPECT_BAD(change)                                                                                             \
     do {                                                                                                               \
         tumble_drive_profile_t profile = common;                                                                       \
-        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));                                     \
+        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                                     \
         profile.change;                                                                                                \
-        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));                             \
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                             \
     } while (0)
 
 static void test_profiles_that_cannot_be(void)
@@ -193,7 +193,7 @@ static void test_profiles_that_cannot_be(void)
         {0, {.cob_id = 0x182, .count = 2, .map = {0x60410010, 0x60610008}}}};
     static const tumble_drive_pdo_t too_many[] = {
         {0, {.cob_id = 0x182, .count = 9, .map = {0x60410010, 0x60640020, 0, 0, 0, 0, 0, 0}}}};
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(NULL, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(NULL, SCRIPTED_MASTER_NODE));
     EXPECT_BAD(counts_per_revolution = 0.0);
     EXPECT_BAD(counts_per_revolution = (double)NAN);
     EXPECT_BAD(velocity_units_per_deg_s = -1.0);
@@ -236,11 +236,11 @@ static void test_identifiers_that_are_taken(void)
     profile.receive = &receive;
     for (size_t i = 0; i < COUNT_OF(taken); i++) {
         receive.setup.cob_id = taken[i];
-        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     }
     for (size_t i = 0; i < COUNT_OF(free_ids); i++) {
         receive.setup.cob_id = free_ids[i];
-        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     }
     receive.setup.cob_id = 0x181;
     ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, 9));
@@ -257,9 +257,9 @@ static void test_identifiers_that_are_wanted_twice(void)
             tumble_drive_profile_t profile = other_profile();
             profile.receive = &pdos[0];
             profile.transmit = &pdos[2];
-            ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+            ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
             pdos[one].setup.cob_id = pdos[other].setup.cob_id | 0x40000000U;
-            ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+            ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
         }
     }
 }
@@ -270,9 +270,9 @@ static void test_further_writes_of_a_wrong_size(void)
     tumble_drive_profile_t profile = common;
     profile.writes = &odd;
     profile.write_count = 1;
-    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
     odd.size = 3;
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, MASTER_NODE));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));
 }
 
 static void test_init_refuses_what_the_node_cannot_carry(void)
@@ -295,22 +295,4 @@ static void test_init_refuses_what_the_node_cannot_carry(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(NULL, 2));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 0));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, drive_init(&common, 128));
-}
-
-SUITE(drive402_profile, NULL, NULL)
-{
-    RUN_TEST(test_configuration_in_order_and_in_units);
-    RUN_TEST(test_all_quantities);
-    RUN_TEST(test_another_maker);
-    RUN_TEST(test_a_mode_in_the_process_data_is_kept);
-    RUN_TEST(test_a_wrapping_drive_goes_long_ways_in_quarters);
-    RUN_TEST(test_a_wrapping_drive_is_at_home_on_either_side);
-    RUN_TEST(test_a_short_way_from_beside_home_is_short);
-    RUN_TEST(test_angles_beyond_the_drive);
-    RUN_TEST(test_rounding);
-    RUN_TEST(test_profiles_that_cannot_be);
-    RUN_TEST(test_identifiers_that_are_taken);
-    RUN_TEST(test_identifiers_that_are_wanted_twice);
-    RUN_TEST(test_further_writes_of_a_wrong_size);
-    RUN_TEST(test_init_refuses_what_the_node_cannot_carry);
 }

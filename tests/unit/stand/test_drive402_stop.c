@@ -162,7 +162,7 @@ static void test_a_drive_that_boots_has_let_go(void)
     stop_a_move(&common);
     played.misses = UINT32_MAX;
     run_ms(300);
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(3000);
     assert_counters(1, 0, 0, 0, 0);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
@@ -174,7 +174,7 @@ static void test_every_rung_is_a_deadline(void)
     static const uint64_t after_us[] = {200000, 400000, 1000000, 1500000, 2300000};
     stop_a_move(&common);
     const uint64_t told_us = bench.drive.told_us;
-    played.powered_up = false;
+    played.dead = true;
     for (size_t i = 0; i < COUNT_OF(after_us); i++) {
         TEST_ASSERT_EQUAL_UINT64(told_us + after_us[i], tumble_drive_next_rung_us(&bench.drive));
         tumble_drive402_kind.step(&bench.drive, told_us + after_us[i] - 1U);
@@ -183,17 +183,4 @@ static void test_every_rung_is_a_deadline(void)
         TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_AGAIN + i, bench.drive.rung);
     }
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive_next_rung_us(&bench.drive));
-}
-
-SUITE(drive402_stop, NULL, NULL)
-{
-    RUN_TEST(test_a_stop_that_is_obeyed_tells_nothing);
-    RUN_TEST(test_the_second_way_is_sdo);
-    RUN_TEST(test_the_third_way_is_nmt);
-    RUN_TEST(test_the_last_way_is_silence);
-    RUN_TEST(test_a_fault_climbs_too);
-    RUN_TEST(test_one_that_brakes_for_ever);
-    RUN_TEST(test_a_coasting_axis_is_not_at_rest);
-    RUN_TEST(test_a_drive_that_boots_has_let_go);
-    RUN_TEST(test_every_rung_is_a_deadline);
 }

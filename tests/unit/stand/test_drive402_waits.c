@@ -5,7 +5,7 @@ static void test_an_unanswered_configuration(void)
 {
     bench_setup(&common);
     played.sdo_is_deaf = true;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(600);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     TEST_ASSERT_EQUAL_HEX32(0x05040000, bench.drive.report.refusal.abort);
@@ -16,7 +16,7 @@ static void test_an_unanswered_configuration(void)
 static void find_mute_drive(void)
 {
     bench_setup(&common);
-    played.powered_up = true;
+    played.dead = false;
     played.state = IS_DISABLED;
     played.mute = true;
     for (unsigned n = 0; n < 4U; n++) {
@@ -74,7 +74,7 @@ static void test_nobody_is_asked_again_and_again(void)
     run_ms(3000);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     TEST_ASSERT_UINT32_WITHIN(8, 30U + 12U, bench.node.link.counters.sent - before); /* heartbeats; asked, given up */
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_to(TUMBLE_STAND_READY, 500);
 }
 
@@ -91,7 +91,7 @@ static void test_no_process_data_after_the_start(void)
 {
     bench_setup(&common);
     played.event_only = true;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     while (played.write_count < 24U) {
         run_ms(1);
     }
@@ -103,7 +103,7 @@ static void test_power_that_does_not_come_up(void)
 {
     bench_setup(&common);
     played.stays_in_switched_on = true;
-    played_boot();
+    scripted_drive_boot(&played, &port);
     run_ms(40);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     expect_late(TUMBLE_STAND_FAULT_POWER, 200, 320);
@@ -112,7 +112,7 @@ static void test_power_that_does_not_come_up(void)
 static void test_a_fault_that_stays(void)
 {
     start_move(&common);
-    played_fault(0x4210);
+    scripted_drive_fail(&played, &port, 0x4210);
     run_ms(5);
     played.resets_nothing = true;
     clear_fault();
@@ -208,7 +208,7 @@ static void test_nonsense_from_the_bus(void)
         memcpy(data, &random, sizeof data);
         static const uint16_t ids[] = {0x182, 0x182, 0x182, 0x082, 0x702, 0x582};
         if (dice_below(&dice, 4) == 0U) {
-            played_send(ids[dice_below(&dice, COUNT_OF(ids))], (uint8_t)dice_below(&dice, 9), data);
+            scripted_drive_send(&played, ids[dice_below(&dice, COUNT_OF(ids))], (uint8_t)dice_below(&dice, 9), data);
         }
         switch (dice_below(&dice, 40)) {
         case 0:
@@ -278,28 +278,4 @@ static void test_a_stop_gives_up_reading_the_target(void)
     run_to(TUMBLE_STAND_STOPPED, 100);
     played.sdo_is_deaf = false;
     assert_moves_again();
-}
-
-SUITE(drive402_waits, NULL, NULL)
-{
-    RUN_TEST(test_an_unanswered_configuration);
-    RUN_TEST(test_a_drive_without_a_heartbeat_is_asked_for_one);
-    RUN_TEST(test_a_drive_that_refuses_a_heartbeat_does_not_run);
-    RUN_TEST(test_a_drive_that_promises_a_heartbeat_and_sends_none_stays_absent);
-    RUN_TEST(test_nobody_is_asked_again_and_again);
-    RUN_TEST(test_no_process_data_after_the_start);
-    RUN_TEST(test_power_that_does_not_come_up);
-    RUN_TEST(test_a_fault_that_stays);
-    RUN_TEST(test_a_set_point_never_acknowledged);
-    RUN_TEST(test_an_acknowledgement_that_stays);
-    RUN_TEST(test_an_acknowledgement_left_over);
-    RUN_TEST(test_a_target_never_reached);
-    RUN_TEST(test_target_reached_somewhere_else);
-    RUN_TEST(test_homing_that_never_ends);
-    RUN_TEST(test_a_mode_that_does_not_change);
-    RUN_TEST(test_nonsense_from_the_bus);
-    RUN_TEST(test_a_target_that_gets_lost_is_sent_again);
-    RUN_TEST(test_targets_that_all_get_lost_are_a_broken_handshake);
-    RUN_TEST(test_a_target_that_cannot_be_read_back_is_a_broken_handshake);
-    RUN_TEST(test_a_stop_gives_up_reading_the_target);
 }

@@ -128,11 +128,4 @@ static void test_bad_configurations(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, init(&infinite));
 }
 
-SUITE(operator, set_up, NULL)
-{
-    RUN_TEST(test_asks_for_home_then_for_angles);
-    RUN_TEST(test_another_angle_is_not_confirmed);
-    RUN_TEST(test_nobody_confirms);
-    RUN_TEST(test_stop_withdraws_the_request);
-    RUN_TEST(test_bad_configurations);
-}
+static const around_t around_each = {set_up, NULL};

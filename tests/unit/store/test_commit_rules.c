@@ -354,21 +354,4 @@ static void test_numbers_names_and_sentences(void)
     TEST_ASSERT_EQUAL_STRING("this objection is not in the list", tumble_objection_sentence((tumble_objection_t)99));
 }
 
-SUITE(commit_rules, set_up, NULL)
-{
-    RUN_TEST(test_a_good_set_is_committed);
-    RUN_TEST(test_gravity_check);
-    RUN_TEST(test_not_finite);
-    RUN_TEST(test_uncertainty_unknown);
-    RUN_TEST(test_uncertainty_of_every_coefficient);
-    RUN_TEST(test_change_of_every_coefficient);
-    RUN_TEST(test_change_to_the_last_bit);
-    RUN_TEST(test_drift_grows_with_the_months);
-    RUN_TEST(test_drift_is_allowed_for_so_many_months_at_most);
-    RUN_TEST(test_temperature_excuses_a_change);
-    RUN_TEST(test_block_and_date);
-    RUN_TEST(test_first_replayed_and_by_hand);
-    RUN_TEST(test_limits_have_ranges);
-    RUN_TEST(test_objections_add_up);
-    RUN_TEST(test_numbers_names_and_sentences);
-}
+static const around_t around_each = {set_up, NULL};

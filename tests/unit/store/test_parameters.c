@@ -377,21 +377,4 @@ static void test_the_campaign_finds_a_mixed_record(void)
     TEST_ASSERT_TRUE(campaign.bad > 0U);
 }
 
-SUITE(parameters, set_up, tear_down)
-{
-    RUN_TEST(test_the_table_here_is_what_is_saved);
-    RUN_TEST(test_an_erased_memory_leaves_the_boards_values);
-    RUN_TEST(test_what_was_saved_is_in_force_after_power_on);
-    RUN_TEST(test_what_was_forgotten_is_gone_after_power_on_and_not_before);
-    RUN_TEST(test_restore_puts_the_saved_values_in_force_again);
-    RUN_TEST(test_a_restore_waits_for_the_end_of_a_job);
-    RUN_TEST(test_the_bytes_are_those_described);
-    RUN_TEST(test_what_the_dictionary_refuses_is_counted_and_left);
-    RUN_TEST(test_a_record_with_a_wrong_bit_is_none);
-    RUN_TEST(test_without_room_nothing_is_saved);
-    RUN_TEST(test_one_job_at_a_time);
-    RUN_TEST(test_a_memory_that_is_slow_is_asked_again);
-    RUN_TEST(test_a_memory_that_cannot_be_read_holds_nothing);
-    RUN_TEST(test_no_fault_at_any_operation_leaves_anything_between);
-    RUN_TEST(test_the_campaign_finds_a_mixed_record);
-}
+static const around_t around_each = {set_up, tear_down};

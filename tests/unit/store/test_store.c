@@ -338,22 +338,4 @@ static void test_a_step_makes_at_most_one_call(void)
     }
 }
 
-SUITE(store, set_up, tear_down)
-{
-    RUN_TEST(test_a_life);
-    RUN_TEST(test_the_store_writes_its_own_fields);
-    RUN_TEST(test_a_memory_that_does_not_fit_is_refused);
-    RUN_TEST(test_one_job_at_a_time);
-    RUN_TEST(test_what_is_not_there_or_wrong_is_refused);
-    RUN_TEST(test_the_factory_set_is_written_once);
-    RUN_TEST(test_the_sequence_does_not_wrap);
-    RUN_TEST(test_what_has_decayed_is_found_out_and_the_next_is_active);
-    RUN_TEST(test_what_decayed_before_it_was_copied_is_not_copied);
-    RUN_TEST(test_a_read_that_fails_is_tried_again);
-    RUN_TEST(test_failures_are_counted_by_their_kind);
-    RUN_TEST(test_a_rollback_cut_short_is_cleared_at_start_up);
-    RUN_TEST(test_a_proposal_that_is_cleared_stays_cleared_after_an_accept_cut_short);
-    RUN_TEST(test_a_commit_clears_what_an_accept_could_not);
-    RUN_TEST(test_a_slow_memory_is_asked_the_same_again);
-    RUN_TEST(test_a_step_makes_at_most_one_call);
-}
+static const around_t around_each = {set_up, tear_down};

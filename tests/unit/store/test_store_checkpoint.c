@@ -136,14 +136,4 @@ static void test_failures_and_torn_cells_are_counted(void)
     assert_status(TUMBLE_OK, append_average(1));
 }
 
-SUITE(store_checkpoint, set_up, tear_down)
-{
-    RUN_TEST(test_every_position_and_its_last_entry);
-    RUN_TEST(test_another_fingerprint_does_not_match);
-    RUN_TEST(test_entries_of_another_run_do_not_count);
-    RUN_TEST(test_what_is_out_of_range_is_refused);
-    RUN_TEST(test_one_job_at_a_time);
-    RUN_TEST(test_a_memory_that_does_not_fit_is_refused);
-    RUN_TEST(test_what_has_decayed_is_not_read);
-    RUN_TEST(test_failures_and_torn_cells_are_counted);
-}
+static const around_t around_each = {set_up, tear_down};

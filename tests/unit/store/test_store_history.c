@@ -157,13 +157,4 @@ static void test_nothing_is_written_beside_what_could_not_be_read(void)
     }
 }
 
-SUITE(store_history, set_up, tear_down)
-{
-    RUN_TEST(test_the_last_ones_are_there_newest_first);
-    RUN_TEST(test_the_entry_of_a_set);
-    RUN_TEST(test_bytes_are_refused_that_are_no_entry);
-    RUN_TEST(test_what_is_not_there_is_refused);
-    RUN_TEST(test_numbers_do_not_wrap);
-    RUN_TEST(test_failures_and_torn_cells_are_counted);
-    RUN_TEST(test_nothing_is_written_beside_what_could_not_be_read);
-}
+static const around_t around_each = {set_up, tear_down};

@@ -151,13 +151,4 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
     assert_decodes(TUMBLE_E_NOT_FINITE);
 }
 
-SUITE(store_record, set_up, NULL)
-{
-    RUN_TEST(test_what_is_written_is_read);
-    RUN_TEST(test_what_is_unknown_is_zero);
-    RUN_TEST(test_null_is_refused);
-    RUN_TEST(test_every_number_must_be_one_and_in_its_range);
-    RUN_TEST(test_flags_origin_and_serial_are_checked);
-    RUN_TEST(test_every_altered_bit_is_noticed);
-    RUN_TEST(test_what_is_wrong_under_a_right_crc_is_refused);
-}
+static const around_t around_each = {set_up, NULL};

@@ -105,11 +105,4 @@ static void test_an_overflow_is_no_trend(void)
     assert_status(TUMBLE_E_NOT_FINITE, tumble_trend_fit(&sums, &trend));
 }
 
-SUITE(store_trend, set_up, NULL)
-{
-    RUN_TEST(test_the_line_is_the_textbooks);
-    RUN_TEST(test_two_points_make_a_line);
-    RUN_TEST(test_one_date_is_no_trend);
-    RUN_TEST(test_what_is_no_value_is_refused);
-    RUN_TEST(test_an_overflow_is_no_trend);
-}
+static const around_t around_each = {set_up, NULL};

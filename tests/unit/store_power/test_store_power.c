@@ -12,8 +12,3 @@ static void test_a_valid_set_is_always_found_and_never_a_mixed_one(void)
     TEST_ASSERT_EQUAL_UINT64(0, campaign.bad);
     TEST_ASSERT_GREATER_THAN_UINT64(50000, campaign.cases);
 }
-
-SUITE(store_power, NULL, NULL)
-{
-    RUN_TEST(test_a_valid_set_is_always_found_and_never_a_mixed_one);
-}

@@ -267,21 +267,3 @@ static void test_a_gain_table_does_not_ask_for_check_positions(void)
     const tumble_judged_run_t run = {&extended, &no_errors, &straight, measured, NULL, 0};
     (void)judged(by_table, &run);
 }
-
-SUITE(uncertainty, NULL, NULL)
-{
-    RUN_TEST(test_noise_alone);
-    RUN_TEST(test_the_least_noise_of_a_mean);
-    RUN_TEST(test_axis_tilt_alone);
-    RUN_TEST(test_level_alone);
-    RUN_TEST(test_remounting_alone);
-    RUN_TEST(test_one_yaw_or_two);
-    RUN_TEST(test_set_angles_alone);
-    RUN_TEST(test_sources_add_in_quadrature);
-    RUN_TEST(test_null_pointers_are_refused);
-    RUN_TEST(test_a_stand_out_of_range_is_refused);
-    RUN_TEST(test_a_mean_of_no_samples_is_refused);
-    RUN_TEST(test_a_k_that_is_no_number_or_too_large_is_refused);
-    RUN_TEST(test_refusals_of_the_estimators);
-    RUN_TEST(test_a_gain_table_does_not_ask_for_check_positions);
-}

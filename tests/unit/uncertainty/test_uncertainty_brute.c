@@ -242,11 +242,3 @@ static void test_positions_that_were_not_measured_do_not_count(void)
     const tumble_uncertainty_t none = judged(tumble_uncertainty_refined, &run);
     TEST_ASSERT_EQUAL_MEMORY(&none, &all, sizeof all);
 }
-
-SUITE(uncertainty_brute, NULL, NULL)
-{
-    RUN_TEST(test_least_squares_on_any_schedule);
-    RUN_TEST(test_harmonic_estimators_among_other_positions);
-    RUN_TEST(test_any_gain_table);
-    RUN_TEST(test_positions_that_were_not_measured_do_not_count);
-}

@@ -1,0 +1,13 @@
+# Write OUT: test_NAME.c (SOURCE) and behind it the list of its cases, as its suite (suite.h).
+file(STRINGS ${SOURCE} cases REGEX "^static void test_[a-z0-9_]+\\(void\\)$")
+file(STRINGS ${SOURCE} around REGEX "around_t around_each = ")
+set(text "#include \"${SOURCE}\"\n\n")
+if(NOT around)
+  string(APPEND text "static const around_t around_each = {NULL, NULL};\n\n")
+endif()
+string(APPEND text "static void run_cases(void)\n{\n")
+foreach(case IN LISTS cases)
+  string(REGEX REPLACE "^static void (.*)\\(void\\)$" "\\1" case "${case}")
+  string(APPEND text "    RUN_TEST(${case});\n")
+endforeach()
+file(WRITE ${OUT} "${text}}\n\nconst suite_t suite_${NAME} = {\"${SOURCE}\", run_cases, &around_each};\n")
