@@ -1,7 +1,5 @@
 #include "bench/fault_script.h"
 
-#include "bench/world.h"
-
 static uint64_t in_us(double seconds)
 {
     return (uint64_t)(seconds * 1e6 + 0.5);

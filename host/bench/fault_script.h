@@ -2,24 +2,7 @@
 #ifndef TUMBLE_BENCH_FAULT_SCRIPT_H
 #define TUMBLE_BENCH_FAULT_SCRIPT_H
 
-#include "procedure/procedure.h"
-#include "simulation/scenario.h"
-
-#include <stdbool.h>
-#include <stdint.h>
-
-typedef struct bench_world bench_world_t;
-
-typedef struct {
-    uint64_t begin_us; /* SIM_NEVER: not due */
-    uint64_t end_us;
-    uint32_t times; /* how often it has begun */
-    bool in_force;
-} bench_fault_state_t;
-
-typedef struct {
-    bench_fault_state_t states[SIM_MAX_FAULTS];
-} bench_fault_script_t;
+#include "bench/scene.h"
 
 /* Faults that begin at a time are set; the others wait for their position. */
 void bench_fault_script_init(bench_world_t *world);

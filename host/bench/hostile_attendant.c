@@ -1,6 +1,8 @@
 /* Who stands at the bench: he mounts the block and confirms, mends faults, and goes on after a loss of power. */
 #include "bench/hostile_state.h"
 
+#include "bench/fault_script.h"
+
 #define US_PER_S 1e6
 
 void bench_life_attend_to(bench_life_t *life, const tumble_progress_t *progress)

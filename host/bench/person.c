@@ -1,8 +1,6 @@
 #include "bench/person.h"
 
-#include "bench/world.h"
-
-#include <math.h>
+#include "bench/fault_script.h"
 
 void bench_person_init(bench_world_t *world)
 {

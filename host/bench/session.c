@@ -7,6 +7,7 @@
 #include "bench/guests.h"
 #include "bench/interrupt.h"
 #include "bench/pace.h"
+#include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 

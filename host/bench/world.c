@@ -1,6 +1,7 @@
 #include "bench/world.h"
 
-#include "simulation/geometry.h"
+#include "bench/fault_script.h"
+#include "bench/person.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -124,23 +125,6 @@ tumble_status_t bench_world_init(bench_world_t *world, const bench_config_t *con
     return init_navcomp(world);
 }
 
-void bench_world_mount(bench_world_t *world, uint8_t index)
-{
-    const sim_scenario_t *const scenario = &world->config->scenario;
-    sim_geometry_t geometry;
-    if (world->person.mounted[index]++ > 0U) {
-        sim_truth_remount(&world->truth, scenario, index);
-    }
-    sim_geometry_init(&geometry, &scenario->schedule.mountings[index], world->truth.alpha1_rad, world->truth.alpha2_rad,
-                      world->truth.alpha3_rad[index]);
-    sim_block_mount(&world->block, &geometry);
-}
-
-bool bench_world_is_at_rest(const bench_world_t *world)
-{
-    return world->clock.now_us >= sim_axis_end_us(world->axis);
-}
-
 static void end_with(bench_world_t *world, bench_end_t end)
 {
     if (world->wanted_end == BENCH_RUNNING) {
@@ -149,33 +133,12 @@ static void end_with(bench_world_t *world, bench_end_t end)
     }
 }
 
-void bench_world_abort(bench_world_t *world)
-{
-    (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
-    sim_clock_set(&world->clock, SIM_ACTOR_NAVCOMP, world->clock.now_us);
-}
-
 void bench_world_end(bench_world_t *world, bench_end_t end)
 {
     if (world->config->present.navcomp) {
         bench_world_abort(world);
     }
     end_with(world, end);
-}
-
-void bench_world_pass(bench_world_t *world, uint64_t now_us)
-{
-    const uint64_t next_us = sim_clock_next_us(&world->clock);
-    const uint64_t to_us = (now_us < next_us) ? now_us : next_us;
-    world->clock.now_us = (to_us > world->clock.now_us) ? to_us : world->clock.now_us;
-}
-
-void bench_world_turn(bench_world_t *world, double angle_deg, double speed_deg_s)
-{
-    const double acceleration = world->config->scenario.drive.acceleration_deg_s2;
-    const sim_axis_dynamics_t dynamics = {speed_deg_s, acceleration, acceleration};
-    sim_axis_move(world->axis, world->clock.now_us, angle_deg, &dynamics);
-    sim_block_disturb(&world->block);
 }
 
 /* True: it has moved on. */

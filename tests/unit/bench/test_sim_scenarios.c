@@ -1,4 +1,5 @@
 /* Every reason to stop, reached by the fault that it names: in bounded virtual time, with the table at rest. */
+#include "bench/person.h"
 #include "sim_bench.h"
 
 typedef struct {
