@@ -232,7 +232,7 @@ typedef struct {
     tumble_average_t averages[TUMBLE_MAX_POSITIONS];
 } tumble_averaging_t;
 
-static_assert(sizeof(tumble_averaging_t) <= 1536, "the averaging state of 36 positions must stay within 1.5 kB");
+static_assert(sizeof(tumble_averaging_t) <= ((40U * TUMBLE_MAX_POSITIONS) + 96U), "a position costs 40 bytes of RAM");
 
 /* Empty every position and zero the counters. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (a configuration out of range). */
 tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
@@ -582,7 +582,7 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= 208, "a navigation computer with the estimator must stay within 4 kB of RAM");
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + 64U), "with optimal a position costs 4 more");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
  * Outputs are working memory too: on TUMBLE_E_STAND_ERROR, and where a result is not finite, they are left zero.

@@ -125,7 +125,8 @@ typedef struct tumble_navcomp {
     tumble_navcomp_objects_t objects;
 } tumble_navcomp_t;
 
-static_assert(sizeof(tumble_navcomp_t) <= ((sizeof(void *) == 4U) ? 4096U : 4608U), "4 kB of RAM is all there is");
+static_assert(sizeof(tumble_navcomp_t) <= (((sizeof(void *) == 4U) ? 2560U : 3072U) + sizeof(tumble_averaging_t)),
+              "with 36 positions 4 kB of RAM are all there is");
 
 /* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
  * is checked when a run starts. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may not be null, a
