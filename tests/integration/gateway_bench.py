@@ -40,7 +40,7 @@ def build(folder):
         pytest.skip("libmodbus is not installed (Debian: libmodbus-dev, pkg-config)")
     library = subprocess.run([config, "--cflags", "--libs", "libmodbus"], check=True, capture_output=True, text=True)
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
-    sources += [f"firmware/canopen/{name}.c" for name in ("sdo_client", "link")]
+    sources += [f"firmware/{name}.c" for name in ("canopen/sdo_client", "canopen/link", "core/count")]
     sources += ["boards/linux/signals.c", "host/bench/arguments.c"]
     return compiled(folder / "gateway_harness", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
                     "tests/integration/gateway_harness.c", *sources, *library.stdout.split())

@@ -141,7 +141,7 @@ def test_a_constant_changed_in_its_header_alone_is_noticed(tree):
     for name, old, new, product in (
         ("firmware/include/tumble/core.h", "POSITIONS 36", "POSITIONS 40", "firmware/navcomp/keeper_objects.c"),
         ("firmware/include/tumble/core.h", "INT64_C(1) << 20", "INT64_C(1) << 19", "firmware/navcomp/objects.c"),
-        ("firmware/procedure/procedure.h", "TUMBLE_ESTIMATE_AVERAGED = 0", "TUMBLE_ESTIMATE_AVERAGED = 1", "docs/canopen.md"),
+        ("firmware/include/tumble/core.h", "    ONE(AVERAGED", "    ONE(NEW, new) \\\n    ONE(AVERAGED", "docs/canopen.md"),
     ):
         before = (tree / name).read_text(encoding="utf-8")
         change(tree / name, old, new)
