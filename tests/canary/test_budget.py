@@ -80,7 +80,7 @@ SPOILT_LISTS = {
         "no such function": ("tumble_link_send,board\n", "tumble_link_send,canary\n",
                              "the image has no function canary"),
         "no such table": ("estimators+0/4", "canaries+0/4", "the image has 0 tables canaries"),
-        "no such column": ("estimators+0/4", "estimators+0/8", "estimators of 12 B has no column 0 of rows of 8 B"),
+        "no such column": ("estimators+0/4", "estimators+0/12", "estimators of 16 B has no column 0 of rows of 12 B"),
     },
     "zcu102": {
         "a call without an entry": ("tumble_link_send,can_send\n", "", "indirect call in tumble_link_send"),
@@ -95,8 +95,8 @@ SPOILT_LISTS = {
         "no such function": ("tumble_link_send,can_send\n", "tumble_link_send,canary\n",
                              "the image has no function canary"),
         "no such table": ("estimators+0/8", "canaries+0/8", "the image has 0 tables canaries"),
-        "no such column": ("estimators+0/8", "estimators+0/16",
-                           "estimators of 24 B has no column 0 of rows of 16 B"),
+        "no such column": ("estimators+0/8", "estimators+0/24",
+                           "estimators of 32 B has no column 0 of rows of 24 B"),
     },
 }
 LISTS = {"cortex-m4": "firmware/calls.csv", "zcu102": "boards/zcu102/calls.csv"}
