@@ -76,7 +76,7 @@ def in_uml(report, chosen):
         settings = shlex.join(f"{key}={value}" for key, value in environment().items()
                               if key.startswith("PYTHON") or key == "PATH")
         (folder / "tmp").mkdir()
-        settings += f" TMPDIR={folder}/tmp HOME=/run TUMBLE_CLOCK=own"
+        settings += f" TMPDIR={folder}/tmp HOME=/run"
         job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
                f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
         code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen])

@@ -28,7 +28,7 @@ def outcome_of(tmp_path, busy, passes_at):
     (tmp_path / "test_planted.py").write_text(PLANTED.format(busy=busy, passes_at=passes_at))
     (tmp_path / "conftest.py").write_text("pytest_plugins = ['busy_machine']\n")
     log = runner.Log(tmp_path / "log", 60)
-    environment = {"TUMBLE_CLOCK": "own", "PYTHONPATH": str(PLUGIN)}  # this machine is not watched
+    environment = {"TUMBLE_WATCH": "no", "PYTHONPATH": str(PLUGIN)}  # this machine is not watched
     return runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path), env=environment)
 
 

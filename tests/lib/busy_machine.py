@@ -6,8 +6,8 @@ marked test failed and the machine was busy in its time, the test is run again, 
 machine has come to rest. On a machine that was not busy a failure is a failure at once, and what fails every time has
 failed.
 
-Inside user-mode Linux no test runs again: the clock there stands still while the machine lets it wait (`TUMBLE_CLOCK` is
-`own`; boards/linux/uml_clock.c).
+Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one stands
+still while the machine outside lets it wait (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is watched.
 """
 
 import os
@@ -107,7 +107,7 @@ def pytest_configure(config):
     """Watch, or read what is watched outside."""
     config.addinivalue_line("markers", "real_time: waits in real time; run again where it failed on a busy machine")
     config.stash[WATCH] = Watch()
-    if os.environ.get("TUMBLE_CLOCK") != "own":
+    if os.environ.get("TUMBLE_WATCH") != "no":
         config.stash[WATCH].start()
 
 
