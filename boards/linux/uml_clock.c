@@ -74,9 +74,14 @@ static int64_t running_ns(void)
  * a process has used can leap, and go back, by what was taken. */
 static int64_t monotonic_ns(void)
 {
-    static int64_t time_ns;
+    static volatile int64_t time_ns;
     static int64_t before_ns;
     static int64_t used_before_ns;
+    static volatile bool is_reading; /* and a handler asks in the midst of it: no later than what was read before */
+    if (is_reading) {
+        return time_ns;
+    }
+    is_reading = true;
     wake_up();
     const int64_t now_ns = read_ns(CLOCK_MONOTONIC);
     const int64_t used_now_ns = slept_ns + traced_ns + running_ns() + read_ns(CLOCK_PROCESS_CPUTIME_ID);
@@ -86,6 +91,7 @@ static int64_t monotonic_ns(void)
     time_ns += (gone_ns > 0) ? gone_ns : 0;
     before_ns = now_ns;
     used_before_ns = used_now_ns;
+    is_reading = false;
     return time_ns;
 }
 
@@ -94,13 +100,7 @@ int clock_gettime(clockid_t clock, struct timespec *time)
     if (clock != CLOCK_MONOTONIC) {
         return (int)syscall(SYS_clock_gettime, clock, time);
     }
-    /* A handler that read the clock in the midst of this would be given a later time than we are. */
-    sigset_t all;
-    sigset_t before;
-    (void)sigfillset(&all);
-    (void)sigprocmask(SIG_SETMASK, &all, &before);
     const int64_t now_ns = monotonic_ns();
-    (void)sigprocmask(SIG_SETMASK, &before, NULL);
     *time = (struct timespec){.tv_sec = now_ns / NS_PER_S, .tv_nsec = now_ns % NS_PER_S};
     return 0;
 }
