@@ -58,106 +58,6 @@ void bench_fault_script_look(bench_world_t *world, const tumble_progress_t *prog
     set_alarm(world);
 }
 
-/* Faults of the block's outputs; `on` or over again. */
-static void set_sensor_fault(bench_world_t *world, const sim_fault_t *fault, bool on)
-{
-    sim_sensor_fault_t *const sensor = &world->block.sensor.fault;
-    const uint32_t channels = on ? fault->channels : 0U;
-    switch (fault->kind) {
-    case SIM_FAULT_SATURATED:
-        sensor->saturated = (uint8_t)channels;
-        break;
-    case SIM_FAULT_STUCK:
-        sensor->stuck = (uint8_t)channels;
-        break;
-    case SIM_FAULT_SWAPPED:
-        sensor->swapped = (uint8_t)channels;
-        break;
-    case SIM_FAULT_INVERTED:
-        sensor->inverted = (uint8_t)channels;
-        break;
-    case SIM_FAULT_WARM:
-        sensor->temperature_c = on ? fault->value : 0.0;
-        break;
-    default:
-        for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
-            double *const value = (fault->kind == SIM_FAULT_NOISY) ? sensor->noise_v : sensor->offset_v;
-            value[i] = ((channels >> i & 1U) != 0U) ? fault->value : 0.0;
-        }
-        break;
-    }
-}
-
-static void set_block_fault(bench_world_t *world, const sim_fault_t *fault, bool on)
-{
-    sim_block_fault_t *const block = &world->block.fault;
-    const uint32_t count = on ? fault->count : 0U;
-    switch (fault->kind) {
-    case SIM_FAULT_BLOCK_SILENT:
-        sim_bus_set_down(&world->bus, BENCH_BUS_BLOCK, on);
-        break;
-    case SIM_FAULT_BLOCK_POWER_CYCLE:
-        sim_block_set_power(&world->block, !on);
-        break;
-    case SIM_FAULT_NO_SAMPLES:
-        block->mute = on;
-        break;
-    case SIM_FAULT_LOST_SAMPLES:
-        block->lose = count;
-        break;
-    case SIM_FAULT_REPEATED_SAMPLES:
-        block->repeat = count;
-        break;
-    case SIM_FAULT_REORDERED_SAMPLES:
-        block->reorder = count;
-        break;
-    case SIM_FAULT_WRONG_CRC:
-        block->spoil = count;
-        break;
-    default:
-        block->status = (uint8_t)(on ? fault->value : 0.0);
-        break;
-    }
-}
-
-static void set_drive_fault(bench_world_t *world, const sim_fault_t *fault, bool on)
-{
-    sim_drive_t *const drive = &world->drive;
-    switch (fault->kind) {
-    case SIM_FAULT_DRIVE_FAULT:
-        if (on) {
-            sim_drive_fail(drive, (uint16_t)fault->value, true);
-        } else {
-            sim_drive_mend(drive);
-        }
-        break;
-    case SIM_FAULT_STALL:
-        sim_axis_jam(world->axis, world->clock.now_us, on);
-        sim_drive_disturb(drive);
-        break;
-    case SIM_FAULT_DRIVE_SILENT:
-        sim_bus_set_down(&world->bus, BENCH_BUS_DRIVE, on);
-        break;
-    case SIM_FAULT_DRIVE_POWER_CYCLE:
-        sim_drive_set_power(drive, !on);
-        break;
-    case SIM_FAULT_NEVER_REACHED:
-        drive->fault.short_by_deg = on ? fault->value : 0.0;
-        break;
-    case SIM_FAULT_SLIP:
-        sim_axis_slip(world->axis, on ? fault->value : -fault->value, fault->count == 1U);
-        sim_drive_disturb(drive);
-        break;
-    case SIM_FAULT_HOMING_FAILS:
-        drive->fault.homing_fails = on;
-        break;
-    default:
-        drive->fault.homing_endless = on;
-        break;
-    }
-    sim_block_disturb(&world->block);
-}
-
 static void set_frame_fault(bench_world_t *world, uint32_t number, const sim_fault_t *fault, bool on)
 {
     if (!on) {
@@ -176,20 +76,64 @@ static void set_frame_fault(bench_world_t *world, uint32_t number, const sim_fau
     sim_bus_begin_fault(&world->bus, number, &frames);
 }
 
+/* What has to be done at once, beyond an effect that is there to be looked at. `on` or over again. */
+static void act(bench_world_t *world, uint32_t number, bool on)
+{
+    const sim_fault_t *const fault = &world->config->scenario.faults[number];
+    sim_drive_t *const drive = &world->drive;
+    switch (fault->kind) {
+    case SIM_FAULT_DRIVE_FAULT:
+        if (on) {
+            sim_drive_fail(drive, (uint16_t)fault->value, true);
+        } else {
+            sim_drive_mend(drive);
+        }
+        break;
+    case SIM_FAULT_STALL:
+        sim_axis_jam(world->axis, world->clock.now_us, on);
+        sim_drive_disturb(drive);
+        break;
+    case SIM_FAULT_SLIP:
+        sim_axis_slip(world->axis, on ? fault->value : -fault->value, fault->count == 1U);
+        sim_drive_disturb(drive);
+        break;
+    case SIM_FAULT_DRIVE_SILENT:
+        sim_bus_set_down(&world->bus, BENCH_BUS_DRIVE, on);
+        break;
+    case SIM_FAULT_DRIVE_POWER_CYCLE:
+        sim_drive_set_power(drive, !on);
+        break;
+    case SIM_FAULT_BLOCK_SILENT:
+        sim_bus_set_down(&world->bus, BENCH_BUS_BLOCK, on);
+        break;
+    case SIM_FAULT_BLOCK_POWER_CYCLE:
+        sim_block_set_power(&world->block, !on);
+        break;
+    case SIM_FAULT_BUS_OFF:
+        sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, on);
+        break;
+    default:
+        if (fault->kind >= SIM_FAULT_FRAME_DROP) {
+            set_frame_fault(world, number, fault, on);
+        }
+        break;
+    }
+}
+
 static void set_fault(bench_world_t *world, uint32_t number, bool on)
 {
     const sim_fault_t *const fault = &world->config->scenario.faults[number];
-    if (fault->kind <= SIM_FAULT_HOMING_ENDLESS) {
-        set_drive_fault(world, fault, on);
-    } else if (fault->kind <= SIM_FAULT_STEP || fault->kind == SIM_FAULT_WARM) {
-        set_sensor_fault(world, fault, on);
-    } else if (fault->kind <= SIM_FAULT_STATUS) {
-        set_block_fault(world, fault, on);
-    } else if (fault->kind == SIM_FAULT_BUS_OFF) {
-        sim_bus_set_down(&world->bus, BENCH_BUS_NAVCOMP, on);
-    } else {
-        set_frame_fault(world, number, fault, on);
-    }
+    const sim_fault_effect_t effect = {
+        .on = on,
+        .channels = on ? fault->channels : 0U,
+        .count = on ? fault->count : 0U,
+        .value = on ? fault->value : 0.0,
+    };
+    world->drive.faults[fault->kind] = effect;
+    world->block.faults[fault->kind] = effect;
+    world->block.sensor.faults[fault->kind] = effect;
+    act(world, number, on);
+    sim_block_disturb(&world->block);
 }
 
 void bench_fault_script_mend(bench_world_t *world)

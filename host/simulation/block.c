@@ -128,8 +128,9 @@ static int8_t half_degrees(double temperature_c)
     return (int8_t)((halves > MOST_HALF_DEGREES) ? MOST_HALF_DEGREES : halves);
 }
 
-static bool use_up(uint32_t *count)
+static bool use_up(sim_block_t *block, sim_fault_kind_t kind)
 {
+    uint32_t *const count = &block->faults[kind].count;
     if (*count == 0U) {
         return false;
     }
@@ -147,14 +148,13 @@ static void send_sample(sim_block_t *block, const sim_block_frames_t *frames)
 /* Through whatever is wrong with the sending. */
 static void dispatch(sim_block_t *block, sim_block_frames_t *frames)
 {
-    sim_block_fault_t *const fault = &block->fault;
-    if (fault->mute || use_up(&fault->lose)) {
+    if (block->faults[SIM_FAULT_NO_SAMPLES].on || use_up(block, SIM_FAULT_LOST_SAMPLES)) {
         return;
     }
-    if (use_up(&fault->spoil)) {
+    if (use_up(block, SIM_FAULT_WRONG_CRC)) {
         frames->z.data[7] ^= 0x5AU;
     }
-    if (!block->keeps && use_up(&fault->reorder)) {
+    if (!block->keeps && use_up(block, SIM_FAULT_REORDERED_SAMPLES)) {
         block->kept = *frames;
         block->keeps = true;
         return;
@@ -164,7 +164,7 @@ static void dispatch(sim_block_t *block, sim_block_frames_t *frames)
         block->keeps = false;
         send_sample(block, &block->kept);
     }
-    if (use_up(&fault->repeat)) {
+    if (use_up(block, SIM_FAULT_REPEATED_SAMPLES)) {
         send_sample(block, frames);
     }
 }
@@ -176,7 +176,7 @@ static void make_sample(sim_block_t *block)
     sim_block_frames_t frames;
     tumble_block_sample_t sample;
     const bool saturated = sim_sensor_sample(&block->sensor, feel(block), age_s, sample.raw.counts);
-    block->objects.status = (uint8_t)(block->fault.status | (saturated ? 1U : 0U));
+    block->objects.status = (uint8_t)((uint8_t)block->faults[SIM_FAULT_STATUS].value | (saturated ? 1U : 0U));
     block->objects.temperature = half_degrees(sim_sensor_temperature_c(&block->sensor, age_s));
     sample.raw.counter = (uint16_t)block->counter++;
     sample.timestamp_ms = (uint16_t)(block->config->first_timestamp_ms + age_us / 1000U);

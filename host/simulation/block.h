@@ -16,16 +16,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Faults of the samples in force; numbers count down to 0 (UINT32_MAX: without end). */
-typedef struct {
-    uint32_t lose;
-    uint32_t repeat;
-    uint32_t reorder;
-    uint32_t spoil; /* wrong checksum */
-    uint8_t status; /* bits set in every sample */
-    bool mute;      /* no samples at all */
-} sim_block_fault_t;
-
 typedef struct {
     const sim_block_config_t *config;
     sim_clock_t *clock;
@@ -44,7 +34,7 @@ typedef struct {
     bool powered;
     bool still; /* `force_g` holds as long as the axis does not move */
     double force_g[TUMBLE_CHANNELS];
-    sim_block_fault_t fault;
+    sim_fault_effects_t faults; /* in force */
     sim_block_frames_t kept; /* a sample that is to come behind the next */
     bool keeps;
 } sim_block_t;

@@ -187,7 +187,7 @@ void sim_drive_set_power(sim_drive_t *drive, bool on)
 
 void sim_drive_mend(sim_drive_t *drive)
 {
-    drive->fault.drive = false;
+    drive->broken = false;
 }
 
 void sim_drive_disturb(sim_drive_t *drive)

@@ -35,14 +35,6 @@ typedef enum {
     SIM_HOMING_ERROR
 } sim_homing_t;
 
-/* Faults in force. */
-typedef struct {
-    bool drive; /* an error that a reset cannot clear yet */
-    bool homing_fails;
-    bool homing_endless;
-    double short_by_deg; /* moves end this far before their target */
-} sim_drive_fault_t;
-
 typedef struct {
     const sim_drive_config_t *config;
     sim_clock_t *clock;
@@ -76,7 +68,8 @@ typedef struct {
     uint64_t follow_us;  /* since when the following error is too large; SIM_NEVER: it is not */
     uint64_t cycle_us;   /* next look at the axis while it moves; SIM_NEVER: it rests */
     bool looked;         /* it has been looked at, and what is there is to be shown */
-    sim_drive_fault_t fault;
+    bool broken; /* with an error that a reset cannot clear yet */
+    sim_fault_effects_t faults; /* in force */
 } sim_drive_t;
 
 /* Power on, at `angle_deg` of the table. Everything handed in must outlive the drive. */

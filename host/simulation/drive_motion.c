@@ -14,10 +14,11 @@ static void go_to_target(sim_drive_t *drive)
 {
     const sim_axis_dynamics_t dynamics = sim_drive_dynamics(drive);
     double end_deg = drive->target_deg;
-    if (drive->fault.short_by_deg != 0.0) {
+    const double short_by_deg = drive->faults[SIM_FAULT_NEVER_REACHED].value;
+    if (short_by_deg != 0.0) {
         double velocity;
         const double here = sim_axis_commanded_deg(&drive->axis, drive->clock->now_us, &velocity);
-        end_deg += (end_deg > here) ? -drive->fault.short_by_deg : drive->fault.short_by_deg;
+        end_deg += (end_deg > here) ? -short_by_deg : short_by_deg;
     }
     sim_drive_set_out(drive, end_deg, &dynamics);
 }
@@ -99,9 +100,9 @@ static void start_homing(sim_drive_t *drive)
     const sim_axis_dynamics_t dynamics =
         sim_drive_homing_dynamics(drive, drive->objects.homing_speeds_speed_during_search_for_switch);
     double end_deg = -HOME_OVERSHOOT_DEG;
-    if (drive->fault.homing_endless) {
+    if (drive->faults[SIM_FAULT_HOMING_ENDLESS].on) {
         end_deg = -ENDLESS_DEG;
-    } else if (drive->fault.homing_fails) {
+    } else if (drive->faults[SIM_FAULT_HOMING_FAILS].on) {
         end_deg = drive->axis.motion.end_position - LOST_SEARCH_DEG;
     }
     drive->homing = SIM_HOMING_SEARCH;
@@ -113,7 +114,7 @@ static void go_on_homing(sim_drive_t *drive)
     if (drive->homing == SIM_HOMING_APPROACH) {
         finish_homing(drive);
     } else if (drive->homing == SIM_HOMING_SEARCH) {
-        if (drive->fault.homing_fails) {
+        if (drive->faults[SIM_FAULT_HOMING_FAILS].on) {
             drive->homing = SIM_HOMING_ERROR;
             return;
         }
@@ -252,7 +253,7 @@ void sim_drive_obey(sim_drive_t *drive)
     const uint16_t controlword = drive->objects.controlword;
     const uint16_t before = drive->seen_controlword;
     const int32_t target_before = drive->seen_target;
-    const bool cause_gone = !drive->fault.drive && !tumble_nmt_any_lost(&drive->node.nmt);
+    const bool cause_gone = !drive->broken && !tumble_nmt_any_lost(&drive->node.nmt);
     drive->seen_controlword = controlword;
     drive->seen_target = drive->objects.target_position;
     sim_drive_enter(drive, sim_power_next(drive->power, controlword, before, cause_gone));

@@ -107,7 +107,7 @@ void sim_drive_fail(sim_drive_t *drive, uint16_t code, bool lasting)
     if (!drive->powered) {
         return;
     }
-    drive->fault.drive = drive->fault.drive || lasting;
+    drive->broken = drive->broken || lasting;
     drive->objects.error_code = code;
     if (code != TUMBLE_402_ERROR_HEARTBEAT) { /* the node reports that one by itself */
         tumble_emcy_raise(&drive->node.emcy, code, TUMBLE_ERROR_MANUFACTURER, NULL);

@@ -27,7 +27,7 @@ double sim_sensor_temperature_c(const sim_sensor_t *sensor, double time_s)
 {
     const sim_temperature_t *const t = &sensor->config->temperature;
     const double gone = (t->tau_s > 0.0) ? sim_exp(-time_s / t->tau_s) : 0.0;
-    return t->end_c + (t->start_c - t->end_c) * gone + sensor->fault.temperature_c;
+    return t->end_c + (t->start_c - t->end_c) * gone + sensor->faults[SIM_FAULT_WARM].value;
 }
 
 static void draw_ahead(sim_sensor_t *sensor)
@@ -70,24 +70,24 @@ static int32_t convert(const sim_sensor_t *sensor, double u_v)
     return sim_nearest((below > -sensor->full_scale) ? below : -sensor->full_scale);
 }
 
-static bool has(uint8_t mask, uint32_t channel)
+static bool has(const sim_sensor_t *sensor, sim_fault_kind_t kind, uint32_t channel)
 {
-    const uint32_t bits = mask;
-    return (bits >> channel & 1U) != 0U;
+    return (sensor->faults[kind].channels >> channel & 1U) != 0U;
 }
 
 static void apply_analogue_faults(sim_sensor_t *sensor, double u_v[TUMBLE_CHANNELS])
 {
-    const sim_sensor_fault_t *const fault = &sensor->fault;
     for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
-        u_v[i] += fault->offset_v[i];
-        if (fault->noise_v[i] > 0.0) {
-            u_v[i] += fault->noise_v[i] * sim_random_normal(&sensor->fault_noise[i]);
+        if (has(sensor, SIM_FAULT_STEP, i)) {
+            u_v[i] += sensor->faults[SIM_FAULT_STEP].value;
         }
-        if (has(fault->inverted, i)) {
+        if (has(sensor, SIM_FAULT_NOISY, i) && sensor->faults[SIM_FAULT_NOISY].value > 0.0) {
+            u_v[i] += sensor->faults[SIM_FAULT_NOISY].value * sim_random_normal(&sensor->fault_noise[i]);
+        }
+        if (has(sensor, SIM_FAULT_INVERTED, i)) {
             u_v[i] = -u_v[i];
         }
-        if (has(fault->saturated, i)) {
+        if (has(sensor, SIM_FAULT_SATURATED, i)) {
             u_v[i] = 2.0 * sensor->config->range_v;
         }
     }
@@ -105,13 +105,13 @@ static void swap_channels(uint8_t mask, int32_t counts[TUMBLE_CHANNELS])
 static void apply_digital_faults(sim_sensor_t *sensor, int32_t counts[TUMBLE_CHANNELS])
 {
     for (uint32_t i = 0; i < TUMBLE_CHANNELS; i++) {
-        if (has(sensor->fault.stuck, i)) {
+        if (has(sensor, SIM_FAULT_STUCK, i)) {
             counts[i] = sensor->last[i];
         }
         sensor->last[i] = counts[i];
     }
-    if (sensor->fault.swapped != 0U) {
-        swap_channels(sensor->fault.swapped, counts);
+    if (sensor->faults[SIM_FAULT_SWAPPED].channels != 0U) {
+        swap_channels(sensor->faults[SIM_FAULT_SWAPPED].channels, counts);
     }
 }
 

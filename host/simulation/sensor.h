@@ -8,6 +8,7 @@
 #define TUMBLE_SIMULATION_SENSOR_H
 
 #include "tumble/core.h"
+#include "simulation/fault.h"
 #include "simulation/random.h"
 
 #include <stdbool.h>
@@ -35,17 +36,6 @@ typedef struct {
     sim_temperature_t temperature;
 } sim_sensor_config_t;
 
-/* What is wrong at the moment. Masks have one bit per channel. */
-typedef struct {
-    uint8_t saturated; /* beyond the range */
-    uint8_t stuck;     /* repeats its last value */
-    uint8_t inverted;
-    uint8_t swapped;                  /* two bits: these two channels change places */
-    double noise_v[TUMBLE_CHANNELS];  /* standard deviation of additional noise */
-    double offset_v[TUMBLE_CHANNELS]; /* a step of the output */
-    double temperature_c;             /* added to what the temperature would be */
-} sim_sensor_fault_t;
-
 #define SIM_NOISE_AHEAD 32
 
 typedef struct {
@@ -56,7 +46,7 @@ typedef struct {
     sim_random_t fault_noise[TUMBLE_CHANNELS];
     double ahead[TUMBLE_CHANNELS][SIM_NOISE_AHEAD]; /* noise drawn in advance (V): in stock it is cheaper */
     uint32_t used;
-    sim_sensor_fault_t fault;
+    sim_fault_effects_t faults; /* in force */
     int32_t last[TUMBLE_CHANNELS];
 } sim_sensor_t;
 

@@ -213,7 +213,7 @@ static void test_lost_samples_leave_a_gap(void)
 {
     stream_until(205000);
     const uint32_t before = heard_count / 2U;
-    block.fault.lose = 3;
+    block.faults[SIM_FAULT_LOST_SAMPLES].count = 3;
     run_until(405000);
     TEST_ASSERT_EQUAL_UINT8(before - 1U, counter_of(before - 1U));
     TEST_ASSERT_EQUAL_UINT8(before + 3U, counter_of(before));
@@ -223,7 +223,7 @@ static void test_repeated_samples_come_twice(void)
 {
     stream_until(205000);
     const uint32_t before = heard_count / 2U;
-    block.fault.repeat = 1;
+    block.faults[SIM_FAULT_REPEATED_SAMPLES].count = 1;
     run_until(405000);
     TEST_ASSERT_EQUAL_MEMORY(&heard[2U * before], &heard[2U * before + 2U], 2U * sizeof heard[0]);
     TEST_ASSERT_EQUAL_UINT8(before + 1U, counter_of(before + 2U));
@@ -233,7 +233,7 @@ static void test_a_reordered_sample_comes_behind_the_next(void)
 {
     stream_until(205000);
     const uint32_t before = heard_count / 2U;
-    block.fault.reorder = 1;
+    block.faults[SIM_FAULT_REORDERED_SAMPLES].count = 1;
     run_until(405000);
     TEST_ASSERT_EQUAL_UINT8(before + 1U, counter_of(before));
     TEST_ASSERT_EQUAL_UINT8(before, counter_of(before + 1U));
@@ -244,7 +244,7 @@ static void test_a_spoilt_sample_has_a_wrong_checksum(void)
 {
     stream_until(205000);
     const uint32_t before = heard_count;
-    block.fault.spoil = 2;
+    block.faults[SIM_FAULT_WRONG_CRC].count = 2;
     run_until(405000);
     uint32_t wrong = 0;
     for (uint32_t n = 0; n < heard_count; n++) {
@@ -259,7 +259,7 @@ static void test_a_mute_block_keeps_its_heartbeat(void)
     stream_until(205000);
     const uint32_t before = heard_count;
     const uint32_t beats = heartbeats;
-    block.fault.mute = true;
+    block.faults[SIM_FAULT_NO_SAMPLES].on = true;
     run_until(1205000);
     TEST_ASSERT_EQUAL_UINT32(before, heard_count);
     TEST_ASSERT_EQUAL_UINT32(beats + 10U, heartbeats);
@@ -267,11 +267,11 @@ static void test_a_mute_block_keeps_its_heartbeat(void)
 
 static void test_status_bits_are_set(void)
 {
-    block.fault.status = 6;
+    block.faults[SIM_FAULT_STATUS].value = 6;
     stream_until(205000);
     TEST_ASSERT_EQUAL_INT32(6, bits_of(&heard[1], 44, 4, false));
-    block.fault.status = 0;
-    block.sensor.fault.saturated = 1;
+    block.faults[SIM_FAULT_STATUS].value = 0;
+    block.sensor.faults[SIM_FAULT_SATURATED].channels = 1;
     run_until(305000);
     TEST_ASSERT_EQUAL_INT32(1, bits_of(&heard[heard_count - 1U], 44, 4, false));
 }

@@ -199,21 +199,21 @@ static void start_homing(void)
 
 static void test_homing_fails_when_there_is_no_mark(void)
 {
-    drive.fault.homing_fails = true;
+    drive.faults[SIM_FAULT_HOMING_FAILS].on = true;
     start_homing();
     expect_status_after(30000, 0x2400, 0x3400U);
 }
 
 static void test_homing_may_never_end(void)
 {
-    drive.fault.homing_endless = true;
+    drive.faults[SIM_FAULT_HOMING_ENDLESS].on = true;
     start_homing();
     expect_status_after(600000, 0, 0x3400U);
 }
 
 static void test_a_target_may_never_be_reached(void)
 {
-    drive.fault.short_by_deg = 0.5;
+    drive.faults[SIM_FAULT_NEVER_REACHED].value = 0.5;
     target_for(30000, 45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
     TEST_ASSERT_EQUAL_INT32(44500, heard.position);

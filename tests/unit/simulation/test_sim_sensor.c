@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include <math.h>
+#include <string.h>
 
 static sim_sensor_config_t config;
 static sim_sensor_t sensor;
@@ -109,7 +110,7 @@ static void test_channels_do_not_disturb_each_other(void)
     }
     config.noise_v[1] = 5e-2;
     start();
-    sensor.fault.noise_v[2] = 0.1;
+    sensor.faults[SIM_FAULT_NOISY] = (sim_fault_effect_t){.channels = 4, .value = 0.1};
     for (int n = 0; n < 50; n++) {
         int32_t counts[3];
         (void)sample(0.0, counts);
@@ -141,23 +142,29 @@ static void test_drift_and_temperature(void)
     ASSERT_SAME_DOUBLE(35.0, sim_sensor_temperature_c(&sensor, 0.0));
 }
 
+static void put_in_force(sim_fault_kind_t kind, sim_fault_effect_t effect)
+{
+    memset(sensor.faults, 0, sizeof sensor.faults);
+    sensor.faults[kind] = effect;
+}
+
 static void test_faults_of_the_output(void)
 {
     int32_t plain[3];
     int32_t counts[3];
     start();
     (void)sample(0.0, plain);
-    sensor.fault.inverted = 2;
+    put_in_force(SIM_FAULT_INVERTED, (sim_fault_effect_t){.channels = 2});
     (void)sample(0.0, counts);
     TEST_ASSERT_EQUAL_INT32(plain[0], counts[0]);
     TEST_ASSERT_EQUAL_INT32(-plain[1], counts[1]);
-    sensor.fault = (sim_sensor_fault_t){.saturated = 4};
+    put_in_force(SIM_FAULT_SATURATED, (sim_fault_effect_t){.channels = 4});
     TEST_ASSERT_TRUE(sample(0.0, counts));
     TEST_ASSERT_EQUAL_INT32(8388607, counts[2]);
-    sensor.fault = (sim_sensor_fault_t){.offset_v = {0.0, 0.5, 0.0}};
+    put_in_force(SIM_FAULT_STEP, (sim_fault_effect_t){.channels = 2, .value = 0.5});
     (void)sample(0.0, counts);
     TEST_ASSERT_INT32_WITHIN(1, plain[1] + (int32_t)(0.5 * 16777216.0 / 20.0), counts[1]);
-    sensor.fault = (sim_sensor_fault_t){.temperature_c = 12.5};
+    put_in_force(SIM_FAULT_WARM, (sim_fault_effect_t){.value = 12.5});
     ASSERT_SAME_DOUBLE(37.5, sim_sensor_temperature_c(&sensor, 0.0));
 }
 
@@ -168,20 +175,20 @@ static void test_a_stuck_channel_repeats_and_swapped_ones_change_places(void)
     config.noise_v[0] = config.noise_v[1] = config.noise_v[2] = 1e-2;
     start();
     (void)sample(0.0, before);
-    sensor.fault.stuck = 1;
+    sensor.faults[SIM_FAULT_STUCK].channels = 1;
     for (int n = 0; n < 10; n++) {
         (void)sample(0.0, counts);
         TEST_ASSERT_EQUAL_INT32(before[0], counts[0]);
         TEST_ASSERT_TRUE(before[1] != counts[1]);
     }
-    sensor.fault.stuck = 0;
+    sensor.faults[SIM_FAULT_STUCK].channels = 0;
     static const uint8_t MASKS[] = {3, 5, 6};
     static const int PLACES[][3] = {{1, 0, 2}, {2, 1, 0}, {0, 2, 1}};
     config.noise_v[0] = config.noise_v[1] = config.noise_v[2] = 0.0;
     start();
     (void)sample(0.0, before);
     for (size_t m = 0; m < COUNT_OF(MASKS); m++) {
-        sensor.fault.swapped = MASKS[m];
+        sensor.faults[SIM_FAULT_SWAPPED].channels = MASKS[m];
         (void)sample(0.0, counts);
         for (int i = 0; i < 3; i++) {
             TEST_ASSERT_EQUAL_INT32(before[PLACES[m][i]], counts[i]);

@@ -1,0 +1,65 @@
+/* fault.h - what can go wrong in a simulated run, and what of it is in force.
+ *
+ * Each part of the simulation (drive, block, its sensor) has a row of effects, one a kind of fault, and looks at those
+ * that concern it.
+ */
+#ifndef TUMBLE_SIMULATION_FAULT_H
+#define TUMBLE_SIMULATION_FAULT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What can go wrong. The word in quotes is the name in a scenario file. */
+#define SIM_FAULT_LIST(X)                                                                                              \
+    X(SIM_FAULT_DRIVE_FAULT, "drive_fault", "the drive reports an error and stops; value: its code")                   \
+    X(SIM_FAULT_STALL, "stall", "the table jams")                                                                      \
+    X(SIM_FAULT_DRIVE_SILENT, "drive_silent", "the drive is off the bus")                                              \
+    X(SIM_FAULT_DRIVE_POWER_CYCLE, "drive_power_cycle", "the drive loses power and comes back")                        \
+    X(SIM_FAULT_NEVER_REACHED, "never_reached", "the table stops short of its target; value: by how many degrees")     \
+    X(SIM_FAULT_SLIP, "slip", "the table slips on its shaft; value: degrees; count 1: the encoder sees it")            \
+    X(SIM_FAULT_HOMING_FAILS, "homing_fails", "the home mark is not found")                                            \
+    X(SIM_FAULT_HOMING_ENDLESS, "homing_endless", "homing never ends")                                                 \
+    X(SIM_FAULT_SATURATED, "saturated", "channels beyond their range")                                                 \
+    X(SIM_FAULT_STUCK, "stuck", "channels repeat one value")                                                           \
+    X(SIM_FAULT_NOISY, "noisy", "channels with more noise; value: standard deviation, V")                              \
+    X(SIM_FAULT_SWAPPED, "swapped", "two channels have changed places")                                                \
+    X(SIM_FAULT_INVERTED, "inverted", "channels with the wrong sign")                                                  \
+    X(SIM_FAULT_STEP, "step", "a step of channels' outputs; value: V")                                                 \
+    X(SIM_FAULT_BLOCK_SILENT, "block_silent", "the block is off the bus")                                              \
+    X(SIM_FAULT_BLOCK_POWER_CYCLE, "block_power_cycle", "the block loses power and comes back")                        \
+    X(SIM_FAULT_NO_SAMPLES, "no_samples", "the block's heartbeat goes on, its samples do not")                         \
+    X(SIM_FAULT_LOST_SAMPLES, "lost_samples", "samples are counted but not sent; count: how many")                     \
+    X(SIM_FAULT_REPEATED_SAMPLES, "repeated_samples", "samples are sent twice; count: how many")                       \
+    X(SIM_FAULT_REORDERED_SAMPLES, "reordered_samples", "samples are sent one behind the next; count: how many")       \
+    X(SIM_FAULT_WRONG_CRC, "wrong_crc", "samples with a wrong checksum; count: how many")                              \
+    X(SIM_FAULT_STATUS, "status", "status bits are set; value: the bits")                                              \
+    X(SIM_FAULT_WARM, "warm", "the block's temperature is off; value: degrees")                                        \
+    X(SIM_FAULT_BUS_OFF, "bus_off", "the navigation computer's controller is off the bus")                             \
+    X(SIM_FAULT_FRAME_DROP, "frame_drop", "frames are lost; id, mask, count, probability")                             \
+    X(SIM_FAULT_FRAME_CORRUPT, "frame_corrupt", "frames with a bit flipped; id, mask, count, probability")             \
+    X(SIM_FAULT_FRAME_TRUNCATE, "frame_truncate", "frames with the last byte missing; id, mask, count, probability")   \
+    X(SIM_FAULT_FRAME_DELAY, "frame_delay", "frames come late; value: s; id, mask, count, probability")                \
+    X(SIM_FAULT_FRAME_DUPLICATE, "frame_duplicate", "frames come twice; id, mask, count, probability")                 \
+    X(SIM_FAULT_FRAME_REORDER, "frame_reorder", "frames come behind the next one; id, mask, count, probability")
+
+typedef enum {
+#define SIM_FAULT_ENUM(name, word, sentence) name,
+    SIM_FAULT_LIST(SIM_FAULT_ENUM)
+#undef SIM_FAULT_ENUM
+        SIM_FAULT_KINDS
+} sim_fault_kind_t;
+
+/* Its word in scenario files and documents. */
+const char *sim_fault_word(sim_fault_kind_t kind);
+
+/* All zero: the fault is not in force. */
+typedef struct {
+    bool on;
+    uint8_t channels; /* one bit per channel */
+    uint32_t count;   /* how many are still to come; UINT32_MAX: without end */
+    double value;
+} sim_fault_effect_t;
+
+typedef sim_fault_effect_t sim_fault_effects_t[SIM_FAULT_KINDS];
+
+#endif
