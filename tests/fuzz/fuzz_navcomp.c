@@ -40,13 +40,16 @@ static void on_sample_averaged(void *context, tumble_taken_t taken, const tumble
 
 static const tumble_navcomp_hooks_t hooks = {.context = &world, .on_sample_averaged = on_sample_averaged};
 
+static tumble_averaging_config_t averaging;
 static tumble_procedure_config_t procedure;
 static tumble_navcomp_config_t config;
 
 static void configure(void)
 {
+    averaging = scripted_averaging;
+    averaging.stuck_run = 4; /* no more than the samples of a position */
     procedure = scripted_procedure;
-    procedure.averaging = &scripted_averaging;
+    procedure.averaging = &averaging;
     procedure.estimate = TUMBLE_ESTIMATE_LEAST_SQUARES;
     procedure.samples = 4;
     procedure.settle_ms = 20;
@@ -272,9 +275,10 @@ static void act(input_t *input)
     case 8:
         change_the_port(input);
         break;
-    default: { /* the clock jumps */
+    default: { /* the clock jumps, for the drive too: it would live through days, millisecond by millisecond */
         const unsigned exponent = take(input) % 40U;
         world.fake.now_us += UINT64_C(1) << exponent;
+        world.drive.clock_ms = world.fake.now_us / 1000U;
         break;
     }
     }
@@ -291,6 +295,7 @@ static void run_to(tumble_state_t state)
     do {
         pass(1000); /* so finely that an open mean holds nothing yet */
         tumble_navcomp_progress(&world.navcomp, &progress);
+        require(progress.run.state != TUMBLE_STATE_FAULT, "the way to a beginning is free");
     } while (progress.run.state != state);
 }
 
