@@ -145,8 +145,9 @@ tumble_status_t tumble_sets_accept(tumble_sets_t *sets, uint32_t named)
         tumble_count(&sets->counters.refused);
         return TUMBLE_E_ARGUMENT;
     }
-    sets->accepted = named;
-    return want(sets, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
+    const tumble_status_t status = want(sets, WANT_ACCEPT, TUMBLE_SET_PROPOSAL);
+    sets->accepted = (status == TUMBLE_OK) ? named : sets->accepted; /* of the command that waits */
+    return status;
 }
 
 tumble_status_t tumble_sets_discard(tumble_sets_t *sets)

@@ -254,6 +254,18 @@ static void test_the_board_names_it_as_well(void)
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
 }
 
+/* Finding: a repeated ACCEPT, which had no name any more, took the name from the one that waited. */
+static void test_an_accept_that_is_refused_leaves_the_one_that_waits(void)
+{
+    (void)run_and_judge();
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_accept(&bench.navcomp, set_of(TUMBLE_SET_PROPOSAL).record_crc));
+    ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_accept(&bench.navcomp, 0));
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_ACCEPTED, state_of_keeper().verdict);
+    TEST_ASSERT_FALSE(state_of_keeper().has_proposal);
+}
+
 /* Every set tells how it came to be where it is. */
 static void test_what_is_accepted_at_service_level_says_so(void)
 {
