@@ -228,12 +228,6 @@ static void go(node_t *node, FILE *out)
 
 /* Getting ready. */
 
-static int fail(const char *subject, const char *what, int code)
-{
-    (void)fprintf(stderr, "tumble-node: %s: %s\n", subject, what);
-    return code;
-}
-
 static int open_bus(node_t *node)
 {
     const char *const interface = node->options->interface;
@@ -241,16 +235,7 @@ static int open_bus(node_t *node)
     node->port.on_frame = on_frame;
     node->port.context = node;
     node->epoch_us = port_linux_utc_us();
-    switch (status) {
-    case CAN_SOCKET_OK:
-        return BENCH_EXIT_PASS;
-    case CAN_SOCKET_NO_CAN:
-        return fail(interface, can_socket_sentence(status), NODE_EXIT_SKIPPED);
-    case CAN_SOCKET_NO_INTERFACE:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_USAGE);
-    default:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_FAULT);
-    }
+    return (status == CAN_SOCKET_OK) ? BENCH_EXIT_PASS : can_socket_refuse(interface, status);
 }
 
 /* Nobody else is kept waiting for the file if there is no bus. */
@@ -259,7 +244,7 @@ static int open_memory(node_t *node)
     const char *const path = node->options->nv;
     const char *const wrong = (path != NULL) ? nv_file_open(&node->nv, path) : NULL;
     if (wrong != NULL) {
-        return fail(path, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(path, wrong, BENCH_EXIT_USAGE);
     }
     node->world.port.nv = (path != NULL) ? &node->nv.nv : NULL;
     return BENCH_EXIT_PASS;
@@ -332,7 +317,7 @@ static int finish(node_t *node, FILE *out)
     if (node->options->out != NULL) {
         const char *const wrong = bench_folder_close(&node->folder, &node->world);
         if (wrong != NULL) {
-            return fail(node->options->out, wrong, BENCH_EXIT_FAULT);
+            return arguments_fail(node->options->out, wrong, BENCH_EXIT_FAULT);
         }
     }
     if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
@@ -355,14 +340,15 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     }
     const tumble_status_t status = init_firmware(&node.world, &node);
     if (status != TUMBLE_OK) {
-        return fail("the firmware refuses its configuration", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+        return arguments_fail("the firmware refuses its configuration", tumble_status_sentence(status),
+                              BENCH_EXIT_USAGE);
     }
     if (!events_open(&node.events, node.port.can.fd)) {
-        return fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
+        return arguments_fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
     }
     const char *const wrong = open_outputs(&node, &subject);
     if (wrong != NULL) {
-        return fail(subject, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(subject, wrong, BENCH_EXIT_USAGE);
     }
     greet(options);
     go(&node, out);
