@@ -2,6 +2,7 @@
 
 #include "node.h"
 
+#include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 
@@ -50,15 +51,10 @@ static bool is_of_a_run(tumble_state_t state)
 /* Whoever stands at the bench reads what is wanted of him; he answers by SDO. */
 static void ask(const node_t *node, const tumble_progress_t *progress)
 {
-    bench_question_t question = {.mounting = progress->mounting, .reason = progress->reason};
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
-        question.kind = BENCH_QUESTION_MOUNTING;
-    } else if (progress->state == TUMBLE_STATE_FAULT) {
-        question.kind = BENCH_QUESTION_FAULT;
-    } else {
-        return;
+    const bench_question_t question = bench_person_question(progress);
+    if (question.kind != BENCH_QUESTION_NONE) {
+        bench_progress_question(&node->world, &question, node->progress);
     }
-    bench_progress_question(&node->world, &question, node->progress);
 }
 
 static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
