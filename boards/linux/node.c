@@ -2,6 +2,7 @@
 
 #include "node.h"
 
+#include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 
@@ -50,15 +51,10 @@ static bool is_of_a_run(tumble_state_t state)
 /* Whoever stands at the bench reads what is wanted of him; he answers by SDO. */
 static void ask(const node_t *node, const tumble_progress_t *progress)
 {
-    bench_question_t question = {.mounting = progress->mounting, .reason = progress->reason};
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
-        question.kind = BENCH_QUESTION_MOUNTING;
-    } else if (progress->state == TUMBLE_STATE_FAULT) {
-        question.kind = BENCH_QUESTION_FAULT;
-    } else {
-        return;
+    const bench_question_t question = bench_person_question(progress);
+    if (question.kind != BENCH_QUESTION_NONE) {
+        bench_progress_question(&node->world, &question, node->progress);
     }
-    bench_progress_question(&node->world, &question, node->progress);
 }
 
 static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
@@ -228,12 +224,6 @@ static void go(node_t *node, FILE *out)
 
 /* Getting ready. */
 
-static int fail(const char *subject, const char *what, int code)
-{
-    (void)fprintf(stderr, "tumble-node: %s: %s\n", subject, what);
-    return code;
-}
-
 static int open_bus(node_t *node)
 {
     const char *const interface = node->options->interface;
@@ -241,16 +231,7 @@ static int open_bus(node_t *node)
     node->port.on_frame = on_frame;
     node->port.context = node;
     node->epoch_us = port_linux_utc_us();
-    switch (status) {
-    case CAN_SOCKET_OK:
-        return BENCH_EXIT_PASS;
-    case CAN_SOCKET_NO_CAN:
-        return fail(interface, can_socket_sentence(status), NODE_EXIT_SKIPPED);
-    case CAN_SOCKET_NO_INTERFACE:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_USAGE);
-    default:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_FAULT);
-    }
+    return (status == CAN_SOCKET_OK) ? BENCH_EXIT_PASS : can_socket_refuse(interface, status);
 }
 
 /* Nobody else is kept waiting for the file if there is no bus. */
@@ -259,7 +240,7 @@ static int open_memory(node_t *node)
     const char *const path = node->options->nv;
     const char *const wrong = (path != NULL) ? nv_file_open(&node->nv, path) : NULL;
     if (wrong != NULL) {
-        return fail(path, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(path, wrong, BENCH_EXIT_USAGE);
     }
     node->world.port.nv = (path != NULL) ? &node->nv.nv : NULL;
     return BENCH_EXIT_PASS;
@@ -332,7 +313,7 @@ static int finish(node_t *node, FILE *out)
     if (node->options->out != NULL) {
         const char *const wrong = bench_folder_close(&node->folder, &node->world);
         if (wrong != NULL) {
-            return fail(node->options->out, wrong, BENCH_EXIT_FAULT);
+            return arguments_fail(node->options->out, wrong, BENCH_EXIT_FAULT);
         }
     }
     if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
@@ -355,14 +336,15 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     }
     const tumble_status_t status = init_firmware(&node.world, &node);
     if (status != TUMBLE_OK) {
-        return fail("the firmware refuses its configuration", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+        return arguments_fail("the firmware refuses its configuration", tumble_status_sentence(status),
+                              BENCH_EXIT_USAGE);
     }
     if (!events_open(&node.events, node.port.can.fd)) {
-        return fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
+        return arguments_fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
     }
     const char *const wrong = open_outputs(&node, &subject);
     if (wrong != NULL) {
-        return fail(subject, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(subject, wrong, BENCH_EXIT_USAGE);
     }
     greet(options);
     go(&node, out);

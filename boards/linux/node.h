@@ -14,9 +14,6 @@
 
 #include <stdio.h>
 
-/* Beyond the exit codes of the bench: what it needs is not there. */
-enum { NODE_EXIT_SKIPPED = 77 };
-
 typedef struct {
     const node_options_t *options;
     /* The bench's record of a run, so that its reports serve here as well: of it only the configuration, the firmware,

@@ -15,7 +15,7 @@ int main(int count, char *arguments[])
     if (options.asks != BENCH_ASKS_WORK) {
         return bench_tell("tumble-node", options.asks, node_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
-    if (!bench_config_prepare(&config, options.scenario, options.gains, "tumble-node")) {
+    if (!bench_config_prepare(&config, options.scenario, options.gains)) {
         return BENCH_EXIT_USAGE;
     }
     if (options.nv != NULL && config.keeping.serial[0] == '\0') {

@@ -1,9 +1,9 @@
 #include "node_options.h"
 
+#include "signals.h"
+
 #include <getopt.h>
-#include <signal.h>
 #include <stdlib.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 const char node_options_help[] =
@@ -65,29 +65,15 @@ static bool take_patience(void *to, const char *text)
            arguments_refuse("--patience", "must be a number from 0 to 1e+06");
 }
 
-static bool take_progress(void *options, const char *none)
-{
-    (void)none;
-    ((node_options_t *)options)->progress_fd = STDERR_FILENO;
-    return true;
-}
-
-static bool take_with_parent(void *options, const char *none)
-{
-    (void)options;
-    (void)none;
-    return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-}
-
 static const argument_t OPTIONS[] = {
     ARGUMENT_FLAG("start", node_options_t, start),
     ARGUMENT_TAKE("patience", take_patience),
     ARGUMENT_TEXT("out", node_options_t, out),
     ARGUMENT_TEXT("gain-record", node_options_t, gains),
     ARGUMENT_TEXT("nv", node_options_t, nv),
-    ARGUMENT_CALL("progress", take_progress),
+    ARGUMENT_CONSTANT("progress", node_options_t, progress_fd, STDERR_FILENO),
     ARGUMENT_WHOLE("progress-fd", node_options_t, progress_fd, 0, 1023),
-    ARGUMENT_CALL("with-parent", take_with_parent),
+    ARGUMENT_CALL("with-parent", signals_with_parent),
 };
 
 bool node_options_read(node_options_t *options, int count, char *arguments[])

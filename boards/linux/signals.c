@@ -4,6 +4,7 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <sys/prctl.h>
 #include <sys/signalfd.h>
 
 int signals_open(int further)
@@ -19,4 +20,11 @@ int signals_open(int further)
     }
     (void)sigprocmask(SIG_BLOCK, &set, NULL);
     return signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+}
+
+bool signals_with_parent(void *options, const char *none)
+{
+    (void)options;
+    (void)none;
+    return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
 }

@@ -2,8 +2,13 @@
 #ifndef TUMBLE_LINUX_SIGNALS_H
 #define TUMBLE_LINUX_SIGNALS_H
 
+#include <stdbool.h>
+
 /* From now on SIGINT, SIGTERM and `further` (0: no other) are taken by the descriptor returned alone, a signalfd that
  * does not block, and SIGPIPE is ignored. Negative: errno says why. */
 int signals_open(int further);
+
+/* An option's `take` (bench/arguments.h): SIGTERM comes when the process that started this one has ended. */
+bool signals_with_parent(void *options, const char *none);
 
 #endif

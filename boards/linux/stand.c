@@ -14,7 +14,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SKIPPED 77
 #define RETRY_US 1000U     /* after the interface had no room */
 #define REST_US 5000000U   /* for the table to come to rest in the end */
 #define LONG_WAIT_US 500000U
@@ -127,43 +126,22 @@ static void report(const stand_t *stand, FILE *out)
     (void)fputc('\n', out);
 }
 
-static int fail(const char *subject, const char *what, int code)
-{
-    (void)fprintf(stderr, "tumble-stand: %s: %s\n", subject, what);
-    return code;
-}
-
-static int open_bus(stand_t *stand, const char *interface)
-{
-    const can_socket_status_t status = can_socket_open(&stand->bridge.can, interface);
-    switch (status) {
-    case CAN_SOCKET_OK:
-        return BENCH_EXIT_PASS;
-    case CAN_SOCKET_NO_CAN:
-        return fail(interface, can_socket_sentence(status), SKIPPED);
-    case CAN_SOCKET_NO_INTERFACE:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_USAGE);
-    default:
-        return fail(interface, can_socket_sentence(status), BENCH_EXIT_FAULT);
-    }
-}
-
 int stand_run(const bench_config_t *config, const stand_options_t *options, FILE *out)
 {
     static stand_t stand;
     stand.ending_us = SIM_NEVER;
     stand.watcher = (bench_watcher_t){.context = &stand, .on_frame = on_frame};
     stand_operator_init(&stand.operator, options->operator);
-    const int opened = open_bus(&stand, options->interface);
-    if (opened != BENCH_EXIT_PASS) {
-        return opened;
+    const can_socket_status_t opened = can_socket_open(&stand.bridge.can, options->interface);
+    if (opened != CAN_SOCKET_OK) {
+        return can_socket_refuse(options->interface, opened);
     }
     if (!events_open(&stand.events, stand.bridge.can.fd)) {
-        return fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
+        return arguments_fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
     }
     const tumble_status_t status = bench_world_init(&stand.world, config, options->seed, &stand.watcher);
     if (status != TUMBLE_OK) {
-        return fail("the scenario cannot be used", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+        return arguments_fail("the scenario cannot be used", tumble_status_sentence(status), BENCH_EXIT_USAGE);
     }
     stand.start_us = port_linux_clock_us();
     stand.epoch_us = port_linux_utc_us();

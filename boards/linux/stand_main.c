@@ -32,7 +32,7 @@ int main(int count, char *arguments[])
     if (options.asks != BENCH_ASKS_WORK) {
         return bench_tell("tumble-stand", options.asks, stand_options_help) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
-    if (!bench_config_prepare_stand(&config, options.scenario, "tumble-stand") || !adapt(&config)) {
+    if (!bench_config_prepare_stand(&config, options.scenario) || !adapt(&config)) {
         return BENCH_EXIT_USAGE;
     }
     const int code = stand_run(&config, &options, stdout);

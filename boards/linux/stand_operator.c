@@ -1,6 +1,7 @@
 #include "stand_operator.h"
 
 #include "bench/fault_script.h"
+#include "bench/person.h"
 #include "navcomp/commands.h"
 #include "stand_bridge.h"
 
@@ -57,22 +58,6 @@ static void tell_simulation(bench_world_t *world)
     }
 }
 
-static bench_question_t question_of(const stand_operator_t *operator, const bench_world_t *world)
-{
-    const tumble_progress_t *const progress = &world->progress;
-    bench_question_t question = {.kind = BENCH_QUESTION_NONE};
-    const bool answers = operator->kind != STAND_OPERATOR_NONE;
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING && answers) {
-        question.kind = BENCH_QUESTION_MOUNTING;
-        question.mounting = progress->mounting;
-    } else if (progress->state == TUMBLE_STATE_FAULT && answers) {
-        question.kind = BENCH_QUESTION_FAULT;
-        question.mounting = progress->mounting;
-        question.reason = progress->reason;
-    }
-    return question;
-}
-
 /* How long he takes; below 0: he does nothing by himself. */
 static double time_for(const stand_operator_t *operator, const bench_world_t *world,
                        const bench_question_t *question)
@@ -107,7 +92,9 @@ static void ask_person(stand_operator_t *operator, bench_world_t *world)
 
 static void look(stand_operator_t *operator, bench_world_t *world)
 {
-    const bench_question_t question = question_of(operator, world);
+    const bench_question_t question = (operator->kind == STAND_OPERATOR_NONE)
+                                          ? (bench_question_t){.kind = BENCH_QUESTION_NONE}
+                                          : bench_person_question(&world->progress);
     const bool starting = operator->command == (uint8_t)TUMBLE_COMMAND_START;
     if (operator->starts && world->progress.state == TUMBLE_STATE_IDLE && !starting) {
         operator->act_us = world->clock.now_us;
@@ -182,30 +169,6 @@ void stand_operator_hear(stand_operator_t *operator, bench_world_t *world, const
     }
 }
 
-static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
-{
-    uint8_t m = 0;
-    while (m + 1U < schedule->mounting_count && schedule->mountings[m].number != number) {
-        m++;
-    }
-    return m;
-}
-
-/* As asked, or, the first time, as the scenario has him err. */
-static void mount(bench_world_t *world, uint8_t asked)
-{
-    const sim_operator_config_t *const config = &world->config->scenario.person;
-    const bool errs = asked == config->wrong_mounting && !world->person.erred;
-    world->person.erred = world->person.erred || errs;
-    bench_world_mount(world, mounting_index(&world->config->scenario.schedule, errs ? config->mounted_instead : asked));
-}
-
-static bool is_of_the_mounting(tumble_reason_t reason)
-{
-    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
-           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
-}
-
 static void act(stand_operator_t *operator, bench_world_t *world)
 {
     const bench_question_t *const question = &operator->question;
@@ -217,9 +180,9 @@ static void act(stand_operator_t *operator, bench_world_t *world)
         world->person.mended++;
         bench_fault_script_mend(world);
     }
-    const bool mounts = question->kind == BENCH_QUESTION_MOUNTING || is_of_the_mounting(question->reason);
+    const bool mounts = question->kind == BENCH_QUESTION_MOUNTING || bench_person_must_mount(question->reason);
     if (mounts) {
-        mount(world, question->mounting);
+        bench_person_mount(world, question->mounting);
     }
     if (operator->kind == STAND_OPERATOR_HANDS) {
         operator->act_us = SIM_NEVER;

@@ -1,10 +1,10 @@
 #include "stand_options.h"
 
+#include "signals.h"
+
 #include <getopt.h>
-#include <signal.h>
 #include <stddef.h>
 #include <string.h>
-#include <sys/prctl.h>
 
 const char stand_options_help[] =
     "usage: tumble-stand INTERFACE [SCENARIO] [options]\n"
@@ -47,17 +47,10 @@ static bool take_operator(void *to, const char *what)
     return arguments_refuse("--operator", "must be none, mount, start, ask or hands");
 }
 
-static bool take_with_parent(void *options, const char *none)
-{
-    (void)options;
-    (void)none;
-    return prctl(PR_SET_PDEATHSIG, SIGTERM) == 0;
-}
-
 static const argument_t OPTIONS[] = {
     ARGUMENT_WHOLE("seed", stand_options_t, seed, 0, UINT64_MAX),
     ARGUMENT_TAKE("operator", take_operator),
-    ARGUMENT_CALL("with-parent", take_with_parent),
+    ARGUMENT_CALL("with-parent", signals_with_parent),
 };
 
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])

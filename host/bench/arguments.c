@@ -20,6 +20,21 @@ bool arguments_refuse(const char *option, const char *what)
     return false;
 }
 
+bool arguments_refuse_line(const char *file, size_t line, const char *what)
+{
+    if (line == 0U) {
+        return arguments_refuse(file, what);
+    }
+    (void)fprintf(stderr, "%s: %s:%zu: %s\n", program_invocation_short_name, file, line, what);
+    return false;
+}
+
+int arguments_fail(const char *subject, const char *what, int code)
+{
+    (void)arguments_refuse(subject, what);
+    return code;
+}
+
 bool arguments_whole(const char *option, const char *text, uint64_t low, uint64_t high, uint64_t *value)
 {
     char *end = NULL;
@@ -44,13 +59,8 @@ bool arguments_operands(int count, char *const operands[], const char **interfac
     return true;
 }
 
-static bool store(const argument_t *option, const char *name, const char *text, void *member)
+static void store(const argument_t *option, uint64_t value, void *member)
 {
-    uint64_t value = 0;
-    if (!arguments_whole(name, text, option->low, option->high, &value)) {
-        return false;
-    }
-    value *= option->unit;
     if (option->size == sizeof(uint8_t)) {
         *(uint8_t *)member = (uint8_t)value;
     } else if (option->size == sizeof(uint32_t)) {
@@ -58,20 +68,24 @@ static bool store(const argument_t *option, const char *name, const char *text, 
     } else {
         *(uint64_t *)member = value;
     }
-    return true;
 }
 
 static bool take(const argument_t *option, void *options)
 {
     char name[32];
+    uint64_t value = 0;
     char *const member = (char *)options + option->at;
     (void)snprintf(name, sizeof name, "--%s", (option->name != NULL) ? option->name : "");
     switch (option->kind) {
-    case ARGUMENT_IS_FLAG:
-        *(bool *)member = true;
+    case ARGUMENT_IS_CONSTANT:
+        store(option, option->low, member);
         return true;
     case ARGUMENT_IS_WHOLE:
-        return store(option, name, optarg, member);
+        if (!arguments_whole(name, optarg, option->low, option->high, &value)) {
+            return false;
+        }
+        store(option, value * option->unit, member);
+        return true;
     case ARGUMENT_IS_TEXT:
         *(const char **)(void *)member = optarg;
         return strlen(optarg) >= option->low || arguments_refuse(name, "must not be empty");
@@ -86,7 +100,7 @@ static void prepare(const argument_t known[], size_t count, char *letters, struc
     *letters++ = ':';
     *letters++ = 'h';
     for (size_t i = 0; i < count; i++) {
-        const bool has_value = known[i].kind != ARGUMENT_IS_FLAG && known[i].kind != ARGUMENT_IS_CALL;
+        const bool has_value = known[i].kind != ARGUMENT_IS_CONSTANT && known[i].kind != ARGUMENT_IS_CALL;
         if (known[i].name != NULL) {
             *longs++ = (struct option){known[i].name, has_value ? required_argument : no_argument, NULL, LONG + (int)i};
         } else {

@@ -19,15 +19,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Exit codes of the product. */
+enum {
+    BENCH_EXIT_PASS = 0,
+    BENCH_EXIT_LIMITS = 1,
+    BENCH_EXIT_USAGE = 2,
+    BENCH_EXIT_FAULT = 3,
+    BENCH_EXIT_SKIPPED = 77, /* what it needs is not there */
+    BENCH_EXIT_INTERRUPTED = 130
+};
+
 /* What a command line asks for. */
 typedef enum { BENCH_ASKS_WORK, BENCH_ASKS_HELP, BENCH_ASKS_VERSION } bench_asks_t;
 
 typedef enum {
-    ARGUMENT_IS_FLAG,  /* a bool becomes true */
-    ARGUMENT_IS_WHOLE, /* a whole number from `low` to `high`, times `unit`, into 1, 4 or 8 bytes */
-    ARGUMENT_IS_TEXT,  /* a text of at least `low` characters, 0 or 1 */
-    ARGUMENT_IS_TAKEN, /* by `take` */
-    ARGUMENT_IS_CALL   /* has no value: `take` gets null */
+    ARGUMENT_IS_CONSTANT, /* has no value: the member becomes `low`, a bool true */
+    ARGUMENT_IS_WHOLE,    /* a whole number from `low` to `high`, times `unit`, into 1, 4 or 8 bytes */
+    ARGUMENT_IS_TEXT,     /* a text of at least `low` characters, 0 or 1 */
+    ARGUMENT_IS_TAKEN,    /* by `take` */
+    ARGUMENT_IS_CALL      /* has no value: `take` gets null */
 } argument_kind_t;
 
 /* Puts a value where it belongs. False when that is not right, which it has said. */
@@ -46,8 +56,9 @@ typedef struct {
 } argument_t;
 
 #define ARGUMENT_AT(type, member) .at = offsetof(type, member), .size = sizeof(((type *)0)->member)
-#define ARGUMENT_FLAG(text, type, member) {.name = (text), .kind = ARGUMENT_IS_FLAG, ARGUMENT_AT(type, member)}
-#define ARGUMENT_LETTER(sign, type, member) {.letter = (sign), .kind = ARGUMENT_IS_FLAG, ARGUMENT_AT(type, member)}
+#define ARGUMENT_CONSTANT(text, type, member, value) {.name = (text), ARGUMENT_AT(type, member), .low = (value)}
+#define ARGUMENT_FLAG(text, type, member) ARGUMENT_CONSTANT(text, type, member, true)
+#define ARGUMENT_LETTER(sign, type, member) {.letter = (sign), ARGUMENT_AT(type, member), .low = true}
 #define ARGUMENT_ANY_TEXT(text, type, member) {.name = (text), .kind = ARGUMENT_IS_TEXT, ARGUMENT_AT(type, member)}
 #define ARGUMENT_TEXT(text, type, member) \
     {.name = (text), .kind = ARGUMENT_IS_TEXT, ARGUMENT_AT(type, member), .low = 1}
@@ -71,6 +82,12 @@ bool arguments_operands(int count, char *const operands[], const char **interfac
 
 /* One line: the program, the option, what is wrong with it. Returns false. */
 bool arguments_refuse(const char *option, const char *what);
+
+/* The same of a line of a file; 0: of the whole file. */
+bool arguments_refuse_line(const char *file, size_t line, const char *what);
+
+/* The same of whatever ends the program. Returns the exit code. */
+int arguments_fail(const char *subject, const char *what, int code);
 
 /* Print to standard output what is asked for: `help`, or the program and its version. False: it cannot be written. */
 bool bench_tell(const char *program, bench_asks_t asks, const char *help);

@@ -74,11 +74,11 @@ const char *bench_config_complete(bench_config_t *config);
 const char *bench_config_refused(const bench_config_t *config);
 
 /* Defaults, then what the file says ("-": standard input; null: nothing) and the file of a gain record (null: none), then
- * complete and fit for the firmware. `config` must not be moved
- * afterwards. False: one line on standard error, which begins with the name of the program, has said what is wrong. */
-bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record, const char *program);
+ * complete and fit for the firmware. `config` must not be moved afterwards. False: one line on standard error has said
+ * what is wrong. */
+bool bench_config_prepare(bench_config_t *config, const char *path, const char *gain_record);
 
 /* The same for a simulation whose firmware is elsewhere: what only the firmware needs, such as gains, is not asked for. */
-bool bench_config_prepare_stand(bench_config_t *config, const char *path, const char *program);
+bool bench_config_prepare_stand(bench_config_t *config, const char *path);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <ctype.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAX_LINE 1024
@@ -70,31 +71,21 @@ static const char *read_position(bench_config_t *config, const bench_words_t *wo
 
 /* profile.receive_pdo, profile.transmit_pdo, profile.write */
 
-/* INDEX:SUBINDEX:BITS, the index hexadecimal. */
+/* INDEX:SUBINDEX:BITS, the index in four hexadecimal digits. */
 static bool read_object(char *text, uint32_t *object)
 {
-    static const char DIGITS[] = "0123456789abcdef";
     char *const first = strchr(text, ':');
     char *const second = (first != NULL) ? strchr(first + 1, ':') : NULL;
     int64_t subindex = 0;
     int64_t bits = 0;
-    if (second == NULL || first - text != 4) {
+    if (second == NULL || first - text != 4 || strspn(text, "0123456789abcdefABCDEF") != 4U) {
         return false;
     }
-    *first = '\0';
     *second = '\0';
-    uint32_t index = 0;
-    for (const char *c = text; *c != '\0'; c++) {
-        const char *const digit = strchr(DIGITS, (*c >= 'A' && *c <= 'F') ? *c - 'A' + 'a' : *c);
-        if (digit == NULL) {
-            return false;
-        }
-        index = index << 4 | (uint32_t)(digit - DIGITS);
-    }
     if (!bench_whole(first + 1, 0, 255, &subindex) || !bench_whole(second + 1, 1, 64, &bits)) {
         return false;
     }
-    *object = TUMBLE_MAP(index, (uint32_t)subindex, (uint32_t)bits);
+    *object = TUMBLE_MAP((uint32_t)strtoul(text, NULL, 16), (uint32_t)subindex, (uint32_t)bits);
     return true;
 }
 

@@ -5,20 +5,10 @@
  *     block.u0 = 0.1 -0.02 0.03
  *     fault = stall at=1.3 phase=move duration=2
  *
- * Keys are those of bench_config_keys (tumble-bench --keys prints them with their ranges), each at most once. Numbers
- * are decimal (0x... where whole), separated by blanks; nothing else may stand on a line. Reading stops at the first
- * mistake. The lines that may repeat:
- *
- *     mounting = NUMBER  TILT_DEG TILT_SINE TILT_COSINE  M11 M12 M13 M21 ... M33
- *     position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE
- *     fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] ...   or   fault = KIND time=SECONDS ...
- *         [delay=S] [duration=S, 0: for good] [times=N] [channels=xyz] [value=X] [count=N]
- *         [id=N] [mask=N] [probability=P]
- *     profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...
- *     profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...
- *     profile.write = INDEX SUBINDEX SIZE VALUE
- *
- * Indices are hexadecimal. A schedule must be given whole: its first line replaces the paper's.
+ * `tumble-bench --keys` (bench_config_print_keys) prints the keys with their ranges, each at most once, and the lines
+ * that may repeat. Numbers are decimal (0x... where whole; the INDEX of an INDEX:SUBINDEX:BITS is hexadecimal in any
+ * case), separated by blanks; nothing else may stand on a line. Reading stops at the first mistake. A schedule must be
+ * given whole: its first line replaces the paper's. A fault whose duration is 0 is for good.
  */
 #ifndef TUMBLE_BENCH_CONFIG_FILE_H
 #define TUMBLE_BENCH_CONFIG_FILE_H

@@ -1,7 +1,6 @@
 #include "bench/hostile.h"
 
 #include "bench/hostile_report.h"
-#include "bench/hostile_shrink.h"
 #include "bench/report.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* hostile.h - a campaign of hostile lives: --campaign N.
  *
- * Each seed draws a life (hostile_plan.h): a stand, a drive with its habits, a run or two, commands, faults, frames of a
+ * Each seed draws a life (hostile_draw.h): a stand, a drive with its habits, a run or two, commands, faults, frames of a
  * stranger, losses of power. The firmware with its keeper lives through it in virtual time (hostile_life.h), and the
  * simulation's truth is held against the invariants (hostile_watch.h). What breaks one ends its life, is told in one line
  * on standard error, replays alone with --campaign 1 --seed THAT, and is shrunk to the fewest events: the first

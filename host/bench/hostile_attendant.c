@@ -2,6 +2,7 @@
 #include "bench/hostile_state.h"
 
 #include "bench/fault_script.h"
+#include "bench/person.h"
 
 #define US_PER_S 1e6
 
@@ -33,17 +34,11 @@ static void mount(bench_life_t *life, uint8_t asked)
     (void)bench_life_command(life, TUMBLE_COMMAND_CONFIRM_MOUNTING, asked);
 }
 
-static bool is_of_the_mounting(tumble_reason_t reason)
-{
-    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
-           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
-}
-
 static void mend(bench_life_t *life, const tumble_progress_t *progress)
 {
     life->mended++;
     bench_fault_script_mend(&life->world);
-    if (is_of_the_mounting(progress->reason)) {
+    if (bench_person_must_mount(progress->reason)) {
         mount(life, progress->mounting);
     } else {
         (void)bench_life_command(life, TUMBLE_COMMAND_RESUME, 0);

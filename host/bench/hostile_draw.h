@@ -70,4 +70,8 @@ void bench_plan_frames(bench_plan_t *plan);
 /* One random write to an object that a stop depends on. */
 void bench_draw_stop_write(sim_random_t *stream, tumble_can_frame_t *frame);
 
+/* Draw the whole of it (hostile_plan.c). What the configuration does not allow is a mistake of the drawing: null, or the
+ * sentence. The plan must not be moved. */
+const char *bench_plan_draw(bench_plan_t *plan, uint64_t seed);
+
 #endif

@@ -6,43 +6,30 @@
 #define SET_POINT_ID 0x202U
 #define DRIVE_SDO_ID 0x602U
 
+#define WORD(name, word, ...) word,
+#define SENTENCE(name, word, sentence) sentence,
+
 const char *bench_hostile_name(bench_hostile_t kind)
 {
-    static const char *const NAMES[] = {
-#define BENCH_HOSTILE_NAME(name, word) word,
-        BENCH_HOSTILE_LIST(BENCH_HOSTILE_NAME)
-#undef BENCH_HOSTILE_NAME
-    };
+    static const char *const NAMES[] = {BENCH_HOSTILE_LIST(WORD)};
     return NAMES[kind];
 }
 
 const char *bench_broken_name(bench_broken_t kind)
 {
-    static const char *const NAMES[] = {
-#define BENCH_VIOLATION_NAME(name, word, sentence) word,
-        BENCH_VIOLATION_LIST(BENCH_VIOLATION_NAME)
-#undef BENCH_VIOLATION_NAME
-    };
+    static const char *const NAMES[] = {BENCH_VIOLATION_LIST(WORD)};
     return NAMES[kind];
 }
 
 const char *bench_broken_sentence(bench_broken_t kind)
 {
-    static const char *const SENTENCES[] = {
-#define BENCH_VIOLATION_SENTENCE(name, word, sentence) sentence,
-        BENCH_VIOLATION_LIST(BENCH_VIOLATION_SENTENCE)
-#undef BENCH_VIOLATION_SENTENCE
-    };
+    static const char *const SENTENCES[] = {BENCH_VIOLATION_LIST(SENTENCE)};
     return SENTENCES[kind];
 }
 
 const char *bench_excuse_name(bench_excuse_t excuse)
 {
-    static const char *const NAMES[] = {
-#define BENCH_EXCUSE_NAME(name, word) word,
-        BENCH_EXCUSE_LIST(BENCH_EXCUSE_NAME)
-#undef BENCH_EXCUSE_NAME
-    };
+    static const char *const NAMES[] = {BENCH_EXCUSE_LIST(WORD)};
     return NAMES[excuse];
 }
 

@@ -12,4 +12,8 @@
 /* From power-on to the end of the plan, or to the first violation: life->watch.violation. */
 void bench_life_run(bench_life_t *life, bench_plan_t *plan);
 
+/* Take events out of a plan whose life broke `kind`, in halves, quarters and so on down to single ones, as long as the
+ * life without them breaks it too. `life` is left as the last one that did. */
+void bench_plan_shrink(bench_plan_t *plan, bench_life_t *life, bench_broken_t kind);
+
 #endif

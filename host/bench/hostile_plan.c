@@ -1,4 +1,4 @@
-#include "bench/hostile_plan.h"
+#include "bench/hostile_draw.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "bench/hostile_shrink.h"
+#include "bench/hostile_life.h"
 
 #include <string.h>
 

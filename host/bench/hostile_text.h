@@ -2,7 +2,7 @@
 #ifndef TUMBLE_BENCH_HOSTILE_TEXT_H
 #define TUMBLE_BENCH_HOSTILE_TEXT_H
 
-#include "bench/hostile_plan.h"
+#include "bench/hostile_draw.h"
 #include "bench/hostile_watch.h"
 
 #define BENCH_TEXT_BYTES 240

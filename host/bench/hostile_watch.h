@@ -1,33 +1,5 @@
 /* hostile_watch.h - what must hold in a hostile life, judged by the simulation's truth and not by what the firmware says.
- *
- *   rest     6 s after a run has ended (DONE, FAULT, ABORT, or IDLE by an NMT reset), after ABORT was taken (also where it
- *            is refused: it stops the table all the same), and after the computer has lost its power, the table is at rest
- *   stays    and, once it has stood for 1 s, it does not move again before a command that may move it
- *   cable    while the drive is homed, the table does not go beyond the cable's limits, but for a tolerance of 5 degrees
- *            and the way in which it can brake
- *   homing   from the start of a homing it does not go farther than the cable's span and a turn, 790 degrees, but for the
- *            way of 6 s, the time in which a stop must have come about, and the way to brake
- *   foreign  where a stranger commands the drive itself (excuse `commanded`), which the computer cannot prevent, `rest`,
- *            `stays` and `cable` do not count for 6 s from his last command: by then the computer has noticed and stopped
- *            it. What is broken after that, in such a life, is called foreign
- *   reason   FAULT and ABORT have a reason
- *   finite   no readable object holds a NaN or an infinity
- *   truth    a set that became active by itself has every coefficient within 6 of its stated standard uncertainties of
- *            the block's K and U0, unless an excuse from the list below came to pass
- *   lost     once there is an active set, there always is one
- *   counter  the calibration counter never goes back
- *   bench    the bench itself cannot go on: no finding
- *
- * Flipped bits may make the active set decay: `lost` and `counter` are then excused. But a decay by a
- * single flipped bit must be told, within 2 s of power-on: by an EMCY, or a bit of what is due. (Several may hit the
- * history as well, by which the decay is known.)
- *
- * The excuses. All are counted from the moment at which they come to pass, to the end of the life:
- *   commanded  a set-point (202h) or a write to 6040h or 607Ah by a stranger, or a fault that spoils, delays or reorders 202h
- *   rewritten  a stranger's write to any other object of the drive, or a fault that spoils 602h: the drive is another one then,
- *              and the table's motion and the coefficients are not judged
- *   step, slip, short, channel, sample, rules   see BENCH_EXCUSE_LIST; of the coefficients alone. A test of the whole model against
- *              the residuals could detect the first five; today's gates see only what is large
+ * docs/campaign.md says of each word what must hold, and of each excuse what it excuses and for how long.
  */
 #ifndef TUMBLE_BENCH_HOSTILE_WATCH_H
 #define TUMBLE_BENCH_HOSTILE_WATCH_H

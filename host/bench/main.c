@@ -40,7 +40,7 @@ static int run(bench_options_t *options)
         choose_jobs(options, options->lives);
         return bench_hostile(options, stdout);
     }
-    if (!bench_config_prepare(&config, options->scenario, options->gain_record, "tumble-bench")) {
+    if (!bench_config_prepare(&config, options->scenario, options->gain_record)) {
         return BENCH_EXIT_USAGE;
     }
     bench_interrupt_watch();

@@ -60,20 +60,13 @@ static bool take_pace(void *to, const char *text)
            arguments_refuse("--pace", "must be a number from 0.001 to 1000000");
 }
 
-static bool take_progress(void *options, const char *none)
-{
-    (void)none;
-    ((bench_options_t *)options)->progress_fd = STDERR_FILENO;
-    return true;
-}
-
 #define MOST_RUNS 1000000000U
 
 static const argument_t OPTIONS[] = {
     ARGUMENT_WHOLE("seed", bench_options_t, seed, 0, UINT64_MAX),
     ARGUMENT_TEXT("out", bench_options_t, out),
     ARGUMENT_TEXT("gain-record", bench_options_t, gain_record),
-    ARGUMENT_CALL("progress", take_progress),
+    ARGUMENT_CONSTANT("progress", bench_options_t, progress_fd, STDERR_FILENO),
     ARGUMENT_WHOLE("progress-fd", bench_options_t, progress_fd, 0, 1023),
     ARGUMENT_FLAG("interactive", bench_options_t, interactive),
     ARGUMENT_TAKE("pace", take_pace),

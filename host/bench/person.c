@@ -7,23 +7,31 @@ void bench_person_init(bench_world_t *world)
     world->person = (bench_person_t){.act_us = SIM_NEVER};
 }
 
+bench_question_t bench_person_question(const tumble_progress_t *progress)
+{
+    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
+        return (bench_question_t){.kind = BENCH_QUESTION_MOUNTING, .mounting = progress->mounting};
+    }
+    if (progress->state == TUMBLE_STATE_FAULT) {
+        return (bench_question_t){
+            .kind = BENCH_QUESTION_FAULT, .mounting = progress->mounting, .reason = progress->reason};
+    }
+    return (bench_question_t){.kind = BENCH_QUESTION_NONE};
+}
+
+bool bench_person_must_mount(tumble_reason_t reason)
+{
+    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
+           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
+}
+
 /* What the firmware waits for, if anything. */
 static bench_question_t question_of(const bench_world_t *world)
 {
-    const tumble_progress_t *const progress = &world->progress;
-    bench_question_t question = {.kind = BENCH_QUESTION_NONE};
-    double angle_deg;
-    if (progress->state == TUMBLE_STATE_WAIT_MOUNTING) {
-        question.kind = BENCH_QUESTION_MOUNTING;
-        question.mounting = progress->mounting;
-    } else if (progress->state == TUMBLE_STATE_FAULT) {
-        question.kind = BENCH_QUESTION_FAULT;
-        question.mounting = progress->mounting;
-        question.reason = progress->reason;
-    } else if (tumble_navcomp_request(&world->navcomp, &angle_deg)) {
+    bench_question_t question = bench_person_question(&world->progress);
+    if (question.kind == BENCH_QUESTION_NONE && tumble_navcomp_request(&world->navcomp, &question.angle_deg)) {
         question.kind = BENCH_QUESTION_ANGLE;
-        question.mounting = progress->mounting;
-        question.angle_deg = angle_deg;
+        question.mounting = world->progress.mounting;
     }
     return question;
 }
@@ -83,8 +91,7 @@ static uint8_t mounting_index(const tumble_schedule_t *schedule, uint8_t number)
     return 0;
 }
 
-/* As asked, or, the first time, as the scenario has him err. */
-static void mount(bench_world_t *world, uint8_t asked)
+void bench_person_mount(bench_world_t *world, uint8_t asked)
 {
     const sim_operator_config_t *const config = &world->config->scenario.person;
     uint8_t number = asked;
@@ -95,15 +102,9 @@ static void mount(bench_world_t *world, uint8_t asked)
     bench_world_mount(world, mounting_index(&world->config->scenario.schedule, number));
 }
 
-static bool is_of_the_mounting(tumble_reason_t reason)
-{
-    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
-           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
-}
-
 static tumble_status_t confirm_mounting(bench_world_t *world, uint8_t number)
 {
-    mount(world, number);
+    bench_person_mount(world, number);
     return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_CONFIRM_MOUNTING, number);
 }
 
@@ -111,7 +112,7 @@ static tumble_status_t mend(bench_world_t *world, const bench_question_t *questi
 {
     world->person.mended++;
     bench_fault_script_mend(world);
-    if (is_of_the_mounting(question->reason)) {
+    if (bench_person_must_mount(question->reason)) {
         return confirm_mounting(world, question->mounting);
     }
     return tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_RESUME, 0);

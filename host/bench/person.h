@@ -10,6 +10,15 @@
 
 void bench_person_init(bench_world_t *world);
 
+/* What the state of a run asks of a person: to mount the block, to mend a fault, or nothing. */
+bench_question_t bench_person_question(const tumble_progress_t *progress);
+
+/* Is this fault mended by mounting the block anew? */
+bool bench_person_must_mount(tumble_reason_t reason);
+
+/* Mount the block as asked, or, the first time, as the scenario has the operator err. */
+void bench_person_mount(bench_world_t *world, uint8_t asked);
+
 /* The firmware may have begun to wait, or ended it: after every step. */
 void bench_person_look(bench_world_t *world);
 

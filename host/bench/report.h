@@ -25,19 +25,11 @@
 #define TUMBLE_BENCH_REPORT_H
 
 #include "bench/json.h"
+#include "bench/arguments.h"
 #include "bench/world.h"
 
 #include <stdbool.h>
 #include <stdio.h>
-
-/* Exit codes of the product. */
-enum {
-    BENCH_EXIT_PASS = 0,
-    BENCH_EXIT_LIMITS = 1,
-    BENCH_EXIT_USAGE = 2,
-    BENCH_EXIT_FAULT = 3,
-    BENCH_EXIT_INTERRUPTED = 130
-};
 
 /* The exit code of a run that has ended. */
 int bench_exit_code(const bench_world_t *world);

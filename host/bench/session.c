@@ -177,12 +177,6 @@ static void go(session_t *session)
     }
 }
 
-static int fail(const char *subject, const char *what, int code)
-{
-    (void)fprintf(stderr, "tumble-bench: %s: %s\n", subject, what);
-    return code;
-}
-
 static const char *open_all(session_t *session, const char **subject)
 {
     const bench_options_t *const options = session->options;
@@ -215,7 +209,7 @@ static int finish(session_t *session, FILE *out)
     if (options->out != NULL) {
         const char *const wrong = bench_folder_close(&session->folder, &session->world);
         if (wrong != NULL) {
-            return fail(options->out, wrong, BENCH_EXIT_USAGE);
+            return arguments_fail(options->out, wrong, BENCH_EXIT_USAGE);
         }
     }
     bench_report_document(&session->world, out);
@@ -234,11 +228,12 @@ int bench_session(const bench_config_t *config, const bench_options_t *options, 
                                         .on_question = on_question};
     const tumble_status_t status = bench_world_init(&session.world, config, options->seed, &session.watcher);
     if (status != TUMBLE_OK) {
-        return fail("the firmware refuses its configuration", tumble_status_sentence(status), BENCH_EXIT_USAGE);
+        return arguments_fail("the firmware refuses its configuration", tumble_status_sentence(status),
+                              BENCH_EXIT_USAGE);
     }
     const char *const wrong = open_all(&session, &subject);
     if (wrong != NULL) {
-        return fail(subject, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(subject, wrong, BENCH_EXIT_USAGE);
     }
     bench_pace_start(&session.pace, &session.world, options->pace);
     go(&session);

@@ -240,12 +240,6 @@ static void serve(server_t *server)
 
 /* Getting ready. */
 
-static int fail(const char *subject, const char *what)
-{
-    (void)fprintf(stderr, "tumble-gateway: %s: %s\n", subject, what);
-    return GATEWAY_EXIT_FAULT;
-}
-
 static bool open_events(server_t *server, int can_fd)
 {
     server->epoll = epoll_create1(EPOLL_CLOEXEC);
@@ -259,21 +253,21 @@ static int open_tcp(server_t *server, const gateway_options_t *options)
     const char *what = "";
     server->listener = gateway_listen(options->host, options->port, &what);
     if (server->listener < 0 || !watch(server, EPOLL_CTL_ADD, server->listener, LISTENER, EPOLLIN)) {
-        return fail(options->host, what);
+        return arguments_fail(options->host, what, BENCH_EXIT_FAULT);
     }
-    return GATEWAY_EXIT_TOLD;
+    return BENCH_EXIT_PASS;
 }
 
 static int open_all(server_t *server, const gateway_options_t *options, int can_fd)
 {
     if (!open_events(server, can_fd)) {
-        return fail("waiting for events", strerror(errno));
+        return arguments_fail("waiting for events", strerror(errno), BENCH_EXIT_FAULT);
     }
     if (options->has_serial && !gateway_serial_open(&server->serial, &options->serial)) {
-        return fail(options->serial.device, modbus_strerror(errno));
+        return arguments_fail(options->serial.device, modbus_strerror(errno), BENCH_EXIT_FAULT);
     }
     server->has_serial = options->has_serial;
-    return options->has_tcp ? open_tcp(server, options) : GATEWAY_EXIT_TOLD;
+    return options->has_tcp ? open_tcp(server, options) : BENCH_EXIT_PASS;
 }
 
 /* One line, for a person, a journal, and whoever asked for any free port. */
@@ -319,7 +313,7 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
     gateway_poller_init(&server.gateway.poller, port, options->settings.node, options->settings.poll_us,
                         &server.gateway.counters);
     const int code = open_all(&server, options, can_fd);
-    if (code == GATEWAY_EXIT_TOLD) {
+    if (code == BENCH_EXIT_PASS) {
         announce(&server, options);
         serve(&server);
         notify_manager("STOPPING=1");

@@ -5,8 +5,6 @@
 
 #include "options.h"
 
-enum { GATEWAY_EXIT_TOLD = 0, GATEWAY_EXIT_USAGE = 2, GATEWAY_EXIT_FAULT = 3, GATEWAY_EXIT_SKIPPED = 77 };
-
 /* Serve until SIGTERM or SIGINT. `can_fd` becomes readable when the port may have frames. One line on standard error
  * says where it listens, or why it cannot. Returns the exit code. */
 int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, int can_fd);

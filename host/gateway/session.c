@@ -79,24 +79,14 @@ const uint16_t *gateway_session_input(gateway_session_t *session, const gateway_
 
 void gateway_session_holding(const gateway_session_t *session, uint16_t *words, uint64_t now_us)
 {
-    memset(words, 0, GATEWAY_HOLDING_END * sizeof *words);
+    memcpy(words, session->staged, sizeof session->staged);
     if (is_unlocked(session, now_us)) {
         words[GATEWAY_HOLDING_UNLOCKED_FOR] =
             (uint16_t)((session->unlocked_until_us - now_us + US_PER_S - 1U) / US_PER_S);
     }
-    words[GATEWAY_HOLDING_COMMAND_OBJECT] = session->object;
-    words[GATEWAY_HOLDING_ARGUMENT] = session->argument;
-    words[GATEWAY_HOLDING_ANGLE] = session->angle[0];
-    words[GATEWAY_HOLDING_ANGLE + 1U] = session->angle[1];
-    words[GATEWAY_HOLDING_COMMAND] = session->command;
-    words[GATEWAY_HOLDING_EXECUTE] = session->executed;
     words[GATEWAY_HOLDING_RESULT] = session->sent.result;
-    words[GATEWAY_HOLDING_RESULT_OF] = session->executed;
+    words[GATEWAY_HOLDING_RESULT_OF] = session->staged[GATEWAY_HOLDING_EXECUTE];
     gateway_put_u32(&words[GATEWAY_HOLDING_ABORT_CODE], session->sent.abort);
-    words[GATEWAY_HOLDING_SETTING] = session->setting;
-    memcpy(&words[GATEWAY_HOLDING_VALUE], session->value, sizeof session->value);
-    memcpy(&words[GATEWAY_HOLDING_PROPOSAL], session->proposal, sizeof session->proposal);
-    memcpy(&words[GATEWAY_HOLDING_SERVICE_KEY], session->service_key, sizeof session->service_key);
 }
 
 /* Writing. */
@@ -104,17 +94,12 @@ void gateway_session_holding(const gateway_session_t *session, uint16_t *words, 
 /* Whoever opens the lock is another than who let it close, as far as anybody knows: on the serial line, say. */
 static void forget_staged(gateway_session_t *session)
 {
-    session->object = 0;
-    session->argument = 0;
+    const uint16_t executed = session->staged[GATEWAY_HOLDING_EXECUTE];
+    memset(session->staged, 0, sizeof session->staged);
+    session->staged[GATEWAY_HOLDING_EXECUTE] = executed;
     session->has_angle = false;
-    session->command = 0;
-    session->setting = 0;
-    session->is_setting_done = false;
-    memset(session->angle, 0, sizeof session->angle);
     session->has_proposal = false;
-    memset(session->proposal, 0, sizeof session->proposal);
-    memset(session->service_key, 0, sizeof session->service_key);
-    memset(session->value, 0, sizeof session->value);
+    session->is_setting_done = false;
 }
 
 static void end_service(const gateway_session_t *session, gateway_t *gateway)
@@ -141,65 +126,54 @@ static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway
     return GATEWAY_OK;
 }
 
+/* Can a request begin and end there? It may pass over what cannot be written. */
+static bool is_writable(unsigned at)
+{
+    return (at >= GATEWAY_HOLDING_COMMAND_OBJECT && at <= GATEWAY_HOLDING_EXECUTE) || at >= GATEWAY_HOLDING_SETTING;
+}
+
+/* What is passed over must be 0. */
+static bool fits(uint16_t at, uint16_t value)
+{
+    switch (at) {
+    case GATEWAY_HOLDING_COMMAND_OBJECT:
+        return value < GATEWAY_COMMAND_OBJECTS;
+    case GATEWAY_HOLDING_ARGUMENT:
+    case GATEWAY_HOLDING_COMMAND:
+        return value <= LARGEST_BYTE;
+    case GATEWAY_HOLDING_EXECUTE:
+        return value != 0U;
+    case GATEWAY_HOLDING_SETTING:
+        return value == 0U || gateway_target(value) != NULL;
+    default:
+        return value == 0U || is_writable(at);
+    }
+}
+
 static gateway_exception_t stage(gateway_session_t *session, uint16_t at, uint16_t value)
 {
     session->is_setting_done = session->is_setting_done && at == GATEWAY_HOLDING_EXECUTE;
-    if (at == GATEWAY_HOLDING_COMMAND_OBJECT) {
-        session->object = value;
-        return (value < GATEWAY_COMMAND_OBJECTS) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
-    }
-    if (at == GATEWAY_HOLDING_ARGUMENT) {
-        session->argument = value;
-        return (value <= LARGEST_BYTE) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
-    }
-    if (at == GATEWAY_HOLDING_ANGLE || at == GATEWAY_HOLDING_ANGLE + 1U) {
-        session->angle[at - GATEWAY_HOLDING_ANGLE] = value;
-        session->has_angle = true;
-        return GATEWAY_OK;
-    }
-    if (at == GATEWAY_HOLDING_COMMAND) {
-        session->command = value;
-        return (value <= LARGEST_BYTE) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
-    }
-    if (at == GATEWAY_HOLDING_EXECUTE) {
-        session->executed = value;
-        return (value != 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
-    }
-    if (at == GATEWAY_HOLDING_SETTING) {
-        session->setting = value;
-        return (value == 0U || gateway_target(value) != NULL) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
-    }
-    if (at >= GATEWAY_HOLDING_SERVICE_KEY) {
-        session->service_key[at - GATEWAY_HOLDING_SERVICE_KEY] = value;
-        return GATEWAY_OK;
-    }
-    if (at >= GATEWAY_HOLDING_PROPOSAL) {
-        session->proposal[at - GATEWAY_HOLDING_PROPOSAL] = value;
-        session->has_proposal = true;
-        return GATEWAY_OK;
-    }
-    if (at >= GATEWAY_HOLDING_VALUE) {
-        session->value[at - GATEWAY_HOLDING_VALUE] = value;
-        return GATEWAY_OK;
-    }
-    return (value == 0U) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE; /* passed over */
+    session->has_angle |= at == GATEWAY_HOLDING_ANGLE || at == GATEWAY_HOLDING_ANGLE + 1U;
+    session->has_proposal |= at == GATEWAY_HOLDING_PROPOSAL || at == GATEWAY_HOLDING_PROPOSAL + 1U;
+    session->staged[at] = value;
+    return fits(at, value) ? GATEWAY_OK : GATEWAY_ILLEGAL_VALUE;
 }
 
-static uint32_t u32_of(const uint16_t words[2])
+static uint32_t staged_u32(const gateway_session_t *session, uint16_t at)
 {
-    return (uint32_t)words[0] << 16 | words[1];
+    return (uint32_t)session->staged[at] << 16 | session->staged[at + 1U];
 }
 
 static double angle_deg(const gateway_session_t *session)
 {
-    return (double)(int32_t)u32_of(session->angle) / ANGLES_PER_DEG;
+    return (double)(int32_t)staged_u32(session, GATEWAY_HOLDING_ANGLE) / ANGLES_PER_DEG;
 }
 
 static double value_of(const gateway_session_t *session)
 {
     uint8_t bytes[sizeof(double)];
     for (size_t i = 0; i < VALUE_WORDS; i++) {
-        tumble_put_u16(&bytes[2U * i], session->value[VALUE_WORDS - 1U - i]);
+        tumble_put_u16(&bytes[2U * i], session->staged[GATEWAY_HOLDING_VALUE + VALUE_WORDS - 1U - i]);
     }
     return tumble_get_f64(bytes);
 }
@@ -207,10 +181,11 @@ static double value_of(const gateway_session_t *session)
 static gateway_command_t command_of(gateway_session_t *session)
 {
     const double angle = angle_deg(session);
-    const uint32_t proposal = u32_of(session->proposal);
+    const uint32_t proposal = staged_u32(session, GATEWAY_HOLDING_PROPOSAL);
     const gateway_command_t made = gateway_command(
-        gateway_command_objects[session->object], (uint8_t)session->argument, session->has_angle ? &angle : NULL,
-        session->has_proposal ? &proposal : NULL, (uint8_t)session->command);
+        gateway_command_objects[session->staged[GATEWAY_HOLDING_COMMAND_OBJECT]],
+        (uint8_t)session->staged[GATEWAY_HOLDING_ARGUMENT], session->has_angle ? &angle : NULL,
+        session->has_proposal ? &proposal : NULL, (uint8_t)session->staged[GATEWAY_HOLDING_COMMAND]);
     session->has_angle = false;
     session->has_proposal = false;
     return made;
@@ -252,12 +227,13 @@ static void drop_refused_key(gateway_session_t *session, gateway_t *gateway)
 /* Nothing is sent of what does not fit, or needs a level that this session has not. */
 static gateway_exception_t execute_setting(gateway_session_t *session, gateway_t *gateway, uint64_t now_us)
 {
-    const gateway_target_t *const target = gateway_target(session->setting);
-    const uint32_t key = u32_of(session->service_key);
+    const gateway_target_t *const target = gateway_target(session->staged[GATEWAY_HOLDING_SETTING]);
+    const uint32_t key = staged_u32(session, GATEWAY_HOLDING_SERVICE_KEY);
     drop_refused_key(session, gateway);
     session->sent = gateway_setting_by_key(target, key, value_of(session));
-    session->setting = 0;
-    memset(session->service_key, 0, sizeof session->service_key);
+    session->staged[GATEWAY_HOLDING_SETTING] = 0;
+    session->staged[GATEWAY_HOLDING_SERVICE_KEY] = 0;
+    session->staged[GATEWAY_HOLDING_SERVICE_KEY + 1U] = 0;
     if (session->sent.result == GATEWAY_RESULT_UNFIT) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_VALUES_UNFIT);
         return GATEWAY_OK;
@@ -282,7 +258,7 @@ static gateway_exception_t execute(gateway_session_t *session, gateway_t *gatewa
     if (gateway->poller.link_state != GATEWAY_LINK_UP) {
         return GATEWAY_TARGET_FAILED;
     }
-    session->is_setting_done = session->setting != 0U;
+    session->is_setting_done = session->staged[GATEWAY_HOLDING_SETTING] != 0U;
     if (session->is_setting_done) {
         return execute_setting(session, gateway, now_us);
     }
@@ -294,7 +270,8 @@ static gateway_exception_t execute(gateway_session_t *session, gateway_t *gatewa
 /* A request for a setting come once more, as after a lost answer: what is staged now is a command that nobody wants. */
 static bool is_repeated(const gateway_session_t *session, const gateway_session_t *before)
 {
-    return session->is_setting_done && session->executed == before->executed;
+    return session->is_setting_done &&
+           session->staged[GATEWAY_HOLDING_EXECUTE] == before->staged[GATEWAY_HOLDING_EXECUTE];
 }
 
 /* All or nothing: what does not go well is taken back. */
@@ -314,12 +291,6 @@ static gateway_exception_t stage_all(gateway_session_t *session, gateway_t *gate
         *session = before;
     }
     return wrong;
-}
-
-/* Can a request begin and end there? It may pass over what cannot be written. */
-static bool is_writable(unsigned at)
-{
-    return (at >= GATEWAY_HOLDING_COMMAND_OBJECT && at <= GATEWAY_HOLDING_EXECUTE) || at >= GATEWAY_HOLDING_SETTING;
 }
 
 static gateway_exception_t write_staged(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,

@@ -4,6 +4,7 @@
 #define TUMBLE_GATEWAY_SESSION_H
 
 #include "gateway.h"
+#include "register_map.h"
 
 #include <stdint.h>
 
@@ -35,17 +36,9 @@ typedef struct gateway_session {
     uint64_t renewed_us;
     uint16_t last_at;           /* of input registers, the first one of the last request */
     uint64_t unlocked_until_us; /* 0: locked */
-    uint16_t object;            /* staged; likewise up to `command` */
-    uint16_t argument;
-    uint16_t angle[2];
+    uint16_t staged[GATEWAY_HOLDING_END]; /* the holding registers as they were written; Execute: as it was last */
     bool has_angle;             /* written since the last execution; likewise `has_proposal` */
-    uint16_t proposal[2];
     bool has_proposal;
-    uint16_t service_key[2];    /* staged for the next setting; 0: none */
-    uint16_t command;
-    uint16_t setting;           /* staged, and `value` as it came; 0: none */
-    uint16_t value[4];
-    uint16_t executed;          /* what was written to Execute last */
     bool is_setting_done;       /* a setting was executed, and nothing has been staged since */
     gateway_command_t sent;
     bool sent_key; /* it is the service level's */

@@ -2,6 +2,7 @@
 
 #include "log.h"
 
+#include "bench/person.h"
 #include "replay/replay.h"
 
 #include <ctype.h>
@@ -204,12 +205,6 @@ static bool is_of_node_1(const bench_config_t *config, uint16_t id)
     return found;
 }
 
-static bool is_of_the_mounting(tumble_reason_t reason)
-{
-    return reason == TUMBLE_REASON_MOUNTING_NOT_CONFIRMED || reason == TUMBLE_REASON_WRONG_MOUNTING ||
-           reason == TUMBLE_REASON_SWAPPED_CHANNELS;
-}
-
 static void note_state(recorder_t *recorder, uint64_t time_us, tumble_state_t state, tumble_reason_t reason)
 {
     const tumble_state_t before = recorder->state;
@@ -229,7 +224,7 @@ static void note_state(recorder_t *recorder, uint64_t time_us, tumble_state_t st
         add_command(recorder, time_us, TUMBLE_COMMAND_CONFIRM_MOUNTING);
     } else if (before == TUMBLE_STATE_FAULT) {
         add_command(recorder, time_us,
-                    is_of_the_mounting(reason_before) ? TUMBLE_COMMAND_CONFIRM_MOUNTING : TUMBLE_COMMAND_RESUME);
+                    bench_person_must_mount(reason_before) ? TUMBLE_COMMAND_CONFIRM_MOUNTING : TUMBLE_COMMAND_RESUME);
     }
 }
 

@@ -59,19 +59,12 @@ typedef struct {
     replay_t replay;
 } replay_run_t;
 
-static int fail(const char *subject, const char *what, int code)
-{
-    (void)fprintf(stderr, "tumble-replay: %s: %s\n", subject, what);
-    return code;
-}
-
 /* The log, unless a commissioning record is asked for; then the scenario. */
 static bool read_operands(options_t *options, int count, char *operands[])
 {
     const int logs = (options->commissioning != NULL) ? 0 : 1;
     if (count < logs || count > logs + 1) {
-        (void)fail("arguments", "a log, and at most one scenario; see --help", 0);
-        return false;
+        return arguments_refuse("arguments", "a log, and at most one scenario; see --help");
     }
     options->log = (logs == 1) ? operands[0] : NULL;
     options->scenario = (count > logs) ? operands[logs] : NULL;
@@ -97,17 +90,11 @@ static bool read_log(bus_log_t *log, const char *path)
     FILE *const file = fopen(path, "r");
     size_t line = 0;
     if (file == NULL) {
-        (void)fail(path, strerror(errno), 0);
-        return false;
+        return arguments_refuse(path, strerror(errno));
     }
     const char *const wrong = log_read(log, file, &line);
     (void)fclose(file);
-    if (wrong != NULL && line > 0U) {
-        (void)fprintf(stderr, "tumble-replay: %s:%zu: %s\n", path, line, wrong);
-    } else if (wrong != NULL) {
-        (void)fail(path, wrong, 0);
-    }
-    return wrong == NULL;
+    return wrong == NULL || arguments_refuse_line(path, line, wrong);
 }
 
 /* For the board. */
@@ -117,7 +104,7 @@ static int write_file(const char *path, const uint8_t *bytes, size_t size)
     FILE *const file = (bytes != NULL) ? fopen(path, "wb") : NULL;
     bool good = file != NULL && fwrite(bytes, 1, size, file) == size;
     good = file != NULL && fclose(file) == 0 && good;
-    return good ? BENCH_EXIT_PASS : fail(path, "cannot be written", BENCH_EXIT_USAGE);
+    return good ? BENCH_EXIT_PASS : arguments_fail(path, "cannot be written", BENCH_EXIT_USAGE);
 }
 
 static int write_commissioning(const char *path, const bench_config_t *config)
@@ -126,8 +113,8 @@ static int write_commissioning(const char *path, const bench_config_t *config)
     static uint8_t record[ZCU102_COMMISSIONING_BYTES];
     const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL, NULL);
     if (zcu102_commission(&commissioned, &navcomp) != TUMBLE_OK) {
-        return fail("the board zcu102 cannot do this run", "it needs a drive, with a profile that fits its record",
-                    BENCH_EXIT_USAGE);
+        return arguments_fail("the board zcu102 cannot do this run",
+                              "it needs a drive, with a profile that fits its record", BENCH_EXIT_USAGE);
     }
     return write_file(path, record, zcu102_commissioning_write(&commissioned, record));
 }
@@ -185,7 +172,7 @@ static int open_folder(replay_run_t *run, const bus_log_t *log)
     }
     const char *const wrong = bench_folder_open(&run->folder, run->options->out);
     if (wrong != NULL) {
-        return fail(run->options->out, wrong, BENCH_EXIT_USAGE);
+        return arguments_fail(run->options->out, wrong, BENCH_EXIT_USAGE);
     }
     run->folder.document = put_document;
     for (size_t i = 0; i < log->count; i++) {
@@ -204,7 +191,7 @@ static int play(replay_run_t *run)
     if (run->options->out != NULL) {
         const char *const wrong = bench_folder_close(&run->folder, world);
         if (wrong != NULL) {
-            return fail(run->options->out, wrong, BENCH_EXIT_FAULT);
+            return arguments_fail(run->options->out, wrong, BENCH_EXIT_FAULT);
         }
     }
     put_document(world, stdout);
@@ -220,13 +207,13 @@ static int replay(const options_t *options, const bus_log_t *log, const bench_co
     uint8_t *const recording = log_recording(log, config, &size);
     if (recording == NULL || replay_open(&run.replay, recording, size) != TUMBLE_OK) {
         free(recording);
-        return fail(options->log, "the log is too long for this machine's memory", BENCH_EXIT_USAGE);
+        return arguments_fail(options->log, "the log is too long for this machine's memory", BENCH_EXIT_USAGE);
     }
     const tumble_status_t status = init_firmware(&run);
-    int code = (status == TUMBLE_OK)
-                   ? open_folder(&run, log)
-                   : fail("the firmware refuses its configuration", tumble_status_sentence(status), BENCH_EXIT_USAGE);
-    if (code == BENCH_EXIT_PASS) {
+    int code = BENCH_EXIT_USAGE;
+    if (status != TUMBLE_OK) {
+        (void)arguments_refuse("the firmware refuses its configuration", tumble_status_sentence(status));
+    } else if ((code = open_folder(&run, log)) == BENCH_EXIT_PASS) {
         code = play(&run);
     }
     free(recording);
@@ -244,7 +231,7 @@ int main(int count, char *arguments[])
     if (options.asks != BENCH_ASKS_WORK) {
         return bench_tell("tumble-replay", options.asks, HELP) ? BENCH_EXIT_PASS : BENCH_EXIT_FAULT;
     }
-    if (!bench_config_prepare(&config, options.scenario, options.gain_record, "tumble-replay")) {
+    if (!bench_config_prepare(&config, options.scenario, options.gain_record)) {
         return BENCH_EXIT_USAGE;
     }
     if (options.commissioning != NULL) {

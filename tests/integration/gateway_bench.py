@@ -42,7 +42,7 @@ def build(folder):
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
     sources += [f"firmware/{name}.c" for name in ("canopen/sdo_client", "canopen/link", "core/count")]
     sources += ["boards/linux/signals.c", "host/bench/arguments.c"]
-    return compiled(folder / "gateway_harness", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
+    return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
                     "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 
 

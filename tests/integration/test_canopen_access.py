@@ -216,6 +216,8 @@ def of_service_level():
         place = cells[0].strip()
         if place.endswith("h"):
             index, place = int(place[:-1], 16), ":0"
+            if alike := re.search(r", as ([0-9A-F]{4})h", cells[2]):
+                found |= {(index, subindex) for other, subindex in found if other == int(alike[1], 16)}
         if place.startswith(":") and cells[4].strip() == "service":
             subindices = [int(number) for number in re.findall(r":(\d+)", place)]
             found |= {(index, subindex) for subindex in range(subindices[0], subindices[-1] + 1)}

@@ -179,9 +179,9 @@ def test_the_summary_fits_80_columns_and_states_everything(tmp_path):
     outcomes += checked(tmp_path, CHECKS)
     rows = report.table(outcomes).splitlines()
     assert max(map(len, rows)) <= 80 and len(rows) > 60
-    figures = [line for one in outcomes for line in one.lines if isinstance(line, judge.Figure)]
-    assert all(line.unit and line.limit is not None for line in figures)
-    told = [line for line in figures if line.value is not None and line.check != "support"]
+    figures = [(one.check, line) for one in outcomes for line in one.lines if isinstance(line, judge.Figure)]
+    assert all(line.unit and line.limit is not None for _check, line in figures)
+    told = [line for check, line in figures if line.value is not None and check != "support"]
     assert all(line.u is not None and line.resolves is not None for line in told)
 
 
@@ -202,12 +202,12 @@ def test_a_verdict_heeds_the_uncertainty():
     high, low, bit = 1.0 + k * 0.1, 1.0 - k * 0.1, 1e-9
     untold = "can't tell"
     for limit, said in [(high + bit, "meets"), (high - bit, untold), (low + bit, untold), (low - bit, "fails")]:
-        assert at.normal("a", "b", "g", limit, 1.0, 0.1).verdict.value == said
+        assert at.normal("b", "g", limit, 1.0, 0.1).verdict.value == said
     # Chi-squared with 2 degrees of freedom has the quantile -2 ln(1 - p), Student with 1 tan(pi p / 2).
-    found = at.deviation("a", "b", "V", 1.0, 1.0, 2)
+    found = at.deviation("b", "V", 1.0, 1.0, 2)
     assert found.low == pytest.approx(np.sqrt(2.0 / (-2.0 * np.log(0.025))), rel=1e-9)
     assert found.high == pytest.approx(np.sqrt(2.0 / (-2.0 * np.log(0.975))), rel=1e-9)
-    found = at.student("a", "b", "rad", 1.0, -3.0, float(Fraction(1, 10)), 1)
+    found = at.student("b", "rad", 1.0, -3.0, float(Fraction(1, 10)), 1)
     assert found.value == 3.0 and found.high == pytest.approx(3.0 + 0.1 * np.tan(0.475 * np.pi), rel=1e-9)
 
 
@@ -227,7 +227,7 @@ def test_the_set_angle_found_is_the_one_drawn(fresh_seed, alpha4, noise_v):
     random, at, squares, held = np.random.default_rng(fresh_seed), judge.Judge(0.95), [], 0
     for _ in range(2000):
         value, freedom, _floor = turned(random, alpha4, noise_v).set_angle()
-        line = at.deviation("positions", "", "rad", 1.0, value, freedom)
+        line = at.deviation("", "rad", 1.0, value, freedom)
         squares.append(value**2)
         held += line.low <= alpha4 <= line.high
     assert np.mean(squares) == pytest.approx(alpha4**2, rel=0.08)

@@ -29,7 +29,7 @@ static bench_watcher_t watcher = {.on_frame = on_frame};
 
 static void start(stand_operator_kind_t kind)
 {
-    TEST_ASSERT_TRUE(bench_config_prepare_stand(&config, NULL, "test"));
+    TEST_ASSERT_TRUE(bench_config_prepare_stand(&config, NULL));
     config.scenario.person.mount_s = 2.0;
     config.scenario.person.mend_s = 1.0;
     config.scenario.person.mends = 1;

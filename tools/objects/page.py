@@ -20,8 +20,8 @@ SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats. 
 them is refused. Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped
 into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level is
 open (2006h, [service-level.md](service-level.md)). Neighbours that differ in a number or an axis alone share a row,
-matrices row by row: `:1 to :9` are nine subindices. Subindex 0, where it is not listed, holds the highest subindex
-(UNSIGNED8, const).
+matrices row by row: `:1 to :9` are nine subindices. A record or an array that is `as` another one has the rows of that
+one. Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
 
 Objects of every node:
 """
@@ -41,10 +41,11 @@ def node_part(node: Node) -> list[str]:
     lines = [f"## Node {node.id}: {node.settings['name']}", "", f"{node.settings['about']} [EDS]({eds}).", ""]
     for name, pdos in (("Receive", node.receive), ("Transmit", node.transmit)):
         lines += [pdo_line(name, number + 1, pdo, node) for number, pdo in enumerate(pdos)]
-    lines += object_table([item for item in node.objects if not item.further])
+    told: dict[tuple, int] = {}
+    lines += object_table([item for item in node.objects if not item.further], told)
     if node.extension:
         lines += [f"### Further objects of node {node.id}", "", f"{node.extension['only']}. In the same EDS file."]
-        lines += object_table([item for item in node.objects if item.further])
+        lines += object_table([item for item in node.objects if item.further], told)
     saved = ", ".join(f"{item.index:04X}h" for item in node.objects if item.saved)
     lines += [f"Kept by 1010h: {saved}.", ""] if saved else []
     for name, pairs in node.lists.items():
@@ -52,12 +53,13 @@ def node_part(node: Node) -> list[str]:
     return lines
 
 
-def object_table(objects: list[Object]) -> list[str]:
-    """The objects, and what those of them that are not every node's mean."""
+def object_table(objects: list[Object], told: dict[tuple, int]) -> list[str]:
+    """The objects, and what those of them that are not every node's mean. `told`: by their rows, the objects that have
+    them already."""
     lines = ["", "| object | name | type | access | level | power-on | limits | unit |",
              "|---|---|---|---|---|---|---|---|"]
     for item in objects:
-        lines += rows(item)
+        lines += rows(item, told)
     return [*lines, "", *notes(item for item in objects if not item.common)]
 
 
@@ -73,10 +75,17 @@ def pdo_line(name: str, number: int, pdo: Pdo, node: Node) -> str:
     return f"- {name} PDO {number}: identifier `0x{cob_id:03X}`{inhibit}{event}; {mapped}.{only}"
 
 
-def rows(item: Object) -> list[str]:
+def rows(item: Object, told: dict[tuple, int]) -> list[str]:
+    lines = entry_rows(item)
+    if item.is_var:
+        return lines
+    first = told.setdefault(tuple(lines), item.index)
+    kind = item.kind if first == item.index else f"{item.kind}, as {first:04X}h"
+    return [f"| {item.index:04X}h | **{cell(item.name)}** | {kind} | | | | | |", *(lines if first == item.index else [])]
+
+
+def entry_rows(item: Object) -> list[str]:
     lines = []
-    if not item.is_var:
-        lines.append(f"| {item.index:04X}h | **{cell(item.name)}** | {item.kind} | | | | | |")
     said = [entry for entry in item.entries if entry.name != HIGHEST]
     for alike in families(said, lambda entry: entry.name, lambda entry: (entry.subindex, columns(entry))):
         place = f"{item.index:04X}h" if item.is_var else span([f":{entry.subindex}" for entry in alike])

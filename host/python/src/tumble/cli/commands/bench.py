@@ -194,7 +194,8 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
 
 def _require_written(ended, made) -> None:
     """Raise BadInput if the program could not write what it had to."""
-    at_fault, _, why = ended.complaint.removeprefix("tumble-bench: ").partition(f"{made.stage / 'bench'}: ")
+    _name, _, said = ended.complaint.partition(": ")
+    at_fault, _, why = said.partition(f"{made.stage / 'bench'}: ")
     if ended.code == BadInput.exit_code and why and not at_fault:
         raise BadInput(why, made.path)
 
