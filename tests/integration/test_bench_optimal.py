@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 from bench_program import scenario
-from conftest import EXAMPLES
+from documents import paper_stand
 
 from tumble import core
 from tumble.bench import program
@@ -100,8 +100,6 @@ def test_what_is_wrong_is_said_and_nothing_runs(tmp_path):
 
 def test_a_stand_without_noise_is_weighed_by_its_converter(tumble, tmp_path):
     """Which stand and simulation have, whether or not the file declares it."""
-    stand = tmp_path / "stand.toml"
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    stand.write_text(text.replace("noise_v = 3e-4", "noise_v = 0"))
+    stand = paper_stand(tmp_path, noise_v=0)
     done = tumble("bench", "--estimator", "optimal", "--stand", stand, "--out", tmp_path / "run")
     assert done.returncode == 0, done.stderr
