@@ -2,15 +2,13 @@
 
 import csv
 import json
-import subprocess
 
 import numpy as np
 import pytest
-from bench_program import scenario
+from bench_program import bench, scenario
 from documents import paper_stand
 
 from tumble import core
-from tumble.bench import program
 from tumble.core import optimal as core_optimal
 from tumble.reference import optimal
 from tumble.solving import gain_record as record
@@ -25,12 +23,6 @@ def gain_record(folder, schedule=SCHEDULE.data):
     path = folder / "gains.bin"
     path.write_bytes(record.to_bytes(record.record_of(gains.optimal_table(schedule, NOMINAL_K, PAPER_STAND), schedule)))
     return path
-
-
-def bench(*arguments):
-    return subprocess.run(
-        [program.find(), *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
-    )
 
 
 def means_of(folder):
