@@ -32,6 +32,7 @@ from tumble.stand import PAPER_STAND
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent / "cortex_m4"
+TARGET = ROOT / "tests/target"
 sys.path.insert(0, str(ROOT / "tools"))
 from footprint import image  # noqa: E402
 
@@ -122,11 +123,12 @@ def measure(folder, optimise):
     expected = write_data(folder / "data.c")
     objects = [compile_c(source, folder, optimise) for source in sorted((ROOT / "firmware/core").glob("*.c"))]
     objects += [compile_c(HERE / name, folder, optimise) for name in ("dense.c", "samples.c")]
-    data, start = (compile_c(source, folder, optimise) for source in (folder / "data.c", HERE / "start.c"))
+    data = compile_c(folder / "data.c", folder, optimise)
+    harness = [compile_c(TARGET / name, folder, optimise) for name in ("start.c", "measure.c")]
     costs, overhead = {}, Cost(0, 0, 0, 0, 0)
     for name, number in CANDIDATES.items():
         driver = compile_c(HERE / "main.c", folder, optimise, f"-DCANDIDATE={number}")
-        cost, found = run(folder, objects, data, [start, driver])
+        cost, found = run(folder, objects, data, [*harness, driver])
         if number in KNOWN and np.abs(found - expected[KNOWN[number]]).max() > LAST_BITS * np.abs(found).max():
             sys.exit(f"{name}: the target's result is not the host's")
         cost.instructions -= overhead.instructions
@@ -146,13 +148,12 @@ def navcomp_steps(folder, optimise):
     unity = next((path for pattern in UNITY for path in ROOT.glob(pattern)), None)
     if unity is None:
         return None
-    target = ROOT / "tests/target"
     include = ["firmware", "firmware/include", "host", "tests/lib", "tests/target", unity.relative_to(ROOT)]
     options = [*FLAGS, optimise, *(SMALL if optimise == "-Os" else []), *UNITY_FLAGS]
     options += ["-DBENCH_LOG=64U", *(f"-I{ROOT / path}" for path in include)]
     rooms = ("core", "sample", "canopen", "stand", "procedure", "navcomp")
     sources = [source for room in rooms for source in (ROOT / "firmware" / room).rglob("*.c")]
-    played = [*(target / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]
+    played = [*(TARGET / name for name in ("navcomp_steps.c", "measure.c", "start.c")), unity / "unity.c"]
     played.append(ROOT / "host/simulation/block_encode.c")
     played += [*(ROOT / "tests/lib").glob("scripted_*.c"), ROOT / "tests/lib/navcomp_bench.c"]
     objects = []
@@ -163,7 +164,7 @@ def navcomp_steps(folder, optimise):
         command = ["arm-none-eabi-gcc", *options, *more, "-c", source, "-o", objects[-1]]
         subprocess.run(command, check=True, capture_output=True)
     elf = folder / "steps"
-    command = ["arm-none-eabi-gcc", *options, "-flto", "-flto-partition=one", f"-T{target / 'link.ld'}", *objects, *LINK]
+    command = ["arm-none-eabi-gcc", *options, "-flto", "-flto-partition=one", f"-T{TARGET / 'link.ld'}", *objects, *LINK]
     subprocess.run([*command, "-o", elf], check=True)
     result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=120)
     lines = [line.split()[1:] for line in (result.stdout + result.stderr).splitlines() if line.startswith("step ")]
@@ -236,7 +237,7 @@ def rows_of(matrix):
 
 def compile_c(source, folder, optimise, *more):
     target = folder / f"{source.stem}.o"
-    include = f"-I{ROOT / 'firmware'}", f"-I{ROOT / 'firmware/include'}", f"-I{HERE}"
+    include = f"-I{ROOT / 'firmware'}", f"-I{ROOT / 'firmware/include'}", f"-I{HERE}", f"-I{TARGET}"
     level = [optimise, *(SMALL if optimise == "-Os" else []), *(FAST if source.stem in FAST_SOURCES else [])]
     subprocess.run(["arm-none-eabi-gcc", *FLAGS, *level, *more, *include, "-c", source, "-o", target], check=True)
     return target
@@ -245,10 +246,10 @@ def compile_c(source, folder, optimise, *more):
 def run(folder, objects, data, harness):
     """Link and run one image: its cost, and its result (12,)."""
     elf, linker_map = folder / "image", folder / "image.map"
-    command = ["arm-none-eabi-gcc", *FLAGS, f"-T{HERE / 'link.ld'}", f"-Wl,-Map={linker_map}", *harness, data, *objects]
+    command = ["arm-none-eabi-gcc", *FLAGS, f"-T{TARGET / 'link.ld'}", f"-Wl,-Map={linker_map}", *harness, data, *objects]
     subprocess.run([*command, *LINK, "-o", elf], check=True)
     result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=60)
-    ticks, stack, status, *words = (int(word, 16) for word in (result.stdout + result.stderr).split())
+    ticks, stack, status, *words = (int(word) for word in (result.stdout + result.stderr).split())
     if status != 0:
         sys.exit(f"the target refused with status {status}")
     text = linker_map.read_text(encoding="utf-8")

@@ -64,5 +64,5 @@ def test_another_compiler_is_refused(tmp_path):
 
 
 def test_seeds_are_read_as_they_are_written(tmp_path):
-    (tmp_path / "seeds.txt").write_text("# a note\n\n# one\n0102\n03 04  # so\n\n\n# two\nff\n")
-    assert fuzz.read_seeds(tmp_path / "seeds.txt") == [b"\x01\x02\x03\x04", b"\xff"]
+    (tmp_path / "seeds.txt").write_text("# a note\n\n# one\n0102\n03 04  # so\n\n\n# two\nff\n0a 0b x3  # thrice\n00\n")
+    assert fuzz.read_seeds(tmp_path / "seeds.txt") == [b"\x01\x02\x03\x04", b"\xff" + 3 * b"\x0a\x0b" + b"\0"]

@@ -1,4 +1,4 @@
-"""tumble-bench for the tests: where it is, scenarios for it, and a run of it with guests on its bus."""
+"""The programs for the tests, above all tumble-bench: scenarios for it, a run of it, and one with guests on its bus."""
 
 import json
 import subprocess
@@ -7,7 +7,10 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from tumble.bench import program
+import pytest
+
+from tumble.bench import program, programs
+from tumble.errors import BenchFault
 
 HASTY_STAND = """
 [stand]
@@ -26,6 +29,20 @@ settling_s = 0.05
 [accept]
 delta_g_limit_g = 1e-3
 """
+
+
+def built(name, folder):
+    """Where a program is that may not be there; skips without it."""
+    try:
+        return programs.find(name, folder)
+    except BenchFault:
+        return pytest.skip(f"{name} is not built" + ": pkg-config finds no libmodbus" * (name == "tumble-gateway"))
+
+
+def bench(*arguments, timeout=120, **others):
+    """tumble-bench itself, run to its end."""
+    command = [program.find(), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, **others)
 
 
 def scenario(folder, name="scenario.txt", **keys):

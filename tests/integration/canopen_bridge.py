@@ -148,10 +148,3 @@ def refusal_of(action, *arguments):
     except canopen.SdoAbortedError as refusal:
         return refusal.code
     return pytest.fail("was not refused")
-
-
-def wait_until(condition, timeout=60.0):
-    end = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < end, "not in time"
-        time.sleep(0.002)

@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 import pytest
+from bench_program import wait_until
 from c_compiler import SANITIZERS, compiled
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -219,14 +220,6 @@ def decode(row, words):
 def frame(pdu, unit=1, protocol=0, transaction=0):
     """A frame of TCP."""
     return struct.pack(">HHHB", transaction, protocol, len(pdu) + 1, unit) + pdu
-
-
-def wait_until(condition, timeout=60.0):
-    """Look again and again."""
-    end = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < end, "not in time"
-        time.sleep(0.01)
 
 
 @pytest.fixture(scope="session")

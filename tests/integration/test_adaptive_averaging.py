@@ -2,11 +2,10 @@
 
 import json
 import math
-import subprocess
 
 import numpy as np
 import pytest
-from tumble.bench import program
+from bench_program import bench
 from tumble.solving import gain_record
 
 QUIET_V, NOISY_V = 3e-4, 9e-4  # mounting 1, mounting 2
@@ -28,13 +27,8 @@ TRUTH = np.array([2, 0.04, 0.04, 0.04, 2, 0.04, 0.04, 0.04, 2, 0.02, -0.01, 0.03
 
 def campaign(runs, *lines):
     """Means (runs, 18, 3), coefficients (runs, 12), and virtual seconds (runs,) of runs with these lines added."""
-    done = subprocess.run(
-        [program.find(), "-", "--runs", str(runs), "--jobs", "2", "--means"],
-        input="\n".join([SCENARIO, *lines, ""]),
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
+    text = "\n".join([SCENARIO, *lines, ""])
+    done = bench("-", "--runs", runs, "--jobs", 2, "--means", input=text, timeout=300)
     rows = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.returncode in (0, 1) and len(rows) == runs, done.stderr
     means = np.array([row["means"] for row in rows], dtype=float).reshape(runs, 18, 3)
@@ -66,15 +60,14 @@ def test_with_the_same_noise_everywhere_it_saves_nothing():
     same = "fault = noisy at=1.1 phase=mount channels=x value=1e-9"
     lines = [line for line in SCENARIO.splitlines() if not line.startswith("fault")]
     lines += [same, "procedure.samples = 1000", f"procedure.error_budget_v = {QUIET_V / math.sqrt(100)}"]
-    text = "\n".join(lines)
-    done = subprocess.run([program.find(), "-"], input=text + "\n", capture_output=True, text=True, timeout=60)
+    done = bench("-", input="\n".join(lines) + "\n")
     taken = [mean["samples"] for mean in json.loads(done.stdout)["means"]]
     assert 95 <= np.mean(taken) <= 130 and min(taken) >= 80
 
 
 def test_the_reason_when_it_is_never_enough():
     text = SCENARIO + "procedure.samples = 100\nprocedure.error_budget_v = 4e-5\n"
-    done = subprocess.run([program.find(), "-"], input=text, capture_output=True, text=True, timeout=60)
+    done = bench("-", input=text)
     found = json.loads(done.stdout)
     assert done.returncode == 3 and found["reason"] == "TUMBLE_REASON_UNCERTAIN"
     assert [mean["samples"] < 100 for mean in found["means"]] == [True] * 9  # mounting 1; of mounting 2 nothing is kept

@@ -9,10 +9,10 @@ import subprocess
 import sys
 import time
 
-import jsonschema
 import numpy as np
 import pytest
-from conftest import EXAMPLES, ROOT
+from conftest import EXAMPLES
+from documents import paper_stand, valid
 from test_terminal import on_terminal, without_styles
 
 from tumble.bench import program
@@ -21,15 +21,12 @@ from tumble.core import paper_schedule
 from tumble.files.stand_file import read_stand
 from tumble.stand import PAPER_STAND
 
-SCHEMA = json.loads((ROOT / "docs/schemas/tumble.result-1.schema.json").read_text())
 BENCH = [sys.executable, "-m", "tumble", "bench"]
 
 
 def result_of(folder):
     """result.json, valid by its schema."""
-    document = json.loads((folder / "result.json").read_text())
-    jsonschema.Draft202012Validator(SCHEMA).validate(document)
-    return document
+    return valid((folder / "result.json").read_text())
 
 
 def wrapper(folder, line):
@@ -139,9 +136,9 @@ def test_the_bias_that_is_drawn_is_in_proportion_to_the_scale(scale, tumble, tmp
 
 def test_motion_and_wide_schedules_are_heeded(tumble, tmp_path):
     """A slow table takes longer in virtual time; the cable is long enough for the schedule's angles."""
-    slow, schedule = tmp_path / "slow.toml", tmp_path / "wide.toml"
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    slow.write_text(text + "\n[motion]\nvelocity_deg_per_s = 2\nacceleration_deg_per_s2 = 1\nsettling_s = 3\n")
+    schedule = tmp_path / "wide.toml"
+    motion = "\n[motion]\nvelocity_deg_per_s = 2\nacceleration_deg_per_s2 = 1\nsettling_s = 3\n"
+    slow = paper_stand(tmp_path, motion)
     schedule.write_text((EXAMPLES / "with_checks.toml").read_text().replace("angle_deg = 360", "angle_deg = 720"))
     options = ["--schedule", schedule, "--estimator", "least_squares"]
     done = tumble("bench", "--stand", slow, *options, "--out", tmp_path / "run")

@@ -3,25 +3,21 @@
 What happens on an interface is tested in tests/realbus.
 """
 
-import json
 import os
 import re
 import signal
 import subprocess
 import sys
 
-import jsonschema
 import pytest
 from bench_program import HASTY_STAND, wait_until
-from conftest import ROOT
+from documents import valid
 from uml_kernels import inside, kernels
 
 from tumble.bench import programs, uml
 from tumble.cli import main
 
 pytestmark = pytest.mark.real_time
-
-SCHEMA = ROOT / "docs/schemas/tumble.result-1.schema.json"
 
 
 @inside
@@ -30,8 +26,7 @@ def test_the_usual_run_in_user_mode_linux(tumble, tmp_path):
     command = ["bench", "--bus", "uml", "--seed", 1, "--json", "--out", tmp_path / "run"]
     done = tumble(*command, timeout=300, TMPDIR=str(tmp_path))
     assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
-    jsonschema.validate(result, json.loads(SCHEMA.read_text()))
+    result = valid(done.stdout)
     assert (result["seed"], result["bus"], result["firmware"]) == (1, "uml", "host")
     assert result["counters"]["kernel_dropped"] == 0 and result["counters"]["samples_lost"] == 0
     assert result["counters"]["stand_kernel_received"] == result["counters"]["kernel_sent"]

@@ -2,15 +2,13 @@
 
 import csv
 import json
-import subprocess
 
 import numpy as np
 import pytest
-from bench_program import scenario
-from conftest import EXAMPLES
+from bench_program import bench, scenario
+from documents import paper_stand
 
 from tumble import core
-from tumble.bench import program
 from tumble.core import optimal as core_optimal
 from tumble.reference import optimal
 from tumble.solving import gain_record as record
@@ -25,12 +23,6 @@ def gain_record(folder, schedule=SCHEDULE.data):
     path = folder / "gains.bin"
     path.write_bytes(record.to_bytes(record.record_of(gains.optimal_table(schedule, NOMINAL_K, PAPER_STAND), schedule)))
     return path
-
-
-def bench(*arguments):
-    return subprocess.run(
-        [program.find(), *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
-    )
 
 
 def means_of(folder):
@@ -100,8 +92,6 @@ def test_what_is_wrong_is_said_and_nothing_runs(tmp_path):
 
 def test_a_stand_without_noise_is_weighed_by_its_converter(tumble, tmp_path):
     """Which stand and simulation have, whether or not the file declares it."""
-    stand = tmp_path / "stand.toml"
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    stand.write_text(text.replace("noise_v = 3e-4", "noise_v = 0"))
+    stand = paper_stand(tmp_path, noise_v=0)
     done = tumble("bench", "--estimator", "optimal", "--stand", stand, "--out", tmp_path / "run")
     assert done.returncode == 0, done.stderr

@@ -1,17 +1,11 @@
 """tumble-bench --campaign: hostile lives of the firmware with its memory, held against the simulation's truth."""
 
 import json
-import subprocess
 
 import pytest
-from tumble.bench import program
+from bench_program import bench
 
 EXPECTED_SHARE = 0.4  # of the lives, at least, commit a set by themselves
-
-
-def run(*options, timeout=600):
-    command = [program.find(), *map(str, options)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout)
 
 
 def without_speed(text):
@@ -23,7 +17,7 @@ def without_speed(text):
 
 def judge(lives, seed=1):
     """No violation, and a campaign that deserves the name: every kind of fault and event has come to pass."""
-    done = run("--campaign", lives, "--seed", seed, timeout=3600)
+    done = bench("--campaign", lives, "--seed", seed, timeout=3600)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     document = json.loads(done.stdout)
     assert (document["schema"], document["runs"], document["first_seed"]) == ("tumble.hostile/1", lives, seed)
@@ -47,7 +41,7 @@ def test_a_hundred_thousand_lives():
 
 
 def test_the_same_bytes_for_any_number_of_processes():
-    one, two = (run("--campaign", 40, "--seed", 77, "--jobs", jobs) for jobs in (1, 2))
+    one, two = (bench("--campaign", 40, "--seed", 77, "--jobs", jobs) for jobs in (1, 2))
     assert without_speed(one.stdout) == without_speed(two.stdout)
     assert one.stderr == two.stderr
     assert json.loads(two.stdout)["speed"]["jobs"] == 2
@@ -55,7 +49,7 @@ def test_the_same_bytes_for_any_number_of_processes():
 
 def test_a_life_is_its_seeds_alone():
     """What a life comes to does not hang on where in a campaign it is."""
-    documents = [json.loads(run("--campaign", n, "--seed", seed).stdout) for n, seed in ((2, 500), (1, 500), (1, 501))]
+    documents = [json.loads(bench("--campaign", n, "--seed", seed).stdout) for n, seed in ((2, 500), (1, 500), (1, 501))]
     assert documents[0]["frames"] == documents[1]["frames"] + documents[2]["frames"]
     assert documents[0]["steps"] == documents[1]["steps"] + documents[2]["steps"]
 
@@ -71,5 +65,5 @@ def test_a_life_is_its_seeds_alone():
     ],
 )
 def test_what_does_not_go_together(options, said):
-    done = run(*options)
+    done = bench(*options)
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"tumble-bench: {said}\n")

@@ -3,7 +3,8 @@
 import struct
 
 import pytest
-from canopen_bridge import canopen, program, start, wait_until  # noqa: F401
+from bench_program import wait_until
+from canopen_bridge import canopen, program, start  # noqa: F401
 
 pytestmark = pytest.mark.real_time
 

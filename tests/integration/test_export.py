@@ -10,6 +10,7 @@ import subprocess
 
 import pytest
 from conftest import EXAMPLES
+from documents import paper_stand
 
 pytestmark = pytest.mark.python
 
@@ -87,10 +88,9 @@ def test_c_header_round_trip(stand, limit, passed, solved, tumble, tmp_path):
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_c_header_says_where_it_comes_from(solved, tumble, tmp_path):
     """Serial, run file, labels and environment; nothing in them ends the comment."""
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("[block]", '[block]\nserial = "SN 7"', 1)
     label = '[item]\nnote = "*/ int x; /* ??/ \\\\ \\n \u00b5"\n[environment]\ntemperature_c = 21.5\n'
-    (tmp_path / "stand.toml").write_text(text + label, encoding="utf-8")
-    file, result = solved("paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    stand = paper_stand(tmp_path, label, block='serial = "SN 7"\n')
+    file, result = solved("paper_stand.csv", "--stand", stand)
     assert (result["serial"], result["run_file"]) == ("SN 7", "paper_stand.csv")
     done = tumble("export", file, "--format", "c")
     assert done.stderr == "" and '#define TUMBLE_OUTPUT_UNIT "V"' in done.stdout
@@ -103,9 +103,8 @@ def test_c_header_says_where_it_comes_from(solved, tumble, tmp_path):
 @pytest.mark.parametrize("end", ["??/", "???/", "?" * 8 + "/", "\\\\", "*??/", "/*"])
 def test_what_a_label_ends_with_leaves_its_line_alone(end, solved, tumble, tmp_path):
     """A trigraph at the end of a line would join it with the next one, which a compiler says even of a comment."""
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    (tmp_path / "stand.toml").write_text(f'{text}[item]\nnote = "ends in {end}"\n', encoding="utf-8")
-    file, _ = solved("paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    stand = paper_stand(tmp_path, f'[item]\nnote = "ends in {end}"\n')
+    file, _ = solved("paper_stand.csv", "--stand", stand)
     header = tumble("export", file, "--format", "c").stdout
     [line] = [line for line in header.splitlines() if "item.note: ends in " in line]
     assert len(compiled(tmp_path, header)) == 25

@@ -4,12 +4,12 @@ import dataclasses
 import json
 import math
 import re
-from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
+from conftest import EXAMPLES, ROOT
+from documents import document_of, paper_stand, schema
 
 from tumble import core, reference
 from tumble.files.run_file import Run
@@ -21,12 +21,9 @@ from tumble.reference import Geometry
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
-ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = ROOT / "examples"
-SCHEMA = json.loads((ROOT / "docs" / "schemas" / "tumble.fixture-1.schema.json").read_text())
 PAPER = core.CoreSchedule(core.paper_schedule())
 U0 = np.array([0.02, -0.01, 0.03])
-SOURCES = SCHEMA["properties"]["sources"]["required"]
+SOURCES = schema("fixture")["properties"]["sources"]["required"]
 
 
 def stand_named(name):
@@ -178,10 +175,7 @@ def test_a_combination_is_sharper_but_not_where_the_runs_share_an_error():
 
 
 def check(tumble, *arguments, code):
-    done = tumble("fixture", "check", *arguments, "--json", cwd=EXAMPLES)
-    assert (done.returncode, done.stderr) == (code, ""), done.stderr
-    found = json.loads(done.stdout)
-    jsonschema.Draft202012Validator(SCHEMA).validate(found)
+    found = document_of(tumble("fixture", "check", *arguments, "--json", cwd=EXAMPLES), "fixture", (code,))
     assert found["pass"] == (code == 0)
     return found
 
@@ -364,8 +358,7 @@ def test_an_unreachable_need_is_a_need_not_met_and_no_fault(tumble):
 
 
 def test_a_common_yaw_needs_no_difference_of_yaws(tumble, tmp_path):
-    stand = tmp_path / "stand.toml"
-    stand.write_text((EXAMPLES / "paper_stand.toml").read_text().replace("samples = 50", 'samples = 50\nremount = "common"'))
+    stand = paper_stand(tmp_path, samples='50\nremount = "common"')
     done = tumble("fixture", "check", "--stand", stand, EXAMPLES / "paper_stand.csv", "--json")
     need = json.loads(done.stdout)["sources"]["alpha3_difference_rad"]["needed"]
     assert need == {"limit": None, "verdict": "meets"}
@@ -373,9 +366,7 @@ def test_a_common_yaw_needs_no_difference_of_yaws(tumble, tmp_path):
 
 def test_runs_that_agree_only_if_levelled_anew_were(tumble, tmp_path):
     """Their axis tilts do not differ beyond chance, but the zero of the table angle must have moved."""
-    stand = tmp_path / "stand.toml"
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    stand.write_text(re.sub("level_rad = 2e-5", "level_rad = 5e-4", text))
+    stand = paper_stand(tmp_path, level_rad="5e-4")
     runs = bench_runs(tumble, tmp_path, "--stand", stand)
     once = check(tumble, "--stand", stand, *runs, "--limit", "1e-2", "--levelled", "once", code=1)
     found = check(tumble, "--stand", stand, *runs, "--limit", "1e-2", code=0)

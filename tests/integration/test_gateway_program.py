@@ -7,10 +7,8 @@ import socket
 import subprocess
 
 import pytest
+from bench_program import built
 from gateway_bench import Gateway, gateway_program, start
-
-from tumble.bench import programs
-from tumble.errors import BenchFault
 
 assert start and gateway_program
 # Instrumented in any case: no need to run it with everything else once more.
@@ -20,10 +18,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 @pytest.fixture
 def gateway(gateway_program):
     """Run the program itself, as it is built; skips without it."""
-    try:
-        found = programs.find("tumble-gateway", "host/gateway")
-    except BenchFault:
-        pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+    found = built("tumble-gateway", "host/gateway")
 
     def run(*arguments):
         return subprocess.run([found, *map(str, arguments)], capture_output=True, text=True, timeout=20)

@@ -11,7 +11,8 @@ import time
 import tty
 
 import pytest
-from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, gateway_program, register, start, wait_until
+from bench_program import wait_until
+from gateway_bench import KEYS, READ_INPUT, WRITE_SEVERAL, gateway_program, register, start
 
 assert gateway_program and start
 # Instrumented in any case: no need to run it with everything else once more.

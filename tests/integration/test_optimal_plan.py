@@ -6,28 +6,23 @@ import struct
 import subprocess
 import zlib
 
-import jsonschema
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
 from conftest import EXAMPLES, ROOT
+from documents import document_of, paper_stand
 
 from tumble import core, reference
 from tumble.core import optimal
 from tumble.solving import gains, gain_record
 from tumble.stand import PAPER_STAND
 
-SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
 STANDS = ("paper", "angle", "lab")
 NAMES = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
 
 
 def optimize(tumble, *arguments, cwd=EXAMPLES):
-    done = tumble("plan", "optimize", *arguments, "--json", cwd=cwd)
-    assert (done.returncode, done.stderr) == (0, "")
-    document = json.loads(done.stdout)
-    jsonschema.Draft202012Validator(SCHEMA).validate(document)
-    return document
+    return document_of(tumble("plan", "optimize", *arguments, "--json", cwd=cwd), "plan")
 
 
 @pytest.mark.parametrize("name", STANDS)
@@ -65,11 +60,10 @@ def test_people_get_a_table_of_80_columns(arguments, tumble):
 
 
 def test_it_says_where_the_stand_is_too_good_or_too_bad(tumble, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    (tmp_path / "stand.toml").write_text(text.replace("noise_v = 3e-4", "noise_v = 0.0").replace("4e-4", "15e-3"))
-    plan = optimize(tumble, "--stand", tmp_path / "stand.toml")
+    stand = paper_stand(tmp_path, noise_v=0.0, remount_rad="15e-3")
+    plan = optimize(tumble, "--stand", stand)
     assert plan["noise_floored"] and plan["second_order"]["matters"]
-    shown = tumble("plan", "optimize", "--stand", tmp_path / "stand.toml").stdout
+    shown = tumble("plan", "optimize", "--stand", stand).stdout
     assert "declares no noise" in shown and "large yaw" in shown
 
 
@@ -112,18 +106,14 @@ def test_the_header_compiles_to_the_record(arguments, tumble, tmp_path):
 
 
 def test_a_name_with_anything_in_it_stays_within_its_comment(tumble, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    name = 'name = "*/ int evil; /* \\u00e9"'
-    lines = [name if line.startswith("name =") else line for line in text.splitlines()]
-    (tmp_path / "stand.toml").write_text("\n".join(lines))
+    paper_stand(tmp_path, name='"*/ int evil; /* \u00e9"')
     optimize(tumble, "--stand", "stand.toml", "--out", "table.h", cwd=tmp_path)
     head = (tmp_path / "table.h").read_text().split("#ifndef")[0]
     assert head.count("*/") == 1 and "evil" in head and head.isascii()
 
 
 def test_a_serial_binds_the_record_to_its_block(tumble, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text()
-    (tmp_path / "stand.toml").write_text(text.replace("[block]\n", '[block]\nserial = "B-17 \\u00e9"\n'))
+    paper_stand(tmp_path, block='serial = "B-17 \\u00e9"\n')
     optimize(tumble, "--stand", "stand.toml", "--out", "table.bin", cwd=tmp_path)
     assert gain_record.from_bytes((tmp_path / "table.bin").read_bytes()).block_crc == zlib.crc32("B-17 é".encode())
 
@@ -149,7 +139,7 @@ BAD = {
     "no result": (["--result", "bare.toml"], "not valid JSON: expecting value"),
     "other unit": (["--result", "counts.json"], "counts.json: K is in 'counts' per g; a gain table needs volts"),
     "rank": (["--schedule", "flat.toml"], "flat.toml: these positions cannot identify K_xy, K_yy, K_zy"),
-    "noise": (["--stand", "loud.toml"], "noise_v must be 0 to 1e+09"),
+    "noise": (["--stand", "stand.toml"], "noise_v must be 0 to 1e+09"),
     "estimator": (["--estimator", "refined"], "unrecognized arguments: --estimator refined"),
 }
 
@@ -159,7 +149,7 @@ BAD = {
 def test_bad_input_is_one_line_and_leaves_nothing(case, tumble, refused, tmp_path):
     text = (EXAMPLES / "paper_stand.toml").read_text()
     (tmp_path / "bare.toml").write_text(text.split("[block]")[0])
-    (tmp_path / "loud.toml").write_text(text.replace("noise_v = 3e-4", "noise_v = 1e300"))
+    paper_stand(tmp_path, noise_v="1e300")
     one = "[[mounting]]\nnumber = 1\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
     turns = (f"[[position]]\nmounting = 1\nposition = {i + 1}\nangle_deg = {45 * i}\n" for i in range(8))
     (tmp_path / "flat.toml").write_text(one + "".join(turns))

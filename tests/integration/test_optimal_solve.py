@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_means, write_run
 from conftest import EXAMPLES
+from documents import paper_stand
 
 from tumble import core, reference
 from tumble.cli.main import main
@@ -19,14 +20,6 @@ from tumble.stand import COMMON, PAPER_STAND
 PAPER = core.CoreSchedule(reference.paper_schedule())
 LONE, ALL = np.ones(18, dtype=int), np.ones(18, dtype=bool)
 U0 = np.array([0.01, -0.02, 0.03])
-
-
-def stand_text(**changes):
-    """The paper's stand file with some values replaced."""
-    lines = (EXAMPLES / "paper_stand.toml").read_text().splitlines()
-    keys = [line.split("=")[0].strip() for line in lines]
-    assert set(changes) <= set(keys)
-    return "\n".join(f"{key} = {changes[key]}" if key in changes else line for key, line in zip(keys, lines)) + "\n"
 
 
 def solve(tumble, *arguments, cwd=EXAMPLES):
@@ -84,13 +77,13 @@ def test_six_faces_gain_too(tumble):
 
 @pytest.mark.parametrize("noise", ["0.0", "1e-7"])
 def test_a_run_that_contradicts_its_stand_is_refused(noise, refused, tmp_path):
-    (tmp_path / "stand.toml").write_text(stand_text(noise_v=noise))
+    paper_stand(tmp_path, noise_v=noise)
     error = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml", "--estimator", "optimal")
     assert "times what the stand declares: no optimal weights for it" in error
 
 
 def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
-    (tmp_path / "stand.toml").write_text(stand_text(noise_v="3e-5"))
+    paper_stand(tmp_path, noise_v="3e-5")
     result, warnings = solve(tumble, "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     assert result["misfit"] > 2 and "times what the stand declares" in warnings
     assert "does not fit the stand file: noise" in warnings and warnings.count("\n") == 2
@@ -98,7 +91,7 @@ def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
 def test_a_large_yaw_is_flagged_whatever_the_estimator(estimator, tumble, tmp_path):
-    (tmp_path / "stand.toml").write_text(stand_text(remount_rad="15e-3"))
+    paper_stand(tmp_path, remount_rad="15e-3")
     arguments = ["--stand", tmp_path / "stand.toml", "--estimator", estimator, "--json"]
     done = tumble("solve", EXAMPLES / "paper_stand.csv", *arguments)
     second_order = json.loads(done.stdout)["second_order"]
@@ -109,7 +102,7 @@ def test_a_large_yaw_is_flagged_whatever_the_estimator(estimator, tumble, tmp_pa
 
 def test_an_impossible_stand_error_is_bad_input(refused, tmp_path):
     """A block that was mounted a third of a radian off, on a stand that would allow it."""
-    (tmp_path / "stand.toml").write_text(stand_text(remount_rad="0.5"))
+    paper_stand(tmp_path, remount_rad="0.5")
     means = Geometry(PAPER.data).outputs(NOMINAL_K, U0, alpha3=[0.3, -0.3])
     run = write_run(tmp_path / "run.csv", PAPER.data, means)
     error = refused("solve", run, "--stand", tmp_path / "stand.toml", "--estimator", "optimal")
@@ -202,8 +195,7 @@ def test_second_order_is_taken_out(remounting):
 
 def test_a_coarse_converter_is_noise_for_every_estimator(tumble, tmp_path):
     """None may claim less than the optimal one, which is the bound, and no firmware than numpy."""
-    text = stand_text(noise_v="1e-6").replace("misalignment_rad", "converter_bits = 12\nrange_v = 10.0\nmisalignment_rad")
-    (tmp_path / "stand.toml").write_text(text)
+    paper_stand(tmp_path, block="converter_bits = 12\nrange_v = 10.0\n", noise_v="1e-6")
     arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     optimal = solve(tumble, *arguments)[0]
     for estimator in ("averaged", "refined", "least_squares"):
@@ -213,7 +205,7 @@ def test_a_coarse_converter_is_noise_for_every_estimator(tumble, tmp_path):
 
 
 def test_a_large_tilt_is_flagged_for_linear_estimators_alone(tumble, tmp_path):
-    (tmp_path / "stand.toml").write_text(stand_text(axis_tilt_rad="15e-3"))
+    paper_stand(tmp_path, axis_tilt_rad="15e-3")
     arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     done = tumble("solve", *arguments, "--json")
     assert [shift["source"] for shift in json.loads(done.stdout)["second_order"]["shifts"]] == ["alpha1"]

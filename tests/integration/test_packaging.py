@@ -14,12 +14,11 @@ import zipfile
 
 import pytest
 from _tumble_core import ffi, lib
+from bench_program import built
 from conftest import ROOT
 
 from tumble import __version__, core
-from tumble.bench import programs
 from tumble.cli import options
-from tumble.errors import BenchFault
 from tumble.estimators import ESTIMATORS, LINEAR, OPTIMAL
 
 PYTHON = ROOT / "host/python"
@@ -159,10 +158,7 @@ def test_one_version(tumble):
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_every_program_says_its_version(name):
-    try:
-        path = programs.find(name, PROGRAMS[name])
-    except BenchFault:
-        pytest.skip(f"{name} is not built")
+    path = built(name, PROGRAMS[name])
     done = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stdout, done.stderr) == (0, f"{name} {__version__}\n", "")
     with open("/dev/full", "w", encoding="ascii") as full:
@@ -218,10 +214,7 @@ def test_no_wheel_has_libmodbus(packages):
 
 def test_the_gateway_links_libmodbus_dynamically():
     """Not its archive: whoever uses the gateway can exchange the library, as the LGPL wants."""
-    try:
-        path = programs.find("tumble-gateway", "host/gateway")
-    except BenchFault:
-        pytest.skip("tumble-gateway is not built")
+    path = built("tumble-gateway", "host/gateway")
     done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
     assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
     assert has_libmodbus(open(path, "rb").read())

@@ -1,14 +1,12 @@
 """Error budgets: reference values worked out independently, weights against brute force, and what is refused."""
 
-import json
-import re
 from dataclasses import replace
 
-import jsonschema
 import numpy as np
 import pytest
 from blocks import random_schedule, usable_schedule
-from conftest import EXAMPLES, ROOT
+from conftest import EXAMPLES
+from documents import document_of, paper_stand
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -26,7 +24,6 @@ from tumble.stand import COMMON, Stand
 
 pytestmark = pytest.mark.python
 
-SCHEMA = json.loads((ROOT / "docs/schemas/tumble.plan-1.schema.json").read_text())
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 PAPER = Case.of(None, None, None)
 
@@ -42,11 +39,7 @@ COLUMN = {"xx": 0, "yy": 1, "zz": 1, "xy": 2, "xz": 2, "yx": 3, "zx": 3, "yz": 4
 
 def plan(tumble, *arguments):
     """A JSON document of tumble plan, valid by its schema."""
-    done = tumble("plan", *arguments, "--json")
-    assert (done.returncode, done.stderr) == (0, "")
-    document = json.loads(done.stdout)
-    jsonschema.Draft202012Validator(SCHEMA).validate(document)
-    return document
+    return document_of(tumble("plan", *arguments, "--json"), "plan")
 
 
 @pytest.mark.parametrize(("estimator", "remounting"), REFERENCE)
@@ -110,10 +103,9 @@ def test_optimal_is_never_worse():
 
 
 def test_zero_coefficients_have_no_relative_error(tumble, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("misalignment_rad = 0.02", "misalignment_rad = 0")
-    (tmp_path / "straight.toml").write_text(text)
+    straight = paper_stand(tmp_path, misalignment_rad=0)
     for which in ("derived", "published"):
-        document = plan(tumble, "budget", "--stand", tmp_path / "straight.toml", "--weights", which)
+        document = plan(tumble, "budget", "--stand", straight, "--weights", which)
         assert [[value is None for value in row] for row in document["u_K_relative"]] == (
             ~np.eye(3, dtype=bool)
         ).tolist()
@@ -123,11 +115,10 @@ def test_zero_coefficients_have_no_relative_error(tumble, tmp_path):
 
 def test_a_large_yaw_is_flagged(tumble, tmp_path):
     assert plan(tumble, "budget")["second_order"]["matters"] is False
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("remount_rad = 4e-4", "remount_rad = 15e-3")
-    (tmp_path / "yaw.toml").write_text(text)
-    flagged = plan(tumble, "budget", "--stand", tmp_path / "yaw.toml")["second_order"]
+    yaw = paper_stand(tmp_path, remount_rad="15e-3")
+    flagged = plan(tumble, "budget", "--stand", yaw)["second_order"]
     assert flagged["matters"] and flagged["bias_K_xx_relative"] == pytest.approx(0.015**2 / 2)
-    shown = tumble("plan", "budget", "--stand", tmp_path / "yaw.toml")
+    shown = tumble("plan", "budget", "--stand", yaw)
     assert "Beware" in shown.stdout and shown.stderr == ""
 
 
@@ -190,15 +181,14 @@ def test_refusals(case, refused, tmp_path):
 @pytest.mark.parametrize("key, source", [("axis_tilt_rad", "alpha1"), ("level_rad", "alpha2")])
 def test_a_large_tilt_or_level_is_flagged_but_not_for_optimal(key, source, tumble, tmp_path):
     """They shorten every scale factor by half their square, which Monte Carlo confirms."""
-    text = re.sub(f"{key} = 2e-5", f"{key} = 15e-3", (EXAMPLES / "paper_stand.toml").read_text())
-    (tmp_path / "stand.toml").write_text(text)
-    flagged = plan(tumble, "budget", "--stand", tmp_path / "stand.toml")["second_order"]
+    stand = paper_stand(tmp_path, **{key: "15e-3"})
+    flagged = plan(tumble, "budget", "--stand", stand)["second_order"]
     assert flagged["matters"] and [shift["source"] for shift in flagged["shifts"]] == [source]
     shift = flagged["shifts"][0]
     assert shift["bias_relative"] == pytest.approx(0.015**2 / 2) and shift["bias_relative"] > shift["limit"]
-    assert f"{source}^2/2 = 0.00011 exceeds 0.2 u(K_" in tumble("plan", "budget", "--stand", tmp_path / "stand.toml").stdout
-    optimal = plan(tumble, "budget", "--stand", tmp_path / "stand.toml", "--estimator", "optimal")["second_order"]
+    assert f"{source}^2/2 = 0.00011 exceeds 0.2 u(K_" in tumble("plan", "budget", "--stand", stand).stdout
+    optimal = plan(tumble, "budget", "--stand", stand, "--estimator", "optimal")["second_order"]
     assert not optimal["matters"] and optimal["shifts"] == []
-    case = Case.of(read_stand(tmp_path / "stand.toml"), "", None)
+    case = Case.of(read_stand(stand), "", None)
     bias = validate(case, ("refined",), 20000, 1)[0].tally.bias
     assert bias[[0, 4, 8]] == pytest.approx(np.diag(case.nominal_k()) * -(0.015**2) / 2, rel=0.1)

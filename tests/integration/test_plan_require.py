@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from documents import paper_stand
 from test_plan_budget import plan
 
 from tumble.files.stand_file import read_stand
@@ -101,10 +102,7 @@ def row_totals(case, sizes):
 
 def test_a_coarse_converter_is_noise_in_every_plan(tumble, tmp_path):
     """A stand of 1 uV behind 12 bits of 10 V: 1.4 mV of rounding. No estimator claims less than the bound."""
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("noise_v = 3e-4", "noise_v = 1e-6")
-    text = text.replace("misalignment_rad = 0.02", "misalignment_rad = 0.02\nconverter_bits = 12\nrange_v = 10.0")
-    (tmp_path / "coarse.toml").write_text(text)
-    stand = ("--stand", tmp_path / "coarse.toml")
+    stand = ("--stand", paper_stand(tmp_path, block="converter_bits = 12\nrange_v = 10.0\n", noise_v="1e-6"))
     rounding = 20.0 / 2**12 / 12**0.5
     optimize = plan(tumble, "optimize", *stand)
     budgets = {name: plan(tumble, "budget", *stand, "--estimator", name) for name in ("refined", "optimal")}
@@ -185,11 +183,10 @@ def test_bad_options_are_said(arguments, complaint, refused):
 
 
 def test_the_limit_is_the_options_or_the_stand_files(tumble, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("delta_g_limit_g = 3e-4", "delta_g_limit_g = 6e-4")
-    (tmp_path / "stand.toml").write_text(text)
-    ordinary, wide = plan(tumble, "require"), plan(tumble, "require", "--stand", tmp_path / "stand.toml")
+    stand = paper_stand(tmp_path, delta_g_limit_g="6e-4")
+    ordinary, wide = plan(tumble, "require"), plan(tumble, "require", "--stand", stand)
     assert wide["alpha1_rad"] == pytest.approx(2 * ordinary["alpha1_rad"])
-    narrow = plan(tumble, "require", "--stand", tmp_path / "stand.toml", "--limit", "3e-4")
+    narrow = plan(tumble, "require", "--stand", stand, "--limit", "3e-4")
     assert narrow == {**ordinary, "limit_g": 3e-4}
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, random_means, usable_schedule
 from conftest import EXAMPLES
+from documents import paper_stand
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -197,7 +198,6 @@ def test_a_disagreement_of_the_uncertainties_ends_in_exit_3(estimator, too_far, 
 
 
 def test_a_stand_beyond_all_numbers_is_bad_input(refused, tmp_path):
-    text = (EXAMPLES / "paper_stand.toml").read_text().replace("noise_v = 3e-4", "noise_v = 1e200")
-    (tmp_path / "stand.toml").write_text(text)
-    said = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    stand = paper_stand(tmp_path, noise_v="1e200")
+    said = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", stand)
     assert "[stand] noise_v must be 0 to 1e+09" in said

@@ -2,12 +2,10 @@
 
 import json
 import re
-import subprocess
 
 import pytest
+from bench_program import bench
 from conftest import ROOT
-
-from tumble.bench import program
 
 ITEM = re.compile(r"( *)(- |\d+\. )")
 
@@ -59,7 +57,7 @@ def listed(header, pattern):
 
 
 def test_the_header_lists_what_the_document_has():
-    done = subprocess.run([program.find(), "--seed", "1"], capture_output=True, text=True, timeout=60)
+    done = bench("--seed", 1)
     assert set(json.loads(done.stdout)) - {"schema"} == listed("host/bench/report.h", r"^ \*     (\w[\w, ]*):")
 
 

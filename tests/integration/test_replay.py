@@ -6,9 +6,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from bench_program import scenario
+from bench_program import bench, scenario
 
-from tumble.bench import program, programs
+from tumble.bench import programs
 
 MENDED = {"operator__mend_s": 2, "operator__mends": 3}
 HALVES = "id=1667 mask=2031"  # 683h and 693h
@@ -33,8 +33,7 @@ RUNS = {
 def recorded(folder, seed=1, **keys):
     """(document of a run in the process, its scenario); its folder is run."""
     path = scenario(folder, **keys)
-    command = [program.find(), path, "--seed", seed, "--out", folder / "run"]
-    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
+    ended = bench(path, "--seed", seed, "--out", folder / "run")
     assert ended.returncode == 0, ended.stderr
     return json.loads(ended.stdout), path
 

@@ -3,13 +3,13 @@
 import dataclasses
 import json
 import math
-from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
-from test_fixture_check import EXAMPLES, PAPER, U0, drawn, simulated, stand_named
+from conftest import EXAMPLES
+from documents import valid
+from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 from tumble import reference
 from tumble.files.run_file import Run
@@ -17,7 +17,6 @@ from tumble.fixture.stand_doubts import look_for_doubts
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
-SCHEMA = json.loads(Path(EXAMPLES.parent / "docs" / "schemas" / "tumble.result-1.schema.json").read_text())
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 
 
@@ -31,8 +30,7 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     """The lab's run with the paper's stand: the verdict on gravity stays, the warning stands before it."""
     command = ("solve", "lab_stand.csv", "--stand", "paper_stand.toml", "--estimator", estimator)
     shown = tumble(*command, "--json", cwd=EXAMPLES)
-    result = json.loads(shown.stdout)
-    jsonschema.Draft202012Validator(SCHEMA).validate(result)
+    result = valid(shown.stdout)
     assert {"alpha3_difference_rad", "alpha4_rad", "noise_v"} <= set(result["stand_doubts"])
     assert shown.returncode == (0 if result["verification"]["pass"] else 1)
     warning = shown.stderr.splitlines()[-1]

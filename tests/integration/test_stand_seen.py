@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from blocks import random_block, random_means, usable_schedule
+from documents import paper_stand
 
 from tumble import core, reference
 from tumble.core import stand_seen
@@ -174,10 +175,7 @@ def test_means_that_are_not_measured_are_not_looked_at():
 
 def test_a_stand_that_declares_no_noise_is_no_disagreement(tumble, tmp_path):
     """Its weights lie as far apart as the floor of the noise lets them."""
-    text = (EXAMPLES / "paper_stand.toml").read_text(encoding="utf-8")
-    stand = tmp_path / "stand.toml"
-    stand.write_text("".join("noise_v = 0\n" if line.startswith("noise_v") else line for line in text.splitlines(True)))
-    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--stand", stand)
+    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--stand", paper_stand(tmp_path, noise_v=0))
     assert done.returncode == 0, done.stderr
 
 
@@ -208,10 +206,8 @@ def test_a_mounting_without_fit_positions_takes_no_part(first, checks):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_coarse_converter_is_no_disagreement(seed, tumble, tmp_path):
     """Steps of 4.9 mV under a noise of 1 uV: residuals are 10,000 times what the noise allows."""
-    text = (EXAMPLES / "paper_stand.toml").read_text(encoding="utf-8")
-    text = text.replace("noise_v = 3e-4", "noise_v = 1e-6").replace("delta_g_limit_g = 3e-4", "delta_g_limit_g = 0.01")
-    stand = tmp_path / "stand.toml"
-    stand.write_text(text.replace("[block]\n", "[block]\nconverter_bits = 12\nrange_v = 10.0\n"))
+    converter = "converter_bits = 12\nrange_v = 10.0\n"
+    stand = paper_stand(tmp_path, block=converter, noise_v="1e-6", delta_g_limit_g=0.01)
     done = tumble("bench", "--stand", stand, "--seed", str(seed), "--out", tmp_path / "run")
     assert done.returncode == 0, done.stderr
 

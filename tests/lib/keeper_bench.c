@@ -115,6 +115,12 @@ void assert_verdict_after(double drift_v, tumble_verdict_t verdict)
     TEST_ASSERT_EQUAL(verdict, run_and_judge());
 }
 
+void hold_one(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());
+    assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
+}
+
 tumble_set_t set_of(tumble_which_set_t which)
 {
     tumble_set_t set;

@@ -41,6 +41,7 @@ void settle_and_power_cycle(void);
 void run_to_done(void);
 tumble_verdict_t run_and_judge(void);
 void assert_verdict_after(double drift_v, tumble_verdict_t verdict);
+void hold_one(void); /* a first set, and a proposal that waits for an operator */
 
 tumble_set_t set_of(tumble_which_set_t which);
 

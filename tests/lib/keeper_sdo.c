@@ -19,23 +19,11 @@ float read_f32(uint16_t index, uint8_t subindex)
     return tumble_get_f32(bytes);
 }
 
-uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value)
-{
-    uint8_t bytes[4];
-    tumble_put_u32(bytes, value);
-    return sdo_write(index, subindex, bytes, 4);
-}
-
 uint32_t write_f32(uint16_t index, uint8_t subindex, float value)
 {
     uint8_t bytes[4];
     tumble_put_f32(bytes, value);
     return sdo_write(index, subindex, bytes, 4);
-}
-
-uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value)
-{
-    return sdo_write(index, subindex, &value, 1);
 }
 
 uint32_t write_and_wait(uint16_t index, uint32_t signature)

@@ -17,9 +17,7 @@ extern tumble_stand_memory_t stand_memory;
 void keeper_sdo_power_on(void);
 
 float read_f32(uint16_t index, uint8_t subindex);
-uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value);
 uint32_t write_f32(uint16_t index, uint8_t subindex, float value);
-uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value);
 
 /* A write whose answer waits for the memory: the abort code, or 0. */
 uint32_t write_and_wait(uint16_t index, uint32_t signature);

@@ -175,8 +175,36 @@ void power_on_for(double seconds)
     bench_pass(&bench, seconds);
 }
 
+void reset_by_nmt(uint8_t command)
+{
+    const tumble_can_frame_t reset = {.id = TUMBLE_NMT_ID, .length = 2, .data = {command, 1}};
+    fake_port_give(&bench.fake, &reset);
+}
+
 void bench_start(bench_t *b)
 {
     bench_power_on(b);
     TEST_ASSERT_EQUAL(TUMBLE_OK, bench_command(b, TUMBLE_COMMAND_START, 0));
+}
+
+void bench_settle(bench_t *b)
+{
+    int steps = 0;
+    do {
+        tumble_navcomp_step(&b->navcomp);
+        TEST_ASSERT_TRUE(++steps < 100);
+    } while (tumble_navcomp_next_deadline_us(&b->navcomp) <= b->fake.now_us);
+}
+
+void assert_right_coefficients(void)
+{
+    tumble_result_t result;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
+    TEST_ASSERT_TRUE(result.pass);
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.u0_v[i], result.coefficients->u0_v[i]);
+        for (int j = 0; j < 3; j++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.k_v_per_g[i][j], result.coefficients->k_v_per_g[i][j]);
+        }
+    }
 }

@@ -54,6 +54,7 @@ void bench_begin(void); /* with `bench`, before each case */
 
 void bench_power_on(bench_t *b);
 void power_on_for(double seconds); /* `bench` */
+void reset_by_nmt(uint8_t command); /* `bench`, which hears it in its next step */
 tumble_navcomp_progress_t bench_progress(const bench_t *b);
 tumble_navcomp_counters_t bench_counters(const bench_t *b);
 
@@ -82,7 +83,13 @@ tumble_state_t bench_run(bench_t *b, tumble_state_t until, double seconds);
 
 void bench_pass(bench_t *b, double seconds);
 
+/* What every host does: step, and again for as long as the next step is due at once. */
+void bench_settle(bench_t *b);
+
 /* Power on and start; the run is under way. */
 void bench_start(bench_t *b);
+
+/* The result has passed and is what the block of `bench` is. */
+void assert_right_coefficients(void);
 
 #endif

@@ -101,11 +101,70 @@ double read_f64(uint16_t index, uint8_t subindex)
     return tumble_get_f64(bytes);
 }
 
-uint32_t give_key(uint32_t key)
+uint32_t write_byte(uint16_t index, uint8_t subindex, uint8_t value)
+{
+    return sdo_write(index, subindex, &value, 1);
+}
+
+uint32_t write_u32(uint16_t index, uint8_t subindex, uint32_t value)
 {
     uint8_t bytes[4];
-    tumble_put_u32(bytes, key);
-    return sdo_write(0x2006, 1, bytes, 4);
+    tumble_put_u32(bytes, value);
+    return sdo_write(index, subindex, bytes, 4);
+}
+
+uint32_t write_f64(uint16_t index, uint8_t subindex, double value)
+{
+    uint8_t bytes[8];
+    tumble_put_f64(bytes, value);
+    return sdo_write(index, subindex, bytes, 8);
+}
+
+/* True: it could be read. */
+static bool answers(const tumble_entry_t *entry, uint16_t index, uint8_t subindex)
+{
+    uint8_t bytes[64];
+    uint8_t size = 0;
+    const uint32_t abort = sdo_read(index, subindex, bytes, &size);
+    if (abort == 0U) {
+        TEST_ASSERT_TRUE((size == entry->size) || (entry->type == TUMBLE_TYPE_VISIBLE_STRING));
+    }
+    if ((entry->access & TUMBLE_ACCESS_READ) != 0U) {
+        TEST_ASSERT_TRUE_MESSAGE((abort == 0U) || (abort == TUMBLE_ABORT_NO_DATA), "a reason to be without a value");
+    } else {
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_WRITE_ONLY, abort);
+        TEST_ASSERT_EQUAL_HEX8(TUMBLE_ACCESS_WRITE, entry->access & 3U);
+    }
+    return abort == 0U;
+}
+
+unsigned count_answers(const tumble_object_table_t *table)
+{
+    unsigned read = 0;
+    for (uint8_t i = 0; i < table->count; i++) {
+        const tumble_entry_t *entry = &table->entries[i];
+        for (unsigned object = 0; object <= entry->more_objects; object++) {
+            for (unsigned sub = 0; sub <= entry->more_subindices; sub++) {
+                read += answers(entry, (uint16_t)(entry->index + object), (uint8_t)(entry->subindex + sub)) ? 1U : 0U;
+            }
+        }
+    }
+    return read;
+}
+
+void assert_told(const double k[3][3], const double u0[3], uint16_t k_index, uint16_t u0_index)
+{
+    for (int c = 0; c < 9; c++) {
+        TEST_ASSERT_TRUE(k[c / 3][c % 3] == read_f64(k_index, (uint8_t)(c + 1)));
+    }
+    for (int c = 0; c < 3; c++) {
+        TEST_ASSERT_TRUE(u0[c] == read_f64(u0_index, (uint8_t)(c + 1)));
+    }
+}
+
+uint32_t give_key(uint32_t key)
+{
+    return write_u32(0x2006, 1, key);
 }
 
 void unlock(void)

@@ -29,6 +29,13 @@ void run_lines(const char *text, uint64_t seed, const bench_watcher_t *watcher)
     bench_world_run(&world);
 }
 
+void run_to_a_move(void)
+{
+    while (world.progress.state != TUMBLE_STATE_MOVE || world.progress.index != 3U || bench_world_is_at_rest(&world)) {
+        TEST_ASSERT_TRUE(bench_world_advance(&world));
+    }
+}
+
 tumble_coefficients_t found(void)
 {
     tumble_result_t result;

@@ -16,6 +16,7 @@ extern bench_mistake_t mistake;
 const char *read_lines(const char *text);
 
 void run_lines(const char *text, uint64_t seed, const bench_watcher_t *watcher);
+void run_to_a_move(void); /* to the fourth position, until the table turns */
 tumble_coefficients_t found(void);
 
 #endif

@@ -7,11 +7,10 @@ import subprocess
 import sys
 import time
 
-import jsonschema
 import numpy as np
 import pytest
 from bench_program import HASTY_STAND
-from conftest import ROOT
+from documents import valid
 from processes import wait_until
 
 from tumble.bench import programs
@@ -35,8 +34,7 @@ def wrapper(tmp_path, name, line):
 def test_a_run_folder_and_a_result(options, bus, tumble, tmp_path):
     done = tumble(*options, "--json", "--seed", 3)
     assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
-    jsonschema.validate(result, json.loads((ROOT / "docs/schemas/tumble.result-1.schema.json").read_text()))
+    result = valid(done.stdout)
     assert (result["seed"], result["bus"], result["firmware"]) == (3, f"socketcan:{bus}", "host")
     assert result["counters"]["kernel_dropped"] == result["counters"]["stand_kernel_dropped"] == 0
     assert sorted(path.name for path in (tmp_path / "run").iterdir()) == ["bus.log", "inputs", "result.json", "run.csv"]

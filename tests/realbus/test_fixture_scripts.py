@@ -8,14 +8,12 @@ import time
 
 import numpy as np
 import pytest
+from bench_program import built
 from conftest import ROOT
 from fixture_table import limits, read_limits
 from processes import HASTE, Node, Stand, scenario
 from validation import session
 from validation.at_rest import MeanByNode
-
-from tumble.bench import programs
-from tumble.errors import BenchFault
 
 pytest.importorskip("canopen", reason="python-canopen is not installed")
 STAND = {
@@ -137,10 +135,7 @@ def figures(text):
 def served(bus, started):
     """The LINK of a tumble-gateway."""
     pytest.importorskip("pymodbus", reason="pymodbus is not installed")
-    try:
-        program = programs.find("tumble-gateway", "host/gateway")
-    except BenchFault:
-        pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+    program = built("tumble-gateway", "host/gateway")
     gateway = subprocess.Popen(
         [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "200", "--allow-commands"],
         stderr=subprocess.PIPE, text=True,

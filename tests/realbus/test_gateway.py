@@ -11,12 +11,10 @@ import time
 
 import numpy as np
 import pytest
-from gateway_bench import KEYS, ROOT, decode, register, wait_until
-from processes import HASTE, PATIENCE, Node, Stand, scenario
+from bench_program import built
+from gateway_bench import KEYS, ROOT, decode, register
+from processes import HASTE, PATIENCE, Node, Stand, scenario, wait_until
 from recalibration import refusal_of
-
-from tumble.bench import programs
-from tumble.errors import BenchFault
 
 client_module = pytest.importorskip("pymodbus.client", reason="pymodbus is not installed")
 START, ACCEPT, DONE = 1, 9, 12
@@ -30,10 +28,7 @@ class Served:
     """tumble-gateway, and a pymodbus client of it."""
 
     def __init__(self, bus, *options):
-        try:
-            program = programs.find("tumble-gateway", "host/gateway")
-        except BenchFault:
-            pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+        program = built("tumble-gateway", "host/gateway")
         command = [program, "--can", str(bus), "--tcp", "127.0.0.1:0", "--poll", "100", *options]
         self.process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         self.line = self.process.stderr.readline()
@@ -318,10 +313,7 @@ def test_the_node_and_the_interface_go_and_come_back(bus, started, serve, tmp_pa
 
 
 def test_no_such_interface():
-    try:
-        program = programs.find("tumble-gateway", "host/gateway")
-    except BenchFault:
-        pytest.skip("tumble-gateway is not built: pkg-config finds no libmodbus")
+    program = built("tumble-gateway", "host/gateway")
     done = subprocess.run([program, "--can", "can999"], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stderr) == (2, "tumble-gateway: can999: there is no CAN interface of this name\n")
 

@@ -4,11 +4,9 @@ import shutil
 
 import numpy as np
 import pytest
+from bench_program import built
 from processes import HASTE, Node, Stand, scenario
 from test_gateway import Served
-
-from tumble.bench import programs
-from tumble.errors import BenchFault
 
 DROP = "setpriv --inh-caps=-all --bounding-set=-all --no-new-privs"
 
@@ -20,10 +18,7 @@ def unprivileged(tmp_path, monkeypatch):
         pytest.skip("setpriv is not installed (Debian: util-linux)")
 
     def wrap(name, folder):
-        try:
-            real = programs.find(name, folder)
-        except BenchFault:
-            pytest.skip(f"{name} is not built")
+        real = built(name, folder)
         wrapper = tmp_path / name
         wrapper.write_text(f'#!/bin/sh\nexec {DROP} "{real}" "$@"\n')
         wrapper.chmod(0o755)

@@ -4,10 +4,6 @@
 
 #include "tumble/core.h"
 
-#include <stdint.h>
-
-void print(const char *text);
-void print_hex(uint32_t word);
 
 /* What one would write without looking at the structure: twelve unknowns, a dense row for each of the 3 x P means. */
 tumble_status_t dense_normal_equations(const tumble_schedule_t *schedule, const tumble_means_t *means,

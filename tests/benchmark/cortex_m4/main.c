@@ -4,6 +4,7 @@
 #include "benchmark.h"
 #include "tumble/core.h"
 #include "data.h"
+#include "measure.h"
 
 #include <string.h>
 
@@ -90,6 +91,12 @@ __attribute__((noinline)) static uint32_t stack_used(void)
     return (uint32_t)((char *)top - (char *)word);
 }
 
+static void put_word(uint32_t word)
+{
+    put_decimal(word);
+    put(" ");
+}
+
 int main(void)
 {
     SYSTICK[1] = 0xFFFFFFU;
@@ -104,12 +111,11 @@ int main(void)
     const uint32_t after = SYSTICK[2];
     uint32_t bits[2 * TUMBLE_COEFFICIENTS];
     memcpy(bits, &FOUND, sizeof bits);
-    print_hex((before - after) & 0xFFFFFFU);
-    print_hex(stack);
-    print_hex((uint32_t)status);
+    put_word((before - after) & 0xFFFFFFU);
+    put_word(stack);
+    put_word((uint32_t)status);
     for (int i = 0; i < 2 * TUMBLE_COEFFICIENTS; i++) {
-        print_hex(bits[i]);
+        put_word(bits[i]);
     }
-    print("\n");
     return 0;
 }

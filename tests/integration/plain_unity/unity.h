@@ -4,6 +4,7 @@
 
 #define UNITY_SUPPORT_64
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,6 @@
 #define UNITY_LINE_TYPE int
 #define UNITY_TEST_ASSERT_EQUAL_HEX64(wanted, found, line, message)                                                    \
     PLAIN_REQUIRE(((wanted) == (found)) && ((line) != 0), message)
-#define TEST_ASSERT_EQUAL_HEX8_MESSAGE(wanted, found, message) PLAIN_REQUIRE((wanted) == (found), message)
+#define TEST_ASSERT_DOUBLE_WITHIN(delta, wanted, found) PLAIN_REQUIRE(fabs((wanted) - (found)) <= (delta), #found)
 
 #endif

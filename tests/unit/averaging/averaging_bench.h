@@ -33,6 +33,12 @@ static inline void begin(uint8_t index)
     ASSERT_STATUS(TUMBLE_OK, tumble_averaging_begin(&averaging, index));
 }
 
+static inline void bench_begin(void)
+{
+    bench_start();
+    begin(0);
+}
+
 static inline tumble_status_t add_with_counter(uint16_t counter, int32_t x, int32_t y, int32_t z)
 {
     const tumble_sample_t sample = {{x, y, z}, counter, 0};

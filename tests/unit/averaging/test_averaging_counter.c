@@ -1,12 +1,6 @@
 /* The block's own sample counter: lost, repeated and reordered samples, and the counters that tell of them. */
 #include "averaging_bench.h"
 
-static void set_up(void)
-{
-    bench_start();
-    begin(0);
-}
-
 static void add_counter(uint16_t counter)
 {
     ASSERT_STATUS(TUMBLE_OK, add_with_counter(counter, 1, 2, 3));
@@ -161,7 +155,7 @@ static void test_losses_beyond_16_bits_are_not_forgiven(void)
 {
     static const uint16_t limits[] = {0, 32761, 32762, 40000, 65534, 65535};
     for (size_t i = 0; i < COUNT_OF(limits); i++) {
-        set_up();
+        bench_begin();
         config.max_lost = limits[i];
         for (unsigned k = 0; k < 4U; k++) {
             add_counter((uint16_t)(k * 32767U));
@@ -212,4 +206,4 @@ static void test_counters_live_until_init(void)
     assert_counters(0, 0, 0, 0, 0);
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {bench_begin, NULL};

@@ -1,12 +1,6 @@
 /* Every gate in turn: what passes at its very edge, what does not, which status, which counter. */
 #include "averaging_bench.h"
 
-static void set_up(void)
-{
-    bench_start();
-    begin(0);
-}
-
 /* A sample with `value` in one channel and 0 in the others. */
 static tumble_status_t add_in_channel(int channel, int32_t value)
 {
@@ -281,4 +275,4 @@ static void test_a_sample_that_the_block_calls_faulty_is_refused(void)
     add_good(1, 2, 3);
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {bench_begin, NULL};

@@ -81,12 +81,17 @@ tumble_navcomp_counters_t counters(void)
     return seen;
 }
 
-void start_turning(const char *lines)
+void begin_homing(const char *lines, const bench_watcher_t *watcher, uint64_t time_us)
 {
-    begin(lines, &LISTENER);
+    begin(lines, watcher);
     pass(2U * SECOND);
     ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(20U * SECOND);
+    pass(time_us);
+}
+
+void start_turning(const char *lines)
+{
+    begin_homing(lines, &LISTENER, 20U * SECOND);
     ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_TURN_AXIS, 390.0));
     pass(2U * SECOND);
     TEST_ASSERT_FALSE(bench_world_is_at_rest(&world));

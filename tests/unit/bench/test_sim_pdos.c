@@ -35,9 +35,7 @@ static void assert_written_short(uint16_t index, uint8_t subindex, uint8_t size,
 static double way_to_stop_deg(bool tried)
 {
     begin("", &LISTENER);
-    while (world.progress.state != TUMBLE_STATE_MOVE || world.progress.index != 3U || bench_world_is_at_rest(&world)) {
-        TEST_ASSERT_TRUE(bench_world_advance(&world));
-    }
+    run_to_a_move();
     if (tried) {
         assert_written(0x1802, 1, OFF);
         write_u32(1, 0x1802, 1, TO_DRIVE);
@@ -98,10 +96,7 @@ static void test_a_stop_in_a_run_is_as_short(void)
 
 static void test_nor_does_the_table_turn_beyond_the_cable(void)
 {
-    begin(WAITS, &LISTENER);
-    pass(2U * SECOND);
-    ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(20U * SECOND);
+    begin_homing(WAITS, &LISTENER, 20U * SECOND);
     assert_written(0x1802, 1, OFF);
     ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_TURN_AXIS, 400.0));
     while (table_deg() < 360.0) {

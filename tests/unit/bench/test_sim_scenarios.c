@@ -173,9 +173,7 @@ static void test_an_abort_stops_the_table(void)
     static const bench_watcher_t NOBODY = {0};
     TEST_ASSERT_NULL(read_lines(""));
     ASSERT_STATUS(TUMBLE_OK, bench_world_init(&world, &config, 1, &NOBODY));
-    while (world.progress.state != TUMBLE_STATE_MOVE || world.progress.index != 3U || bench_world_is_at_rest(&world)) {
-        TEST_ASSERT_TRUE(bench_world_advance(&world));
-    }
+    run_to_a_move();
     const uint64_t told_us = world.clock.now_us;
     bench_world_end(&world, BENCH_INTERRUPTED);
     bench_world_run(&world);

@@ -15,10 +15,7 @@ static void assert_stops_within(double seconds)
 
 static void start_homing(const char *lines)
 {
-    begin(lines, &LISTENER);
-    pass(2U * SECOND);
-    ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(3U * SECOND);
+    begin_homing(lines, &LISTENER, 3U * SECOND);
     TEST_ASSERT_FALSE(bench_world_is_at_rest(&world));
 }
 
@@ -33,10 +30,7 @@ static void test_homing_is_bounded(void)
     };
     const double to_stop_deg = 45.0 * 0.2 + 45.0 * 45.0 / (2.0 * 180.0); /* a report late, and the brake */
     for (size_t i = 0; i < COUNT_OF(LINES); i++) {
-        begin(LINES[i], &NOBODY);
-        pass(2U * SECOND);
-        ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-        pass(60U * SECOND);
+        begin_homing(LINES[i], &NOBODY, 60U * SECOND);
         TEST_ASSERT_TRUE(bench_world_is_at_rest(&world));
         TEST_ASSERT_TRUE(most_deg - least_deg > 700.0);
         TEST_ASSERT_TRUE(most_deg - least_deg < 790.0 + to_stop_deg);
@@ -48,10 +42,7 @@ static void test_homing_is_bounded(void)
 /* A drive that gives up by itself had the cable's span and a turn for it, and no more. */
 static void test_a_homing_error_is_within_the_bound(void)
 {
-    begin(WAITS "fault = homing_fails time=0\n", &NOBODY);
-    pass(2U * SECOND);
-    ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(60U * SECOND);
+    begin_homing(WAITS "fault = homing_fails time=0\n", &NOBODY, 60U * SECOND);
     TEST_ASSERT_TRUE(most_deg - least_deg <= 790.0);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_HOMING, progress().stand_fault);
 }
@@ -90,9 +81,7 @@ static void test_a_drive_that_hears_no_process_data(void)
 static void test_a_drive_that_hears_nmt_alone(void)
 {
     begin("", &NOBODY);
-    while (world.progress.state != TUMBLE_STATE_MOVE || world.progress.index != 3U || bench_world_is_at_rest(&world)) {
-        TEST_ASSERT_TRUE(bench_world_advance(&world));
-    }
+    run_to_a_move();
     sim_bus_fault_t lost = {.kind = 0, .match = 0x202, .mask = 0x3FF, .count = UINT32_MAX, .probability = 1.0};
     sim_random_open(&lost.random, 1, SIM_CAUSE_BUS_FAULT, 0);
     sim_bus_begin_fault(&world.bus, 5, &lost); /* 202h and 602h */
@@ -205,10 +194,7 @@ static void test_a_foreign_set_point_is_noticed_and_stopped(void)
 {
     static const uint8_t ENABLE[] = {0x0F, 0x00, 0x00, 0xF9, 0x15, 0x00}; /* 1440 degrees */
     static const uint8_t GO[] = {0x1F, 0x00, 0x00, 0xF9, 0x15, 0x00};
-    begin(WAITS "drive.software_limits = no\n", &NOBODY);
-    pass(2U * SECOND);
-    ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(20U * SECOND);
+    begin_homing(WAITS "drive.software_limits = no\n", &NOBODY, 20U * SECOND);
     TEST_ASSERT_EQUAL_UINT8(0, progress().limited);
     guest_send(0x202, 6, ENABLE);
     guest_send(0x202, 6, GO);
@@ -243,10 +229,7 @@ static void test_the_drive_keeps_to_the_cables_limits(void)
 {
     static const uint8_t ENABLE[] = {0x0F, 0x00, 0x00, 0xF9, 0x15, 0x00};
     static const uint8_t GO[] = {0x1F, 0x00, 0x00, 0xF9, 0x15, 0x00};
-    begin(WAITS, &NOBODY);
-    pass(2U * SECOND);
-    ASSERT_STATUS(TUMBLE_OK, command(TUMBLE_COMMAND_HOME_AXIS, 0));
-    pass(20U * SECOND);
+    begin_homing(WAITS, &NOBODY, 20U * SECOND);
     TEST_ASSERT_EQUAL_UINT8(1, progress().limited);
     TEST_ASSERT_EQUAL_INT32(-30000, world.drive.objects.software_position_limit_min_position_limit);
     TEST_ASSERT_EQUAL_INT32(400000, world.drive.objects.software_position_limit_max_position_limit);

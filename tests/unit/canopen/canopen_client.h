@@ -13,15 +13,13 @@ static inline tumble_status_t result(void)
 
 static inline void expect_request(const char *text)
 {
-    step();
-    expect(0x602, text);
+    expect_next(0x602, text);
     expect_nothing();
 }
 
 static inline void expect_end(tumble_status_t status, uint32_t abort)
 {
-    step();
-    expect_nothing();
+    expect_no_next();
     TEST_ASSERT_EQUAL_STRING(tumble_status_name(status), tumble_status_name(result()));
     TEST_ASSERT_EQUAL_HEX32(abort, client->abort);
 }

@@ -124,6 +124,18 @@ void expect_at(uint16_t id, const char *text, int line);
 #define expect(id, text) expect_at(id, text, __LINE__)
 #define expect_nothing() TEST_ASSERT_EQUAL_UINT(0, at.fake.from_firmware.count)
 
+/* What the next step sends. */
+#define expect_next(id, text)                                                                                          \
+    do {                                                                                                               \
+        step();                                                                                                        \
+        expect(id, text);                                                                                              \
+    } while (0)
+#define expect_no_next()                                                                                               \
+    do {                                                                                                               \
+        step();                                                                                                        \
+        expect_nothing();                                                                                              \
+    } while (0)
+
 /* One exchange with the SDO server. */
 #define ask(request, answer)                                                                                           \
     do {                                                                                                               \

@@ -12,15 +12,13 @@ static void test_an_error_comes_and_goes(void)
 
     tumble_emcy_raise(&at.node.emcy, 0x8611, TUMBLE_ERROR_PROFILE, info);
     TEST_ASSERT_EQUAL_UINT64(0, tumble_node_next_us(&at.node));
-    step();
-    expect(0x085, "11 86 21 01 02 03 04 05");
+    expect_next(0x085, "11 86 21 01 02 03 04 05");
     ask("40 01 10 00 00 00 00 00", "4F 01 10 00 21 00 00 00");
     ask("40 03 10 00 00 00 00 00", "4F 03 10 00 01 00 00 00");
     ask("40 03 10 01 00 00 00 00", "43 03 10 01 11 86 01 02");
     ask("40 03 10 02 00 00 00 00", "80 03 10 02 24 00 00 08"); /* no data */
     tumble_emcy_clear(&at.node.emcy, TUMBLE_ERROR_PROFILE);
-    step();
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    expect_next(0x085, "00 00 00 00 00 00 00 00");
     expect_nothing();
     ask("40 01 10 00 00 00 00 00", "4F 01 10 00 00 00 00 00");
     ask("40 03 10 01 00 00 00 00", "43 03 10 01 11 86 01 02"); /* the history stays */
@@ -30,24 +28,19 @@ static void test_no_error_is_said_when_the_last_one_goes(void)
 {
     raise_code(0x8611, TUMBLE_ERROR_PROFILE);
     raise_code(0xFF01, TUMBLE_ERROR_MANUFACTURER);
-    step();
-    expect(0x085, "11 86 21 00 00 00 00 00");
+    expect_next(0x085, "11 86 21 00 00 00 00 00");
     expect(0x085, "01 FF A1 00 00 00 00 00");
     tumble_emcy_clear(&at.node.emcy, TUMBLE_ERROR_PROFILE);
-    step();
-    expect_nothing();
+    expect_no_next();
     TEST_ASSERT_EQUAL_HEX8(0x81, at.node.emcy.error_register);
     tumble_emcy_clear(&at.node.emcy, TUMBLE_ERROR_MANUFACTURER);
     tumble_emcy_clear(&at.node.emcy, TUMBLE_ERROR_MANUFACTURER);
-    step();
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    expect_next(0x085, "00 00 00 00 00 00 00 00");
     expect_nothing();
     raise_code(0x1000, 0); /* a generic error has no other bit */
-    step();
-    expect(0x085, "00 10 01 00 00 00 00 00");
+    expect_next(0x085, "00 10 01 00 00 00 00 00");
     tumble_emcy_clear(&at.node.emcy, TUMBLE_ERROR_GENERIC);
-    step();
-    expect(0x085, "00 00 00 00 00 00 00 00");
+    expect_next(0x085, "00 00 00 00 00 00 00 00");
 }
 
 static void test_history_keeps_the_newest_and_can_be_forgotten(void)
@@ -78,12 +71,10 @@ static void test_messages_wait_for_the_port_and_the_rest_is_counted(void)
     TEST_ASSERT_EQUAL_HEX32(0x1007, at.node.emcy.history[0]); /* what was not sent can still be read */
     at.fake.send_status = TUMBLE_OK;
     at.fake.send_room = 1;
-    step();
-    expect(0x085, "01 10 01 00 00 00 00 00");
+    expect_next(0x085, "01 10 01 00 00 00 00 00");
     expect_nothing();
     at.fake.send_room = SIZE_MAX;
-    step();
-    expect(0x085, "02 10 01 00 00 00 00 00");
+    expect_next(0x085, "02 10 01 00 00 00 00 00");
     expect(0x085, "03 10 01 00 00 00 00 00");
     expect(0x085, "04 10 01 00 00 00 00 00");
     expect_nothing();

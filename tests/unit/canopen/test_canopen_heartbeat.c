@@ -47,8 +47,7 @@ static void test_a_late_step_sends_one_heartbeat_and_keeps_the_period(void)
     expect(0x705, "7F");
     pass(200 * MS); /* one is missed */
     expect(0x705, "7F");
-    step();
-    expect_nothing();
+    expect_no_next();
 }
 
 static void test_a_heartbeat_waits_for_the_port(void)
@@ -58,8 +57,7 @@ static void test_a_heartbeat_waits_for_the_port(void)
     pass(100 * MS);
     pass(5 * MS);
     at.fake.send_status = TUMBLE_OK;
-    step();
-    expect(0x705, "7F");
+    expect_next(0x705, "7F");
     expect_nothing();
 }
 
@@ -230,8 +228,7 @@ static void test_producer_time_by_sdo(void)
     boot();
     at.fake.now_us += 30 * MS; /* time counts from the request, not from the last step */
     (void)hand(0x605, "2B 17 10 00 28 00 00 00");
-    step();
-    expect(0x585, "60 17 10 00 00 00 00 00");
+    expect_next(0x585, "60 17 10 00 00 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (40 * MS), tumble_node_next_us(&at.node));
     ask("2B 17 10 00 64 00 00 00", "60 17 10 00 00 00 00 00");
     ask("40 17 10 00 00 00 00 00", "4B 17 10 00 64 00 00 00");

@@ -170,8 +170,7 @@ static void test_configure_replaces_what_was_there(void)
     TEST_ASSERT_EQUAL_UINT32(0, read32(0x1800, 3));
     TEST_ASSERT_EQUAL_UINT32(20, read32(0x1800, 5));
     TEST_ASSERT_EQUAL_UINT32(2, read32(0x1A00, 0));
-    step();
-    expect(0x385, "00 00 00 00 00 00");
+    expect_next(0x385, "00 00 00 00 00 00");
     tumble_pdo_setup_t inward = setup;
     inward.cob_id = 0x395;
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NONE, configure(TUMBLE_PDO_RECEIVE, 1, &inward));
@@ -196,13 +195,11 @@ static void test_an_identifier_that_another_pdo_has_is_refused(void)
 static void test_a_new_inhibit_time_counts_from_now(void)
 {
     map_transmit(50000, 0); /* 5 s */
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     accepted(0x1800, 1, 0xC0000185U);
     accepted(0x1800, 3, 10);
     accepted(0x1800, 1, 0x40000185U);
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
 }
 
 static void test_a_refused_configuration_leaves_the_pdo_invalid(void)

@@ -111,8 +111,7 @@ static void test_master_commands_go_out_in_order(void)
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_nmt_command(&at.node.nmt, 127, TUMBLE_NMT_RESET_NODE));
     TEST_ASSERT_EQUAL_INT(TUMBLE_E_PORT_BUSY, tumble_nmt_command(&at.node.nmt, 4, TUMBLE_NMT_START));
     TEST_ASSERT_EQUAL_UINT16(1, at.node.nmt.ignored);
-    step();
-    expect(0x000, "82 00");
+    expect_next(0x000, "82 00");
     expect(0x000, "01 02");
     expect(0x000, "02 03");
     expect(0x000, "81 7F");
@@ -129,8 +128,7 @@ static void test_a_port_with_room_for_one_takes_one_a_step(void)
     expect(0x000, "01 02");
     expect_nothing();
     at.fake.send_room = 2;
-    step();
-    expect(0x000, "01 03");
+    expect_next(0x000, "01 03");
     expect(0x705, "7F");
     expect_nothing();
 }

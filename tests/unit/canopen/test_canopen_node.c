@@ -95,8 +95,7 @@ static void test_defaults_complete_predefined_identifiers(void)
     ask("40 80 12 01 00 00 00 00", "43 80 12 01 00 06 00 80"); /* no server yet */
     ask("40 80 12 03 00 00 00 00", "4F 80 12 03 00 00 00 00");
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read(&at.node.client, 2, 0x1000, 0));
-    step();
-    expect(0x602, "40 00 10 00 00 00 00 00");
+    expect_next(0x602, "40 00 10 00 00 00 00 00");
     ask("40 80 12 01 00 00 00 00", "43 80 12 01 02 06 00 00");
     ask("40 80 12 02 00 00 00 00", "43 80 12 02 82 05 00 00");
 }
@@ -140,8 +139,7 @@ static void test_order_of_what_is_due_together(void)
     (void)tumble_nmt_command(&at.node.nmt, 2, TUMBLE_NMT_START);
     (void)tumble_sdo_client_read(&at.node.client, 2, 0x1000, 0);
     (void)hand(0x605, "40 00 10 00 00 00 00 00");
-    step();
-    expect(0x000, "01 02");
+    expect_next(0x000, "01 02");
     expect(0x705, "05");
     expect(0x085, "00 10 01 00 00 00 00 00");
     expect(0x585, "43 00 10 00 92 01 02 00");
@@ -179,8 +177,7 @@ static void test_a_narrow_port_loses_nothing(void)
     for (int i = 1; i < 5; i++) {
         TEST_ASSERT_EQUAL_UINT(1, seen[i]);
     }
-    step();
-    expect_nothing();
+    expect_no_next();
 }
 
 static void test_the_link_checks_what_the_port_gives(void)

@@ -80,8 +80,7 @@ static void test_nothing_is_received_unless_operational(void)
 static void test_a_trigger_sends_the_values_of_the_moment(void)
 {
     map_transmit(0, 0);
-    step();
-    expect(0x185, "00 00 00 00 00 00"); /* due when it was enabled */
+    expect_next(0x185, "00 00 00 00 00 00"); /* due when it was enabled */
     at.variables.u16 = 1;
     tumble_pdo_trigger(&at.node.pdos, 0);
     tumble_pdo_trigger(&at.node.pdos, 0);
@@ -89,8 +88,7 @@ static void test_a_trigger_sends_the_values_of_the_moment(void)
     TEST_ASSERT_TRUE(tumble_node_next_us(&at.node) <= at.fake.now_us);
     at.variables.u16 = 0x1234;
     at.variables.i32 = -2;
-    step();
-    expect(0x185, "34 12 FE FF FF FF");
+    expect_next(0x185, "34 12 FE FF FF FF");
     pass(5000 * MS);
     expect_nothing();
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_node_next_us(&at.node));
@@ -114,8 +112,7 @@ static void test_entering_operational_sends_once(void)
 static void test_the_event_timer_counts_from_the_last_sending(void)
 {
     map_transmit(0, 100);
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (100 * MS), tumble_node_next_us(&at.node));
     pass((100 * MS) - 1);
     expect_nothing();
@@ -123,8 +120,7 @@ static void test_the_event_timer_counts_from_the_last_sending(void)
     expect(0x185, "00 00 00 00 00 00");
     pass(60 * MS);
     tumble_pdo_trigger(&at.node.pdos, 0);
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     pass(60 * MS);
     expect_nothing();
     pass(40 * MS);
@@ -137,12 +133,10 @@ static void test_the_event_timer_counts_from_the_last_sending(void)
 static void test_the_inhibit_time_holds_back_but_loses_nothing(void)
 {
     map_transmit(500, 0); /* 50 ms */
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     at.variables.u16 = 1;
     tumble_pdo_trigger(&at.node.pdos, 0);
-    step();
-    expect_nothing();
+    expect_no_next();
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (50 * MS), tumble_node_next_us(&at.node));
     at.variables.u16 = 2;
     tumble_pdo_trigger(&at.node.pdos, 0);
@@ -157,8 +151,7 @@ static void test_the_inhibit_time_holds_back_but_loses_nothing(void)
 static void test_the_inhibit_time_bounds_the_event_timer(void)
 {
     map_transmit(2000, 50); /* 200 ms, 50 ms */
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (200 * MS), tumble_node_next_us(&at.node));
     pass(199 * MS);
     expect_nothing();
@@ -169,8 +162,7 @@ static void test_the_inhibit_time_bounds_the_event_timer(void)
 static void test_a_busy_port_delays_and_loses_nothing(void)
 {
     map_transmit(0, 0);
-    step();
-    expect(0x185, "00 00 00 00 00 00");
+    expect_next(0x185, "00 00 00 00 00 00");
     at.fake.send_status = TUMBLE_E_PORT_BUSY;
     at.variables.u16 = 1;
     tumble_pdo_trigger(&at.node.pdos, 0);
@@ -181,10 +173,8 @@ static void test_a_busy_port_delays_and_loses_nothing(void)
     TEST_ASSERT_TRUE(tumble_node_next_us(&at.node) <= at.fake.now_us);
     at.fake.send_status = TUMBLE_OK;
     at.variables.u16 = 7;
-    step();
-    expect(0x185, "07 00 00 00 00 00");
-    step();
-    expect_nothing();
+    expect_next(0x185, "07 00 00 00 00 00");
+    expect_no_next();
 }
 
 static void test_a_value_that_nobody_has_goes_as_zeros(void)
@@ -193,8 +183,7 @@ static void test_a_value_that_nobody_has_goes_as_zeros(void)
     accepted(0x1A01, 1, 0x20120040U); /* no data */
     accepted(0x1A01, 0, 1);
     accepted(0x1801, 1, 0x40000285U);
-    step();
-    expect(0x285, "00 00 00 00 00 00 00 00");
+    expect_next(0x285, "00 00 00 00 00 00 00 00");
     pass(1000 * MS);
     expect_nothing(); /* no event timer was asked for */
 }
@@ -213,8 +202,7 @@ static void test_the_last_pdos_of_each_direction(void)
     give(0x000, "01 05");
     expect(0x285, "00"); /* due on entering, though not enabled anew */
     accepted(0x1802, 5, 20);
-    step();
-    expect(0x285, "00");
+    expect_next(0x285, "00");
     TEST_ASSERT_EQUAL_UINT64(at.fake.now_us + (20 * MS), tumble_node_next_us(&at.node));
     accepted(0x1401, 1, 0x80000305U);
     accepted(0x1601, 1, 0x20050010U);
@@ -232,8 +220,7 @@ static void test_a_pdo_without_mapping_does_nothing(void)
 {
     accepted(0x1800, 1, 0x40000185U);
     accepted(0x1400, 1, 0x205);
-    step();
-    expect_nothing();
+    expect_no_next();
     TEST_ASSERT_FALSE(hand(0x205, "00"));
 }
 

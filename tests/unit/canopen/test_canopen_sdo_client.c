@@ -120,8 +120,7 @@ static void test_the_callers_memory_is_let_go(void)
     uint8_t room[8] = {0};
 
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 127, 0x6041, 0, room, 8));
-    step();
-    expect(0x67F, "40 41 60 00 00 00 00 00");
+    expect_next(0x67F, "40 41 60 00 00 00 00 00");
     give(0x5FF, "4B 41 60 00 27 06 00 00");
     expect_end(TUMBLE_OK, 0);
     TEST_ASSERT_EQUAL_HEX8(0x27, room[0]);

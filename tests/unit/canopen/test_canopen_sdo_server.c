@@ -211,10 +211,8 @@ static void test_an_answer_waits_for_the_port_and_is_sent_once(void)
     give(0x605, "40 04 20 00 00 00 00 00"); /* no correct client does this */
     TEST_ASSERT_EQUAL_UINT16(1, at.node.server.dropped);
     at.fake.send_status = TUMBLE_OK;
-    step();
-    expect(0x585, "43 00 10 00 92 01 02 00");
-    step();
-    expect_nothing();
+    expect_next(0x585, "43 00 10 00 92 01 02 00");
+    expect_no_next();
     TEST_ASSERT_EQUAL_UINT32(3, at.node.link.counters.busy);
     at.fake.send_status = TUMBLE_E_PORT_DOWN;
     give(0x605, "40 00 10 00 00 00 00 00");
@@ -222,8 +220,7 @@ static void test_an_answer_waits_for_the_port_and_is_sent_once(void)
     step();
     TEST_ASSERT_EQUAL_UINT32(2, at.node.link.counters.down);
     at.fake.send_status = TUMBLE_OK;
-    step();
-    expect(0x585, "43 00 10 00 92 01 02 00");
+    expect_next(0x585, "43 00 10 00 92 01 02 00");
 }
 
 static void test_an_abort_takes_back_an_answer_that_was_not_sent(void)
@@ -232,8 +229,7 @@ static void test_an_abort_takes_back_an_answer_that_was_not_sent(void)
     give(0x605, "40 00 10 00 00 00 00 00");
     give(0x605, "80 00 10 00 00 00 04 05");
     at.fake.send_status = TUMBLE_OK;
-    step();
-    expect_nothing();
+    expect_no_next();
     ask("40 04 20 00 00 00 00 00", "4F 04 20 00 00 00 00 00");
 }
 
@@ -254,8 +250,7 @@ static void test_frames_that_are_not_eight_bytes_are_dropped_and_counted(void)
 
         frame.length = length;
         TEST_ASSERT_TRUE(tumble_node_receive(&at.node, &frame, at.fake.now_us));
-        step();
-        expect_nothing();
+        expect_no_next();
     }
     TEST_ASSERT_EQUAL_UINT16(8, at.node.server.dropped);
 }

@@ -225,8 +225,7 @@ static void test_its_objects_can_be_mapped_into_a_pdo(void)
     hooked.bytes[0] = 0xAB;
     at.variables.u16 = 0x1234;
     at.variables.u8 = 0x56;
-    step();
-    expect(0x285, "AB 34 12 56");
+    expect_next(0x285, "AB 34 12 56");
     TEST_ASSERT_EQUAL_UINT16(43, hooked.offset);
     ask("40 03 18 01 00 00 00 00", "43 03 18 01 85 02 00 00");
     ask("40 03 1A 00 00 00 00 00", "4F 03 1A 00 03 00 00 00");

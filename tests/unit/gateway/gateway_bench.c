@@ -169,6 +169,14 @@ bool serve(void)
     return true;
 }
 
+void exchange(unsigned times)
+{
+    for (unsigned i = 0; i < times; i++) {
+        gateway_poller_step(&bench.poller);
+        (void)serve();
+    }
+}
+
 void settle(void)
 {
     int steps = 0;
@@ -176,6 +184,12 @@ void settle(void)
         gateway_poller_step(&bench.poller);
         TEST_ASSERT_LESS_THAN_INT(STEPS_OF_A_POLL, ++steps);
     } while (serve());
+}
+
+void carry_out(gateway_command_t *command)
+{
+    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
+    settle();
 }
 
 void pass(uint64_t us)

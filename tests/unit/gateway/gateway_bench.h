@@ -63,8 +63,13 @@ bench_object_t *last_write(void);
 /* The node answers one frame. False: there was none. */
 bool serve(void);
 
+/* The poller steps, and the node answers: so many times. */
+void exchange(unsigned times);
+
 /* Until nothing more is to be done now. */
 void settle(void);
+
+void carry_out(gateway_command_t *command); /* it is taken, and settled */
 
 void pass(uint64_t us);
 uint32_t count(int which);

@@ -57,8 +57,7 @@ static void test_a_refused_argument_ends_the_command(void)
     gateway_command_t command = command_of(1);
     settle();
     bench.refuse = 0x06090030U;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    settle();
+    carry_out(&command);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, command.result);
     TEST_ASSERT_EQUAL_HEX32(0x06090030U, command.abort);
     TEST_ASSERT_EQUAL_UINT(1, bench.written);
@@ -68,12 +67,8 @@ static void test_a_command_in_the_middle_of_a_poll(void)
 {
     gateway_command_t command = command_of(1);
     bench.k_xx = 1.0;
-    for (int i = 0; i < 40; i++) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
-    }
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    settle();
+    exchange(40);
+    carry_out(&command);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
     TEST_ASSERT_EQUAL_UINT32(1, bench.poller.published.number); /* begun anew */
     TEST_ASSERT_EQUAL_UINT32(0, count(GATEWAY_COUNT_POLLS_TORN));
@@ -87,10 +82,7 @@ static void test_polls_between_commands_without_end(void)
         if (command.result != GATEWAY_RESULT_PENDING) {
             TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
         }
-        for (int steps = 0; steps < 10; steps++) {
-            gateway_poller_step(&bench.poller);
-            (void)serve();
-        }
+        exchange(10);
     }
     TEST_ASSERT_GREATER_THAN_UINT32(20, bench.poller.published.number);
 }
@@ -105,8 +97,7 @@ static void test_polls_between_commands_of_two_without_end(void)
             TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
         }
         bench.refuse = (i < 20000) ? 0U : 0x08000022U;
-        gateway_poller_step(&bench.poller);
-        (void)serve();
+        exchange(1);
         if (i == 20000) {
             TEST_ASSERT_GREATER_THAN_UINT32(5, bench.poller.published.number);
             bench.poller.published.number = 0;
@@ -212,8 +203,7 @@ static void test_every_setting_is_written_as_its_object_is(void)
         TEST_ASSERT_EQUAL_PTR(target, gateway_target(target->number));
         gateway_command_t setting = gateway_setting(target, 7.0);
         bench.written = 0;
-        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
-        settle();
+        carry_out(&setting);
         TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
         TEST_ASSERT_EQUAL_UINT(1, bench.written);
         const uint64_t bits = (target->type == F64) ? bits_of(7.0) : (target->type == F32) ? 0x40E00000U : 7U;
@@ -228,15 +218,13 @@ static void test_a_setting_behind_its_key(void)
     const uint32_t key = 0x76726573U;
     gateway_command_t setting = gateway_setting_by_key(gateway_target(5), key, 3e-4);
     settle();
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
-    settle();
+    carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
     TEST_ASSERT_EQUAL_UINT(2, bench.written);
     assert_written(0, 0x2006U, 1, 4, key);
     assert_written(1, 0x2050U, 5, 8, bits_of(3e-4));
     bench.refuse = 0x08000022U;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
-    settle();
+    carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, setting.result);
     TEST_ASSERT_EQUAL_UINT(3, bench.written); /* the key once more, and nothing behind it */
     TEST_ASSERT_EQUAL_HEX16(0x2006, last_write()->index);
@@ -281,8 +269,7 @@ static void test_a_setting_that_is_refused_or_not_answered(void)
     gateway_command_t setting = gateway_setting(gateway_target(11), 1.0);
     settle();
     bench.refuse = 0x06020000U;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
-    settle();
+    carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, setting.result);
     TEST_ASSERT_EQUAL_HEX32(0x06020000U, setting.abort);
     bench.silent = true;
@@ -292,8 +279,7 @@ static void test_a_setting_that_is_refused_or_not_answered(void)
     TEST_ASSERT_EQUAL_HEX32(0, setting.abort);
     bench.silent = false;
     bench.refuse = 0;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &setting));
-    settle();
+    carry_out(&setting);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, setting.result);
 }
 
@@ -306,8 +292,7 @@ static void test_a_command_refused_in_its_last_part_leaves_the_next_one_whole(vo
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &one));
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &two));
     while (bench.written < 1U) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
+        exchange(1);
     }
     bench.refuse = 0x08000022U;
     while (one.result == GATEWAY_RESULT_PENDING) {

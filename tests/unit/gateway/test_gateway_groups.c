@@ -156,8 +156,7 @@ static void test_a_selection_over_modbus_is_in_the_next_snapshot_and_in_no_mixtu
         bench.fake.now_us++;
         bool is_over = false;
         for (unsigned i = 0; i < steps && !is_over; i++) {
-            gateway_poller_step(&bench.poller);
-            (void)serve();
+            exchange(1);
             is_over = gateway_poller_next_us(&bench.poller) == bench.poller.next_us;
         }
         gateway_command_t command = gateway_setting(gateway_target(SETTING_POSITION), 3.0);
@@ -229,16 +228,21 @@ static void test_a_measurement_that_no_poll_has_seen(void)
     TEST_ASSERT_EQUAL_FLOAT(0.75F, real(REGISTER_MEAN_AT_REST_Z));
 }
 
-static void test_settings_written_here_are_read_back_and_what_others_write_later(void)
+/* From 2 to 3, as the node has it already: what tells of it is to be given. */
+static gateway_command_t raise_coverage(void)
 {
     give(LIMITS, 1, 4, 0x40000000U);
     settle();
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
     give(LIMITS, 1, 4, 0x40400000U);
+    return gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
+}
+
+static void test_settings_written_here_are_read_back_and_what_others_write_later(void)
+{
+    gateway_command_t command = raise_coverage();
     const unsigned few = next_poll();
     TEST_ASSERT_EQUAL_HEX16(0x4000U, word(1151)); /* nothing told of it */
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    settle();
+    carry_out(&command);
     TEST_ASSERT_EQUAL_HEX16(0x4040U, word(1151));
     TEST_ASSERT_EQUAL_UINT(few, next_poll());
     give(LIMITS, 1, 4, 0x40800000U);
@@ -255,18 +259,14 @@ static void test_a_refused_setting_changes_nothing(void)
     const unsigned few = next_poll();
     gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
     bench.refuse = 0x08000022U;
-    TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    settle();
+    carry_out(&command);
     TEST_ASSERT_EQUAL_UINT(few, next_poll());
 }
 
 /* The node may have taken it: what was disturbed is the answer. */
 static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 {
-    give(LIMITS, 1, 4, 0x40000000U);
-    settle();
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
-    give(LIMITS, 1, 4, 0x40400000U);
+    gateway_command_t command = raise_coverage();
     bench.refuse = 0x05040001U;
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
     (void)next_poll();
@@ -276,12 +276,10 @@ static void test_a_setting_whose_answer_was_disturbed_is_read_back(void)
 
 static void command_in_a_poll(gateway_command_t *command)
 {
-    gateway_poller_step(&bench.poller);
-    (void)serve();
+    exchange(1);
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, command));
     while (command->result == GATEWAY_RESULT_PENDING) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
+        exchange(1);
     }
 }
 
@@ -303,14 +301,12 @@ static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
     bench.silent = false;
     bench.fake.now_us = bench.poller.next_us;
     for (const unsigned before = bench.reads; bench.reads < before + 100U;) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
+        exchange(1);
     }
     bench.on_write = show_position;
     command_in_a_poll(&command);
     while (bench.poller.published.number == 0U) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
+        exchange(1);
     }
     TEST_ASSERT_EQUAL_UINT16(7, word(REGISTER_PROGRESS));
 }
@@ -318,15 +314,9 @@ static void test_a_poll_after_silence_begins_anew_for_a_setting(void)
 /* A poll that is given up has not read what was written before it. */
 static void test_what_was_written_is_read_although_a_poll_fails(void)
 {
-    give(LIMITS, 1, 4, 0x40000000U);
-    settle();
-    gateway_command_t command = gateway_setting(gateway_target(SETTING_COVERAGE), 3.0);
-    give(LIMITS, 1, 4, 0x40400000U);
+    gateway_command_t command = raise_coverage();
     TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
-    for (int i = 0; i < 20; i++) {
-        gateway_poller_step(&bench.poller);
-        (void)serve();
-    }
+    exchange(20);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
     bench.abort_next = 0x05040000U; /* torn */
     settle();

@@ -97,8 +97,7 @@ static void test_a_node_that_boots_within_a_poll_tears_it(void)
         bench_set_up();
         bench.k_xx = 2.0;
         for (int i = 0; i < steps && bench.poller.published.number == 0U; i++) {
-            gateway_poller_step(&bench.poller);
-            (void)serve();
+            exchange(1);
         }
         const bool is_over = bench.poller.published.number != 0U;
         fake_port_give(&bench.fake, &boot_up);
@@ -134,8 +133,7 @@ static void test_torn_without_end_waits_for_the_next_period(void)
             const uint32_t before = count(GATEWAY_COUNT_POLLS_TORN);
             bench.tear_at = 20;
             while (count(GATEWAY_COUNT_POLLS_TORN) == before) {
-                gateway_poller_step(&bench.poller);
-                (void)serve();
+                exchange(1);
             }
         }
         settle();

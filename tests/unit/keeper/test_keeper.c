@@ -79,9 +79,7 @@ static void test_an_implausible_change_waits_for_an_operator(void)
 
 static void test_a_proposal_can_be_discarded(void)
 {
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_VERDICT_WORKING, state_of_keeper().verdict);
     settle_memory();
@@ -110,9 +108,7 @@ static void test_rollback_is_refused_while_a_proposal_waits(void)
 {
     (void)run_and_judge();
     drift(1e-5);
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ROLLBACK));
     TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->refused);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_DISCARD));
@@ -123,9 +119,7 @@ static void test_rollback_is_refused_while_a_proposal_waits(void)
 
 static void test_commands_about_sets_wait_for_the_end_of_a_run(void)
 {
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_ACCEPT));
     ASSERT_STATUS(TUMBLE_E_STATE, tell(TUMBLE_COMMAND_DISCARD));

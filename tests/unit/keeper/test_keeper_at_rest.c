@@ -116,10 +116,9 @@ static void test_a_run_by_itself_ends_it(void)
 
 static void test_a_reset_of_the_node_ends_it(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
     TEST_ASSERT_EQUAL_HEX32(0, want(2));
     bench_pass(&bench, 0.1);
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     assert_ended();
 }

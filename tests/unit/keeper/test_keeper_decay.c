@@ -109,8 +109,7 @@ static void test_it_is_told_again_after_a_reset(void)
     decay(2);
     keeper_power_cycle();
     for (size_t i = 0; i < (sizeof commands / sizeof commands[0]); i++) {
-        const tumble_can_frame_t reset = {.id = 0x000, .length = 2, .data = {commands[i], 1}};
-        fake_port_give(&bench.fake, &reset);
+        reset_by_nmt(commands[i]);
         bench_pass(&bench, 0.5);
         assert_told(2, 1);
     }

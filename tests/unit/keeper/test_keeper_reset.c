@@ -3,8 +3,7 @@
 
 static void reset_application(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_event(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
 }

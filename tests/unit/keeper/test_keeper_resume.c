@@ -271,10 +271,9 @@ static void test_a_damaged_entry_is_measured_again(void)
 /* An NMT reset of the application is as a loss of power. */
 static void test_after_an_nmt_reset_the_run_can_be_gone_on_with(void)
 {
-    const tumble_can_frame_t reset = {.id = 0, .length = 2, .data = {TUMBLE_NMT_RESET_NODE, 1}};
     start_to_average(6);
     settle_memory();
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 0.5);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     TEST_ASSERT_EQUAL_UINT8(6, state_of_keeper().resumable);

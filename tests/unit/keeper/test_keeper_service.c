@@ -5,13 +5,6 @@
 #define OTHER_RULES TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES)
 #define DOES_NOT_FIT TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT)
 
-static uint32_t write_f64(uint16_t index, uint8_t subindex, double value)
-{
-    uint8_t bytes[8];
-    tumble_put_f64(bytes, value);
-    return sdo_write(index, subindex, bytes, 8);
-}
-
 /* One position is off by so much, in one channel. */
 static tumble_verdict_t disturbed_run(uint8_t index, double by_v)
 {
@@ -179,12 +172,11 @@ static void test_rules_that_could_not_be_saved_are_others(void)
 
 static void test_what_was_saved_is_the_boards_after_a_reset_too(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[8]){0x81, 1});
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 2e-4));
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1.0));
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_TRUE(bench.navcomp.procedure_config.gravity_limit_g == 2e-4);
     assert_judged(TUMBLE_VERDICT_COMMITTED, 0);
@@ -242,9 +234,7 @@ static void test_the_proposal_that_was_read_is_accepted_or_none(void)
 
 static void test_the_board_names_it_as_well(void)
 {
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tell(TUMBLE_COMMAND_ACCEPT));
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_accept(&bench.navcomp, 0));
     const uint32_t proposal = set_of(TUMBLE_SET_PROPOSAL).record_crc;
@@ -269,9 +259,7 @@ static void test_an_accept_that_is_refused_leaves_the_one_that_waits(void)
 /* Every set tells how it came to be where it is. */
 static void test_what_is_accepted_at_service_level_says_so(void)
 {
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     unlock();
     ASSERT_STATUS(TUMBLE_OK, accept_proposal());
     settle_memory();

@@ -45,12 +45,7 @@ static void test_reading_computes_nothing(void)
     const uint32_t before = calls;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&bench.navcomp, TUMBLE_ALL_COEFFICIENTS, &u));
     for (int times = 0; times < 2; times++) {
-        for (int c = 0; c < 9; c++) {
-            TEST_ASSERT_TRUE(u.k_v_per_g[c / 3][c % 3] == read_f64(0x2023, (uint8_t)(c + 1)));
-        }
-        for (int c = 0; c < 3; c++) {
-            TEST_ASSERT_TRUE(u.u0_v[c] == read_f64(0x2024, (uint8_t)(c + 1)));
-        }
+        assert_told(u.k_v_per_g, u.u0_v, 0x2023, 0x2024);
     }
     TEST_ASSERT_EQUAL_UINT32(before, calls);
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START)); /* there is no result any more */
@@ -95,7 +90,6 @@ static void test_of_another_estimator_there_are_none(void)
 /* A reset takes the means away. What is in the checkpoint goes on, as after a loss of power. */
 static void test_a_reset_meanwhile_loses_nothing(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
     run_to_done();
     for (int i = 0; i < 200; i++) {
         bench_event(&bench);
@@ -103,7 +97,7 @@ static void test_a_reset_meanwhile_loses_nothing(void)
             break;
         }
     }
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_event(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, run_state());
     settle_memory();

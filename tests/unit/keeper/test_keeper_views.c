@@ -40,17 +40,16 @@ static void test_parameters_outlast_power_when_they_are_saved(void)
 
 static void test_a_reset_of_the_node_is_as_good_as_power_off(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
     change_parameters();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1010, SAVE));
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 5));
     TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2122, 2, 5));
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_TRUE(are_changed());
     unlock();
     TEST_ASSERT_EQUAL_HEX32(0, write_and_wait(0x1011, LOAD));
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_FALSE(are_changed());
 }
@@ -172,13 +171,12 @@ static void test_the_stand_as_it_is_seen(void)
 /* An NMT reset zeroes the procedure's counters, and the run after it has as many positions as the one before. */
 static void test_the_stand_of_a_run_after_a_reset(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[]){0x81, 1});
     (void)run_and_judge();
     const uint32_t number = bench.navcomp.run_number;
     TEST_ASSERT_EQUAL_UINT32(1, number);
     (void)read_f64(0x2140, 1);
     stand_memory.view.number[0] = 123.0;
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));
     drift(1e-5);
@@ -220,9 +218,7 @@ static void test_the_calibration_counter_is_broadcast(void)
     uint8_t last[8] = {0};
     TEST_ASSERT_TRUE(listen_for_pdo(5.0, last) >= 2U);
     TEST_ASSERT_EQUAL_UINT32(0, tumble_get_u32(last));
-    (void)run_and_judge();
-    drift(2e-3);
-    (void)run_and_judge();
+    hold_one();
     TEST_ASSERT_TRUE(listen_for_pdo(5.0, last) >= 2U);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_get_u32(last));
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE), tumble_get_u16(&last[4]));

@@ -34,16 +34,6 @@ static size_t count_sent(size_t total, uint16_t id, int first_byte)
     return found;
 }
 
-/* Step until nothing is due at once. */
-static void settle(void)
-{
-    int steps = 0;
-    do {
-        tumble_navcomp_step(&bench.navcomp);
-        TEST_ASSERT_TRUE(++steps < 100);
-    } while (tumble_navcomp_next_deadline_us(&bench.navcomp) <= bench.fake.now_us);
-}
-
 static void test_init_refuses_what_it_cannot_work_with(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_OK, init());
@@ -100,7 +90,7 @@ static void test_boot_up_then_heartbeats_as_operational(void)
 {
     fake_port_init(&bench.fake); /* alone on the bus */
     TEST_ASSERT_EQUAL(TUMBLE_OK, init());
-    settle();
+    bench_settle(&bench);
     TEST_ASSERT_EQUAL_size_t(4, take_sent());
     TEST_ASSERT_EQUAL_HEX16(0x701, sent[0].id);
     TEST_ASSERT_EQUAL_UINT8(1, sent[0].length);
@@ -111,7 +101,7 @@ static void test_boot_up_then_heartbeats_as_operational(void)
     for (uint64_t beat = 1; beat <= 20U; beat++) {
         TEST_ASSERT_EQUAL_UINT64(beat * 100000U, tumble_navcomp_next_deadline_us(&bench.navcomp));
         bench.fake.now_us = beat * 100000U;
-        settle();
+        bench_settle(&bench);
         const size_t count = take_sent();
         TEST_ASSERT_EQUAL_size_t(1, count_sent(count, 0x701, TUMBLE_NMT_OPERATIONAL));
     }
@@ -122,7 +112,7 @@ static void test_the_heartbeat_time_comes_from_the_configuration(void)
     fake_port_init(&bench.fake);
     bench.config.heartbeat_ms = 40;
     TEST_ASSERT_EQUAL(TUMBLE_OK, init());
-    settle();
+    bench_settle(&bench);
     TEST_ASSERT_EQUAL_UINT64(40000, tumble_navcomp_next_deadline_us(&bench.navcomp));
 }
 
@@ -133,10 +123,10 @@ static void test_drive_and_block_are_started_wherever_they_are_found(void)
         bench_init(&bench);
         fake_port_init(&bench.fake);
         TEST_ASSERT_EQUAL(TUMBLE_OK, init());
-        settle();
+        bench_settle(&bench);
         (void)take_sent();
         give(0x703, 1, &states[i]);
-        settle();
+        bench_settle(&bench);
         const size_t count = take_sent();
         TEST_ASSERT_EQUAL_size_t(1, count_sent(count, TUMBLE_NMT_ID, TUMBLE_NMT_START));
         TEST_ASSERT_EQUAL_UINT8(3, sent[(sent[0].id == TUMBLE_NMT_ID) ? 0 : 1].data[1]);
@@ -154,7 +144,7 @@ static void test_a_block_that_does_not_start_is_told_again_now_and_then(void)
         if ((ms % 100) == 0) {
             give(0x703, 1, &state);
         }
-        settle();
+        bench_settle(&bench);
     }
     TEST_ASSERT_EQUAL_size_t(5, count_sent(take_sent(), TUMBLE_NMT_ID, TUMBLE_NMT_START));
     TEST_ASSERT_EQUAL_UINT32(5, bench_counters(&bench).events.starts);
@@ -283,7 +273,7 @@ static void test_garbage_does_no_lasting_harm(void)
         }
         fake_port_give(&bench.fake, &frame);
         if ((i % 50) == 0) {
-            settle();
+            bench_settle(&bench);
             (void)take_sent();
             bench.fake.now_us += 1000U;
         }
@@ -310,7 +300,7 @@ static void test_a_step_takes_a_bounded_number_of_frames(void)
     tumble_navcomp_step(&bench.navcomp);
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP, bench_counters(&bench).link.received);
     TEST_ASSERT_TRUE(tumble_navcomp_next_deadline_us(&bench.navcomp) <= bench.fake.now_us);
-    settle();
+    bench_settle(&bench);
     TEST_ASSERT_EQUAL_UINT32(202, bench_counters(&bench).link.received); /* with two boot-up messages */
 }
 

@@ -48,12 +48,7 @@ static void test_an_outsider_runs_a_calibration_by_sdo(void)
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
     tumble_result_t result;
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
-    for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_TRUE(result.coefficients->u0_v[i] == read_f64(0x2021, (uint8_t)(i + 1)));
-        for (int j = 0; j < 3; j++) {
-            TEST_ASSERT_TRUE(result.coefficients->k_v_per_g[i][j] == read_f64(0x2020, (uint8_t)((3 * i) + j + 1)));
-        }
-    }
+    assert_told(result.coefficients->k_v_per_g, result.coefficients->u0_v, 0x2020, 0x2021);
     TEST_ASSERT_TRUE(result.check->max_abs_fit_g == read_f64(0x2022, 1));
     TEST_ASSERT_TRUE(read_f64(0x2022, 2) == 0.0);
     TEST_ASSERT_TRUE(read_f64(0x2022, 3) == 3e-4);
@@ -142,27 +137,21 @@ static void test_counters(void)
 /* Written between runs only, and then in force. */
 static void test_the_configuration_can_be_written_between_runs(void)
 {
-    uint8_t bytes[8];
-    const uint8_t least_squares = TUMBLE_ESTIMATE_LEAST_SQUARES;
     power_on_for(1.0);
     TEST_ASSERT_EQUAL_UINT32(BENCH_SAMPLES, read_number(0x2050, 1, 4));
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_ESTIMATE_REFINED, read_number(0x2050, 2, 1));
     TEST_ASSERT_EQUAL_UINT32(100, read_number(0x2050, 3, 2));
     TEST_ASSERT_EQUAL_UINT32(1, read_number(0x2050, 4, 1));
     TEST_ASSERT_TRUE(read_f64(0x2050, 5) == 3e-4);
-    tumble_put_u32(bytes, 7);
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 1, bytes, 4));
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 2, &least_squares, 1));
-    tumble_put_u16(bytes, 60);
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 3, bytes, 2));
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 4, (const uint8_t[]){5}, 1));
-    tumble_put_f64(bytes, 1e-3);
+    TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x2050, 1, 7));
+    TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2050, 2, TUMBLE_ESTIMATE_LEAST_SQUARES));
+    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 3, (const uint8_t[]){60, 0}, 2));
+    TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2050, 4, 5));
     unlock();
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x2050, 5, bytes, 8));
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, sdo_write(0x2050, 2, (const uint8_t[]){3}, 1));
+    TEST_ASSERT_EQUAL_HEX32(0, write_f64(0x2050, 5, 1e-3));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_byte(0x2050, 2, 3));
     TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
-    tumble_put_u32(bytes, 100);
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, sdo_write(0x2050, 1, bytes, 4));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_u32(0x2050, 1, 100));
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
     for (int p = 0; p < 18; p++) {
         TEST_ASSERT_EQUAL_UINT32(7, bench.recorded[p]);
@@ -175,39 +164,12 @@ static void test_the_configuration_can_be_written_between_runs(void)
     TEST_ASSERT_TRUE(bench.procedure.samples == BENCH_SAMPLES); /* the caller's own is const */
 }
 
-/* True: it could be read. */
-static bool answers(const tumble_entry_t *entry, uint16_t index, uint8_t subindex)
-{
-    uint8_t bytes[64];
-    uint8_t size = 0;
-    const uint32_t abort = sdo_read(index, subindex, bytes, &size);
-    const bool readable = (entry->access & TUMBLE_ACCESS_READ) != 0U;
-    if (abort == 0U) {
-        TEST_ASSERT_TRUE(readable);
-        TEST_ASSERT_TRUE((size == entry->size) || (entry->type == TUMBLE_TYPE_VISIBLE_STRING));
-    } else if (readable) {
-        TEST_ASSERT_TRUE((abort == TUMBLE_ABORT_NO_DATA) || (abort == TUMBLE_ABORT_NO_SUBINDEX));
-    } else {
-        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_WRITE_ONLY, abort);
-    }
-    return abort == 0U;
-}
-
 /* All objects of the table can be read, or are refused with a code that says why. */
 static void test_every_object_answers(void)
 {
     bench_start(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
-    unsigned read = 0;
-    for (uint8_t i = 0; i < tumble_navcomp_table.count; i++) {
-        const tumble_entry_t *entry = &tumble_navcomp_table.entries[i];
-        for (unsigned object = 0; object <= entry->more_objects; object++) {
-            for (unsigned sub = 0; sub <= entry->more_subindices; sub++) {
-                read += answers(entry, (uint16_t)(entry->index + object), (uint8_t)(entry->subindex + sub)) ? 1U : 0U;
-            }
-        }
-    }
-    TEST_ASSERT_TRUE(read > 100U);
+    TEST_ASSERT_TRUE(count_answers(&tumble_navcomp_table) > 100U);
 }
 
 static void test_the_state_pdo_follows_the_procedure(void)

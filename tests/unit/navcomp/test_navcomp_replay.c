@@ -37,19 +37,9 @@ typedef struct {
     bool in_batches;      /* frames that waited together do so again; else one by one */
 } pace_t;
 
-/* What every host does: step, and again for as long as the next step is due at once. */
-static void step(void)
-{
-    int steps = 0;
-    do {
-        tumble_navcomp_step(&replay.navcomp);
-        TEST_ASSERT_TRUE(++steps < 100);
-    } while (tumble_navcomp_next_deadline_us(&replay.navcomp) <= replay.fake.now_us);
-}
-
 static void obey(const uint8_t *command)
 {
-    step();
+    bench_settle(&replay);
     TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_command(&replay.navcomp, (tumble_command_t)command[0], command[1]));
 }
 
@@ -77,14 +67,14 @@ static void play(const pace_t *pace)
             fake_port_give(&replay.fake, &entry->frame);
         }
         for (uint32_t extra = 0; is_seen(i, pace) && (extra <= pace->extra_steps); extra++) {
-            step();
+            bench_settle(&replay);
             replay.fake.now_us += 7U;
         }
         while (fake_port_take(&replay.fake, &sent)) {
             /* nobody listens to a replay */
         }
     }
-    step();
+    bench_settle(&replay);
 }
 
 static void assert_same_bits(void)

@@ -35,19 +35,6 @@ static void assert_stops_for(tumble_reason_t reason, double most_s)
     assert_stopped_for(reason);
 }
 
-static void assert_right_coefficients(void)
-{
-    tumble_result_t result;
-    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
-    TEST_ASSERT_TRUE(result.pass);
-    for (int i = 0; i < 3; i++) {
-        TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.u0_v[i], result.coefficients->u0_v[i]);
-        for (int j = 0; j < 3; j++) {
-            TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.k_v_per_g[i][j], result.coefficients->k_v_per_g[i][j]);
-        }
-    }
-}
-
 static void assert_ends_well(void)
 {
     TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));

@@ -125,14 +125,7 @@ static void assert_calibrates(bool with_drive)
         progress = bench_progress(&bench);
         TEST_ASSERT_TRUE_MESSAGE(progress.run.state != TUMBLE_STATE_FAULT, tumble_reason_name(progress.run.reason));
     }
-    tumble_result_t result;
-    TEST_ASSERT_EQUAL(TUMBLE_OK, tumble_navcomp_result(&bench.navcomp, &result));
-    TEST_ASSERT_TRUE(result.pass);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            TEST_ASSERT_DOUBLE_WITHIN(1e-6, bench.block.k_v_per_g[i][j], result.coefficients->k_v_per_g[i][j]);
-        }
-    }
+    assert_right_coefficients();
 }
 
 static void test_a_boards_own_converter(void)

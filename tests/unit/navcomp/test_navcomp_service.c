@@ -65,9 +65,7 @@ static uint32_t run_number(void)
 
 static uint32_t write_limit(double limit_g)
 {
-    uint8_t bytes[8];
-    tumble_put_f64(bytes, limit_g);
-    return sdo_write(0x2050, 5, bytes, 8);
+    return write_f64(0x2050, 5, limit_g);
 }
 
 static double limit_g(void)
@@ -150,10 +148,9 @@ static void test_it_ends_when_a_run_begins_and_is_not_opened_in_one(void)
 static void test_a_reset_ends_it(void)
 {
     for (uint8_t reset = 0x81; reset <= 0x82U; reset++) {
-        const tumble_can_frame_t frame = fake_frame(0x000, 2, (const uint8_t[8]){reset, 1});
         unlock();
         TEST_ASSERT_EQUAL_HEX8(0x81, read_number(0x1001, 0, 1));
-        fake_port_give(&bench.fake, &frame);
+        reset_by_nmt(reset);
         bench_pass(&bench, 1.0);
         TEST_ASSERT_EQUAL_UINT32(0, level());
         TEST_ASSERT_EQUAL_HEX8(0, read_number(0x1001, 0, 1));
@@ -191,7 +188,6 @@ static void test_its_changes_are_told(void)
 
 static void test_runs_are_numbered(void)
 {
-    const tumble_can_frame_t reset = fake_frame(0x000, 2, (const uint8_t[8]){0x81, 1});
     const tumble_can_frame_t start = fake_frame(0x601, 8, (const uint8_t[8]){0x2F, 2, 0x20, 2, TUMBLE_COMMAND_START});
     TEST_ASSERT_EQUAL_UINT32(0, run_number());
     fake_port_give(&bench.fake, &start);
@@ -206,7 +202,7 @@ static void test_runs_are_numbered(void)
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_ABORT, 0));
     ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_START, 0));
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
-    fake_port_give(&bench.fake, &reset);
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_UINT32(3, run_number());
     power_on_for(1.0);
@@ -266,8 +262,7 @@ static void test_the_others_need_none(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x1003, 0, (const uint8_t[]){0}, 1));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x1802, 5, (const uint8_t[]){0xF4, 1}, 2));
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x1804, 5, (const uint8_t[]){0xF4, 1}, 2));
-    tumble_put_u32(bytes, 0x80000000U);
-    TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x1803, 1, bytes, 4)); /* not in use without a keeper */
+    TEST_ASSERT_EQUAL_HEX32(0, write_u32(0x1803, 1, 0x80000000U)); /* not in use without a keeper */
 }
 
 /* The board's own program is not an outsider. */

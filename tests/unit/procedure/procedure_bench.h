@@ -10,7 +10,6 @@
 #include "procedure/procedure.h"
 #include "support.h"
 
-
 #define SAMPLE_US 10000U
 #define MOVE_US 100000U
 #define V_PER_COUNT 1e-6
@@ -77,28 +76,40 @@ typedef struct {
     uint32_t visited;         /* states seen after a step, one bit each */
 } bench_t;
 
-void bench_break_stand(bench_t *bench, tumble_stand_fault_t fault, uint16_t code);
-tumble_block_sample_t bench_make_sample(bench_t *bench);
-tumble_state_t bench_state_of(const bench_t *bench);
+extern bench_t bench; /* the one under test; who compares runs has more */
+
+void bench_break_stand(bench_t *b, tumble_stand_fault_t fault, uint16_t code);
+tumble_block_sample_t bench_make_sample(bench_t *b);
+tumble_progress_t bench_progress(const bench_t *b);
+tumble_state_t bench_state_of(const bench_t *b);
 
 /* 10 ms: the table turns, the procedure steps, the block samples, the operator works. */
-void bench_tick(bench_t *bench);
+void bench_tick(bench_t *b);
+void bench_ticks(bench_t *b, unsigned count);
+unsigned bench_ticks_in(bench_t *b, tumble_state_t state); /* until it leaves this state: so many */
 
-tumble_reason_t bench_reason_of(const bench_t *bench);
-bool bench_has_ended(const bench_t *bench);
+tumble_reason_t bench_reason_of(const bench_t *b);
+bool bench_has_ended(const bench_t *b);
 
 /* Run until it has ended, or this state is reached; fails when neither happens in ten minutes of virtual time. */
-void bench_run_to(bench_t *bench, tumble_state_t state);
+void bench_run_to(bench_t *b, tumble_state_t state);
 
-void bench_run(bench_t *bench);
+void bench_run(bench_t *b);
 
 /* Run until the position at `index` is in this state. */
-void bench_run_to_position(bench_t *bench, uint8_t index, tumble_state_t state);
+void bench_run_to_position(bench_t *b, uint8_t index, tumble_state_t state);
 
-void bench_init(bench_t *bench);
-void bench_start(bench_t *bench);
-void bench_run_to_done(bench_t *bench);
-void bench_start_to_done(bench_t *bench);
+void bench_init(bench_t *b);
+void bench_start(bench_t *b);
+void bench_run_to_done(bench_t *b);
+void bench_start_to_done(bench_t *b);
+tumble_result_t bench_result(const bench_t *b);
+
+/* With `bench`, before each case: ready; started. */
+void begin(void);
+void begin_run(void);
+
+const tumble_procedure_counters_t *counters(void); /* of `bench` */
 
 #define ASSERT_ENDED(bench, expected_state, expected_reason)                                                           \
     do {                                                                                                               \

@@ -3,13 +3,6 @@
 
 #include "angles.h"
 
-static bench_t bench;
-
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static void assert_truth(const bench_t *b, const tumble_coefficients_t *found, double tolerance_v)
 {
     for (int i = 0; i < 3; i++) {
@@ -33,8 +26,7 @@ static void test_every_estimator_finds_the_block(void)
     for (size_t e = 0; e < COUNT_OF(estimates); e++) {
         bench_init(&bench);
         run_with(estimates[e]);
-        tumble_result_t result;
-        ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
+        const tumble_result_t result = bench_result(&bench);
         TEST_ASSERT_TRUE(result.pass);
         TEST_ASSERT_TRUE(result.check->pass);
         TEST_ASSERT_EQUAL_UINT8(18, result.check->fit_positions);
@@ -78,16 +70,15 @@ static void test_a_run_walks_the_schedule_in_order(void)
     TEST_ASSERT_EQUAL_UINT(2, bench.confirmations);
     TEST_ASSERT_EQUAL_UINT(1, bench.stand.homes);
     TEST_ASSERT_EQUAL_UINT(0, bench.stand.stops);
-    const tumble_procedure_counters_t *counters = tumble_procedure_counters(&bench.procedure);
-    TEST_ASSERT_EQUAL_UINT32(18, counters->positions);
-    TEST_ASSERT_EQUAL_UINT32(18U * 20U, counters->averaged);
-    TEST_ASSERT_EQUAL_UINT32(1, counters->homings);
-    TEST_ASSERT_EQUAL_UINT32(bench.stand.moves, counters->moves);
-    TEST_ASSERT_EQUAL_UINT32(0, counters->retries);
-    TEST_ASSERT_EQUAL_UINT32(0, counters->refused);
-    TEST_ASSERT_EQUAL_UINT32(0, counters->timeouts);
-    TEST_ASSERT_EQUAL_UINT32(0, counters->faults);
-    TEST_ASSERT_EQUAL_UINT32(0, counters->unwinds);
+    TEST_ASSERT_EQUAL_UINT32(18, counters()->positions);
+    TEST_ASSERT_EQUAL_UINT32(18U * 20U, counters()->averaged);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->homings);
+    TEST_ASSERT_EQUAL_UINT32(bench.stand.moves, counters()->moves);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->refused);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->timeouts);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->faults);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->unwinds);
 }
 
 static void test_every_state_is_visited_and_seen(void)
@@ -101,16 +92,13 @@ static void test_every_state_is_visited_and_seen(void)
 
 static void test_progress_tells_where_it_stands(void)
 {
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    tumble_progress_t progress = bench_progress(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_IDLE, progress.state);
     TEST_ASSERT_EQUAL_UINT8(0, progress.count);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to_position(&bench, 11, TUMBLE_STATE_AVERAGE);
-    for (int i = 0; i < 7; i++) {
-        bench_tick(&bench);
-    }
-    tumble_procedure_progress(&bench.procedure, &progress);
+    bench_ticks(&bench, 7);
+    progress = bench_progress(&bench);
     TEST_ASSERT_EQUAL_UINT8(11, progress.index);
     TEST_ASSERT_EQUAL_UINT8(18, progress.count);
     TEST_ASSERT_EQUAL_UINT8(11, progress.finished);
@@ -134,8 +122,7 @@ static void test_running_mean_is_in_volts(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to(&bench, TUMBLE_STATE_AVERAGE);
     ASSERT_STATUS(TUMBLE_E_TOO_FEW, tumble_procedure_running(&bench.procedure, mean_v, error_v));
-    bench_tick(&bench);
-    bench_tick(&bench);
+    bench_ticks(&bench, 2);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_running(&bench.procedure, mean_v, error_v));
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.1 - 2.1, mean_v[2]);
     ASSERT_SAME_DOUBLE(0.0, error_v[2]);
@@ -156,8 +143,7 @@ static void test_schedule_with_check_positions_and_interleaved_mountings(void)
     static const tumble_schedule_t schedule = {mountings, positions, 2, 7};
     bench.config.schedule = &schedule;
     run_with(TUMBLE_ESTIMATE_LEAST_SQUARES);
-    tumble_result_t result;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
+    const tumble_result_t result = bench_result(&bench);
     TEST_ASSERT_EQUAL_UINT(2, bench.confirmations); /* all of a mounting before the next */
     TEST_ASSERT_EQUAL_UINT8(1, result.check->check_positions);
     TEST_ASSERT_TRUE(result.pass);
@@ -191,14 +177,10 @@ static void test_warm_up_waits_for_the_band(void)
     bench.operator_is_away = true;
     bench.config.warm_up_samples = 5; /* a rising temperature stays within the band for three samples only */
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    for (int i = 0; i < 20; i++) {
-        bench_tick(&bench);
-    }
+    bench_ticks(&bench, 20);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
     bench.block.warming_half_c = 0;
-    for (int i = 0; i < 6; i++) {
-        bench_tick(&bench);
-    }
+    bench_ticks(&bench, 6);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WAIT_MOUNTING, bench_state_of(&bench));
 }
 
@@ -206,9 +188,7 @@ static void test_a_cold_block_warms_up_without_being_a_fault(void)
 {
     bench.block.status = TUMBLE_SAMPLE_TEMPERATURE;
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    for (int i = 0; i < 50; i++) {
-        bench_tick(&bench);
-    }
+    bench_ticks(&bench, 50);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
     bench.block.status = 0;
     bench_run_to_done(&bench);
@@ -219,12 +199,7 @@ static void test_settling_counts_the_blocks_milliseconds(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
-    int ticks = 0;
-    while (bench_state_of(&bench) == TUMBLE_STATE_SETTLE) {
-        bench_tick(&bench);
-        ticks++;
-    }
-    TEST_ASSERT_EQUAL_INT(20, ticks);
+    TEST_ASSERT_EQUAL_UINT(20, bench_ticks_in(&bench, TUMBLE_STATE_SETTLE));
 }
 
 static void test_settling_ignores_old_samples(void)
@@ -244,17 +219,10 @@ static void test_settling_starts_again_when_the_table_moves_again(void)
 {
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
-    for (int i = 0; i < 15; i++) {
-        bench_tick(&bench);
-    }
+    bench_ticks(&bench, 15);
     bench.stand.state = TUMBLE_STAND_MOVING; /* within tolerance, but the drive is not content */
     bench.stand.arrives_us = bench.now_us + 20000U;
-    int ticks = 0;
-    while (bench_state_of(&bench) == TUMBLE_STATE_SETTLE) {
-        bench_tick(&bench);
-        ticks++;
-    }
-    TEST_ASSERT_EQUAL_INT(22, ticks);
+    TEST_ASSERT_EQUAL_UINT(22, bench_ticks_in(&bench, TUMBLE_STATE_SETTLE));
 }
 
 static void test_no_settling_time_at_all(void)
@@ -312,7 +280,7 @@ static void test_commands_are_allowed_where_the_table_says(void)
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_confirm_mounting(&bench.procedure, 1));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_repeat_position(&bench.procedure, 0));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_resume(&bench.procedure));
-    TEST_ASSERT_EQUAL_UINT32(13, tumble_procedure_counters(&bench.procedure)->commands_refused);
+    TEST_ASSERT_EQUAL_UINT32(13, counters()->commands_refused);
 }
 
 static void test_abort_stops_the_table_in_every_state(void)
@@ -329,8 +297,7 @@ static void test_abort_stops_the_table_in_every_state(void)
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_abort(&bench.procedure));
         ASSERT_ENDED(&bench, TUMBLE_STATE_ABORT, TUMBLE_REASON_COMMAND);
         TEST_ASSERT_EQUAL_UINT(1, bench.stand.stops);
-        tumble_progress_t progress;
-        tumble_procedure_progress(&bench.procedure, &progress);
+        const tumble_progress_t progress = bench_progress(&bench);
         TEST_ASSERT_EQUAL(states[s], progress.failed_in);
         tumble_result_t result;
         ASSERT_STATUS((states[s] == TUMBLE_STATE_COUNT) ? TUMBLE_OK : TUMBLE_E_STATE,
@@ -361,4 +328,4 @@ static void test_init_refuses_nothing_at_all(void)
     ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_procedure_init(&bench.procedure, &bench.config, NULL));
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {begin, NULL};

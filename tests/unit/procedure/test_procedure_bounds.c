@@ -1,18 +1,6 @@
 /* The procedure to the sample and to the millisecond: warm-up, settling, legs of a move, what a refusal counts. */
 #include "procedure_bench.h"
 
-static bench_t bench;
-
-static void set_up(void)
-{
-    bench_start(&bench);
-}
-
-static const tumble_procedure_counters_t *counters(void)
-{
-    return tumble_procedure_counters(&bench.procedure);
-}
-
 /* So many samples of these temperatures warm it up, not one earlier. */
 static void expect_warm_after(const int8_t *temperatures_half_c, size_t count)
 {
@@ -47,12 +35,7 @@ static void expect_settled_after(uint16_t settle_ms, int expected_ticks)
     bench_start(&bench);
     bench.config.settle_ms = settle_ms;
     bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
-    int ticks = 0;
-    while (bench_state_of(&bench) == TUMBLE_STATE_SETTLE) {
-        bench_tick(&bench);
-        ticks++;
-    }
-    TEST_ASSERT_EQUAL_INT(expected_ticks, ticks);
+    TEST_ASSERT_EQUAL_UINT(expected_ticks, bench_ticks_in(&bench, TUMBLE_STATE_SETTLE));
 }
 
 static void test_settling_to_the_millisecond(void)
@@ -72,12 +55,7 @@ static void test_settling_over_the_wrap_of_the_timestamp(void)
         bench.block.timestamp_ms = 4000;
         bench_tick(&bench);
     }
-    int ticks = 0;
-    while (bench_state_of(&bench) == TUMBLE_STATE_SETTLE) {
-        bench_tick(&bench);
-        ticks++;
-    }
-    TEST_ASSERT_EQUAL_INT(20, ticks);
+    TEST_ASSERT_EQUAL_UINT(20, bench_ticks_in(&bench, TUMBLE_STATE_SETTLE));
     TEST_ASSERT_TRUE(bench.block.timestamp_ms < 4000U);
 }
 
@@ -97,9 +75,7 @@ static void test_each_leg_of_a_move_has_its_own_time(void)
     bench_run_to(&bench, TUMBLE_STATE_MOVE);
     for (int leg = 0; leg < 2; leg++) {
         bench.stand.arrives_us = bench.now_us + 900000U;
-        for (int i = 0; i < 89; i++) {
-            bench_tick(&bench);
-        }
+        bench_ticks(&bench, 89);
         TEST_ASSERT_EQUAL(TUMBLE_STATE_MOVE, bench_state_of(&bench));
         bench_tick(&bench);
     }
@@ -115,9 +91,7 @@ static void test_running_error_is_never_negative(void)
         bench_start(&bench);
         bench_run_to(&bench, TUMBLE_STATE_AVERAGE);
         bench.config.v_per_count = v_per_count[i];
-        for (int n = 0; n < 10; n++) {
-            bench_tick(&bench);
-        }
+        bench_ticks(&bench, 10);
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_running(&bench.procedure, mean_v, error_v));
         TEST_ASSERT_TRUE((error_v[0] > 1e-7) && (error_v[0] < 2e-5));
         TEST_ASSERT_TRUE((mean_v[2] < 0.0) == (v_per_count[i] > 0.0));
@@ -131,8 +105,7 @@ static void test_counts_that_go_down(void)
     bench.config.v_per_count = -V_PER_COUNT;
     bench.config.nominal_scale_v_per_g = 2.0;
     bench_start_to_done(&bench);
-    tumble_result_t result;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
+    const tumble_result_t result = bench_result(&bench);
     TEST_ASSERT_DOUBLE_WITHIN(2e-5, 2.0, result.coefficients->k_v_per_g[0][0]);
 }
 
@@ -224,4 +197,4 @@ static void test_the_first_reason_stands(void)
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {begin_run, NULL};

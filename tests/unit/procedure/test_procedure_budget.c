@@ -4,8 +4,6 @@
 /* Standard deviation of noise uniform within plus or minus so many counts. */
 #define COUNT_SIGMA_V(counts) ((counts) * 0.57735 * V_PER_COUNT)
 
-static bench_t bench;
-
 static void set_up(void)
 {
     bench_init(&bench);
@@ -45,7 +43,7 @@ static void test_a_quiet_block_takes_the_fewest_samples(void)
     for (uint8_t p = 0; p < 18U; p++) {
         TEST_ASSERT_EQUAL_UINT32(bench.averaging.min_samples, average_of(p)->samples);
     }
-    TEST_ASSERT_EQUAL_UINT32(180, tumble_procedure_counters(&bench.procedure)->averaged);
+    TEST_ASSERT_EQUAL_UINT32(180, counters()->averaged);
 }
 
 static void test_without_a_budget_all_are_taken(void)
@@ -110,14 +108,12 @@ static void test_a_position_that_never_gets_there_is_a_fault(void)
     bench.block.noise_counts = 200;
     run();
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_UNCERTAIN);
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     ASSERT_STATUS(TUMBLE_E_UNCERTAIN, progress.status);
     TEST_ASSERT_EQUAL_UINT8(0, progress.finished);
-    const tumble_procedure_counters_t *counters = tumble_procedure_counters(&bench.procedure);
-    TEST_ASSERT_EQUAL_UINT32(2, counters->refused);
-    TEST_ASSERT_EQUAL_UINT32(1, counters->retries);
-    TEST_ASSERT_EQUAL_UINT32(120, counters->averaged);
+    TEST_ASSERT_EQUAL_UINT32(2, counters()->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->retries);
+    TEST_ASSERT_EQUAL_UINT32(120, counters()->averaged);
 
     bench.block.noise_counts = 30; /* what shook it has been switched off */
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
@@ -142,7 +138,7 @@ static void test_the_last_sample_counts(void)
         TEST_ASSERT_TRUE(largest_error_v(p) <= bench.config.error_budget_v);
     }
     TEST_ASSERT_TRUE(at_the_last > 0U);
-    TEST_ASSERT_TRUE(tumble_procedure_counters(&bench.procedure)->retries > 0U);
+    TEST_ASSERT_TRUE(counters()->retries > 0U);
 }
 
 static void test_a_budget_must_be_a_size(void)

@@ -1,25 +1,6 @@
 /* The procedure at its limits: exact counts, exact bounds, what is reset when. */
 #include "procedure_bench.h"
 
-static bench_t bench;
-
-static void set_up(void)
-{
-    bench_start(&bench);
-}
-
-static tumble_progress_t progress(void)
-{
-    tumble_progress_t found;
-    tumble_procedure_progress(&bench.procedure, &found);
-    return found;
-}
-
-static const tumble_procedure_counters_t *counters(void)
-{
-    return tumble_procedure_counters(&bench.procedure);
-}
-
 static void test_init_needs_no_clean_memory(void)
 {
     memset(&bench.procedure, 0xA5, sizeof bench.procedure);
@@ -70,8 +51,7 @@ static void test_counts_of_what_the_source_reports(void)
     tumble_procedure_sample_faults(&bench.procedure, 1, 7);
     TEST_ASSERT_EQUAL_UINT32(3, counters()->corrupted);
     TEST_ASSERT_EQUAL_UINT32(12, counters()->lost);
-    bench_tick(&bench);
-    bench_tick(&bench);
+    bench_ticks(&bench, 2);
     TEST_ASSERT_EQUAL_UINT32(2, counters()->samples);
 }
 
@@ -91,7 +71,7 @@ static void test_corrupted_frames_are_allowed_up_to_the_limit(void)
     TEST_ASSERT_EQUAL_UINT32(0, counters()->refused);
     corrupt_while_averaging(4);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_SETTLE, bench_state_of(&bench));
-    ASSERT_STATUS(TUMBLE_E_CRC, progress().status);
+    ASSERT_STATUS(TUMBLE_E_CRC, bench_progress(&bench).status);
     TEST_ASSERT_EQUAL_UINT32(1, counters()->refused);
     corrupt_while_averaging(0);
     bench.config.max_corrupted = UINT16_MAX - 1U;
@@ -119,7 +99,7 @@ static void test_lost_samples_end_a_position_at_once(void)
     bench.block.counter++;
     bench_tick(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_SETTLE, bench_state_of(&bench));
-    ASSERT_STATUS(TUMBLE_E_LOST, progress().status);
+    ASSERT_STATUS(TUMBLE_E_LOST, bench_progress(&bench).status);
 }
 
 static void test_saturation_ends_a_position_at_once(void)
@@ -139,7 +119,7 @@ static void test_a_leap_ends_a_position_at_once_and_is_tried_again(void)
     bench_tick(&bench);
     bench.block.u0_v[0] -= 3.0;
     TEST_ASSERT_EQUAL(TUMBLE_STATE_SETTLE, bench_state_of(&bench));
-    ASSERT_STATUS(TUMBLE_E_DEVIATION, progress().status);
+    ASSERT_STATUS(TUMBLE_E_DEVIATION, bench_progress(&bench).status);
     bench_run_to_done(&bench);
 }
 
@@ -180,13 +160,11 @@ static void test_warm_up_counts_nothing_while_too_cold(void)
     bench.operator_is_away = true;
     bench.config.warm_up_samples = 3;
     bench_run_to(&bench, TUMBLE_STATE_WARM_UP);
-    bench_tick(&bench);
-    bench_tick(&bench);
+    bench_ticks(&bench, 2);
     bench.block.status = TUMBLE_SAMPLE_TEMPERATURE;
     bench_tick(&bench);
     bench.block.status = 0;
-    bench_tick(&bench);
-    bench_tick(&bench);
+    bench_ticks(&bench, 2);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WARM_UP, bench_state_of(&bench));
     bench_tick(&bench);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_WAIT_MOUNTING, bench_state_of(&bench));
@@ -241,7 +219,7 @@ static void test_the_mounting_on_the_table_can_be_repeated(void)
 {
     bench_run_to_position(&bench, 12, TUMBLE_STATE_AVERAGE);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_repeat_mounting(&bench.procedure, 2));
-    TEST_ASSERT_EQUAL_UINT8(9, progress().finished);
+    TEST_ASSERT_EQUAL_UINT8(9, bench_progress(&bench).finished);
     bench_run_to_done(&bench);
     TEST_ASSERT_EQUAL_UINT(3, bench.confirmations); /* it is put on anew */
     TEST_ASSERT_EQUAL_UINT32(21, counters()->positions);
@@ -269,14 +247,14 @@ static void test_the_drives_code_belongs_to_its_fault(void)
     bench_run_to_position(&bench, 4, TUMBLE_STATE_MOVE);
     bench_break_stand(&bench, TUMBLE_STAND_FAULT_DRIVE, 0x7300);
     bench_run(&bench);
-    TEST_ASSERT_EQUAL_HEX16(0x7300, progress().drive_code);
+    TEST_ASSERT_EQUAL_HEX16(0x7300, bench_progress(&bench).drive_code);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
-    TEST_ASSERT_EQUAL_HEX16(0, progress().drive_code);
+    TEST_ASSERT_EQUAL_HEX16(0, bench_progress(&bench).drive_code);
     bench_run_to_position(&bench, 4, TUMBLE_STATE_AVERAGE);
     bench.stand.error_deg = 1.0;
     bench_run(&bench); /* no fault of the drive: its old code does not count */
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_SLIP);
-    TEST_ASSERT_EQUAL_HEX16(0, progress().drive_code);
+    TEST_ASSERT_EQUAL_HEX16(0, bench_progress(&bench).drive_code);
 }
 
 static void test_the_stands_refusal_is_readable(void)
@@ -284,7 +262,7 @@ static void test_the_stands_refusal_is_readable(void)
     bench_run_to_position(&bench, 2, TUMBLE_STATE_AVERAGE);
     bench.stand.refuses_moves = true;
     bench_run(&bench);
-    ASSERT_STATUS(TUMBLE_E_STAND_STATE, progress().status);
+    ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench_progress(&bench).status);
 }
 
 static void test_a_new_start_forgets_attempts_and_closures(void)
@@ -293,12 +271,12 @@ static void test_a_new_start_forgets_attempts_and_closures(void)
     TEST_ASSERT_TRUE(tumble_procedure_closure_g(&bench.procedure, 0) > 0.0);
     bench.block.lose_every = 3;
     bench_run_to_position(&bench, 11, TUMBLE_STATE_SETTLE);
-    TEST_ASSERT_EQUAL_UINT8(1, progress().attempt);
+    TEST_ASSERT_EQUAL_UINT8(1, bench_progress(&bench).attempt);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_abort(&bench.procedure));
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    TEST_ASSERT_EQUAL_UINT8(0, progress().attempt);
-    TEST_ASSERT_EQUAL_UINT8(0, progress().index);
-    TEST_ASSERT_EQUAL_UINT8(0, progress().finished);
+    TEST_ASSERT_EQUAL_UINT8(0, bench_progress(&bench).attempt);
+    TEST_ASSERT_EQUAL_UINT8(0, bench_progress(&bench).index);
+    TEST_ASSERT_EQUAL_UINT8(0, bench_progress(&bench).finished);
     ASSERT_SAME_DOUBLE(0.0, tumble_procedure_closure_g(&bench.procedure, 0));
 }
 
@@ -311,4 +289,4 @@ static void test_a_closure_is_gone_while_its_mounting_is_measured_again(void)
     TEST_ASSERT_TRUE(tumble_procedure_closure_g(&bench.procedure, 1) > 0.0);
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {begin_run, NULL};

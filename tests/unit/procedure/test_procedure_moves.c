@@ -3,13 +3,6 @@
 
 #include "angles.h"
 
-static bench_t bench;
-
-static void set_up(void)
-{
-    bench_init(&bench);
-}
-
 static void run(void)
 {
     bench_start_to_done(&bench);
@@ -60,7 +53,7 @@ static void test_an_equivalent_turn_within_the_cable(void)
     bench.config.cable_max_deg = 360.0;
     run();
     assert_moves(expected_deg, COUNT_OF(expected_deg));
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_procedure_counters(&bench.procedure)->unwinds);
+    TEST_ASSERT_EQUAL_UINT32(2, counters()->unwinds);
 }
 
 /* One turn and a little: what lies beyond is reached by turning back. */
@@ -72,7 +65,7 @@ static void test_unwinding(void)
     bench.config.cable_max_deg = 180.0;
     run();
     assert_moves(expected_deg, COUNT_OF(expected_deg));
-    TEST_ASSERT_EQUAL_UINT32(8, tumble_procedure_counters(&bench.procedure)->unwinds);
+    TEST_ASSERT_EQUAL_UINT32(8, counters()->unwinds);
 }
 
 /* Every final move goes up, by the approach at least, and nothing leaves the cable, wherever its limits are. */
@@ -128,7 +121,7 @@ static void test_the_scheduled_turn_is_kept_when_allowed(void)
     bench.config.cable_max_deg = 720.0;
     run();
     assert_moves(expected_deg, COUNT_OF(expected_deg));
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_procedure_counters(&bench.procedure)->unwinds);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->unwinds);
 }
 
 /* After a stop somewhere on the way the side is judged by where the table stands. */
@@ -273,4 +266,4 @@ static void test_cables_that_are_just_too_short(void)
     expect_refused(TUMBLE_REASON_CABLE_LIMIT, TUMBLE_E_ARGUMENT, __LINE__);
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {begin, NULL};

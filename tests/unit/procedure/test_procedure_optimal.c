@@ -3,7 +3,6 @@
 #include "gain_bench.h"
 #include "procedure_bench.h"
 
-static bench_t bench;
 static gain_bytes_t record;
 static tumble_optimal_t work;
 static tumble_optimal_source_t source;
@@ -118,8 +117,7 @@ static void test_a_record_that_is_damaged_on_the_way_gives_no_result(void)
     record.bytes[2000] ^= 1U;
     bench_run(&bench);
     TEST_ASSERT_EQUAL_STRING("TUMBLE_STATE_FAULT", tumble_state_name(bench_state_of(&bench)));
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     ASSERT_STATUS(TUMBLE_E_CRC, progress.status);
     tumble_result_t result;
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_procedure_result(&bench.procedure, &result));

@@ -1,8 +1,6 @@
 /* Every reason code, reached by the fault that it names; every timeout of every state that waits; the table stopped. */
 #include "procedure_faults.h"
 
-static bench_t bench;
-
 /* What the timeouts of a run can add up to after it was broken. */
 #define LONGEST_US 12000000
 
@@ -19,8 +17,7 @@ static void run_case(const fault_case_t *c, const char *which)
     }
     const uint64_t broken_us = bench.now_us;
     bench_run(&bench);
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_reason_name(c->reason), tumble_reason_name(progress.reason), which);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(TUMBLE_STATE_FAULT), tumble_state_name(progress.state), which);
     TEST_ASSERT_EQUAL_STRING_MESSAGE(tumble_state_name(c->failed_in), tumble_state_name(progress.failed_in), which);
@@ -28,9 +25,8 @@ static void run_case(const fault_case_t *c, const char *which)
     TEST_ASSERT_NOT_EQUAL_MESSAGE(TUMBLE_STAND_MOVING, bench.stand.state, which);
     TEST_ASSERT_NOT_EQUAL_MESSAGE(TUMBLE_STAND_HOMING, bench.stand.state, which);
     TEST_ASSERT_LESS_THAN_UINT64_MESSAGE(LONGEST_US, bench.now_us - broken_us, which);
-    const tumble_procedure_counters_t *counters = tumble_procedure_counters(&bench.procedure);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(c->timeout ? 1 : 0, counters->timeouts > 0U, which);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, counters->faults, which);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(c->timeout ? 1 : 0, counters()->timeouts > 0U, which);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, counters()->faults, which);
 }
 
 static void test_every_fault_has_its_reason(void)
@@ -121,8 +117,8 @@ static void test_a_late_mean_is_tried_again_first(void)
     tumble_procedure_step(&bench.procedure, bench.now_us);
     tumble_procedure_step(&bench.procedure, bench.now_us + 1000000U);
     TEST_ASSERT_EQUAL(TUMBLE_STATE_SETTLE, bench_state_of(&bench));
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->retries);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->timeouts);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->retries);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->timeouts);
     bench.now_us += 1000000U;
     bench_run_to_done(&bench);
 }
@@ -149,8 +145,7 @@ static void test_a_failed_gravity_check_is_a_result(void)
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
     bench_run(&bench);
     ASSERT_ENDED(&bench, TUMBLE_STATE_DONE, TUMBLE_REASON_GRAVITY_CHECK);
-    tumble_result_t result;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
+    const tumble_result_t result = bench_result(&bench);
     TEST_ASSERT_FALSE(result.pass);
     TEST_ASSERT_TRUE(result.check->max_abs_fit_g > 1e-9);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, -2.0, result.coefficients->k_v_per_g[0][0]);
@@ -167,8 +162,7 @@ static void test_the_drives_code_is_taken_even_when_late(void)
     bench_break_stand(&bench, TUMBLE_STAND_FAULT_STALL, 0x8611);
     bench_tick(&bench);
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_STALL);
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     TEST_ASSERT_EQUAL_HEX16(0x8611, progress.drive_code);
 }
 
@@ -177,14 +171,13 @@ static void test_details_of_a_refusal_are_readable(void)
     bench_init(&bench);
     schedule_without_a_position(&bench);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    tumble_progress_t progress = bench_progress(&bench);
     ASSERT_STATUS(TUMBLE_E_NOT_HARMONIC, progress.status);
     TEST_ASSERT_EQUAL_HEX32(1UL << 17, tumble_procedure_refusal(&bench.procedure).missing);
     bench_init(&bench);
     schedule_of_one_mounting(&bench);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_start(&bench.procedure));
-    tumble_procedure_progress(&bench.procedure, &progress);
+    progress = bench_progress(&bench);
     ASSERT_STATUS(TUMBLE_E_RANK, progress.status);
     TEST_ASSERT_EQUAL_HEX8(0x2, tumble_procedure_refusal(&bench.procedure).unidentified); /* K_iy */
 }

@@ -1,25 +1,16 @@
 /* Repeating and resuming: one position, one mounting, after a fault, without starting over. */
 #include "procedure_bench.h"
 
-static bench_t bench;
-
-static void set_up(void)
-{
-    bench_start(&bench);
-}
-
 static uint8_t finished(void)
 {
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     return progress.finished;
 }
 
 static void assert_done(void)
 {
     bench_run_to_done(&bench);
-    tumble_result_t result;
-    ASSERT_STATUS(TUMBLE_OK, tumble_procedure_result(&bench.procedure, &result));
+    const tumble_result_t result = bench_result(&bench);
     TEST_ASSERT_TRUE(result.pass);
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_DOUBLE_WITHIN(2e-5, bench.block.u0_v[i], result.coefficients->u0_v[i]);
@@ -32,16 +23,15 @@ static void test_a_disturbed_position_is_tried_again_by_itself(void)
     bench.block.noise_counts = 300;
     bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
     bench.block.noise_counts = 30;
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench.procedure, &progress);
+    const tumble_progress_t progress = bench_progress(&bench);
     TEST_ASSERT_EQUAL_UINT8(1, progress.attempt);
     ASSERT_STATUS(TUMBLE_E_NOT_STILL, progress.status);
     const unsigned moves = bench.stand.moves;
     bench_run_to_position(&bench, 4, TUMBLE_STATE_MOVE);
     TEST_ASSERT_EQUAL_UINT(moves + 1U, bench.stand.moves); /* settled and averaged again where it stood */
     assert_done();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->retries);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->refused);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->retries);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->refused);
 }
 
 static void test_every_position_has_its_own_attempts(void)
@@ -53,7 +43,7 @@ static void test_every_position_has_its_own_attempts(void)
         bench.block.lose_every = 0;
     }
     assert_done();
-    TEST_ASSERT_EQUAL_UINT32(18, tumble_procedure_counters(&bench.procedure)->retries);
+    TEST_ASSERT_EQUAL_UINT32(18, counters()->retries);
 }
 
 static void test_a_brief_movement_of_the_table_is_a_repetition(void)
@@ -63,7 +53,7 @@ static void test_a_brief_movement_of_the_table_is_a_repetition(void)
     bench.stand.arrives_us = bench.now_us + 50000U;
     bench_run_to_position(&bench, 3, TUMBLE_STATE_SETTLE);
     assert_done();
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->retries);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->retries);
 }
 
 static void test_no_repetition_when_none_is_allowed(void)
@@ -73,7 +63,7 @@ static void test_no_repetition_when_none_is_allowed(void)
     bench.block.noise_counts = 300;
     bench_run(&bench);
     ASSERT_ENDED(&bench, TUMBLE_STATE_FAULT, TUMBLE_REASON_NOT_STILL);
-    TEST_ASSERT_EQUAL_UINT32(0, tumble_procedure_counters(&bench.procedure)->retries);
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
 }
 
 static void break_at(uint8_t index, tumble_stand_fault_t fault)
@@ -96,7 +86,7 @@ static void test_resume_goes_on_at_the_failed_position(void)
     assert_done();
     TEST_ASSERT_EQUAL_UINT(1, bench.stand.homes); /* the position was not lost */
     TEST_ASSERT_EQUAL_UINT(2, bench.confirmations);
-    TEST_ASSERT_EQUAL_UINT32(1, tumble_procedure_counters(&bench.procedure)->resumes);
+    TEST_ASSERT_EQUAL_UINT32(1, counters()->resumes);
 }
 
 static void test_resume_homes_again_after_a_power_loss(void)
@@ -132,7 +122,7 @@ static void test_resume_fails_again_while_nothing_is_mended(void)
     tumble_procedure_set_block_alive(&bench.procedure, true);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
     assert_done();
-    TEST_ASSERT_EQUAL_UINT32(2, tumble_procedure_counters(&bench.procedure)->faults);
+    TEST_ASSERT_EQUAL_UINT32(2, counters()->faults);
 }
 
 static void test_resume_from_every_position_ends_in_the_same_place(void)
@@ -146,7 +136,7 @@ static void test_resume_from_every_position_ends_in_the_same_place(void)
         bench.stand.error_deg = 0.0;
         ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&bench.procedure));
         assert_done();
-        TEST_ASSERT_EQUAL_UINT32(18, tumble_procedure_counters(&bench.procedure)->positions);
+        TEST_ASSERT_EQUAL_UINT32(18, counters()->positions);
     }
 }
 
@@ -216,7 +206,7 @@ static void test_repeat_one_position_while_running(void)
     bench_run_to_position(&bench, 2, TUMBLE_STATE_AVERAGE);
     bench_run_to_position(&bench, 6, TUMBLE_STATE_AVERAGE);
     assert_done();
-    TEST_ASSERT_EQUAL_UINT32(19, tumble_procedure_counters(&bench.procedure)->positions);
+    TEST_ASSERT_EQUAL_UINT32(19, counters()->positions);
 }
 
 static void test_repeat_one_position_after_the_end(void)
@@ -230,7 +220,7 @@ static void test_repeat_one_position_after_the_end(void)
     TEST_ASSERT_EQUAL_UINT8(17, finished());
     assert_done();
     TEST_ASSERT_EQUAL_UINT(confirmations, bench.confirmations);
-    TEST_ASSERT_EQUAL_UINT32(19, tumble_procedure_counters(&bench.procedure)->positions);
+    TEST_ASSERT_EQUAL_UINT32(19, counters()->positions);
 }
 
 static void test_repeat_one_mounting_after_the_end(void)
@@ -240,7 +230,7 @@ static void test_repeat_one_mounting_after_the_end(void)
     TEST_ASSERT_EQUAL_UINT8(9, finished());
     assert_done();
     TEST_ASSERT_EQUAL_UINT(3, bench.confirmations);
-    TEST_ASSERT_EQUAL_UINT32(27, tumble_procedure_counters(&bench.procedure)->positions);
+    TEST_ASSERT_EQUAL_UINT32(27, counters()->positions);
 }
 
 /* What is left of the mounting on the table comes before the one to be repeated. */
@@ -282,4 +272,4 @@ static void test_a_new_configuration_mends_a_refused_one(void)
     assert_done();
 }
 
-static const around_t around_each = {set_up, NULL};
+static const around_t around_each = {begin_run, NULL};

@@ -16,55 +16,53 @@ static void set_up(void)
 }
 
 /* The noise of a position begins anew with it, whoever measures it and when. */
-static void tick(bench_t *bench)
+static void tick(bench_t *b)
 {
-    tumble_progress_t progress;
-    tumble_procedure_progress(&bench->procedure, &progress);
+    const tumble_progress_t progress = bench_progress(b);
     if (progress.state != TUMBLE_STATE_AVERAGE) {
-        bench->block.dice.state = 1000U + progress.index;
+        b->block.dice.state = 1000U + progress.index;
     }
-    bench_tick(bench);
+    bench_tick(b);
 }
 
-static void run(bench_t *bench)
+static void run(bench_t *b)
 {
-    for (int i = 0; (i < 60000) && !bench_has_ended(bench); i++) {
-        tick(bench);
+    for (int i = 0; (i < 60000) && !bench_has_ended(b); i++) {
+        tick(b);
     }
-    ASSERT_ENDED(bench, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
+    ASSERT_ENDED(b, TUMBLE_STATE_DONE, TUMBLE_REASON_NONE);
 }
 
 /* Up to the sample `samples` of the position at `index`, keeping every mean as soon as it is finished. */
-static void run_to_cut(bench_t *bench, uint8_t index, uint32_t samples)
+static void run_to_cut(bench_t *b, uint8_t index, uint32_t samples)
 {
     for (int i = 0; i < 60000; i++) {
-        tumble_progress_t progress;
-        tumble_procedure_progress(&bench->procedure, &progress);
+        const tumble_progress_t progress = bench_progress(b);
         for (uint8_t p = 0; p < POSITIONS; p++) {
-            if (tumble_procedure_has_mean(&bench->procedure, p) && !is_kept[p]) {
-                kept[p] = tumble_procedure_averages(&bench->procedure)->averages[p];
+            if (tumble_procedure_has_mean(&b->procedure, p) && !is_kept[p]) {
+                kept[p] = tumble_procedure_averages(&b->procedure)->averages[p];
                 is_kept[p] = true;
             }
         }
         if ((progress.index == index) && (progress.state == TUMBLE_STATE_AVERAGE) && (progress.samples >= samples)) {
             return;
         }
-        tick(bench);
+        tick(b);
     }
     TEST_FAIL_MESSAGE("the position is never reached");
 }
 
-static void start_to_cut(bench_t *bench, uint8_t index, uint32_t samples)
+static void start_to_cut(bench_t *b, uint8_t index, uint32_t samples)
 {
-    bench_start(bench);
-    run_to_cut(bench, index, samples);
+    bench_start(b);
+    run_to_cut(b, index, samples);
 }
 
-static void restore_all(bench_t *bench)
+static void restore_all(bench_t *b)
 {
     for (uint8_t p = 0; p < POSITIONS; p++) {
         if (is_kept[p]) {
-            ASSERT_STATUS(TUMBLE_OK, tumble_procedure_restore(&bench->procedure, p, &kept[p]));
+            ASSERT_STATUS(TUMBLE_OK, tumble_procedure_restore(&b->procedure, p, &kept[p]));
         }
     }
 }

@@ -1,6 +1,6 @@
 #include "sim_master.h"
 
-#include <string.h>
+#include "core/bytes.h"
 
 sim_clock_t virtual_clock;
 sim_wire_t wire;
@@ -21,8 +21,7 @@ static void master_take(const tumble_can_frame_t *frame)
         heard.statusword = (uint16_t)(d[0] | d[1] << 8);
         heard.status_frames++;
         if (frame->length >= 6U) {
-            heard.position =
-                (int32_t)((uint32_t)d[2] | (uint32_t)d[3] << 8 | (uint32_t)d[4] << 16 | (uint32_t)d[5] << 24);
+            heard.position = (int32_t)tumble_get_u32(&d[2]);
             heard.position_frames++;
         }
     } else if (frame->id == 0x082U) {
@@ -91,44 +90,38 @@ void nmt(uint8_t command)
     send_frame(0x000, 2, data);
 }
 
-uint32_t sdo_write(uint16_t index, uint8_t subindex, uint32_t value, uint8_t size)
+/* Returns the value of the answer, which may be an abort code. */
+static uint32_t ask(uint8_t specifier, uint16_t index, uint8_t subindex, uint32_t value)
 {
-    const uint8_t data[8] = {(uint8_t)(0x23U | (4U - size) << 2),
-                             (uint8_t)index,
-                             (uint8_t)(index >> 8),
-                             subindex,
-                             (uint8_t)value,
-                             (uint8_t)(value >> 8),
-                             (uint8_t)(value >> 16),
-                             (uint8_t)(value >> 24)};
+    uint8_t data[8] = {specifier, (uint8_t)index, (uint8_t)(index >> 8), subindex};
+    tumble_put_u32(&data[4], value);
     heard.answered = false;
     send_frame(0x602, 8, data);
     for (int n = 0; n < 50 && !heard.answered; n++) {
         pass_ms(1);
     }
     TEST_ASSERT_TRUE_MESSAGE(heard.answered, "the drive does not answer");
-    const uint8_t *const a = heard.answer;
-    return (a[0] == 0x80U) ? (uint32_t)a[4] | (uint32_t)a[5] << 8 | (uint32_t)a[6] << 16 | (uint32_t)a[7] << 24 : 0U;
+    return tumble_get_u32(&heard.answer[4]);
+}
+
+uint32_t sdo_write(uint16_t index, uint8_t subindex, uint32_t value, uint8_t size)
+{
+    const uint32_t told = ask((uint8_t)(0x23U | (4U - size) << 2), index, subindex, value);
+    return (heard.answer[0] == 0x80U) ? told : 0U;
 }
 
 uint32_t sdo_read(uint16_t index, uint8_t subindex)
 {
-    const uint8_t data[8] = {0x40, (uint8_t)index, (uint8_t)(index >> 8), subindex};
-    heard.answered = false;
-    send_frame(0x602, 8, data);
-    for (int n = 0; n < 50 && !heard.answered; n++) {
-        pass_ms(1);
-    }
-    const uint8_t *const a = heard.answer;
-    TEST_ASSERT_TRUE_MESSAGE(heard.answered && a[0] != 0x80U, "cannot be read");
-    return (uint32_t)a[4] | (uint32_t)a[5] << 8 | (uint32_t)a[6] << 16 | (uint32_t)a[7] << 24;
+    const uint32_t value = ask(0x40, index, subindex, 0);
+    TEST_ASSERT_TRUE_MESSAGE(heard.answer[0] != 0x80U, "cannot be read");
+    return value;
 }
 
 void command(uint16_t controlword, int32_t target)
 {
-    const uint32_t t = (uint32_t)target;
-    const uint8_t data[6] = {(uint8_t)controlword, (uint8_t)(controlword >> 8), (uint8_t)t,
-                             (uint8_t)(t >> 8),    (uint8_t)(t >> 16),          (uint8_t)(t >> 24)};
+    uint8_t data[6];
+    tumble_put_u16(data, controlword);
+    tumble_put_u32(&data[2], (uint32_t)target);
     send_frame(0x202, 6, data);
 }
 
@@ -190,6 +183,12 @@ void home(void)
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, 1, 1));
     pass_ms(5);
     TEST_ASSERT_EQUAL_INT32(0, heard.position);
+}
+
+void enable_and_home(void)
+{
+    enable();
+    home();
 }
 
 void set_target(int32_t target)

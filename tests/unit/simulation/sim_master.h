@@ -61,6 +61,7 @@ void enable(void);
 
 /* Homed, in profile position mode, at rest at 0. */
 void home(void);
+void enable_and_home(void);
 
 /* The set-point handshake as it should be: target first, then the edge, until it is taken; then bit 4 down. */
 void set_target(int32_t target);

@@ -67,8 +67,7 @@ static void test_homing_on_the_spot(void)
 
 static void test_a_move_reaches_its_target(void)
 {
-    enable();
-    home();
+    enable_and_home();
     set_target(45 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & REACHED);
     expect_status_after(2000, REACHED, REACHED);
@@ -80,8 +79,7 @@ static void test_a_move_reaches_its_target(void)
  * ln 2 / ln 1000 of 0.5 s; then 20 ms of window time, then the reaction time. */
 static void test_target_reached_comes_when_the_window_says_so(void)
 {
-    enable();
-    home();
+    enable_and_home();
     const uint64_t start_us = virtual_clock.now_us;
     set_target(45 * COUNTS_PER_DEG);
     const uint64_t earliest_us = start_us + 1000000U + 50171U + 20000U;
@@ -94,8 +92,7 @@ static void test_target_reached_comes_when_the_window_says_so(void)
 /* The trap: target and edge in one frame take the target of the frame before. */
 static void test_a_target_in_the_frame_of_the_edge_is_stale(void)
 {
-    enable();
-    home();
+    enable_and_home();
     command(0x000F, 30 * COUNTS_PER_DEG);
     command_for(3000, 0x001F, 60 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(30 * COUNTS_PER_DEG, heard.position);
@@ -107,8 +104,7 @@ static void test_a_forgiving_drive_takes_the_target_of_the_same_frame(void)
     scenario.drive.latches_stale_target = false;
     power_on();
     configure();
-    enable();
-    home();
+    enable_and_home();
     command_for(3000, 0x001F, 60 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(60 * COUNTS_PER_DEG, heard.position);
 }
@@ -116,8 +112,7 @@ static void test_a_forgiving_drive_takes_the_target_of_the_same_frame(void)
 /* Without an edge nothing happens, however often the target changes. */
 static void test_a_set_point_needs_an_edge(void)
 {
-    enable();
-    home();
+    enable_and_home();
     command_for(1000, 0x000F, 30 * COUNTS_PER_DEG);
     TEST_ASSERT_EQUAL_INT32(0, heard.position);
     command(0x001F, 30 * COUNTS_PER_DEG); /* the edge */
@@ -132,8 +127,7 @@ static void test_a_set_point_needs_an_edge(void)
 /* One more set-point waits for the end of the move; while it waits bit 12 stays, and a third is not taken. */
 static void test_set_points_are_buffered(void)
 {
-    enable();
-    home();
+    enable_and_home();
     set_target(90 * COUNTS_PER_DEG);
     command(0x000F, 45 * COUNTS_PER_DEG);
     command(0x001F, 45 * COUNTS_PER_DEG);
@@ -152,8 +146,7 @@ static void test_set_points_are_buffered(void)
 /* Bit 5: the new target counts at once. Bit 6: it counts from the last one. */
 static void test_change_at_once_and_relative(void)
 {
-    enable();
-    home();
+    enable_and_home();
     target_for(500, 180 * COUNTS_PER_DEG);
     command(0x002F, 20 * COUNTS_PER_DEG);
     command(0x003F, 20 * COUNTS_PER_DEG);
@@ -187,8 +180,7 @@ static void test_the_statusword_lags(void)
 
 static void test_halt_stops_and_goes_on(void)
 {
-    enable();
-    home();
+    enable_and_home();
     target_for(800, 180 * COUNTS_PER_DEG);
     command_for(1500, 0x010F, 180 * COUNTS_PER_DEG);
     const int32_t halted_at = heard.position;
@@ -231,8 +223,7 @@ static void test_homing_can_be_interrupted(void)
 /* Quick stop: by its own ramp, then Switch on disabled by itself (605Ah = 2). */
 static void test_quick_stop(void)
 {
-    enable();
-    home();
+    enable_and_home();
     TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6085, 0, 90 * COUNTS_PER_DEG, 4)); /* 90 deg/s2 */
     target_for(1000, 270 * COUNTS_PER_DEG);
     command_for(5, 0x0002, 270 * COUNTS_PER_DEG);
@@ -249,8 +240,7 @@ static void test_target_reached_waits_for_the_end_of_a_quick_stop(void)
 {
     for (int homing = 0; homing < 2; homing++) {
         set_up();
-        enable();
-        home();
+        enable_and_home();
         TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6085, 0, 9 * COUNTS_PER_DEG, 4)); /* 9 deg/s2 */
         TEST_ASSERT_EQUAL_HEX32(0, sdo_write(0x6060, 0, (homing == 1) ? 6 : 1, 1));
         command((homing == 1) ? 0x001F : 0x000F, 270 * COUNTS_PER_DEG);

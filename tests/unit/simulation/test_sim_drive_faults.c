@@ -8,8 +8,7 @@ static void fresh(void)
 {
     power_on();
     configure();
-    enable();
-    home();
+    enable_and_home();
 }
 
 static void set_up(void)

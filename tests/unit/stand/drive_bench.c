@@ -115,18 +115,28 @@ void bench_setup(const tumble_drive_profile_t *profile)
     run_ms(5);
 }
 
+void boot_drive(void)
+{
+    scripted_drive_boot(&played, &port);
+    run_to(TUMBLE_STAND_READY, 500);
+}
+
 void bring_up(const tumble_drive_profile_t *profile)
 {
     bench_setup(profile);
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
+}
+
+void go_home(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
+    run_to(TUMBLE_STAND_IN_POSITION, 500);
 }
 
 void bring_home(const tumble_drive_profile_t *profile)
 {
     bring_up(profile);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
 }
 
 void assert_fault(tumble_stand_fault_t fault)
@@ -165,6 +175,24 @@ void clear_fault(void)
     ASSERT_STATUS(TUMBLE_OK, status);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT_NONE, bench.stand.kind->fault(bench.stand.self));
     TEST_ASSERT_EQUAL_UINT16(0, bench.drive.report.fault_code);
+}
+
+void recover(tumble_stand_state_t state)
+{
+    clear_fault();
+    run_to(state, 500);
+}
+
+void stop_at_rest(void)
+{
+    bench.stand.kind->stop(bench.stand.self);
+    run_to(TUMBLE_STAND_STOPPED, 100);
+}
+
+void report_now(void)
+{
+    scripted_drive_report(&played);
+    run_ms(2);
 }
 
 void assert_moves_again(void)

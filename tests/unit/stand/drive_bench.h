@@ -29,6 +29,10 @@ void run_to(tumble_stand_state_t state, unsigned most_ms);
 /* The drive's, with a cable from -30 to 400 degrees. */
 tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_node);
 
+/* The drive comes, until it is ready; then it is homed. */
+void boot_drive(void);
+void go_home(void);
+
 /* With nobody there; with the drive ready; with it homed. */
 void bench_setup(const tumble_drive_profile_t *profile);
 void bring_up(const tumble_drive_profile_t *profile);
@@ -43,7 +47,10 @@ void start_move(const tumble_drive_profile_t *profile);
 
 /* As soon as the axis has been seen at rest, or nothing is left to be tried. */
 void clear_fault(void);
+void recover(tumble_stand_state_t state); /* and get into this one */
 
+void stop_at_rest(void);
+void report_now(void); /* the drive reports, and is heard */
 void assert_moves_again(void);
 
 /* The common drive: 36,000 counts a turn, one PDO each way. */

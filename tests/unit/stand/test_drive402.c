@@ -11,8 +11,7 @@ static void test_absent_until_it_is_heard(void)
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->clear_fault(bench.stand.self));
     bench.stand.kind->stop(bench.stand.self);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count);
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
 }
 
 static void test_power_goes_up_step_by_step(void)
@@ -48,8 +47,7 @@ static void test_a_drive_found_running_is_taken_down_first(void)
         TEST_ASSERT_FALSE(played.moving);
         TEST_ASSERT_FALSE(played.coasted);
         TEST_ASSERT_EQUAL_HEX16(words[i / COUNT_OF(lost)], played.controls[0].control);
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        go_home();
     }
 }
 
@@ -83,8 +81,7 @@ static void test_homing_does_not_believe_the_last_one(void)
         played.attained_from_before = true;
         played.old_reports = reports;
         played.actual = 12345;
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        go_home();
         assert_angle(0.0);
     }
 }
@@ -173,8 +170,7 @@ static void test_stop_by_quick_stop_then_on_from_there(void)
         played.quick_stop_stays = stays[i];
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
         run_ms(40);
-        bench.stand.kind->stop(bench.stand.self);
-        run_to(TUMBLE_STAND_STOPPED, 100);
+        stop_at_rest();
         TEST_ASSERT_FALSE(played.moving);
         TEST_ASSERT_EQUAL_HEX16(0x0002, played.control);
         const double here_deg = bench.stand.kind->angle_deg(bench.stand.self);
@@ -193,12 +189,10 @@ static void test_stop_by_halt_leaves_no_old_set_point(void)
     bring_home(&profile);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(40);
-    bench.stand.kind->stop(bench.stand.self);
-    run_to(TUMBLE_STAND_STOPPED, 100);
+    stop_at_rest();
     TEST_ASSERT_EQUAL_HEX16(0x010F, played.control);
     const unsigned before = played.control_count;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self)); /* the mode is not changed under Halt */
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home(); /* the mode is not changed under Halt */
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* power off clears what Halt held back */
 }
 
@@ -211,8 +205,7 @@ static void test_stop_while_homing(void)
     bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 200); /* at rest, and not homed */
     TEST_ASSERT_FALSE(played.homing);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
 }
 
 static void test_stop_in_the_middle_of_a_mode_change(void)
@@ -224,16 +217,14 @@ static void test_stop_in_the_middle_of_a_mode_change(void)
     bench.stand.kind->stop(bench.stand.self);
     run_to(TUMBLE_STAND_READY, 200);
     played.sdo_is_deaf = false;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
 }
 
 static void test_next_deadline_is_never_forgotten(void)
 {
     bench_setup(&common);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
     run_ms(5);
     TEST_ASSERT_EQUAL_UINT64(TUMBLE_NEVER, tumble_drive402_kind.next_us(&bench.drive));
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));

@@ -67,8 +67,7 @@ static void test_a_stop_is_repeated_until_it_acts(void)
             start_move(profiles[i]);
             played.never_reaches = true;
             played.misses = lost;
-            bench.stand.kind->stop(bench.stand.self);
-            run_to(TUMBLE_STAND_STOPPED, 100);
+            stop_at_rest();
             TEST_ASSERT_FALSE(played.moving);
         }
     }
@@ -94,8 +93,7 @@ static void test_old_attained_bits_with_the_position_apart(void)
     played.attained_from_before = true;
     played.old_reports = 2;
     played.actual = 12345;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, bench.stand.kind->angle_deg(bench.stand.self));
 }
 
@@ -114,15 +112,13 @@ static void test_power_lost_at_every_moment(void)
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
         run_ms(ms);
         played.state = IS_DISABLED;
-        scripted_drive_report(&played);
-        run_ms(2);
+        report_now();
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         bring_home(&common);
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.state = IS_READY;
-        scripted_drive_report(&played);
-        run_ms(2);
+        report_now();
         assert_fault(TUMBLE_STAND_FAULT_POWER);
     }
 }
@@ -134,8 +130,7 @@ static void test_following_error_at_every_moment_of_a_move(void)
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 50.0));
         run_ms(ms);
         played.bits |= 0x2000U;
-        scripted_drive_report(&played);
-        run_ms(2);
+        report_now();
         assert_fault(TUMBLE_STAND_FAULT_STALL);
     }
 }
@@ -164,8 +159,7 @@ static void test_homing_again_after_a_move(void)
     bring_home(&common);
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 20.0));
     run_to(TUMBLE_STAND_IN_POSITION, 500);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     played.bits = 0; /* target reached has no meaning now */
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
@@ -178,8 +172,7 @@ static void test_homing_again_after_a_move(void)
 static void test_stop_on_the_way_back_to_power(void)
 {
     start_move(&common);
-    bench.stand.kind->stop(bench.stand.self);
-    run_to(TUMBLE_STAND_STOPPED, 100);
+    stop_at_rest();
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
     run_ms(2);
@@ -270,8 +263,7 @@ static void test_a_later_fault_is_not_reset_unasked(void)
     run_ms(600);
     played.dead = false;
     run_ms(200);
-    clear_fault();
-    run_to(TUMBLE_STAND_STOPPED, 500);
+    recover(TUMBLE_STAND_STOPPED);
     bench.stand.kind->stop(bench.stand.self);
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_STOPPED, stand_state());
@@ -289,8 +281,7 @@ static void test_without_a_window_target_reached_is_enough(void)
     start_move(&profile);
     played.moving = false; /* a thousand counts short of it */
     played.bits |= 0x0400U;
-    scripted_drive_report(&played);
-    run_ms(2);
+    report_now();
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_IN_POSITION, stand_state());
 }
 

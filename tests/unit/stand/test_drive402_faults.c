@@ -12,8 +12,7 @@ static void test_a_fault_of_the_drive(void)
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     const unsigned before = played.control_count;
-    clear_fault();
-    run_to(TUMBLE_STAND_STOPPED, 500); /* homed all the while */
+    recover(TUMBLE_STAND_STOPPED); /* homed all the while */
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* the edge of bit 7 */
     TEST_ASSERT_EQUAL_HEX16(0x0080, played.controls[before + 1U].control);
     TEST_ASSERT_EQUAL_HEX16(0x0006, played.controls[before + 2U].control);
@@ -24,8 +23,7 @@ static void test_a_fault_reaction_is_a_fault_already(void)
 {
     start_move(&common);
     played.state = IS_FAULT_REACTION;
-    scripted_drive_report(&played);
-    run_ms(2);
+    report_now();
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
 }
 
@@ -69,8 +67,7 @@ static void test_stall_by_bit_13_without_fault(void)
     assert_fault(TUMBLE_STAND_FAULT_STALL);
     TEST_ASSERT_FALSE(played.moving); /* it has been stopped */
     played.bits = 0;
-    clear_fault();
-    run_to(TUMBLE_STAND_STOPPED, 500);
+    recover(TUMBLE_STAND_STOPPED);
     assert_moves_again();
 }
 
@@ -98,8 +95,7 @@ static void test_silence_that_ends_before_it_is_cleared(void)
     played.dead = false;
     run_ms(200);
     assert_fault(TUMBLE_STAND_FAULT_HEARTBEAT);
-    clear_fault();
-    run_to(TUMBLE_STAND_STOPPED, 500);
+    recover(TUMBLE_STAND_STOPPED);
     assert_moves_again();
 }
 
@@ -110,15 +106,12 @@ static void test_power_lost(void)
         start_move(&common);
         played.state = states[i];
         played.moving = false;
-        scripted_drive_report(&played);
-        run_ms(2);
+        report_now();
         assert_fault(TUMBLE_STAND_FAULT_POWER);
         played.state = IS_DISABLED;
-        clear_fault();
-        run_to(TUMBLE_STAND_READY, 500); /* where it stands is not known any more */
+        recover(TUMBLE_STAND_READY); /* where it stands is not known any more */
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        go_home();
     }
 }
 
@@ -140,8 +133,7 @@ static void test_a_restart_of_the_drive(void)
     run_ms(500);
     assert_fault(TUMBLE_STAND_FAULT_POWER);
     TEST_ASSERT_EQUAL_UINT(0, played.write_count); /* nothing by itself */
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500);
+    recover(TUMBLE_STAND_READY);
     TEST_ASSERT_EQUAL_UINT(24, played.write_count);
 }
 
@@ -152,8 +144,7 @@ static void test_a_restart_while_it_is_configured_starts_again(void)
     run_ms(6);
     TEST_ASSERT_TRUE((played.write_count > 0U) && (played.write_count < 24U));
     played.write_count = 0;
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
     TEST_ASSERT_EQUAL_UINT(24, played.write_count);
 }
 
@@ -165,8 +156,7 @@ static void test_a_restart_after_a_fault(void)
     scripted_drive_boot(&played, &port);
     run_ms(5);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500);
+    recover(TUMBLE_STAND_READY);
 }
 
 /* Its boot-up message was not heard, within the time of its heartbeat or long after. */
@@ -182,11 +172,9 @@ static void test_a_restart_that_nobody_heard(void)
         port.to_firmware.count = 0;
         run_ms(200);
         TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_FAULT, stand_state());
-        clear_fault();
-        run_to(TUMBLE_STAND_READY, 500);
+        recover(TUMBLE_STAND_READY);
         ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 30.0));
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        go_home();
         assert_moves_again();
     }
 }
@@ -199,8 +187,7 @@ static void test_somebody_stops_the_node(void)
     run_ms(2);
     assert_fault(TUMBLE_STAND_FAULT_PROTOCOL);
     played.moving = false;
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500); /* for all we know it has booted, so it must be homed again */
+    recover(TUMBLE_STAND_READY); /* for all we know it has booted, so it must be homed again */
 }
 
 static void test_a_refused_configuration(void)
@@ -227,8 +214,7 @@ static void test_a_drive_found_in_fault_is_not_reset_unasked(void)
     played.state = IS_FAULT;
     run_ms(100);
     assert_fault(TUMBLE_STAND_FAULT_DRIVE);
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500);
+    recover(TUMBLE_STAND_READY);
 }
 
 /* The reset is asked for once: a fault that comes back while powering up is a fault again. */
@@ -255,10 +241,8 @@ static void test_homing_that_fails(void)
     run_ms(60);
     assert_fault(TUMBLE_STAND_FAULT_HOMING);
     played.homing_fails = false;
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    recover(TUMBLE_STAND_READY);
+    go_home();
 }
 
 static void test_a_fault_while_homing_is_no_stall(void)

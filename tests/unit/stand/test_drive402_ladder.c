@@ -253,8 +253,7 @@ static void test_a_wrapping_drive_without_timer_keeps_its_position_at_rest(void)
     played.wrap = 36000;
     played.event_only = true;
     scripted_drive_report(&played);
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     move_to(30.0);
     run_ms(60000);
     for (int32_t by = 1; by >= -1; by -= 2) {

@@ -27,11 +27,9 @@ static void assert_lost(void)
 {
     assert_fault(TUMBLE_STAND_FAULT_POSITION);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_EMCY_POSITION, bench.node.emcy.history[0] & 0xFFFFU);
-    clear_fault();
-    run_to(TUMBLE_STAND_READY, 500);
+    recover(TUMBLE_STAND_READY);
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 10.0));
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
 }
 
 static void test_one_garbled_report_changes_nothing(void)
@@ -122,8 +120,7 @@ static void test_an_axis_that_creeps_at_rest(void)
 static void test_a_stopped_axis_that_is_turned_by_hand(void)
 {
     start_move(&common);
-    bench.stand.kind->stop(bench.stand.self);
-    run_to(TUMBLE_STAND_STOPPED, 100);
+    stop_at_rest();
     run_ms(100);
     played.actual += 20 * PER_DEG;
     run_ms(30);
@@ -195,8 +192,7 @@ static void test_a_homing_on_the_spot(void)
     bring_up(&profile);
     played.attained_from_before = true;
     played.old_reports = UINT32_MAX;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
 }
 
 static void home_without_end(const tumble_drive_profile_t *profile, int32_t counts_per_ms)
@@ -245,8 +241,7 @@ static void test_a_new_zero_is_no_travel(void)
     bring_up(&common);
     played.actual = 90000;
     played.home = -90000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     assert_angle(-900.0);
 }
 
@@ -273,8 +268,7 @@ static void test_the_cables_limits_are_written_and_read_back(void)
     profile.sign = -1;
     bench_setup(&profile);
     TEST_ASSERT_TRUE(bench.drive.report.limited);
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
     TEST_ASSERT_EQUAL_INT32(-40000, played.limits[0]);
     TEST_ASSERT_EQUAL_INT32(3000, played.limits[1]);
     TEST_ASSERT_EQUAL_UINT(26, played.write_count);
@@ -303,8 +297,7 @@ static void test_a_drive_without_them_is_said_to_be_so(void)
     for (size_t i = 0; i < COUNT_OF(profiles); i++) {
         bench_setup(profiles[i]);
         TEST_ASSERT_FALSE(bench.drive.report.limited);
-        scripted_drive_boot(&played, &port);
-        run_to(TUMBLE_STAND_READY, 500);
+        boot_drive();
         TEST_ASSERT_EQUAL_UINT(24, played.write_count);
     }
 }
@@ -328,8 +321,7 @@ static void test_a_foreign_command_stops_the_axis(void)
         TEST_ASSERT_EQUAL_UINT8(1, bench.node.emcy.recorded);
         run_ms(50);
         TEST_ASSERT_FALSE(played.moving);
-        clear_fault();
-        run_to(TUMBLE_STAND_READY, 500);
+        recover(TUMBLE_STAND_READY);
     }
 }
 
@@ -340,8 +332,7 @@ static void test_our_process_data_are_mended(void)
     const tumble_pdo_setup_t other = {.cob_id = 0x80000202U, .type = 255};
     TEST_ASSERT_EQUAL_HEX32(0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0,
                                                     &other));
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
     TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
     TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);
 }

@@ -107,8 +107,7 @@ static void test_a_wrapping_drive_goes_long_ways_in_quarters(void)
     profile.wrap_counts = 36000;
     bring_up(&profile);
     played.wrap = 36000;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     for (size_t i = 0; i < COUNT_OF(angles_deg); i++) {
         ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, angles_deg[i]));
         run_to(TUMBLE_STAND_IN_POSITION, 3000);
@@ -128,8 +127,7 @@ static void test_a_wrapping_drive_is_at_home_on_either_side(void)
         bring_up(&profile);
         played.wrap = 36000;
         played.home = homes[i];
-        ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-        run_to(TUMBLE_STAND_IN_POSITION, 500);
+        go_home();
         assert_angle(angles_deg[i]);
         run_ms(50); /* and it stays there as the drive goes on reporting */
         assert_angle(angles_deg[i]);
@@ -143,8 +141,7 @@ static void test_a_short_way_from_beside_home_is_short(void)
     bring_up(&profile);
     played.wrap = 36000;
     played.home = 35999;
-    ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->home(bench.stand.self));
-    run_to(TUMBLE_STAND_IN_POSITION, 500);
+    go_home();
     const unsigned before = played.control_count;
     move_to(45.0);
     assert_angle(45.0);

@@ -74,8 +74,7 @@ static void test_nobody_is_asked_again_and_again(void)
     run_ms(3000);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_OFFLINE, stand_state());
     TEST_ASSERT_UINT32_WITHIN(8, 30U + 12U, bench.node.link.counters.sent - before); /* heartbeats; asked, given up */
-    scripted_drive_boot(&played, &port);
-    run_to(TUMBLE_STAND_READY, 500);
+    boot_drive();
 }
 
 /* It runs this far, and then this habit makes it wait in vain. */
@@ -160,8 +159,7 @@ static void test_a_target_never_reached(void)
     expect_late(TUMBLE_STAND_FAULT_TIMEOUT, 1490, 1530);
     TEST_ASSERT_FALSE(played.moving);
     played.never_reaches = false;
-    clear_fault();
-    run_to(TUMBLE_STAND_STOPPED, 500);
+    recover(TUMBLE_STAND_STOPPED);
     assert_moves_again();
 }
 
@@ -274,8 +272,7 @@ static void test_a_stop_gives_up_reading_the_target(void)
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 90.0));
     run_ms(20);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_MOVING, stand_state());
-    bench.stand.kind->stop(bench.stand.self);
-    run_to(TUMBLE_STAND_STOPPED, 100);
+    stop_at_rest();
     played.sdo_is_deaf = false;
     assert_moves_again();
 }
