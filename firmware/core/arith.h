@@ -29,6 +29,11 @@ static inline double tumble_abs(double x)
     return x;
 }
 
+static inline uint64_t tumble_earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
 /* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal float.
  * `x` a number. Without floating point hardware a cast costs a member of the library. */
 TUMBLE_ONE_COPY float tumble_to_float(double x);

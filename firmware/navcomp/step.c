@@ -3,6 +3,8 @@
  */
 #include "navcomp/navcomp_internal.h"
 
+#include "core/arith.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -282,11 +284,6 @@ static uint64_t later(uint64_t a_us, uint64_t b_us)
     return (a_us > b_us) ? a_us : b_us;
 }
 
-static uint64_t earlier(uint64_t a_us, uint64_t b_us)
-{
-    return (a_us < b_us) ? a_us : b_us;
-}
-
 /* The bus is off when the port says so in receiving, or in sending at the end of a step: what it would not take is
  * offered again every time. A bus that is off is looked after until it is back. */
 static bool is_bus_off(const tumble_navcomp_t *navcomp)
@@ -298,14 +295,14 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
 {
     const tumble_status_t last = navcomp->node.link.last;
     uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
-    due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
-    due_us = earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
-    due_us = earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
+    due_us = tumble_earlier(due_us, tumble_node_next_us(&navcomp->node));
+    due_us = tumble_earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
+    due_us = tumble_earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
     if (block_waits(navcomp)) {
-        due_us = earlier(due_us, navcomp->block_start_us);
+        due_us = tumble_earlier(due_us, navcomp->block_start_us);
     }
     if (navcomp->config->keeping != NULL) {
-        due_us = earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
+        due_us = tumble_earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
     }
     if (navcomp->more) {
         due_us = 0;

@@ -161,9 +161,7 @@ void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 
 uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure)
 {
-    const uint64_t a_us = late_us(procedure);
-    const uint64_t b_us = silent_us(procedure);
-    const uint64_t end_us = (a_us < b_us) ? a_us : b_us;
+    const uint64_t end_us = tumble_earlier(late_us(procedure), silent_us(procedure));
     return (procedure->restart_timer || row_of(procedure)->pauses) ? 0U : end_us;
 }
 
