@@ -58,7 +58,7 @@ static int largest_pivot(const tumble_normal_t *normal, int from)
 {
     int best = from;
     for (int i = from + 1; i < N; i++) {
-        if (normal->m[i][i] > normal->m[best][best]) {
+        if (tumble_exceeds(normal->m[i][i], normal->m[best][best])) {
             best = i;
         }
     }
@@ -79,7 +79,7 @@ static void factor(tumble_normal_t *normal, double smallest_pivot)
 {
     for (int k = 0; k < N; k++) {
         exchange(normal, k, largest_pivot(normal, k));
-        if (!(normal->m[k][k] > smallest_pivot)) {
+        if (!tumble_exceeds(normal->m[k][k], smallest_pivot)) {
             break;
         }
         eliminate(normal, k);

@@ -31,7 +31,7 @@ static bool angle_is_consistent(const tumble_angle_t *angle)
         return false;
     }
     const double quarters = (angle->deg / 90.0) + 40.5; /* 40 turns of a quarter make it positive, 0.5 rounds it */
-    const uint32_t quarter = (uint32_t)quarters;
+    const uint32_t quarter = (uint32_t)tumble_whole(quarters);
     const double rest_deg = angle->deg - (90.0 * ((double)quarter - 40.0));
     double sine;
     double cosine;
@@ -174,7 +174,7 @@ static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 static uint8_t paper_position(const tumble_angle_t *angle)
 {
     const double above_deg = angle->deg + 0.5;
-    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)above_deg : 1U; /* 1 is no position */
+    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)tumble_whole(above_deg) : 1U; /* 1 is no position */
     const bool there = (nearest_deg <= 360U) && ((nearest_deg % 45U) == 0U) &&
                        tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
     return there ? (uint8_t)(nearest_deg / 45U) : 9U;

@@ -50,7 +50,7 @@ static bool is_certain(const tumble_procedure_t *procedure, bool fixed)
     }
     bool certain = (tumble_procedure_running(procedure, mean_v, error_v) == TUMBLE_OK);
     for (int i = 0; certain && (i < TUMBLE_CHANNELS); i++) {
-        certain = error_v[i] <= budget_v;
+        certain = tumble_within(error_v[i], budget_v);
     }
     return certain;
 }
