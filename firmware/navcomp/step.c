@@ -175,8 +175,9 @@ static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *
     }
 }
 
-/* False: the frame is not the block's. */
-static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
+/* False: the frame is not the block's. Here and in drain_source one copy keeps the sample off the stack of all that other
+ * frames set going. */
+TUMBLE_ONE_COPY static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
 {
     const uint32_t lost_before = navcomp->block.counters.lost;
     tumble_block_sample_t sample;
@@ -237,7 +238,7 @@ static void drain_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
     navcomp->more = true;
 }
 
-static void drain_source(tumble_navcomp_t *navcomp)
+TUMBLE_ONE_COPY static void drain_source(tumble_navcomp_t *navcomp)
 {
     const tumble_sample_source_t *source = navcomp->config->source;
     tumble_block_sample_t sample;

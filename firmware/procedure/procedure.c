@@ -33,9 +33,8 @@ static outcome_t enter(tumble_procedure_t *procedure, tumble_state_t state)
 static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
 {
     const tumble_row_t *row = row_of(procedure);
-    const uint8_t next[OUTCOME_FAULT + 1] = {
-        [OUTCOME_DONE] = row->done, [OUTCOME_OTHER] = row->other, [OUTCOME_FAULT] = TUMBLE_STATE_FAULT};
-    return enter(procedure, (tumble_state_t)next[outcome]);
+    const uint8_t next = (outcome == OUTCOME_DONE) ? row->done : row->other;
+    return enter(procedure, (outcome == OUTCOME_FAULT) ? TUMBLE_STATE_FAULT : (tumble_state_t)next);
 }
 
 /* Is the table, by its own report, off the angle where the position is measured? */
