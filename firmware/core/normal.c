@@ -141,7 +141,7 @@ uint8_t tumble_normal_unidentified(const tumble_normal_t *normal)
 
 void tumble_normal_solve(const tumble_normal_t *normal, double right[N])
 {
-    double z[N];
+    double z[N] = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < N; i++) { /* L */
         z[i] = residual_of(right[normal->order[i]], normal->m[i], z, i);
     }
