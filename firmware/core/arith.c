@@ -66,7 +66,7 @@ bool tumble_exceeds(double a, double b)
 
 double tumble_larger(double a, double b)
 {
-    return tumble_exceeds(a, b) ? a : b;
+    return (bits_of(a) > bits_of(b)) ? a : b;
 }
 
 uint64_t tumble_whole(double x)

@@ -50,8 +50,8 @@ TUMBLE_ONE_COPY bool tumble_within(double x, double bound);
 /* a > b, and false where one of them is a NaN. */
 TUMBLE_ONE_COPY bool tumble_exceeds(double a, double b);
 
-/* The larger one; b where one of them is a NaN. */
-TUMBLE_ONE_COPY double tumble_larger(double a, double b);
+/* The larger one of two numbers from 0 on. */
+double tumble_larger(double a, double b);
 
 /* What stands before the point of a number from 0 to below 2^53, as a cast; 0 of any other. */
 TUMBLE_ONE_COPY uint64_t tumble_whole(double x);
