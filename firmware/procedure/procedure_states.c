@@ -171,7 +171,7 @@ outcome_t tumble_home_enter(tumble_procedure_t *procedure)
         return OUTCOME_DONE;
     }
     procedure->homed = false;
-    tumble_add_up(&procedure->counters.homings, 1U);
+    tumble_count(&procedure->counters.homings);
     return follow_command(procedure, procedure->stand.kind->home(procedure->stand.self));
 }
 
@@ -186,7 +186,7 @@ outcome_t tumble_home_poll(tumble_procedure_t *procedure)
 static outcome_t command_move(tumble_procedure_t *procedure, double angle_deg)
 {
     procedure->restart_timer = true;
-    tumble_add_up(&procedure->counters.moves, 1U);
+    tumble_count(&procedure->counters.moves);
     return follow_command(procedure, procedure->stand.kind->move(procedure->stand.self, angle_deg));
 }
 
@@ -274,7 +274,7 @@ outcome_t tumble_settle_late(tumble_procedure_t *procedure)
 
 outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
 {
-    tumble_add_up(&procedure->counters.faults, 1U);
+    tumble_count(&procedure->counters.faults);
     procedure->stand.kind->stop(procedure->stand.self);
     return OUTCOME_STAY;
 }
