@@ -21,12 +21,12 @@ endfunction()
 # Hold libraries to a row of boards/budget.csv, as part of the build: they are linked with what they keep in RAM, and
 # measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where indirect calls lead
 # (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole, and what it makes of
-# the objects is measured. The target is budget_<name>.
+# the objects is measured. INTEGER are functions that may reach no floating point. The target is budget_<name>.
 #
 #   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ROOTS <symbols>]
-#                 [CALLS <file>] [ON_DEMAND])
+#                 [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
 function(tumble_budget name)
-  cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "LIBRARIES;RESIDENT;ROOTS" ${ARGN})
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "LIBRARIES;RESIDENT;ROOTS;INTEGER" ${ARGN})
   set(objects)
   set(linked_objects)
   foreach(library IN LISTS arg_LIBRARIES)
@@ -60,16 +60,16 @@ function(tumble_budget name)
   if(arg_ON_DEMAND)
     list(APPEND more ON_DEMAND)
   endif()
-  tumble_hold_to_row(${name} ROW ${arg_ROW} IMAGE ${image} OBJECTS ${objects} ${more})
+  tumble_hold_to_row(${name} ROW ${arg_ROW} IMAGE ${image} OBJECTS ${objects} INTEGER ${arg_INTEGER} ${more})
 endfunction()
 
 # The same for a whole image, as it is flown, and linked with a map beside it. OBJECTS are all that it is made of;
 # EXCEPTIONS is the label of its table of exceptions. The target is budget_<name>.
 #
 #   tumble_hold_to_row(<name> ROW <part in the table> IMAGE <target> OBJECTS <files> EXCEPTIONS <label>
-#                      [CALLS <file>] [ON_DEMAND])
+#                      [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
 function(tumble_hold_to_row name)
-  cmake_parse_arguments(arg "ON_DEMAND" "ROW;IMAGE;CALLS;LINKED;EXCEPTIONS" "OBJECTS" ${ARGN})
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW;IMAGE;CALLS;LINKED;EXCEPTIONS" "OBJECTS;INTEGER" ${ARGN})
   set(all ALL)
   if(arg_ON_DEMAND)
     set(all)
@@ -80,6 +80,9 @@ function(tumble_hold_to_row name)
       string(TOLOWER --${option} spelt)
       list(APPEND options ${spelt} ${arg_${option}})
     endif()
+  endforeach()
+  foreach(function IN LISTS arg_INTEGER)
+    list(APPEND options --integer ${function})
   endforeach()
   if(arg_CALLS)
     target_link_options(${arg_IMAGE} PRIVATE LINKER:--emit-relocs)

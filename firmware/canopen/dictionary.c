@@ -1,5 +1,6 @@
 #include "canopen/dictionary.h"
 
+#include "core/arith.h"
 #include "core/bytes.h"
 
 #include <stdbool.h>
@@ -251,14 +252,14 @@ static tumble_abort_t check_value(const tumble_dictionary_t *dictionary, const t
     } else if ((entry->limit != 0U) || is_real(entry)) {
         double number = number_of(entry, bytes);
 
-        if ((number - number) != 0.0) { /* infinite or not a number */
+        if (!tumble_is_finite(number)) {
             refusal = TUMBLE_ABORT_VALUE;
         } else if (entry->limit != 0U) {
             const tumble_limit_t *limit = &table_of(dictionary, entry)->limits[entry->limit - 1U];
 
-            if (number > limit->high) {
+            if (tumble_exceeds(number, limit->high)) {
                 refusal = TUMBLE_ABORT_TOO_HIGH;
-            } else if (number < limit->low) {
+            } else if (tumble_exceeds(limit->low, number)) {
                 refusal = TUMBLE_ABORT_TOO_LOW;
             } else {
                 /* within */

@@ -1,6 +1,7 @@
 #include "canopen/node.h"
 
 #include "canopen/communication.h"
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -321,22 +322,17 @@ void tumble_node_step(tumble_node_t *node, uint64_t now_us)
     }
 }
 
-static uint64_t earlier(uint64_t a_us, uint64_t b_us)
-{
-    return (a_us < b_us) ? a_us : b_us;
-}
-
 uint64_t tumble_node_next_us(const tumble_node_t *node)
 {
     uint64_t next_us = tumble_nmt_next_us(&node->nmt);
 
     if (has_sdo(node)) {
-        next_us = earlier(next_us, tumble_sdo_server_next_us(&node->server));
-        next_us = earlier(next_us, tumble_sdo_client_next_us(&node->client));
+        next_us = tumble_earlier(next_us, tumble_sdo_server_next_us(&node->server));
+        next_us = tumble_earlier(next_us, tumble_sdo_client_next_us(&node->client));
         next_us = (node->emcy.queued > 0U) ? 0U : next_us;
     }
     if (is_operational(node)) {
-        next_us = earlier(next_us, tumble_pdo_next_us(&node->pdos));
+        next_us = tumble_earlier(next_us, tumble_pdo_next_us(&node->pdos));
     }
     return next_us;
 }

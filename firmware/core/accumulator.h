@@ -11,6 +11,7 @@
 #ifndef TUMBLE_CORE_ACCUMULATOR_H
 #define TUMBLE_CORE_ACCUMULATOR_H
 
+#include "core/count.h"
 #include "tumble/core.h"
 
 #include <string.h>
@@ -24,11 +25,6 @@ typedef struct {
     tumble_averaging_counters_t *counters;
 } tumble_accumulator_t;
 
-static inline void tumble_gate_count(uint32_t *counter, uint32_t by)
-{
-    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
-}
-
 /* Follow the block's own counter: what came twice or backwards is refused, what is missing is counted. */
 static inline tumble_status_t tumble_gate_counter(tumble_accumulator_t into, uint16_t counter)
 {
@@ -36,15 +32,15 @@ static inline tumble_status_t tumble_gate_counter(tumble_accumulator_t into, uin
     const uint16_t missing = (uint16_t)(counter - open->last_counter - 1U);
     if ((missing != 0U) && ((open->faults & HAS_COUNTER) != 0U)) {
         if (missing == UINT16_MAX) {
-            tumble_gate_count(&into.counters->repeated, 1U);
+            tumble_add_up_here(&into.counters->repeated, 1U);
             return TUMBLE_E_REPEATED;
         }
         if (missing >= (uint16_t)INT16_MAX) {
-            tumble_gate_count(&into.counters->reordered, 1U);
+            tumble_add_up_here(&into.counters->reordered, 1U);
             return TUMBLE_E_REORDERED;
         }
-        tumble_gate_count(&open->lost, missing);
-        tumble_gate_count(&into.counters->lost, missing);
+        tumble_add_up_here(&open->lost, missing);
+        tumble_add_up_here(&into.counters->lost, missing);
     }
     open->last_counter = counter;
     open->faults |= HAS_COUNTER;
@@ -71,12 +67,12 @@ static inline tumble_status_t tumble_gate_range(tumble_accumulator_t into, const
     }
     if (largest > (2U * highest)) {
         into.open->faults |= FAULT_SATURATED;
-        tumble_gate_count(&into.counters->saturated, 1U);
+        tumble_add_up_here(&into.counters->saturated, 1U);
         return TUMBLE_E_SATURATED;
     }
     if (farthest > (uint32_t)TUMBLE_MAX_DEVIATION_COUNTS) {
         into.open->faults |= FAULT_DEVIATING;
-        tumble_gate_count(&into.counters->deviating, 1U);
+        tumble_add_up_here(&into.counters->deviating, 1U);
         return TUMBLE_E_DEVIATION;
     }
     return TUMBLE_OK;

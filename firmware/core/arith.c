@@ -1,6 +1,9 @@
 #include "core/arith.h"
 
-#define INFINITE_BITS (UINT64_C(0x7FF) << 52)
+#define FRACTION_BITS 52U
+#define EXPONENT_OF_ONE 1023U
+#define IMPLIED_ONE (UINT64_C(1) << FRACTION_BITS)
+#define INFINITE_BITS (UINT64_C(0x7FF) << FRACTION_BITS)
 
 /* 2^128 and 2^-126 as doubles, infinity as a float; how far the exponents of float and double are apart, 1023 - 127, at the
  * place of a float's, of which 32 bits are left. */
@@ -53,4 +56,23 @@ bool tumble_is_positive(double x)
 bool tumble_within(double x, double bound)
 {
     return bits_of(tumble_abs(x)) <= bits_of(bound);
+}
+
+/* A difference is 0 between equal numbers alone, and may be infinite. */
+bool tumble_exceeds(double a, double b)
+{
+    return (bits_of(a - b) - 1U) < INFINITE_BITS;
+}
+
+double tumble_larger(double a, double b)
+{
+    return (bits_of(a) > bits_of(b)) ? a : b;
+}
+
+uint64_t tumble_whole(double x)
+{
+    const uint64_t bits = bits_of(x);
+    const uint64_t digits = (bits & (IMPLIED_ONE - 1U)) | IMPLIED_ONE;
+    const uint32_t behind_point = (EXPONENT_OF_ONE + FRACTION_BITS) - (uint32_t)(bits >> FRACTION_BITS);
+    return (behind_point <= FRACTION_BITS) ? (digits >> behind_point) : 0U;
 }

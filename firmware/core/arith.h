@@ -2,7 +2,8 @@
  *
  * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
  * firmware/core, because libraries differ in their last bit. The tests are functions of their own: where comparing
- * doubles is a call of the library, a place that asks then costs one call instead of several.
+ * doubles is a call of the library, a place that asks then costs one call instead of several. A navigation computer compares
+ * by nothing else, and casts no double to an integer: so it links neither the library's comparisons nor its casts.
  */
 #ifndef TUMBLE_CORE_ARITH_H
 #define TUMBLE_CORE_ARITH_H
@@ -29,6 +30,11 @@ static inline double tumble_abs(double x)
     return x;
 }
 
+static inline uint64_t tumble_earlier(uint64_t a_us, uint64_t b_us)
+{
+    return (a_us < b_us) ? a_us : b_us;
+}
+
 /* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal float.
  * `x` a number. Without floating point hardware a cast costs a member of the library. */
 TUMBLE_ONE_COPY float tumble_to_float(double x);
@@ -40,5 +46,14 @@ TUMBLE_ONE_COPY bool tumble_is_positive(double x);
 
 /* |x| <= bound, and false for a NaN: the comparison that validation wants. `bound` a number, 0 or above. */
 TUMBLE_ONE_COPY bool tumble_within(double x, double bound);
+
+/* a > b, and false where one of them is a NaN. */
+TUMBLE_ONE_COPY bool tumble_exceeds(double a, double b);
+
+/* The larger one of two numbers from 0 on. */
+double tumble_larger(double a, double b);
+
+/* What stands before the point of a number from 0 to below 2^53, as a cast; 0 of any other. */
+TUMBLE_ONE_COPY uint64_t tumble_whole(double x);
 
 #endif

@@ -86,7 +86,7 @@ static tumble_status_t judge_open(const tumble_averaging_t *averaging, const tum
     }
     const double still_counts = (double)config->stillness_ratio * (double)config->noise_counts;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        if (tumble_is_positive(still_counts) && ((double)average->scatter_counts[i] > still_counts)) {
+        if (tumble_is_positive(still_counts) && tumble_exceeds((double)average->scatter_counts[i], still_counts)) {
             return TUMBLE_E_NOT_STILL;
         }
     }
@@ -171,11 +171,6 @@ tumble_status_t tumble_averaging_running(const tumble_averaging_t *averaging, do
     return TUMBLE_OK;
 }
 
-static bool is_finished(const tumble_averaging_t *averaging, uint8_t index)
-{
-    return (averaging->averages[index].samples != 0U) && (averaging->open.index != index);
-}
-
 tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8_t index,
                                       double mean_counts[TUMBLE_CHANNELS],
                                       double standard_error_counts[TUMBLE_CHANNELS])
@@ -183,7 +178,7 @@ tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8
     if ((averaging == NULL) || (mean_counts == NULL) || (index >= TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (!is_finished(averaging, index)) {
+    if (!tumble_averaging_has_mean(averaging, index)) {
         return TUMBLE_E_MISSING_POSITION;
     }
     const tumble_average_t *average = &averaging->averages[index];
@@ -199,11 +194,11 @@ tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8
 
 tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, double v_per_count, tumble_means_t *means)
 {
-    if ((averaging == NULL) || (means == NULL) || (v_per_count == 0.0) || !tumble_is_finite(v_per_count)) {
+    if ((averaging == NULL) || (means == NULL) || !tumble_is_positive(tumble_abs(v_per_count))) {
         return TUMBLE_E_ARGUMENT;
     }
     for (uint8_t p = 0; p < TUMBLE_MAX_POSITIONS; p++) {
-        means->measured[p] = is_finished(averaging, p);
+        means->measured[p] = tumble_averaging_has_mean(averaging, p);
         if (means->measured[p]) {
             mean_of(&averaging->averages[p], means->u_v[p]);
         }

@@ -1,4 +1,4 @@
-/* averaging_state.h - what the two halves of averaging share (private to the core). */
+/* averaging_state.h - what the two halves of averaging and the procedure share (private to the firmware). */
 #ifndef TUMBLE_CORE_AVERAGING_STATE_H
 #define TUMBLE_CORE_AVERAGING_STATE_H
 
@@ -9,6 +9,11 @@
 static inline bool tumble_averaging_is_open(const tumble_averaging_t *averaging)
 {
     return averaging->open.index != NONE_OPEN;
+}
+
+static inline bool tumble_averaging_has_mean(const tumble_averaging_t *averaging, uint8_t index)
+{
+    return (averaging->averages[index].samples != 0U) && (averaging->open.index != index);
 }
 
 static inline tumble_average_t *tumble_averaging_open_average(tumble_averaging_t *averaging)

@@ -16,10 +16,10 @@ static tumble_status_t row_lengths(const tumble_coefficients_t *coefficients, do
         if (!tumble_is_finite(length[i]) || !tumble_is_finite(coefficients->u0_v[i])) {
             return TUMBLE_E_NOT_FINITE;
         }
-        longest = (length[i] > longest) ? length[i] : longest;
+        longest = tumble_larger(length[i], longest);
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        if (!(length[i] > (TUMBLE_MIN_ROW_RATIO * longest))) {
+        if (!tumble_exceeds(length[i], TUMBLE_MIN_ROW_RATIO * longest)) {
             return TUMBLE_E_SINGULAR;
         }
     }

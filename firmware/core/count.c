@@ -7,6 +7,11 @@ void tumble_count(uint32_t *counter)
     }
 }
 
+void tumble_add_up(uint32_t *counter, uint32_t by)
+{
+    tumble_add_up_here(counter, by);
+}
+
 void tumble_count_u16(uint16_t *counter)
 {
     if (*counter != UINT16_MAX) {

@@ -1,5 +1,6 @@
 #include "tumble/core.h"
 
+#include "core/arith.h"
 #include "core/crc32.h"
 #include "core/means.h"
 
@@ -88,28 +89,33 @@ static bool is_for(const tumble_gain_record_t *record, const tumble_schedule_t *
            (record->schedule_crc == tumble_gain_record_schedule_crc(schedule));
 }
 
-static bool all_within(const double *numbers, size_t count, double low, double high)
+static bool all_within(const double *numbers, size_t count, double bound)
 {
     bool within = true;
     for (size_t i = 0; i < count; i++) {
-        within = within && (numbers[i] >= low) && (numbers[i] <= high);
+        within = within && tumble_within(numbers[i], bound);
     }
     return within;
 }
 
-static bool all_are_zero(const double *numbers, size_t count)
+static bool none_is_negative(const double *numbers, size_t count)
 {
-    return all_within(numbers, count, 0.0, 0.0);
+    bool negative = false;
+    for (size_t i = 0; i < count; i++) {
+        negative = negative || tumble_is_positive(-numbers[i]);
+    }
+    return !negative;
 }
 
 static bool numbers_are_in_range(const tumble_gain_record_t *record)
 {
     const size_t count = (record->size_bytes - BYTES_BEFORE_NUMBERS - TAIL_BYTES) / sizeof(double);
-    return all_within(at(record, BYTES_BEFORE_NUMBERS), count, -TUMBLE_MAX_GAIN, TUMBLE_MAX_GAIN) &&
-           !all_are_zero(record->k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS) &&
-           all_within(record->sigma_rad, 4, 0.0, TUMBLE_MAX_SIGMA_RAD) && (record->sigma_mean_v > 0.0) &&
-           all_within(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN) &&
-           all_within(record->u_u0_v, TUMBLE_CHANNELS, 0.0, TUMBLE_MAX_GAIN);
+    return all_within(at(record, BYTES_BEFORE_NUMBERS), count, TUMBLE_MAX_GAIN) &&
+           !all_within(record->k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS, 0.0) &&
+           all_within(record->sigma_rad, 4, TUMBLE_MAX_SIGMA_RAD) && none_is_negative(record->sigma_rad, 4) &&
+           tumble_is_positive(record->sigma_mean_v) &&
+           none_is_negative(record->u_k_v_per_g[0], (size_t)TUMBLE_CHANNELS * TUMBLE_CHANNELS) &&
+           none_is_negative(record->u_u0_v, TUMBLE_CHANNELS);
 }
 
 tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *schedule,

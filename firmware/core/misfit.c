@@ -59,8 +59,7 @@ static double largest_k(const tumble_coefficients_t *coefficients)
 {
     double largest = 0.0;
     for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {
-        const double size = tumble_abs(coefficients->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]);
-        largest = (size > largest) ? size : largest;
+        largest = tumble_larger(tumble_abs(coefficients->k_v_per_g[i / TUMBLE_CHANNELS][i % TUMBLE_CHANNELS]), largest);
     }
     return largest;
 }
@@ -74,12 +73,10 @@ static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
     const double rounding_v2 = square_of(step_v) / 12.0;
     const double n = (double)samples;
     const double scale_v = largest_k(run->coefficients);
-    double variance = (noise_v < (HALF_STEP * step_v)) ? ((square_of(noise_v) / n) + rounding_v2)
-                                                       : ((square_of(noise_v) + rounding_v2) / n);
-    const double least = square_of(run->stand->least_noise_v);
-    const double smallest = square_of(SMALLEST_NOISE * scale_v);
-    variance = (variance > least) ? variance : least;
-    variance = (variance > smallest) ? variance : smallest;
+    double variance = tumble_exceeds(HALF_STEP * step_v, noise_v) ? ((square_of(noise_v) / n) + rounding_v2)
+                                                                  : ((square_of(noise_v) + rounding_v2) / n);
+    variance = tumble_larger(variance, square_of(run->stand->least_noise_v));
+    variance = tumble_larger(variance, square_of(SMALLEST_NOISE * scale_v));
     return variance + square_of(square_of(run->stand->angle_rad) * scale_v);
 }
 
@@ -179,18 +176,18 @@ static int solve(tumble_misfit_work_t *work)
                 sum -= r[k] * c[k];
             }
             if (column < row) {
-                r[column] = (c[column] > 0.0) ? (sum / c[column]) : 0.0;
+                r[column] = tumble_exceeds(c[column], 0.0) ? (sum / c[column]) : 0.0;
             } else {
-                r[row] = (sum > (RANK * diagonal)) ? tumble_sqrt(sum) : 0.0;
+                r[row] = tumble_exceeds(sum, RANK * diagonal) ? tumble_sqrt(sum) : 0.0;
             }
         }
         double right = work->right[row];
         for (int k = 0; k < row; k++) {
             right -= r[k] * work->right[k];
         }
-        work->right[row] = (r[row] > 0.0) ? (right / r[row]) : 0.0;
+        work->right[row] = tumble_exceeds(r[row], 0.0) ? (right / r[row]) : 0.0;
         work->square -= square_of(work->right[row]);
-        rank += (r[row] > 0.0) ? 1 : 0;
+        rank += tumble_exceeds(r[row], 0.0) ? 1 : 0;
     }
     return rank;
 }

@@ -20,6 +20,22 @@ void tumble_normal_row(const tumble_schedule_t *schedule, uint8_t index, double 
     row[TUMBLE_CHANNELS] = 1.0;
 }
 
+static void add_multiple(double *sum, double factor, const double *x, int count)
+{
+    for (int j = 0; j < count; j++) {
+        sum[j] += factor * x[j];
+    }
+}
+
+/* u - a x */
+static double residual_of(double u, const double *a, const double *x, int count)
+{
+    for (int j = 0; j < count; j++) {
+        u -= a[j] * x[j];
+    }
+    return u;
+}
+
 /* Symmetric exchange of unknowns a and b, in the part already factored as in the rest. */
 static void exchange(tumble_normal_t *normal, int a, int b)
 {
@@ -42,7 +58,7 @@ static int largest_pivot(const tumble_normal_t *normal, int from)
 {
     int best = from;
     for (int i = from + 1; i < N; i++) {
-        if (normal->m[i][i] > normal->m[best][best]) {
+        if (tumble_exceeds(normal->m[i][i], normal->m[best][best])) {
             best = i;
         }
     }
@@ -54,9 +70,7 @@ static void eliminate(tumble_normal_t *normal, int k)
 {
     for (int i = k + 1; i < N; i++) {
         const double l = normal->m[i][k] / normal->m[k][k];
-        for (int j = k + 1; j < N; j++) {
-            normal->m[i][j] -= l * normal->m[k][j];
-        }
+        add_multiple(&normal->m[i][k + 1], -l, &normal->m[k][k + 1], N - (k + 1));
         normal->m[i][k] = l;
     }
 }
@@ -65,7 +79,7 @@ static void factor(tumble_normal_t *normal, double smallest_pivot)
 {
     for (int k = 0; k < N; k++) {
         exchange(normal, k, largest_pivot(normal, k));
-        if (!(normal->m[k][k] > smallest_pivot)) {
+        if (!tumble_exceeds(normal->m[k][k], smallest_pivot)) {
             break;
         }
         eliminate(normal, k);
@@ -84,13 +98,19 @@ void tumble_normal_build(tumble_normal_t *normal, const tumble_schedule_t *sched
         double row[N];
         tumble_normal_row(schedule, p, row);
         for (int i = 0; i < N; i++) {
-            for (int j = 0; j < N; j++) {
-                normal->m[i][j] += row[i] * row[j];
-            }
+            add_multiple(normal->m[i], row[i], row, N);
         }
         positions += 1.0;
     }
     factor(normal, positions * TUMBLE_MIN_SENSITIVITY_G * TUMBLE_MIN_SENSITIVITY_G);
+}
+
+/* One step of back substitution in L^T z. */
+static void substitute_back(const tumble_normal_t *normal, int i, double z[N])
+{
+    for (int j = i + 1; j < N; j++) {
+        z[i] -= normal->m[j][i] * z[j];
+    }
 }
 
 /* The null vector whose free unknown is `free`: back substitution in L^T z = 0 with z[free] = 1. */
@@ -100,9 +120,7 @@ static void null_vector(const tumble_normal_t *normal, int free, double z[N])
         z[i] = (i == free) ? 1.0 : 0.0;
     }
     for (int i = (int)normal->rank - 1; i >= 0; i--) {
-        for (int j = i + 1; j < N; j++) {
-            z[i] -= normal->m[j][i] * z[j];
-        }
+        substitute_back(normal, i, z);
     }
 }
 
@@ -123,29 +141,15 @@ uint8_t tumble_normal_unidentified(const tumble_normal_t *normal)
 
 void tumble_normal_solve(const tumble_normal_t *normal, double right[N])
 {
-    double z[N];
+    double z[N] = {0.0, 0.0, 0.0, 0.0};
     for (int i = 0; i < N; i++) { /* L */
-        z[i] = right[normal->order[i]];
-        for (int j = 0; j < i; j++) {
-            z[i] -= normal->m[i][j] * z[j];
-        }
+        z[i] = residual_of(right[normal->order[i]], normal->m[i], z, i);
     }
     for (int i = N - 1; i >= 0; i--) { /* D L^T */
         z[i] /= normal->m[i][i];
-        for (int j = i + 1; j < N; j++) {
-            z[i] -= normal->m[j][i] * z[j];
-        }
+        substitute_back(normal, i, z);
         right[normal->order[i]] = z[i];
     }
-}
-
-/* u - [a 1] x */
-static double residual_of(const double row[N], const double x[N], double u)
-{
-    for (int j = 0; j < N; j++) {
-        u -= row[j] * x[j];
-    }
-    return u;
 }
 
 void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -160,10 +164,7 @@ void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *s
             if (tumble_normal_uses(schedule, means->measured, p)) {
                 double row[N];
                 tumble_normal_row(schedule, p, row);
-                const double residual = residual_of(row, x, means->u_v[p][channel]);
-                for (int j = 0; j < N; j++) {
-                    right[j] += row[j] * residual;
-                }
+                add_multiple(right, residual_of(means->u_v[p][channel], row, x, N), row, N);
             }
         }
         tumble_normal_solve(normal, right);

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/normal.h"
+#include "core/one_copy.h"
 #include "core/vector.h"
 
 #include <stddef.h>
@@ -31,7 +32,7 @@ static bool angle_is_consistent(const tumble_angle_t *angle)
         return false;
     }
     const double quarters = (angle->deg / 90.0) + 40.5; /* 40 turns of a quarter make it positive, 0.5 rounds it */
-    const uint32_t quarter = (uint32_t)quarters;
+    const uint32_t quarter = (uint32_t)tumble_whole(quarters);
     const double rest_deg = angle->deg - (90.0 * ((double)quarter - 40.0));
     double sine;
     double cosine;
@@ -58,7 +59,7 @@ static bool is_proper_rotation(const double m[3][3])
     return tumble_is_positive(tumble_dot(cross, m[2]));
 }
 
-static uint8_t find_mounting(const tumble_schedule_t *schedule, uint8_t number)
+TUMBLE_ONE_COPY uint8_t tumble_schedule_find_mounting(const tumble_schedule_t *schedule, uint8_t number)
 {
     uint8_t m = 0;
     while ((m < schedule->mounting_count) && (schedule->mountings[m].number != number)) {
@@ -70,7 +71,7 @@ static uint8_t find_mounting(const tumble_schedule_t *schedule, uint8_t number)
 static tumble_status_t validate_mounting(const tumble_schedule_t *schedule, uint8_t m)
 {
     const tumble_mounting_t *mounting = &schedule->mountings[m];
-    if (find_mounting(schedule, mounting->number) != m) {
+    if (tumble_schedule_find_mounting(schedule, mounting->number) != m) {
         return TUMBLE_E_SCHEDULE_DUPLICATE;
     }
     if (!is_proper_rotation(mounting->matrix)) {
@@ -82,7 +83,7 @@ static tumble_status_t validate_mounting(const tumble_schedule_t *schedule, uint
 static tumble_status_t validate_position(const tumble_schedule_t *schedule, uint8_t p)
 {
     const tumble_position_t *position = &schedule->positions[p];
-    if (find_mounting(schedule, position->mounting) == schedule->mounting_count) {
+    if (tumble_schedule_find_mounting(schedule, position->mounting) == schedule->mounting_count) {
         return TUMBLE_E_SCHEDULE_MOUNTING;
     }
     if (tumble_schedule_find(schedule, position->mounting, position->number) != p) {
@@ -136,7 +137,7 @@ uint8_t tumble_schedule_find(const tumble_schedule_t *schedule, uint8_t mounting
 
 const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *schedule, uint8_t index)
 {
-    return &schedule->mountings[find_mounting(schedule, schedule->positions[index].mounting)];
+    return &schedule->mountings[tumble_schedule_find_mounting(schedule, schedule->positions[index].mounting)];
 }
 
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS])
@@ -174,7 +175,7 @@ static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 static uint8_t paper_position(const tumble_angle_t *angle)
 {
     const double above_deg = angle->deg + 0.5;
-    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)above_deg : 1U; /* 1 is no position */
+    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)tumble_whole(above_deg) : 1U; /* 1 is no position */
     const bool there = (nearest_deg <= 360U) && ((nearest_deg % 45U) == 0U) &&
                        tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
     return there ? (uint8_t)(nearest_deg / 45U) : 9U;

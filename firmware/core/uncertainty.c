@@ -140,9 +140,7 @@ static double square(double x)
 static double variance_at(const tumble_judged_run_t *run, uint8_t p)
 {
     const uint32_t samples = (run->samples != NULL) ? run->samples[p] : run->stand->samples;
-    const double variance = square(run->stand->noise_v) / (double)samples;
-    const double least = square(run->stand->least_noise_v);
-    return (variance > least) ? variance : least;
+    return tumble_larger(square(run->stand->noise_v) / (double)samples, square(run->stand->least_noise_v));
 }
 
 /* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
@@ -251,7 +249,7 @@ static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
 
 static bool is_sigma(double sigma, double largest)
 {
-    return (sigma >= 0.0) && (sigma <= largest);
+    return tumble_within(sigma, largest) && !tumble_is_positive(-sigma);
 }
 
 static bool stand_is_valid(const tumble_stand_record_t *stand)

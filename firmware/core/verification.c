@@ -8,11 +8,6 @@
 
 #define SAME_ATTITUDE 1e-12
 
-static double larger(double a, double b)
-{
-    return (a > b) ? a : b;
-}
-
 /* delta_g = (|a|^2 - 1) / 2, formula (8) */
 static double gravity_error_g(const tumble_calibration_t *calibration, const double u_v[TUMBLE_CHANNELS])
 {
@@ -33,7 +28,7 @@ static tumble_status_t judge_position(const tumble_schedule_t *schedule, const t
     const bool fit = (schedule->positions[p].use == TUMBLE_USE_FIT);
     double *const largest_g = fit ? &found->max_abs_fit_g : &found->max_abs_check_g;
     uint8_t *const judged = fit ? &found->fit_positions : &found->check_positions;
-    *largest_g = larger(*largest_g, tumble_abs(delta_g));
+    *largest_g = tumble_larger(*largest_g, tumble_abs(delta_g));
     *judged = (uint8_t)(*judged + 1U);
     return TUMBLE_OK;
 }
@@ -57,7 +52,7 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
         }
     }
     const bool judged = (check->fit_positions > 0U) || (check->check_positions > 0U);
-    check->pass = judged && (larger(check->max_abs_fit_g, check->max_abs_check_g) <= limit_g);
+    check->pass = judged && tumble_within(check->max_abs_fit_g, limit_g) && tumble_within(check->max_abs_check_g, limit_g);
     return TUMBLE_OK;
 }
 

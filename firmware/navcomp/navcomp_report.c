@@ -1,5 +1,7 @@
 #include "navcomp/navcomp_internal.h"
 
+#include "core/arith.h"
+
 #include <stddef.h>
 
 /* Commands. */
@@ -23,7 +25,8 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_stand_t *stand = &navcomp->stand;
     const double angle_deg = navcomp->objects.command_angle;
-    if (turn && !((angle_deg >= config->cable_min_deg) && (angle_deg <= config->cable_max_deg))) {
+    if (turn && (!tumble_is_finite(angle_deg) || tumble_exceeds(config->cable_min_deg, angle_deg) ||
+                 tumble_exceeds(angle_deg, config->cable_max_deg))) {
         return TUMBLE_E_ARGUMENT;
     }
     if (tumble_run_is_on(navcomp) || !tumble_is_supervised(navcomp)) {

@@ -3,6 +3,8 @@
  */
 #include "navcomp/navcomp_internal.h"
 
+#include "core/arith.h"
+
 #include <stddef.h>
 #include <string.h>
 
@@ -173,8 +175,9 @@ static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *
     }
 }
 
-/* False: the frame is not the block's. */
-static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
+/* False: the frame is not the block's. Here and in drain_source one copy keeps the sample off the stack of all that other
+ * frames set going. */
+TUMBLE_ONE_COPY static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
 {
     const uint32_t lost_before = navcomp->block.counters.lost;
     tumble_block_sample_t sample;
@@ -235,7 +238,7 @@ static void drain_bus(tumble_navcomp_t *navcomp, uint64_t now_us)
     navcomp->more = true;
 }
 
-static void drain_source(tumble_navcomp_t *navcomp)
+TUMBLE_ONE_COPY static void drain_source(tumble_navcomp_t *navcomp)
 {
     const tumble_sample_source_t *source = navcomp->config->source;
     tumble_block_sample_t sample;
@@ -282,11 +285,6 @@ static uint64_t later(uint64_t a_us, uint64_t b_us)
     return (a_us > b_us) ? a_us : b_us;
 }
 
-static uint64_t earlier(uint64_t a_us, uint64_t b_us)
-{
-    return (a_us < b_us) ? a_us : b_us;
-}
-
 /* The bus is off when the port says so in receiving, or in sending at the end of a step: what it would not take is
  * offered again every time. A bus that is off is looked after until it is back. */
 static bool is_bus_off(const tumble_navcomp_t *navcomp)
@@ -298,14 +296,14 @@ static uint64_t next_due_us(const tumble_navcomp_t *navcomp)
 {
     const tumble_status_t last = navcomp->node.link.last;
     uint64_t due_us = navcomp->stepped_us + ((uint64_t)navcomp->config->heartbeat_ms * US_PER_MS);
-    due_us = earlier(due_us, tumble_node_next_us(&navcomp->node));
-    due_us = earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
-    due_us = earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
+    due_us = tumble_earlier(due_us, tumble_node_next_us(&navcomp->node));
+    due_us = tumble_earlier(due_us, tumble_procedure_next_us(&navcomp->procedure));
+    due_us = tumble_earlier(due_us, navcomp->stand.kind->next_us(navcomp->stand.self));
     if (block_waits(navcomp)) {
-        due_us = earlier(due_us, navcomp->block_start_us);
+        due_us = tumble_earlier(due_us, navcomp->block_start_us);
     }
     if (navcomp->config->keeping != NULL) {
-        due_us = earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
+        due_us = tumble_earlier(due_us, navcomp->config->keeping->next_us(navcomp->config->keeper));
     }
     if (navcomp->more) {
         due_us = 0;

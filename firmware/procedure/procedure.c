@@ -33,9 +33,8 @@ static outcome_t enter(tumble_procedure_t *procedure, tumble_state_t state)
 static outcome_t leave(tumble_procedure_t *procedure, outcome_t outcome)
 {
     const tumble_row_t *row = row_of(procedure);
-    const uint8_t next[OUTCOME_FAULT + 1] = {
-        [OUTCOME_DONE] = row->done, [OUTCOME_OTHER] = row->other, [OUTCOME_FAULT] = TUMBLE_STATE_FAULT};
-    return enter(procedure, (tumble_state_t)next[outcome]);
+    const uint8_t next = (outcome == OUTCOME_DONE) ? row->done : row->other;
+    return enter(procedure, (outcome == OUTCOME_FAULT) ? TUMBLE_STATE_FAULT : (tumble_state_t)next);
 }
 
 /* Is the table, by its own report, off the angle where the position is measured? */
@@ -145,7 +144,7 @@ static outcome_t end_late(tumble_procedure_t *procedure)
     if (!silent && (procedure->now_us < late_us(procedure))) {
         return OUTCOME_STAY;
     }
-    tumble_add_up(&procedure->counters.timeouts, 1U);
+    tumble_count(&procedure->counters.timeouts);
     if (silent) {
         return tumble_fail(procedure, TUMBLE_REASON_NO_SAMPLES);
     }
@@ -161,9 +160,7 @@ void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us)
 
 uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure)
 {
-    const uint64_t a_us = late_us(procedure);
-    const uint64_t b_us = silent_us(procedure);
-    const uint64_t end_us = (a_us < b_us) ? a_us : b_us;
+    const uint64_t end_us = tumble_earlier(late_us(procedure), silent_us(procedure));
     return (procedure->restart_timer || row_of(procedure)->pauses) ? 0U : end_us;
 }
 
@@ -172,7 +169,7 @@ uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure)
 bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample, tumble_taken_t *taken)
 {
     tumble_taken_t into = {0, 0};
-    tumble_add_up(&procedure->counters.samples, 1U);
+    tumble_count(&procedure->counters.samples);
     procedure->heard = true;
     if (row_of(procedure)->pauses) {
         return false; /* work for a step */
@@ -233,7 +230,7 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
 
 static tumble_status_t refuse_command(tumble_procedure_t *procedure, tumble_status_t status)
 {
-    tumble_add_up(&procedure->counters.commands_refused, 1U);
+    tumble_count(&procedure->counters.commands_refused);
     return status;
 }
 
@@ -290,7 +287,7 @@ tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure)
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
     procedure->restart_run = procedure->restart_run || !failed;
-    tumble_add_up(&procedure->counters.resumes, 1U);
+    tumble_count(&procedure->counters.resumes);
     go_to(procedure, TUMBLE_STATE_PREFLIGHT);
     return TUMBLE_OK;
 }
@@ -353,10 +350,7 @@ tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, 
     if (!allows(procedure, COMMAND_REPEAT) || !procedure->begun) {
         return refuse_command(procedure, TUMBLE_E_STATE);
     }
-    uint8_t m = 0;
-    while ((m < schedule->mounting_count) && (schedule->mountings[m].number != mounting)) {
-        m++;
-    }
+    const uint8_t m = tumble_schedule_find_mounting(schedule, mounting);
     if (m == schedule->mounting_count) {
         return refuse_command(procedure, TUMBLE_E_ARGUMENT);
     }

@@ -28,10 +28,10 @@ static outcome_t check_position(tumble_procedure_t *procedure)
         reason = tumble_check_closure(procedure, procedure->index);
     }
     if (reason == TUMBLE_REASON_NONE) {
-        tumble_add_up(&procedure->counters.positions, 1U);
+        tumble_count(&procedure->counters.positions);
         return OUTCOME_DONE;
     }
-    tumble_add_up(&procedure->counters.refused, 1U);
+    tumble_count(&procedure->counters.refused);
     tumble_forget_position(procedure, procedure->index);
     if (reason != TUMBLE_REASON_SLIP) {
         procedure->mounted = TUMBLE_NOT_MOUNTED;
@@ -50,7 +50,7 @@ static bool is_certain(const tumble_procedure_t *procedure, bool fixed)
     }
     bool certain = (tumble_procedure_running(procedure, mean_v, error_v) == TUMBLE_OK);
     for (int i = 0; certain && (i < TUMBLE_CHANNELS); i++) {
-        certain = error_v[i] <= budget_v;
+        certain = tumble_within(error_v[i], budget_v);
     }
     return certain;
 }
@@ -95,7 +95,7 @@ outcome_t tumble_average_sample(tumble_procedure_t *procedure, const tumble_bloc
                    : tumble_fail(procedure, TUMBLE_REASON_BLOCK_STATUS);
     }
     if (status == TUMBLE_OK) {
-        tumble_add_up(&procedure->counters.averaged, 1U);
+        tumble_count(&procedure->counters.averaged);
         taken->index = procedure->index;
         taken->ordinal = tumble_averaging_samples(&procedure->averaging);
     }

@@ -64,7 +64,7 @@ static bool numbers_are_valid(const tumble_procedure_config_t *config)
         (void)memcpy(&x, (const unsigned char *)config + number_rows[i].offset, sizeof x);
         valid = valid && tumble_is_finite(x) && ((sign_of(x) & number_rows[i].signs) != 0U);
     }
-    return valid && (config->cable_min_deg < config->cable_max_deg);
+    return valid && tumble_exceeds(config->cable_max_deg, config->cable_min_deg);
 }
 
 static bool whole_numbers_are_valid(const tumble_procedure_config_t *config)
@@ -85,7 +85,7 @@ static uint32_t samples_that_tell(const tumble_averaging_config_t *averaging)
     uint32_t samples;
     for (samples = 1; !tells && (samples < MOST_EQUAL_SAMPLES); samples++) {
         chance *= LIKELIEST_VALUE / noise_counts;
-        tells = (chance <= EQUAL_BY_CHANCE);
+        tells = tumble_within(chance, EQUAL_BY_CHANCE);
     }
     return samples;
 }
@@ -189,7 +189,8 @@ tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *confi
 
 static bool is_within_cable(const tumble_procedure_config_t *config, double angle_deg)
 {
-    return ((angle_deg - config->approach_deg) >= config->cable_min_deg) && (angle_deg <= config->cable_max_deg);
+    return !tumble_exceeds(config->cable_min_deg, angle_deg - config->approach_deg) &&
+           !tumble_exceeds(angle_deg, config->cable_max_deg);
 }
 
 /* Itself, one turn back, one on, two back, ... */
@@ -260,7 +261,7 @@ static void sort_sizes(const double v[TUMBLE_CHANNELS], double sorted[TUMBLE_CHA
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double size = tumble_abs(v[i]);
         int place = i;
-        while ((place > 0) && (sorted[place - 1] > size)) {
+        while ((place > 0) && tumble_exceeds(sorted[place - 1], size)) {
             sorted[place] = sorted[place - 1];
             place--;
         }
@@ -275,7 +276,7 @@ static bool is_permuted(const double seen[TUMBLE_CHANNELS], const double expecte
     double sizes_expected[TUMBLE_CHANNELS];
     sort_sizes(seen, sizes_seen);
     sort_sizes(expected, sizes_expected);
-    return distance_g(sizes_seen, sizes_expected) <= limit_g;
+    return tumble_within(distance_g(sizes_seen, sizes_expected), limit_g);
 }
 
 static bool fits_another_mounting(const tumble_schedule_t *schedule, uint8_t index, uint8_t reference,
@@ -285,7 +286,7 @@ static bool fits_another_mounting(const tumble_schedule_t *schedule, uint8_t ind
     for (uint8_t m = 0; m < schedule->mounting_count; m++) {
         double expected[TUMBLE_CHANNELS];
         expected_g(schedule, index, reference, m, expected);
-        fits = fits || (distance_g(seen, expected) <= limit_g);
+        fits = fits || tumble_within(distance_g(seen, expected), limit_g);
     }
     return fits;
 }
@@ -318,7 +319,7 @@ tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint
     }
     double expected[TUMBLE_CHANNELS];
     expected_g(schedule, index, reference, tumble_mounting_index(schedule, index), expected);
-    if (distance_g(seen, expected) <= limit_g) {
+    if (tumble_within(distance_g(seen, expected), limit_g)) {
         return TUMBLE_REASON_NONE;
     }
     if (fits_another_mounting(schedule, index, reference, seen, limit_g)) {
@@ -344,9 +345,8 @@ tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t inde
     }
     double largest_g = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const double size_g = tumble_abs(difference_v[i] / config->nominal_scale_v_per_g);
-        largest_g = (size_g > largest_g) ? size_g : largest_g;
+        largest_g = tumble_larger(tumble_abs(difference_v[i] / config->nominal_scale_v_per_g), largest_g);
     }
     procedure->closure_g[mounting] = tumble_to_float(largest_g);
-    return (largest_g > config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
+    return tumble_exceeds(largest_g, config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
 }

@@ -13,6 +13,7 @@
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
 #define TUMBLE_PROCEDURE_PROCEDURE_INTERNAL_H
 
+#include "core/count.h"
 #include "procedure/procedure.h"
 
 #define TUMBLE_NOT_MOUNTED UINT8_MAX
@@ -135,8 +136,5 @@ tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t inde
 /* The table angle for a scheduled one: itself, or a whole number of turns off so that it and the way up to it lie
  * within the cable's limits. False: there is none. */
 bool tumble_choose_turn(const tumble_procedure_config_t *config, double scheduled_deg, double *angle_deg);
-
-/* One more, or several, up to UINT32_MAX. */
-void tumble_add_up(uint32_t *counter, uint32_t by);
 
 #endif

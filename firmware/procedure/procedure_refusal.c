@@ -60,10 +60,10 @@ outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t 
         row++;
     }
     procedure->status = status;
-    tumble_add_up(&procedure->counters.refused, 1U);
+    tumble_count(&procedure->counters.refused);
     if (refusals[row].mendable && (procedure->attempt < procedure->config->retries)) {
         procedure->attempt++;
-        tumble_add_up(&procedure->counters.retries, 1U);
+        tumble_count(&procedure->counters.retries);
         return OUTCOME_OTHER;
     }
     return tumble_fail(procedure, (tumble_reason_t)refusals[row].reason);

@@ -1,14 +1,10 @@
 #include "procedure/procedure_internal.h"
 
 #include "core/arith.h"
+#include "core/averaging_state.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
-
-void tumble_add_up(uint32_t *counter, uint32_t by)
-{
-    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
-}
 
 uint8_t tumble_mounting_index(const tumble_schedule_t *schedule, uint8_t index)
 {
@@ -17,7 +13,7 @@ uint8_t tumble_mounting_index(const tumble_schedule_t *schedule, uint8_t index)
 
 bool tumble_is_measured(const tumble_procedure_t *procedure, uint8_t index)
 {
-    return (procedure->averaging.averages[index].samples != 0U) && (procedure->averaging.open.index != index);
+    return tumble_averaging_has_mean(&procedure->averaging, index);
 }
 
 uint8_t tumble_first_unmeasured(const tumble_procedure_t *procedure, uint8_t mounting_index)

@@ -171,7 +171,7 @@ outcome_t tumble_home_enter(tumble_procedure_t *procedure)
         return OUTCOME_DONE;
     }
     procedure->homed = false;
-    tumble_add_up(&procedure->counters.homings, 1U);
+    tumble_count(&procedure->counters.homings);
     return follow_command(procedure, procedure->stand.kind->home(procedure->stand.self));
 }
 
@@ -186,7 +186,7 @@ outcome_t tumble_home_poll(tumble_procedure_t *procedure)
 static outcome_t command_move(tumble_procedure_t *procedure, double angle_deg)
 {
     procedure->restart_timer = true;
-    tumble_add_up(&procedure->counters.moves, 1U);
+    tumble_count(&procedure->counters.moves);
     return follow_command(procedure, procedure->stand.kind->move(procedure->stand.self, angle_deg));
 }
 
@@ -196,11 +196,11 @@ outcome_t tumble_move_enter(tumble_procedure_t *procedure)
     const double scheduled_deg = config->schedule->positions[procedure->index].angle.deg;
     double target_deg = scheduled_deg;
     (void)tumble_choose_turn(config, scheduled_deg, &target_deg); /* PREFLIGHT has seen that there is one */
-    tumble_add_up(&procedure->counters.unwinds, (target_deg < scheduled_deg) || (target_deg > scheduled_deg));
+    tumble_add_up(&procedure->counters.unwinds, tumble_within(target_deg - scheduled_deg, 0.0) ? 0U : 1U);
     procedure->target_deg = target_deg;
     const double below_deg = target_deg - config->approach_deg;
     const double here_deg = procedure->stand.kind->angle_deg(procedure->stand.self);
-    procedure->leading_in = tumble_is_positive(config->approach_deg) && !(here_deg <= below_deg);
+    procedure->leading_in = tumble_is_positive(config->approach_deg) && tumble_exceeds(here_deg, below_deg);
     return command_move(procedure, procedure->leading_in ? below_deg : target_deg);
 }
 
@@ -274,7 +274,7 @@ outcome_t tumble_settle_late(tumble_procedure_t *procedure)
 
 outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
 {
-    tumble_add_up(&procedure->counters.faults, 1U);
+    tumble_count(&procedure->counters.faults);
     procedure->stand.kind->stop(procedure->stand.self);
     return OUTCOME_STAY;
 }

@@ -1,6 +1,7 @@
 #include "sample/block_frames.h"
 
 #include "core/bytes.h"
+#include "core/count.h"
 
 enum { PENDING_XY = 1, PENDING_Z = 2, HAS_COUNTER = 4 };
 
@@ -84,11 +85,6 @@ void tumble_block_receiver_restart(tumble_block_receiver_t *receiver)
     receiver->flags = 0;
 }
 
-static void count(uint32_t *counter, uint32_t by)
-{
-    *counter = (by <= (UINT32_MAX - *counter)) ? (*counter + by) : UINT32_MAX;
-}
-
 static bool has(const tumble_block_receiver_t *receiver, unsigned flag)
 {
     return (receiver->flags & flag) != 0U;
@@ -108,19 +104,19 @@ static uint8_t last_counter(const tumble_block_receiver_t *receiver)
 
 static tumble_block_event_t repeated(tumble_block_receiver_t *receiver)
 {
-    count(&receiver->counters.repeated, 1U);
+    tumble_count(&receiver->counters.repeated);
     return TUMBLE_BLOCK_REPEATED;
 }
 
 static tumble_block_event_t reordered(tumble_block_receiver_t *receiver)
 {
-    count(&receiver->counters.reordered, 1U);
+    tumble_count(&receiver->counters.reordered);
     return TUMBLE_BLOCK_REORDERED;
 }
 
 static tumble_block_event_t corrupted(uint32_t *cause)
 {
-    count(cause, 1U);
+    tumble_count(cause);
     return TUMBLE_BLOCK_CORRUPTED;
 }
 
@@ -138,7 +134,7 @@ static tumble_block_event_t receive_xy(tumble_block_receiver_t *receiver, const 
         return reordered(receiver);
     }
     if (has(receiver, PENDING_XY | PENDING_Z)) {
-        count(&receiver->counters.lone_halves, 1U);
+        tumble_count(&receiver->counters.lone_halves);
     }
     pend(receiver, PENDING_XY, counter);
     receiver->x_counts = get_int24(&data[0]);
@@ -160,7 +156,7 @@ static tumble_block_event_t complete(tumble_block_receiver_t *receiver, const ui
         return reordered(receiver);
     } else {
         receiver->counter = (uint16_t)(receiver->counter + advance);
-        count(&receiver->counters.lost, (uint32_t)advance - 1U);
+        tumble_add_up(&receiver->counters.lost, (uint32_t)advance - 1U);
     }
     const uint16_t time_and_status = tumble_get_u16(&data[Z_TIMESTAMP]);
     *sample = (tumble_block_sample_t){
@@ -170,7 +166,7 @@ static tumble_block_event_t complete(tumble_block_receiver_t *receiver, const ui
         .timestamp_ms = time_and_status & (TUMBLE_TIMESTAMP_PERIOD_MS - 1U),
         .temperature_half_c = tumble_get_i8(&data[Z_TEMPERATURE]),
     };
-    count(&receiver->counters.samples, 1U);
+    tumble_count(&receiver->counters.samples);
     return TUMBLE_BLOCK_SAMPLE;
 }
 
@@ -189,7 +185,7 @@ static tumble_block_event_t receive_z(tumble_block_receiver_t *receiver, const u
         return corrupted(&receiver->counters.wrong_pair);
     }
     if (has(receiver, PENDING_Z)) {
-        count(&receiver->counters.lone_halves, 1U);
+        tumble_count(&receiver->counters.lone_halves);
     }
     pend(receiver, PENDING_Z, counter);
     return TUMBLE_BLOCK_HALF;

@@ -27,6 +27,7 @@ REJECTED = {
     ("cortex-m4", "budget: cortex-m4 navcomp: "): NAVCOMP | {
         "static_ram": r"static_ram \d+ B exceeds its limit of 4096 B",
         "deep": r"stack \d+ B exceeds its limit of 1024 B",
+        "floating": r"canary_floating takes floating point: canary_floating > (canary_mean > )?__aeabi_\w+",
         "heap": r"heap\.c\.obj needs malloc",
     },
     ("zcu102", "budget: cortex-a53 navcomp: "): NAVCOMP | {
@@ -126,6 +127,14 @@ def test_a_list_of_calls_that_disagrees_with_the_image_is_rejected(preset, spoil
     result = budget_of_navcomp(preset, tmp_path / "calls.csv")
     assert result.returncode == 1, result.stdout
     assert message in result.stdout
+
+
+def test_a_function_of_the_sample_path_that_is_not_there_is_rejected():
+    assert harmless("cortex-m4").returncode == 0
+    result = budget_of_navcomp("cortex-m4", LISTS["cortex-m4"], "--integer", "canary_clean", "--integer", "canary_none")
+    assert result.returncode == 1
+    assert "no object has a function canary_none" in result.stdout
+    assert "canary_clean" not in result.stdout
 
 
 def test_a_whole_image_without_the_exceptions_named_is_rejected():

@@ -11,6 +11,9 @@ FLASH, INITIALISED, ZEROED = (".text", ".rodata", ".ARM.ex"), (".data",), (".bss
 # All that a part may ask of the tool chain: arithmetic helpers, block moves, the square root.
 ALLOWED_IMPORTS = re.compile(r"__aeabi_\w+|__\w+[sdt]i\d?|mem(cpy|set|move|cmp)|sqrt")
 
+# What the compiler calls for floating point where no hardware does it.
+FLOATING_POINT = re.compile(r"__aeabi_(c?[df]\w*|\w+2[df])|sqrt")
+
 
 @dataclass
 class Sizes:
@@ -77,6 +80,30 @@ def foreign_imports(undefined_text, defined):
     wanted = re.findall(r"^(\S+?):\s+[Uw] (\S+)$", undefined_text, re.MULTILINE)
     return [f"{Path(origin).name} needs {symbol}" for origin, symbol in wanted
             if symbol not in defined and not ALLOWED_IMPORTS.fullmatch(symbol)]
+
+
+def floating_faults(ci_texts, integer):
+    """What is wrong with the functions `integer`, which are to reach no floating point by direct calls.
+
+    `ci_texts` are what the compiler says of the calls in each object, from -fcallgraph-info.
+    """
+    calls, defined = {}, set()
+    for text in ci_texts:
+        defined |= set(re.findall(r'node: \{ title: "([^"]+)" label: "[^"]*?\\n\d+ bytes', text))
+        for caller, callee in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', text):
+            calls.setdefault(caller, set()).add(callee)
+    found = {name: _way_to_floating_point(calls, name, set()) for name in integer}
+    return ([f"no object has a function {name}" for name in integer if name not in defined] +
+            [f"{name} takes floating point: {' > '.join(way)}" for name, way in found.items() if way])
+
+
+def _way_to_floating_point(calls, name, seen):
+    """The names from a function to one that is floating point; empty if there is no way."""
+    seen.add(name)
+    if FLOATING_POINT.fullmatch(name):
+        return [name]
+    ways = (_way_to_floating_point(calls, callee, seen) for callee in sorted(calls.get(name, set()) - seen))
+    return next(([name.rsplit(":", 1)[-1]] + way for way in ways if way), [])
 
 
 def functions(symbols_text):

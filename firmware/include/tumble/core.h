@@ -139,6 +139,9 @@ tumble_status_t tumble_schedule_validate(const tumble_schedule_t *schedule, uint
 /* Index of the position with these numbers, or position_count if there is none. */
 uint8_t tumble_schedule_find(const tumble_schedule_t *schedule, uint8_t mounting, uint8_t position);
 
+/* Index of a mounting by its number, or mounting_count if there is none. */
+uint8_t tumble_schedule_find_mounting(const tumble_schedule_t *schedule, uint8_t number);
+
 /* The mounting that the position at `index` is measured in. `index` below position_count, validated schedule. */
 const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *schedule, uint8_t index);
 

@@ -38,10 +38,7 @@
  *     static double table_angle_deg(const void *self) { return ((const table_t *)self)->angle_deg; }
  *
  *     const tumble_stand_kind_t table_kind = {
- *         .bytes = sizeof(table_t), .report_at = offsetof(table_t, report),
- *         .init = table_init, .step = table_step, .next_us = table_next_us,
- *         .home = table_home, .move = table_move, .stop = table_stop, .clear_fault = table_clear_fault,
- *         .state = table_state, .fault = table_fault, .angle_deg = table_angle_deg,
+ *         .bytes = sizeof(table_t), .report_at = offsetof(table_t, report), TUMBLE_STAND_FUNCTIONS(table),
  *     };
  *     static table_t table;
  *     tumble_stand_t stand = {&table_kind, &table}; // as a navcomp makes it of .stand and .stand_memory
@@ -211,6 +208,12 @@ typedef struct {
      * Returns `ours`, or true if it is one by which we command the stand: then the axis is not in our hands alone. */
     bool (*foreign)(void *self, uint16_t id, bool ours);
 } tumble_stand_kind_t;
+
+/* In the initialiser of a kind: the functions that none may lack, each named `name`_ and as its member. */
+#define TUMBLE_STAND_FUNCTIONS(name)                                                                                   \
+    .init = name##_init, .step = name##_step, .next_us = name##_next_us, .home = name##_home, .move = name##_move,     \
+    .stop = name##_stop, .clear_fault = name##_clear_fault, .state = name##_state, .fault = name##_fault,              \
+    .angle_deg = name##_angle_deg
 
 typedef struct {
     const tumble_stand_kind_t *kind;

@@ -35,6 +35,11 @@ bool tumble_drive_may_turn(const tumble_drive402_t *drive)
     return (state == TUMBLE_402_STATE_OPERATION_ENABLED) || (state == TUMBLE_402_STATE_QUICK_STOP_ACTIVE);
 }
 
+bool tumble_drive_is_at_rest(const tumble_drive402_t *drive)
+{
+    return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
+}
+
 bool tumble_drive_is_sent(const tumble_drive402_t *drive)
 {
     bool sent = true;

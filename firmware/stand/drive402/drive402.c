@@ -190,24 +190,19 @@ static void drive_step(void *self, uint64_t now_us)
     tumble_drive_climb(drive, now_us);
 }
 
-static uint64_t earlier(uint64_t a_us, uint64_t b_us)
-{
-    return (a_us < b_us) ? a_us : b_us;
-}
-
 static uint64_t drive_next_us(const void *self)
 {
     const tumble_drive402_t *drive = self;
-    const uint64_t watch_us = earlier(tumble_drive_blind_us(drive), tumble_drive_next_rung_us(drive));
+    const uint64_t watch_us = tumble_earlier(tumble_drive_blind_us(drive), tumble_drive_next_rung_us(drive));
     const bool free_to_go = drive->blocked && tumble_drive_is_sent(drive);
     const bool by_sdo = (drive->asked == ASKED_WRITE) || (drive->asked == ASKED_READ);
     const bool answered = by_sdo && (tumble_sdo_client_result(&drive->node->client) != TUMBLE_E_SDO_BUSY);
-    return (drive->restart_timer || free_to_go || answered) ? 0U : earlier(deadline_us(drive), watch_us);
+    return (drive->restart_timer || free_to_go || answered) ? 0U : tumble_earlier(deadline_us(drive), watch_us);
 }
 
 /* The stand. */
 
-static tumble_stand_state_t state(const void *self)
+static tumble_stand_state_t drive_state(const void *self)
 {
     const tumble_drive402_t *drive = self;
     if ((drive->phase == (uint8_t)PHASE_POWER) && (drive->wanted != (uint8_t)PHASE_IDLE)) {
@@ -237,29 +232,24 @@ TUMBLE_ONE_COPY static tumble_status_t begin(tumble_drive402_t *drive, tumble_dr
     return TUMBLE_OK;
 }
 
-static bool is_at_rest(const tumble_drive402_t *drive)
-{
-    return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
-}
-
-static tumble_status_t home(void *self)
+static tumble_status_t drive_home(void *self)
 {
     tumble_drive402_t *drive = self;
-    if (!is_at_rest(drive)) {
+    if (!tumble_drive_is_at_rest(drive)) {
         return TUMBLE_E_STAND_STATE;
     }
     drive->homed = false;
     return begin(drive, PHASE_HOME_MODE);
 }
 
-static tumble_status_t move(void *self, double angle_deg)
+static tumble_status_t drive_move(void *self, double angle_deg)
 {
     tumble_drive402_t *drive = self;
     int64_t counts;
     if (!tumble_drive_counts(drive->profile, angle_deg, &counts)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (!is_at_rest(drive) || !drive->homed) {
+    if (!tumble_drive_is_at_rest(drive) || !drive->homed) {
         return TUMBLE_E_STAND_STATE;
     }
     drive->goal_counts = counts;
@@ -267,7 +257,7 @@ static tumble_status_t move(void *self, double angle_deg)
 }
 
 /* Nothing moves before it is powered; from there on the axis is told, whatever it is thought to do. */
-static void stop(void *self)
+static void drive_stop(void *self)
 {
     tumble_drive402_t *drive = self;
     drive->wanted = (uint8_t)PHASE_IDLE;
@@ -283,7 +273,7 @@ static void stop(void *self)
     }
 }
 
-static tumble_status_t clear_fault(void *self)
+static tumble_status_t drive_clear_fault(void *self)
 {
     tumble_drive402_t *drive = self;
     if ((drive->phase != (uint8_t)PHASE_FAULT) || tumble_drive_is_stopping(drive)) {
@@ -304,7 +294,7 @@ static tumble_status_t clear_fault(void *self)
 }
 
 /* A drive that faults over its following error says so in its emergency message, or in bit 13. */
-static tumble_stand_fault_t fault(const void *self)
+static tumble_stand_fault_t drive_fault(const void *self)
 {
     const tumble_drive402_t *drive = self;
     const bool bit_13 = (drive->mirror->mode == TUMBLE_402_MODE_PROFILE_POSITION) &&
@@ -316,7 +306,7 @@ static tumble_stand_fault_t fault(const void *self)
     return (tumble_stand_fault_t)drive->fault;
 }
 
-static double angle(const void *self)
+static double drive_angle_deg(const void *self)
 {
     const tumble_drive402_t *drive = self;
     return tumble_drive_angle_deg(drive->profile, drive->actual_counts);
@@ -359,16 +349,7 @@ const tumble_stand_kind_t tumble_drive402_kind = {
     .bytes = (uint16_t)sizeof(tumble_drive402_t),
     .report_at = (uint16_t)offsetof(tumble_drive402_t, report),
     .numbers = {TUMBLE_DRIVE_FIELDS(NUMBER)},
-    .init = drive_init,
-    .step = drive_step,
-    .next_us = drive_next_us,
-    .home = home,
-    .move = move,
-    .stop = stop,
-    .clear_fault = clear_fault,
-    .state = state,
-    .fault = fault,
-    .angle_deg = angle,
+    TUMBLE_STAND_FUNCTIONS(drive),
     .is_present = is_present,
     .heartbeat = drive_heartbeat,
     .emergency = drive_emergency,

@@ -147,6 +147,9 @@ bool tumble_drive_is_faulty(const tumble_drive402_t *drive);
 /* Is the axis under power, so that it moves or brakes, or may? */
 bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 
+/* Has it come to its end, or to that of a stop? */
+bool tumble_drive_is_at_rest(const tumble_drive402_t *drive);
+
 /* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this
  * step. */
 bool tumble_drive_configuration(const tumble_drive402_t *drive, uint8_t step, tumble_object_write_t *write);

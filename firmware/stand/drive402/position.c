@@ -53,15 +53,10 @@ static bool is_homing(const tumble_drive402_t *drive)
     return (drive->phase >= (uint8_t)PHASE_HOME_MODE) && (drive->phase <= (uint8_t)PHASE_MOVE_MODE);
 }
 
-static bool is_at_rest(const tumble_drive402_t *drive)
-{
-    return (drive->phase == (uint8_t)PHASE_IDLE) || (drive->phase == (uint8_t)PHASE_STOPPED);
-}
-
 /* Must it stay where it is? Without power, and not homed, it may be turned by hand. */
 static bool is_held(const tumble_drive402_t *drive)
 {
-    return is_at_rest(drive) && (drive->homed || tumble_drive_may_turn(drive));
+    return tumble_drive_is_at_rest(drive) && (drive->homed || tumble_drive_may_turn(drive));
 }
 
 /* An axis that stands, or was told to rest long ago, is measured from where it is. */

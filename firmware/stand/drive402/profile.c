@@ -95,7 +95,7 @@ static uint32_t value_of(const tumble_drive402_t *drive, const object_row_t *row
     case VALUE_CONSUMER:
         return (word != 0U) ? (((uint32_t)drive->node->config->node << 16) | word) : 0U;
     default:
-        return (uint32_t)(units_of(drive->profile, row) + 0.5);
+        return (uint32_t)tumble_whole(units_of(drive->profile, row) + 0.5);
     }
 }
 
@@ -233,7 +233,8 @@ static bool quantities_are_valid(const tumble_drive_profile_t *profile)
     bool valid = true;
     for (unsigned i = 0; i < OBJECT_COUNT; i++) {
         const double units = is_quantity(&object_rows[i]) ? units_of(profile, &object_rows[i]) : 0.0;
-        valid = valid && ((units == 0.0) || ((units >= 0.5) && (units <= (double)UINT32_MAX)));
+        valid = valid && (tumble_within(units, 0.0) ||
+                          (!tumble_exceeds(0.5, units) && tumble_within(units, (double)UINT32_MAX)));
     }
     return valid;
 }

@@ -7,7 +7,8 @@
 
 static int64_t rounded(double x)
 {
-    return (int64_t)((x < 0.0) ? (x - 0.5) : (x + 0.5));
+    const int64_t size = (int64_t)tumble_whole(tumble_abs(x) + 0.5);
+    return tumble_exceeds(0.0, x) ? -size : size;
 }
 
 bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts)
@@ -23,7 +24,7 @@ bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg
 uint32_t tumble_drive_way(const tumble_drive_profile_t *profile, double way_deg)
 {
     const double exact = (way_deg * profile->counts_per_revolution / TURN_DEG) + 1.0;
-    return (exact < (double)UINT32_MAX) ? (uint32_t)exact : UINT32_MAX;
+    return tumble_within(exact, (double)UINT32_MAX) ? (uint32_t)tumble_whole(exact) : UINT32_MAX;
 }
 
 double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t counts)
@@ -31,16 +32,19 @@ double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t cou
     return (double)profile->sign * (double)counts * TURN_DEG / profile->counts_per_revolution;
 }
 
-/* What is left of `counts`, with its sign, after whole circles. The quotient of doubles, exact below 2^53, is at most one
- * off, and it saves the library's division of 64 bits. */
+/* What is left of `counts`, with its sign, after whole circles: the longest way of doubled circles first. It saves the
+ * library's division of 64 bits. */
 static int64_t rest_of(int64_t counts, int64_t wrap)
 {
-    const int64_t circles = (int64_t)((double)counts / (double)wrap);
-    const int64_t rest = counts - (circles * wrap);
-    if ((counts >= 0) && (rest < 0)) {
-        return rest + wrap;
+    int64_t rest = (counts < 0) ? -counts : counts;
+    while (rest >= wrap) {
+        int64_t way = wrap;
+        while ((2 * way) <= rest) {
+            way *= 2;
+        }
+        rest -= way;
     }
-    return ((counts < 0) && (rest > 0)) ? (rest - wrap) : rest;
+    return (counts < 0) ? -rest : rest;
 }
 
 int32_t tumble_drive_wrapped(const tumble_drive_profile_t *profile, int64_t counts)

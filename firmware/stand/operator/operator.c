@@ -6,7 +6,7 @@
 
 #define US_PER_MS 1000U
 
-static tumble_status_t init(void *self, const tumble_stand_setup_t *setup)
+static tumble_status_t operator_init(void *self, const tumble_stand_setup_t *setup)
 {
     tumble_operator_t *person = self;
     const tumble_operator_config_t *config = setup->profile;
@@ -29,7 +29,7 @@ static void leave_request(tumble_operator_t *person, tumble_stand_state_t state)
     person->state = (uint8_t)state;
 }
 
-static void step(void *self, uint64_t now_us)
+static void operator_step(void *self, uint64_t now_us)
 {
     tumble_operator_t *person = self;
     if (person->restart_timer) {
@@ -41,7 +41,7 @@ static void step(void *self, uint64_t now_us)
     }
 }
 
-static uint64_t next_us(const void *self)
+static uint64_t operator_next_us(const void *self)
 {
     const tumble_operator_t *person = self;
     if (!person->report.asks) {
@@ -74,12 +74,12 @@ static tumble_status_t ask(tumble_operator_t *person, double angle_deg, tumble_s
     return TUMBLE_OK;
 }
 
-static tumble_status_t home(void *self)
+static tumble_status_t operator_home(void *self)
 {
     return ask(self, 0.0, TUMBLE_STAND_HOMING);
 }
 
-static tumble_status_t move(void *self, double angle_deg)
+static tumble_status_t operator_move(void *self, double angle_deg)
 {
     tumble_operator_t *person = self;
     if (!tumble_is_finite(angle_deg)) {
@@ -95,7 +95,7 @@ static void rest(tumble_operator_t *person)
 
 /* The request is withdrawn, at what angle nobody knows: take the higher one, so that the next angle is reached from
  * below. */
-static void stop(void *self)
+static void operator_stop(void *self)
 {
     tumble_operator_t *person = self;
     if (person->report.asks && (person->report.asked_deg > person->angle_deg)) {
@@ -106,7 +106,7 @@ static void stop(void *self)
     }
 }
 
-static tumble_status_t clear_fault(void *self)
+static tumble_status_t operator_clear_fault(void *self)
 {
     tumble_operator_t *person = self;
     if (person->state != (uint8_t)TUMBLE_STAND_FAULT) {
@@ -116,18 +116,18 @@ static tumble_status_t clear_fault(void *self)
     return TUMBLE_OK;
 }
 
-static tumble_stand_state_t state(const void *self)
+static tumble_stand_state_t operator_state(const void *self)
 {
     const tumble_operator_t *person = self;
     return (tumble_stand_state_t)person->state;
 }
 
-static tumble_stand_fault_t fault(const void *self)
+static tumble_stand_fault_t operator_fault(const void *self)
 {
-    return (state(self) == TUMBLE_STAND_FAULT) ? TUMBLE_STAND_FAULT_TIMEOUT : TUMBLE_STAND_FAULT_NONE;
+    return (operator_state(self) == TUMBLE_STAND_FAULT) ? TUMBLE_STAND_FAULT_TIMEOUT : TUMBLE_STAND_FAULT_NONE;
 }
 
-static double angle(const void *self)
+static double operator_angle_deg(const void *self)
 {
     const tumble_operator_t *person = self;
     return person->angle_deg;
@@ -136,15 +136,6 @@ static double angle(const void *self)
 const tumble_stand_kind_t tumble_operator_kind = {
     .bytes = (uint16_t)sizeof(tumble_operator_t),
     .report_at = (uint16_t)offsetof(tumble_operator_t, report),
-    .init = init,
-    .step = step,
-    .next_us = next_us,
-    .home = home,
-    .move = move,
-    .stop = stop,
-    .clear_fault = clear_fault,
+    TUMBLE_STAND_FUNCTIONS(operator),
     .confirm = confirm,
-    .state = state,
-    .fault = fault,
-    .angle_deg = angle,
 };
