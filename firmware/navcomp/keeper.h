@@ -51,9 +51,9 @@ typedef struct {
 /* The object. `config` is the board's to set before init; `sets` is to be read through the functions of tumble/sets.h;
  * everything else is private. */
 typedef struct {
+    tumble_sets_t sets;
     const tumble_keeper_config_t *config;
     tumble_navcomp_t *navcomp;
-    tumble_sets_t sets;
     tumble_sets_run_t run;
     tumble_sets_owner_t owner;
     uint8_t shown_position; /* 2150h:1 */
