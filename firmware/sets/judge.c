@@ -1,6 +1,8 @@
 /* From a result to a verdict. */
 #include "sets/parts.h"
 
+#include "core/arith.h"
+#include "core/coefficient.h"
 #include "core/one_copy.h"
 
 #include <string.h>
@@ -134,11 +136,8 @@ static void judge_fit(tumble_sets_t *sets)
 static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t *b)
 {
     bool same = true;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        same = same && (a->u0_v[i] == b->u0_v[i]);
-        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-            same = same && (a->k_v_per_g[i][j] == b->k_v_per_g[i][j]);
-        }
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        same = same && (tumble_coefficient(a, c) == tumble_coefficient(b, c));
     }
     return same;
 }
@@ -164,7 +163,8 @@ static bool are_equal(const float a[TUMBLE_COEFFICIENTS], const float b[TUMBLE_C
 {
     bool equal = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        equal = equal && (a[c] == b[c]);
+        const double difference = (double)a[c] - (double)b[c]; /* exact, unlike that of floats */
+        equal = equal && tumble_within(difference, 0.0);
     }
     return equal;
 }

@@ -156,7 +156,7 @@ tumble_status_t tumble_sets_trend(tumble_sets_t *sets, uint8_t coefficient, tumb
         }
         const bool counts = is_of_the_trend(&entry, &given_up);
         other_block = counts && ((entry.flags & TUMBLE_HISTORY_OTHER_BLOCK) != 0U); /* what comes next */
-        if (counts && (entry.date_utc_s != 0U) && (entry.u[coefficient] > 0.0F)) {
+        if (counts) { /* one without a date or an uncertainty is refused */
             (void)tumble_trend_add(&sums, entry.date_utc_s, (double)entry.value[coefficient],
                                    (double)entry.u[coefficient]);
         }

@@ -1,6 +1,7 @@
 #include "tumble/sets.h"
 
 #include "core/arith.h"
+#include "core/coefficient.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -12,18 +13,13 @@
 
 static double value_of(const tumble_set_t *set, int c)
 {
-    return (c < ROWS_END) ? set->coefficients.k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS]
-                          : set->coefficients.u0_v[c - ROWS_END];
+    return tumble_coefficient(&set->coefficients, c);
 }
 
 /* 0 where it is not known. */
 static double uncertainty_of(const tumble_set_t *set, int c)
 {
-    const tumble_uncertainty_t *u = &set->uncertainty;
-    if ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U) {
-        return 0.0;
-    }
-    return (c < ROWS_END) ? u->k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS] : u->u0_v[c - ROWS_END];
+    return ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? tumble_coefficient(&set->uncertainty, c) : 0.0;
 }
 
 /* |K_i| of the row that the coefficient belongs to. */
@@ -35,17 +31,19 @@ static double length_of(const tumble_set_t *set, int c)
 
 /* The limits. */
 
+/* Asked of doubles, by functions: comparing floats would cost another part of the library. */
 static bool is_ratio(float limit)
 {
-    return ((double)limit >= 0.0) && ((double)limit <= MAX_RATIO);
+    return tumble_within((double)limit, MAX_RATIO) && !tumble_is_positive(-(double)limit);
 }
 
 bool tumble_commit_limits_valid(const tumble_commit_limits_t *limits)
 {
-    bool valid = ((double)limits->coverage >= MIN_COVERAGE) && ((double)limits->coverage <= MAX_COVERAGE) &&
+    const double coverage = (double)limits->coverage;
+    bool valid = tumble_within(coverage, MAX_COVERAGE) && !tumble_is_positive(MIN_COVERAGE - coverage) &&
                  ((limits->flags & ~(unsigned)(TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST)) == 0U);
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        valid = valid && is_ratio(limits->uncertainty[c]) && ((double)limits->uncertainty[c] > 0.0) &&
+        valid = valid && is_ratio(limits->uncertainty[c]) && tumble_is_positive((double)limits->uncertainty[c]) &&
                 is_ratio(limits->drift_per_month[c]) && is_ratio(limits->drift_per_kelvin[c]);
     }
     return valid;

@@ -7,6 +7,11 @@
 #define LEAST_U 1e-100
 #define GREATEST 1e100
 
+static bool is_above_zero(double u)
+{
+    return !tumble_is_positive(-u) && !tumble_within(u, 0.0);
+}
+
 static bool is_usable(double value, double u)
 {
     return tumble_within(value, GREATEST) && tumble_within(u, GREATEST) && (u >= LEAST_U);
@@ -20,7 +25,7 @@ static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
 
 tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u)
 {
-    if ((sums == NULL) || (date_utc_s == 0U) || (u <= 0.0)) {
+    if ((sums == NULL) || (date_utc_s == 0U) || !is_above_zero(u)) {
         return TUMBLE_E_ARGUMENT;
     }
     if (!is_usable(value, u)) {
