@@ -19,7 +19,8 @@ target_link_libraries(tumble_flags INTERFACE tumble_sanitizers)
 if(CMAKE_CROSSCOMPILING)
   set(TUMBLE_FRAMES -fstack-usage -fcallgraph-info=su,da)
   set(TUMBLE_SMALL -fno-tree-loop-im -fno-move-loop-invariants -fno-inline-functions-called-once
-    -fno-thread-jumps -fno-schedule-insns2 -fno-tree-loop-ivcanon -fno-tree-dominator-opts)
+    -fno-thread-jumps -fno-schedule-insns2 -fno-tree-loop-ivcanon -fno-tree-dominator-opts
+    -fno-tree-switch-conversion -fno-caller-saves -fno-ipa-sra -fno-tree-pre -fno-partial-inlining)
   target_compile_options(tumble_flags INTERFACE ${TUMBLE_FRAMES} ${TUMBLE_SMALL})
   # For the few lines that run with every sample: loops of three become straight code.
   set(TUMBLE_FAST -O2 -fpeel-loops)
