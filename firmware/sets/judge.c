@@ -88,7 +88,7 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     sets->verdict = TUMBLE_VERDICT_WORKING;
     sets->repeated = false;
     sets->looked_again = false;
-    tumble_misfit_begin(&sets->misfit);
+    tumble_misfit_begin(sets->owner->misfit);
     begin_task(sets, (sets->owner->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
 }
 
@@ -125,7 +125,9 @@ static void judge_fit(tumble_sets_t *sets)
         .stand = at_hand->stand,
         .v_per_count = at_hand->v_per_count,
     };
-    if (!tumble_misfit_step(&sets->misfit, &run)) {
+    tumble_misfit_work_t *work = sets->owner->misfit;
+    if (!tumble_misfit_step(work, &run)) {
+        sets->set.reasons |= work->misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
         begin_task(sets, TASK_COMPARE_SETS);
     }
 }
@@ -210,9 +212,9 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
         active->date_utc_s = 0;
     }
-    const unsigned misfit = sets->misfit.misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
-    const unsigned rules = (unsigned)sets->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
-    return (uint16_t)(misfit | rules |
+    const unsigned found =
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
 }
 

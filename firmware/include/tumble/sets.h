@@ -629,6 +629,9 @@ typedef struct {
      * TUMBLE_OK, or why they are not known. Null: they never are, and so no set is committed by itself. Asked for one
      * coefficient of a result in a step. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
+
+    /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
+    tumble_misfit_work_t *misfit;
 } tumble_sets_owner_t;
 
 /* A finished run. */
@@ -749,13 +752,12 @@ typedef struct {
     tumble_sets_counters_t counters;
     tumble_sets_settings_t settings;
     tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
-    tumble_misfit_work_t misfit; /* of the result: does it fit the declared stand? */
     tumble_store_t store;
     tumble_history_t history;
     tumble_checkpoint_t checkpoint;
 } tumble_sets_t;
 
-static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 2304U : 2560U), "the sets must stay small");
+static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
  * for as long as the owner likes, and call tumble_sets_booted: unless it is busy still, what is active is known from
