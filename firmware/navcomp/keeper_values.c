@@ -201,18 +201,6 @@ static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *
 
 /* What is told, and what may be changed. */
 
-static tumble_abort_t read_host(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
-{
-    tumble_sets_state_t state;
-    tumble_sets_state(&keeper->sets, &state);
-    if (entry->subindex == HOST_CALENDAR) {
-        tumble_put_u64(bytes, state.utc_s);
-    } else {
-        tumble_put_u16(bytes, state.inhibit_s);
-    }
-    return TUMBLE_ABORT_NONE;
-}
-
 static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                  uint8_t *size)
 {
@@ -237,10 +225,8 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_uncertainty(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_KEEPER:
-        refusal = read_state(keeper, entry, bytes, size);
-        break;
     case TUMBLE_KEEPER_INDEX_HOST:
-        refusal = read_host(keeper, entry, bytes);
+        refusal = read_state(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_RECALIBRATION:
     case TUMBLE_KEEPER_INDEX_COMMIT_RULES:

@@ -1,6 +1,8 @@
 /* Settings, and the readable side of the keeper. */
 #include "sets/parts.h"
 
+#include "core/one_copy.h"
+
 #include <stddef.h>
 
 #define MIN_GRAVITY_M_S2 9.7
@@ -86,7 +88,7 @@ static uint32_t due_in_s(const tumble_sets_t *sets)
     return (sets->has_active && (age_s < interval_s)) ? (uint32_t)(interval_s - age_s) : 0U;
 }
 
-void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state)
+TUMBLE_ONE_COPY void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state)
 {
     state->utc_s = tumble_sets_utc_s(sets);
     state->counter = sets->sequence;

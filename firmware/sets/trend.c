@@ -23,6 +23,11 @@ static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
                                        : -((double)(first_utc_s - date_utc_s) / TUMBLE_MONTH_S);
 }
 
+TUMBLE_ONE_COPY static void add_product(double *sum, double weight, double a, double b)
+{
+    *sum += weight * a * b;
+}
+
 tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u)
 {
     if ((sums == NULL) || (date_utc_s == 0U) || !is_above_zero(u)) {
@@ -45,9 +50,9 @@ tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s,
     sums->mean_month += share * month;
     sums->mean_value += share * change;
     const double both = weight * (1.0 - share); /* of a deviation from the mean before, times one from the mean after */
-    sums->month_month += both * month * month;
-    sums->month_value += both * month * change;
-    sums->value_value += both * change * change;
+    add_product(&sums->month_month, both, month, month);
+    add_product(&sums->month_value, both, month, change);
+    add_product(&sums->value_value, both, change, change);
     sums->count++;
     return TUMBLE_OK;
 }
