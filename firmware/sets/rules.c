@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/coefficient.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -26,7 +27,7 @@ static double uncertainty_of(const tumble_set_t *set, int c)
 static double length_of(const tumble_set_t *set, int c)
 {
     const double *row = set->coefficients.k_v_per_g[(c < ROWS_END) ? (c / TUMBLE_CHANNELS) : (c - ROWS_END)];
-    return tumble_sqrt((row[0] * row[0]) + (row[1] * row[1]) + (row[2] * row[2]));
+    return tumble_sqrt(tumble_dot(row, row));
 }
 
 /* The limits. */
