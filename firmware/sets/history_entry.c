@@ -1,6 +1,7 @@
 #include "sets/history_entry.h"
 
 #include "core/arith.h"
+#include "core/bytes.h"
 #include "core/coefficient.h"
 #include "sets/record.h"
 
@@ -33,7 +34,7 @@ static bool is_finite(const tumble_history_entry_t *entry)
 
 void tumble_history_number(uint8_t bytes[TUMBLE_HISTORY_BYTES], uint32_t number)
 {
-    tumble_record_put_u32(&bytes[AT_FIELDS], number);
+    tumble_put_u32(&bytes[AT_FIELDS], number);
     tumble_record_seal(bytes, AT_CRC, 0);
 }
 
