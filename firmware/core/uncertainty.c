@@ -250,7 +250,7 @@ static tumble_status_t judge(gains_t *gains, tumble_uncertainty_t *uncertainty)
 
 static bool is_sigma(double sigma, double largest)
 {
-    return (sigma >= 0.0) && (sigma <= largest);
+    return tumble_within(sigma, largest) && !tumble_is_positive(-sigma);
 }
 
 static bool stand_is_valid(const tumble_stand_record_t *stand)

@@ -1,5 +1,6 @@
 #include "navcomp/keeper_values.h"
 
+#include "core/arith.h"
 #include "core/bytes.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/navcomp_internal.h"
@@ -137,7 +138,7 @@ static bool look_up_mean(const tumble_keeper_t *keeper, tumble_position_view_t *
     view->samples = averaging->averages[view->index].samples;
     for (int c = 0; c < TUMBLE_CHANNELS; c++) {
         view->mean_v[c] *= v_per_count;
-        view->standard_error_v[c] *= (v_per_count < 0.0) ? -v_per_count : v_per_count;
+        view->standard_error_v[c] *= tumble_abs(v_per_count);
     }
     return true;
 }

@@ -26,7 +26,7 @@ static void add_circumstances(const tumble_sets_t *sets, tumble_set_t *set)
         set->temperature_c = (double)sets->warmth_half_c / ((double)sets->warm_samples * HALF_DEGREES);
         set->flags |= TUMBLE_SET_HAS_TEMPERATURE;
     }
-    if (sets->settings.gravity_m_s2 > 0.0) {
+    if (tumble_is_positive(sets->settings.gravity_m_s2)) {
         set->gravity_m_s2 = sets->settings.gravity_m_s2;
         set->flags |= TUMBLE_SET_HAS_GRAVITY;
     }
@@ -45,7 +45,7 @@ static void add_check(const tumble_sets_t *sets, const tumble_gravity_check_t *c
 
 static void add_closure(double closure_v, tumble_set_t *set)
 {
-    if (closure_v > 0.0) { /* else no mounting comes back to where it began */
+    if (tumble_is_positive(closure_v)) { /* else no mounting comes back to where it began */
         set->closure_v = closure_v;
         set->flags |= TUMBLE_SET_HAS_CLOSURE;
     }

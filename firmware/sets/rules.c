@@ -65,7 +65,7 @@ static bool is_finite(const tumble_set_t *set)
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         const double u = uncertainty_of(set, c);
         finite = finite && tumble_is_finite(value_of(set, c)) && tumble_is_positive(length_of(set, c)) &&
-                 tumble_is_finite(u) && (u >= 0.0);
+                 tumble_is_finite(u) && !tumble_is_positive(-u);
     }
     return finite;
 }
@@ -89,7 +89,8 @@ static bool is_certain(const tumble_set_t *candidate, const tumble_commit_limits
 {
     bool certain = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        certain = certain && (uncertainty_of(candidate, c) <= ((double)limits->uncertainty[c] * length_of(candidate, c)));
+        const double allowed = (double)limits->uncertainty[c] * length_of(candidate, c);
+        certain = certain && tumble_within(uncertainty_of(candidate, c), allowed);
     }
     return certain;
 }

@@ -71,6 +71,6 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
     if (!tumble_is_finite(slope) || !tumble_is_finite(u_slope) || !tumble_is_finite(left)) {
         return TUMBLE_E_NOT_FINITE;
     }
-    *trend = (tumble_trend_t){slope, u_slope, (left > 0.0) ? left : 0.0, sums->count - 2U};
+    *trend = (tumble_trend_t){slope, u_slope, tumble_is_positive(left) ? left : 0.0, sums->count - 2U};
     return TUMBLE_OK;
 }
