@@ -212,8 +212,8 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
         active->date_utc_s = 0;
     }
-    const unsigned found =
-        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    const unsigned found = (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
+                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
     return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
 }
