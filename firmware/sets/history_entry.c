@@ -70,11 +70,11 @@ tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES],
 }
 
 /* Coefficients, or their uncertainties; false: one is too large. */
-static bool shorten(const void *all, float numbers[TUMBLE_COEFFICIENTS])
+static bool shorten(const void *twelve, float numbers[TUMBLE_COEFFICIENTS])
 {
     bool fit = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        const double number = tumble_coefficient(all, c);
+        const double number = tumble_coefficient(twelve, c);
         fit = fit && tumble_within(number, (double)FLT_MAX);
         numbers[c] = tumble_to_float(number);
     }
