@@ -7,7 +7,7 @@ machine has come to rest. On a machine that was not busy a failure is a failure 
 failed.
 
 Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one stands
-still while the machine outside lets it wait (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is watched.
+still while the machine outside holds it up (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is watched.
 """
 
 import os
