@@ -1,4 +1,4 @@
-/* memory.c - block moves, byte by byte: newlib's are built for speed and take ten times the code (728 bytes).
+/* memory.c - block moves and comparing, byte by byte: newlib's are built for speed and take ten times the code.
  *
  * Compiled so that the loops are not turned into calls of the very functions they make up.
  */
@@ -28,6 +28,17 @@ void *memmove(void *to, const void *from, size_t size)
         out[at] = in[at];
     }
     return to;
+}
+
+int memcmp(const void *a, const void *b, size_t size)
+{
+    const unsigned char *left = a;
+    const unsigned char *right = b;
+    int difference = 0;
+    for (size_t i = 0; (i < size) && (difference == 0); i++) {
+        difference = (int)left[i] - (int)right[i];
+    }
+    return difference;
 }
 
 void *memset(void *to, int value, size_t size)

@@ -90,16 +90,16 @@ typedef struct {
 } tumble_node_binding_t;
 
 typedef struct {
+    uint8_t on_error; /* 1029h:1 */
     const tumble_node_config_t *config;
-    tumble_dictionary_t dictionary;
-    tumble_link_t link;
+    uint64_t now_us; /* of the call under way, for the dictionary's own objects */
     tumble_nmt_t nmt;
+    tumble_link_t link;
+    tumble_dictionary_t dictionary;
+    tumble_emcy_t emcy;
     tumble_sdo_server_t server;
     tumble_sdo_client_t client;
     tumble_pdos_t pdos;
-    tumble_emcy_t emcy;
-    uint64_t now_us; /* of the call under way, for the dictionary's own objects */
-    uint8_t on_error; /* 1029h:1 */
 } tumble_node_t;
 
 static_assert(sizeof(tumble_node_t) <= ((sizeof(void *) == 4) ? 696 : 760), "a node must leave room for the rest");

@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -80,14 +81,11 @@ static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
     return variance + square_of(square_of(run->stand->angle_rad) * scale_v);
 }
 
-/* K times a specific force given along h and v of the table. */
-static void respond(const tumble_misfit_run_t *run, const tumble_mounting_t *mounting, double h, double v, int channel,
-                    double *answer_v)
+/* Along the block's axes: a specific force given along h and v of the table. */
+static void turn_to_block(const tumble_mounting_t *mounting, double h, double v, double along[TUMBLE_CHANNELS])
 {
-    const double *k = run->coefficients->k_v_per_g[channel];
-    *answer_v = 0.0;
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-        *answer_v += k[j] * ((mounting->matrix[j][0] * h) + (mounting->matrix[j][2] * v));
+        along[j] = (mounting->matrix[j][0] * h) + (mounting->matrix[j][2] * v);
     }
 }
 
@@ -95,19 +93,23 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
 {
     const tumble_mounting_t *mounting = &run->schedule->mountings[work->mounting];
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
-    const double level = mounting->tilt.cosine;
+    const double sine = mounting->tilt.cosine * angle->sine;
+    const double cosine = mounting->tilt.cosine * angle->cosine;
+    double force[TUMBLE_CHANNELS];
+    double by_angle[TUMBLE_CHANNELS];
     double mean_counts[TUMBLE_CHANNELS] = {0.0, 0.0, 0.0};
     (void)tumble_averaging_mean(run->averaging, p, mean_counts, NULL);
     place->basis[0] = 1.0;
     place->basis[1] = angle->sine;
     place->basis[2] = angle->cosine;
     place->variance_v2 = variance_of(run, run->averaging->averages[p].samples);
+    turn_to_block(mounting, sine, cosine, force);
+    turn_to_block(mounting, cosine, -sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        double model_v;
-        respond(run, mounting, level * angle->sine, level * angle->cosine, i, &model_v);
-        place->residual_v[i] = (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - model_v;
-        respond(run, mounting, level * angle->cosine, -(level * angle->sine), i, &place->by_angle_v[i]);
-        place->by_angle_v[i] = is_in(work, i) ? place->by_angle_v[i] : 0.0;
+        const double *k = run->coefficients->k_v_per_g[i];
+        place->residual_v[i] =
+            (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - tumble_dot(k, force);
+        place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
     }
 }
 
@@ -149,16 +151,22 @@ static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *
     fitted_t place;
     look_at(work, run, p, &place);
     const double angle_square = square_of(run->stand->angle_rad);
-    double length_square = 0.0;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        length_square += square_of(place.by_angle_v[i]);
-    }
+    const double length_square = tumble_dot(place.by_angle_v, place.by_angle_v);
     const double kappa = angle_square / (place.variance_v2 + (angle_square * length_square));
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         if (is_in(work, i)) {
             add_channel(work, &place, kappa, i);
         }
     }
+}
+
+/* What is left of a number without the products of two rows so far. */
+static double without_products(double number, const double *a, const double *b, int count)
+{
+    for (int k = 0; k < count; k++) {
+        number -= a[k] * b[k];
+    }
+    return number;
 }
 
 /* Cholesky, row by row, with the right side carried along: what the fit explains leaves the sum of squares. An unknown that
@@ -171,20 +179,14 @@ static int solve(tumble_misfit_work_t *work)
         const double diagonal = r[row];
         for (int column = 0; column <= row; column++) {
             const double *c = &work->triangle[(column * (column + 1)) / 2];
-            double sum = r[column];
-            for (int k = 0; k < column; k++) {
-                sum -= r[k] * c[k];
-            }
+            const double sum = without_products(r[column], r, c, column);
             if (column < row) {
                 r[column] = tumble_exceeds(c[column], 0.0) ? (sum / c[column]) : 0.0;
             } else {
                 r[row] = tumble_exceeds(sum, RANK * diagonal) ? tumble_sqrt(sum) : 0.0;
             }
         }
-        double right = work->right[row];
-        for (int k = 0; k < row; k++) {
-            right -= r[k] * work->right[k];
-        }
+        const double right = without_products(work->right[row], r, work->right, row);
         work->right[row] = tumble_exceeds(r[row], 0.0) ? (right / r[row]) : 0.0;
         work->square -= square_of(work->right[row]);
         rank += tumble_exceeds(r[row], 0.0) ? 1 : 0;

@@ -3,6 +3,7 @@
 #include "core/arith.h"
 #include "core/means.h"
 #include "core/normal.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 
@@ -154,7 +155,6 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
     double w[3] = {0.0, 0.0, 0.0};
-    double squares = 0.0;
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
         double along_j = 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -163,7 +163,6 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
         for (int n = 0; n < 3; n++) {
             w[n] += along_j * mounting->matrix[j][n];
         }
-        squares += g[j] * g[j];
     }
     const double across = (w[0] * angle->sine) + (w[2] * angle->cosine);
     const double turning = mounting->tilt.cosine * ((w[0] * angle->cosine) - (w[2] * angle->sine));
@@ -172,7 +171,7 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
     response->alpha3[mounting - run->schedule->mountings] +=
         (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
     response->alpha4_squared += turning * turning;
-    response->noise_squared += squares * variance_at(run, p);
+    response->noise_squared += tumble_dot(g, g) * variance_at(run, p);
 }
 
 /* All sources in quadrature; a yaw common to all mountings adds up before it is squared. */

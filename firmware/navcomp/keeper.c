@@ -341,6 +341,7 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
         .self = keeper,
         .fingerprint = ask_fingerprint,
         .uncertainty = (keeper->config->uncertainty != NULL) ? ask_uncertainty : NULL,
+        .misfit = &navcomp->procedure.work.found.misfit,
     };
     describe(keeper);
     const tumble_status_t status = tumble_sets_init(&keeper->sets, &keeper->config->sets, &keeper->owner);

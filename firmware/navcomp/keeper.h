@@ -51,9 +51,9 @@ typedef struct {
 /* The object. `config` is the board's to set before init; `sets` is to be read through the functions of tumble/sets.h;
  * everything else is private. */
 typedef struct {
+    tumble_sets_t sets;
     const tumble_keeper_config_t *config;
     tumble_navcomp_t *navcomp;
-    tumble_sets_t sets;
     tumble_sets_run_t run;
     tumble_sets_owner_t owner;
     uint8_t shown_position; /* 2150h:1 */
@@ -64,7 +64,7 @@ typedef struct {
     uint64_t due_us;          /* next step */
 } tumble_keeper_t;
 
-static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2944U : 3200U), "the keeper must stay small");
+static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2496U : 2752U), "the keeper must stay small");
 
 /* What tumble_navcomp_config_t.keeping points to; `keeper` is a tumble_keeper_t. Its init returns as tumble_sets_init. It
  * reads the whole of what is kept, unless the memory is busy: then the rest is read step by step, and until then there is

@@ -1,5 +1,6 @@
 #include "navcomp/keeper_values.h"
 
+#include "core/arith.h"
 #include "core/bytes.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/navcomp_internal.h"
@@ -137,7 +138,7 @@ static bool look_up_mean(const tumble_keeper_t *keeper, tumble_position_view_t *
     view->samples = averaging->averages[view->index].samples;
     for (int c = 0; c < TUMBLE_CHANNELS; c++) {
         view->mean_v[c] *= v_per_count;
-        view->standard_error_v[c] *= (v_per_count < 0.0) ? -v_per_count : v_per_count;
+        view->standard_error_v[c] *= tumble_abs(v_per_count);
     }
     return true;
 }
@@ -201,18 +202,6 @@ static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *
 
 /* What is told, and what may be changed. */
 
-static tumble_abort_t read_host(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
-{
-    tumble_sets_state_t state;
-    tumble_sets_state(&keeper->sets, &state);
-    if (entry->subindex == HOST_CALENDAR) {
-        tumble_put_u64(bytes, state.utc_s);
-    } else {
-        tumble_put_u16(bytes, state.inhibit_s);
-    }
-    return TUMBLE_ABORT_NONE;
-}
-
 static tumble_abort_t read_state(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                  uint8_t *size)
 {
@@ -237,10 +226,8 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_uncertainty(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_KEEPER:
-        refusal = read_state(keeper, entry, bytes, size);
-        break;
     case TUMBLE_KEEPER_INDEX_HOST:
-        refusal = read_host(keeper, entry, bytes);
+        refusal = read_state(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_RECALIBRATION:
     case TUMBLE_KEEPER_INDEX_COMMIT_RULES:

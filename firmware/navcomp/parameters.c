@@ -94,7 +94,7 @@ static uint32_t sequence_of(const uint8_t *bytes)
     const bool good = (tumble_record_check(&record, bytes, 0) == TUMBLE_OK) &&
                       (tumble_get_u16(&bytes[AT_USED]) <= (AT_CRC - AT_VALUES)) &&
                       (memcmp(&bytes[AT_MARK], mark, sizeof mark) == 0);
-    return good ? tumble_record_get_u32(&bytes[AT_SEQUENCE]) : 0U;
+    return good ? tumble_get_u32(&bytes[AT_SEQUENCE]) : 0U;
 }
 
 /* The values of one object, up to `end`. Returns where the next one begins. */
@@ -205,7 +205,7 @@ static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
         at = gather_object(parameters, &tumble_keeper_saved[i], at);
     }
     tumble_put_u16(&parameters->bytes[AT_USED], (uint16_t)(at - AT_VALUES));
-    tumble_record_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
+    tumble_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
     tumble_record_seal(parameters->bytes, AT_CRC, 0);
     (void)memcpy(&parameters->bytes[AT_MARK], mark, sizeof mark);
     tumble_slots_begin(&parameters->slots, plan);

@@ -41,16 +41,16 @@ enum {
 
 /* Private but for `view` and `event`, which the owner sets back. */
 typedef struct {
-    const tumble_nv_t *nv; /* null: there is no room for parameters */
-    tumble_node_t *node;
-    tumble_slots_t slots;
-    tumble_parameters_view_t view;
     uint8_t event;
     uint8_t phase;
     uint8_t slot; /* 0 or 1: where the record in force is */
     bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
     bool failed;  /* a job: it is being looked what that left behind */
     bool again;   /* to be restored when that is done which is under way */
+    const tumble_nv_t *nv; /* null: there is no room for parameters */
+    tumble_node_t *node;
+    tumble_parameters_view_t view;
+    tumble_slots_t slots;
     uint8_t bytes[TUMBLE_PARAMETERS_BYTES];
 } tumble_parameters_t;
 

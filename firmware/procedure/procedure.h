@@ -130,7 +130,10 @@ typedef struct {
     tumble_averaging_t averaging;
     union {
         tumble_means_t means;         /* while a closure is checked, in SOLVE and in VERIFY */
-        tumble_gravity_check_t check; /* from PROPOSE on */
+        struct {
+            tumble_gravity_check_t check; /* from PROPOSE on */
+            tumble_misfit_work_t misfit;  /* lent to whoever judges what is proposed, while it must stay */
+        } found;
     } work;
     tumble_coefficients_t coefficients;
     tumble_calibration_t calibration;

@@ -107,8 +107,8 @@ tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tum
     *result = (tumble_result_t){
         .coefficients = &procedure->coefficients,
         .calibration = &procedure->calibration,
-        .check = &procedure->work.check,
-        .pass = procedure->work.check.pass,
+        .check = &procedure->work.found.check,
+        .pass = procedure->work.found.check.pass,
     };
     return TUMBLE_OK;
 }

@@ -48,7 +48,7 @@ outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
     if (status != TUMBLE_OK) {
         return fail_to_solve(procedure, status);
     }
-    procedure->work.check = found;
+    procedure->work.found.check = found;
     return OUTCOME_DONE;
 }
 
@@ -56,6 +56,6 @@ outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
 outcome_t tumble_propose_poll(tumble_procedure_t *procedure)
 {
     procedure->solved = true;
-    procedure->reason = procedure->work.check.pass ? TUMBLE_REASON_NONE : TUMBLE_REASON_GRAVITY_CHECK;
+    procedure->reason = procedure->work.found.check.pass ? TUMBLE_REASON_NONE : TUMBLE_REASON_GRAVITY_CHECK;
     return OUTCOME_DONE;
 }

@@ -40,13 +40,14 @@ void tumble_at_rest_take(tumble_at_rest_t *at_rest, const tumble_averaging_confi
  * and D are exact and D is at most n / 2, so that nothing cancels. */
 static double variance_of(const tumble_at_rest_t *at_rest, int channel)
 {
-    const int64_t n = (int64_t)at_rest->mean.samples;
+    const int64_t n = at_rest->wanted;
+    const double samples = (double)at_rest->wanted;
     const int64_t sum = at_rest->mean.sum_counts[channel] - (n * at_rest->open.first[channel]);
-    const double mean = (double)sum / (double)n;
+    const double mean = (double)sum / samples;
     const int64_t middle = (int64_t)(mean + ((mean < 0.0) ? -0.5 : 0.5));
     const int64_t d = sum - (n * middle);
     const int64_t q = at_rest->open.square_sum[channel] - (middle * (sum + d));
-    return ((double)q - ((double)(d * d) / (double)n)) / (double)(n - 1);
+    return ((double)q - ((double)(d * d) / samples)) / (samples - 1.0);
 }
 
 tumble_status_t tumble_at_rest_view(const tumble_at_rest_t *at_rest, double v_per_count, tumble_at_rest_view_t *view)

@@ -26,11 +26,11 @@ static_assert(UINT16_MAX <= TUMBLE_MAX_SAMPLES, "the sums of tumble/core.h hold 
 
 /* Private; all zero: nothing is measured. */
 typedef struct {
-    tumble_average_t mean;
-    tumble_open_position_t open;
-    uint32_t dropped; /* before the last sample */
     uint16_t wanted;
     uint16_t spoilt;
+    uint32_t dropped; /* before the last sample */
+    tumble_average_t mean;
+    tumble_open_position_t open;
 } tumble_at_rest_t;
 
 static_assert(sizeof(tumble_at_rest_t) <= 112, "it must stay small");

@@ -1,4 +1,5 @@
 #include "core/arith.h"
+#include "core/bytes.h"
 #include "core/crc32.h"
 #include "sets/log.h"
 #include "sets/record.h"
@@ -33,7 +34,7 @@ static const tumble_record_t entry_record = {entry_head, entry_fields, AT_CRC, s
 static uint32_t crc_of_run(uint32_t fingerprint)
 {
     uint8_t bytes[4];
-    tumble_record_put_u32(bytes, fingerprint);
+    tumble_put_u32(bytes, fingerprint);
     return tumble_crc32(0, bytes, sizeof bytes);
 }
 

@@ -1,6 +1,8 @@
 #include "sets/history_entry.h"
 
 #include "core/arith.h"
+#include "core/bytes.h"
+#include "core/coefficient.h"
 #include "sets/record.h"
 
 #include <float.h>
@@ -32,7 +34,7 @@ static bool is_finite(const tumble_history_entry_t *entry)
 
 void tumble_history_number(uint8_t bytes[TUMBLE_HISTORY_BYTES], uint32_t number)
 {
-    tumble_record_put_u32(&bytes[AT_FIELDS], number);
+    tumble_put_u32(&bytes[AT_FIELDS], number);
     tumble_record_seal(bytes, AT_CRC, 0);
 }
 
@@ -67,20 +69,14 @@ tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES],
     return TUMBLE_OK;
 }
 
-/* Twelve doubles, K row by row and then U0; false: one is too large. */
-static bool shorten(const double k[TUMBLE_CHANNELS][TUMBLE_CHANNELS], const double u0[TUMBLE_CHANNELS],
-                    float numbers[TUMBLE_COEFFICIENTS])
+/* Coefficients, or their uncertainties; false: one is too large. */
+static bool shorten(const void *twelve, float numbers[TUMBLE_COEFFICIENTS])
 {
     bool fit = true;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-            const bool fits = tumble_within(k[i][j], (double)FLT_MAX);
-            numbers[(i * TUMBLE_CHANNELS) + j] = fits ? tumble_to_float(k[i][j]) : 0.0F;
-            fit = fit && fits;
-        }
-        const bool fits = tumble_within(u0[i], (double)FLT_MAX);
-        numbers[(TUMBLE_CHANNELS * TUMBLE_CHANNELS) + i] = fits ? tumble_to_float(u0[i]) : 0.0F;
-        fit = fit && fits;
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        const double number = tumble_coefficient(twelve, c);
+        fit = fit && tumble_within(number, (double)FLT_MAX);
+        numbers[c] = tumble_to_float(number);
     }
     return fit;
 }
@@ -92,9 +88,9 @@ tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_
     }
     tumble_history_entry_t made = {.sequence = set->sequence, .date_utc_s = set->date_utc_s, .origin = set->origin,
                                    .estimator = set->estimator, .flags = set->flags};
-    bool fits = shorten(set->coefficients.k_v_per_g, set->coefficients.u0_v, made.value);
+    bool fits = shorten(&set->coefficients, made.value);
     if ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) {
-        fits = shorten(set->uncertainty.k_v_per_g, set->uncertainty.u0_v, made.u) && fits;
+        fits = shorten(&set->uncertainty, made.u) && fits;
     }
     if (((set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U) && tumble_within(set->temperature_c, (double)FLT_MAX)) {
         made.temperature_c = tumble_to_float(set->temperature_c);

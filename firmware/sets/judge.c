@@ -1,6 +1,8 @@
 /* From a result to a verdict. */
 #include "sets/parts.h"
 
+#include "core/arith.h"
+#include "core/coefficient.h"
 #include "core/one_copy.h"
 
 #include <string.h>
@@ -24,7 +26,7 @@ static void add_circumstances(const tumble_sets_t *sets, tumble_set_t *set)
         set->temperature_c = (double)sets->warmth_half_c / ((double)sets->warm_samples * HALF_DEGREES);
         set->flags |= TUMBLE_SET_HAS_TEMPERATURE;
     }
-    if (sets->settings.gravity_m_s2 > 0.0) {
+    if (tumble_is_positive(sets->settings.gravity_m_s2)) {
         set->gravity_m_s2 = sets->settings.gravity_m_s2;
         set->flags |= TUMBLE_SET_HAS_GRAVITY;
     }
@@ -43,7 +45,7 @@ static void add_check(const tumble_sets_t *sets, const tumble_gravity_check_t *c
 
 static void add_closure(double closure_v, tumble_set_t *set)
 {
-    if (closure_v > 0.0) { /* else no mounting comes back to where it began */
+    if (tumble_is_positive(closure_v)) { /* else no mounting comes back to where it began */
         set->closure_v = closure_v;
         set->flags |= TUMBLE_SET_HAS_CLOSURE;
     }
@@ -86,7 +88,7 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     sets->verdict = TUMBLE_VERDICT_WORKING;
     sets->repeated = false;
     sets->looked_again = false;
-    tumble_misfit_begin(&sets->misfit);
+    tumble_misfit_begin(sets->owner->misfit);
     begin_task(sets, (sets->owner->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
 }
 
@@ -123,7 +125,9 @@ static void judge_fit(tumble_sets_t *sets)
         .stand = at_hand->stand,
         .v_per_count = at_hand->v_per_count,
     };
-    if (!tumble_misfit_step(&sets->misfit, &run)) {
+    tumble_misfit_work_t *work = sets->owner->misfit;
+    if (!tumble_misfit_step(work, &run)) {
+        sets->set.reasons |= work->misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
         begin_task(sets, TASK_COMPARE_SETS);
     }
 }
@@ -134,11 +138,8 @@ static void judge_fit(tumble_sets_t *sets)
 static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t *b)
 {
     bool same = true;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        same = same && (a->u0_v[i] == b->u0_v[i]);
-        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-            same = same && (a->k_v_per_g[i][j] == b->k_v_per_g[i][j]);
-        }
+    for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
+        same = same && (tumble_coefficient(a, c) == tumble_coefficient(b, c));
     }
     return same;
 }
@@ -164,7 +165,8 @@ static bool are_equal(const float a[TUMBLE_COEFFICIENTS], const float b[TUMBLE_C
 {
     bool equal = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        equal = equal && (a[c] == b[c]);
+        const double difference = (double)a[c] - (double)b[c]; /* exact, unlike that of floats */
+        equal = equal && tumble_within(difference, 0.0);
     }
     return equal;
 }
@@ -210,9 +212,9 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {
         active->date_utc_s = 0;
     }
-    const unsigned misfit = sets->misfit.misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
-    const unsigned rules = (unsigned)sets->set.reasons & TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
-    return (uint16_t)(misfit | rules |
+    const unsigned found = (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
+                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
+    return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
 }
 

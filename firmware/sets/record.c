@@ -1,5 +1,6 @@
 #include "sets/record.h"
 
+#include "core/bytes.h"
 #include "core/crc32.h"
 
 #include <string.h>
@@ -62,28 +63,12 @@ tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t
     return tumble_record_is_sealed(bytes, record->crc_at, crc_before) ? TUMBLE_OK : TUMBLE_E_CRC;
 }
 
-void tumble_record_put_u32(uint8_t *bytes, uint32_t value)
-{
-    for (uint32_t i = 0; i < 4U; i++) {
-        bytes[i] = (uint8_t)((value >> (8U * i)) & 0xFFU);
-    }
-}
-
-uint32_t tumble_record_get_u32(const uint8_t *bytes)
-{
-    uint32_t value = 0;
-    for (uint32_t i = 0; i < 4U; i++) {
-        value |= (uint32_t)bytes[i] << (8U * i);
-    }
-    return value;
-}
-
 void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before)
 {
-    tumble_record_put_u32(&bytes[size], tumble_crc32(crc_before, bytes, size));
+    tumble_put_u32(&bytes[size], tumble_crc32(crc_before, bytes, size));
 }
 
 bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before)
 {
-    return tumble_record_get_u32(&bytes[size]) == tumble_crc32(crc_before, bytes, size);
+    return tumble_get_u32(&bytes[size]) == tumble_crc32(crc_before, bytes, size);
 }

@@ -41,9 +41,6 @@ void tumble_record_read(const tumble_record_t *record, const uint8_t *bytes, voi
 /* Is it one? Returns TUMBLE_OK, TUMBLE_E_FRAME (another head), TUMBLE_E_CRC. The CRC goes on from `crc_before`. */
 tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t *bytes, uint32_t crc_before);
 
-void tumble_record_put_u32(uint8_t *bytes, uint32_t value);
-uint32_t tumble_record_get_u32(const uint8_t *bytes);
-
 /* The CRC-32 over `size` bytes, going on from `crc_before`, stands behind them. */
 void tumble_record_seal(uint8_t *bytes, uint32_t size, uint32_t crc_before);
 bool tumble_record_is_sealed(const uint8_t *bytes, uint32_t size, uint32_t crc_before);

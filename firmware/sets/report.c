@@ -1,6 +1,8 @@
 /* Settings, and the readable side of the keeper. */
 #include "sets/parts.h"
 
+#include "core/one_copy.h"
+
 #include <stddef.h>
 
 #define MIN_GRAVITY_M_S2 9.7
@@ -86,7 +88,7 @@ static uint32_t due_in_s(const tumble_sets_t *sets)
     return (sets->has_active && (age_s < interval_s)) ? (uint32_t)(interval_s - age_s) : 0U;
 }
 
-void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state)
+TUMBLE_ONE_COPY void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state)
 {
     state->utc_s = tumble_sets_utc_s(sets);
     state->counter = sets->sequence;
@@ -156,7 +158,7 @@ tumble_status_t tumble_sets_trend(tumble_sets_t *sets, uint8_t coefficient, tumb
         }
         const bool counts = is_of_the_trend(&entry, &given_up);
         other_block = counts && ((entry.flags & TUMBLE_HISTORY_OTHER_BLOCK) != 0U); /* what comes next */
-        if (counts && (entry.date_utc_s != 0U) && (entry.u[coefficient] > 0.0F)) {
+        if (counts) { /* one without a date or an uncertainty is refused */
             (void)tumble_trend_add(&sums, entry.date_utc_s, (double)entry.value[coefficient],
                                    (double)entry.u[coefficient]);
         }

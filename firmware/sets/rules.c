@@ -1,6 +1,8 @@
 #include "tumble/sets.h"
 
 #include "core/arith.h"
+#include "core/coefficient.h"
+#include "core/vector.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -12,40 +14,37 @@
 
 static double value_of(const tumble_set_t *set, int c)
 {
-    return (c < ROWS_END) ? set->coefficients.k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS]
-                          : set->coefficients.u0_v[c - ROWS_END];
+    return tumble_coefficient(&set->coefficients, c);
 }
 
 /* 0 where it is not known. */
 static double uncertainty_of(const tumble_set_t *set, int c)
 {
-    const tumble_uncertainty_t *u = &set->uncertainty;
-    if ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) == 0U) {
-        return 0.0;
-    }
-    return (c < ROWS_END) ? u->k_v_per_g[c / TUMBLE_CHANNELS][c % TUMBLE_CHANNELS] : u->u0_v[c - ROWS_END];
+    return ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? tumble_coefficient(&set->uncertainty, c) : 0.0;
 }
 
 /* |K_i| of the row that the coefficient belongs to. */
 static double length_of(const tumble_set_t *set, int c)
 {
     const double *row = set->coefficients.k_v_per_g[(c < ROWS_END) ? (c / TUMBLE_CHANNELS) : (c - ROWS_END)];
-    return tumble_sqrt((row[0] * row[0]) + (row[1] * row[1]) + (row[2] * row[2]));
+    return tumble_sqrt(tumble_dot(row, row));
 }
 
 /* The limits. */
 
+/* Asked of doubles, by functions: comparing floats would cost another part of the library. */
 static bool is_ratio(float limit)
 {
-    return ((double)limit >= 0.0) && ((double)limit <= MAX_RATIO);
+    return tumble_within((double)limit, MAX_RATIO) && !tumble_is_positive(-(double)limit);
 }
 
 bool tumble_commit_limits_valid(const tumble_commit_limits_t *limits)
 {
-    bool valid = ((double)limits->coverage >= MIN_COVERAGE) && ((double)limits->coverage <= MAX_COVERAGE) &&
+    const double coverage = (double)limits->coverage;
+    bool valid = tumble_within(coverage, MAX_COVERAGE) && !tumble_is_positive(MIN_COVERAGE - coverage) &&
                  ((limits->flags & ~(unsigned)(TUMBLE_COMMIT_BY_ITSELF | TUMBLE_COMMIT_FIRST)) == 0U);
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        valid = valid && is_ratio(limits->uncertainty[c]) && ((double)limits->uncertainty[c] > 0.0) &&
+        valid = valid && is_ratio(limits->uncertainty[c]) && tumble_is_positive((double)limits->uncertainty[c]) &&
                 is_ratio(limits->drift_per_month[c]) && is_ratio(limits->drift_per_kelvin[c]);
     }
     return valid;
@@ -66,7 +65,7 @@ static bool is_finite(const tumble_set_t *set)
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
         const double u = uncertainty_of(set, c);
         finite = finite && tumble_is_finite(value_of(set, c)) && tumble_is_positive(length_of(set, c)) &&
-                 tumble_is_finite(u) && (u >= 0.0);
+                 tumble_is_finite(u) && !tumble_is_positive(-u);
     }
     return finite;
 }
@@ -90,7 +89,8 @@ static bool is_certain(const tumble_set_t *candidate, const tumble_commit_limits
 {
     bool certain = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        certain = certain && (uncertainty_of(candidate, c) <= ((double)limits->uncertainty[c] * length_of(candidate, c)));
+        const double allowed = (double)limits->uncertainty[c] * length_of(candidate, c);
+        certain = certain && tumble_within(uncertainty_of(candidate, c), allowed);
     }
     return certain;
 }

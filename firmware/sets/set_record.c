@@ -118,7 +118,7 @@ static bool serial_ends_in_zeros(const uint8_t *serial)
 
 static uint32_t flags_in(const uint8_t *bytes)
 {
-    return tumble_record_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
+    return tumble_get_u32(&bytes[AT_ORIGIN]) >> 16; /* origin, estimator, then the flags */
 }
 
 /* Everything but head and CRC. */
@@ -141,30 +141,30 @@ tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
 
 void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
 {
-    tumble_record_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
+    tumble_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
     bytes[AT_ORIGIN] = stamp->origin;
-    tumble_record_put_u32(&bytes[AT_RESTORES], stamp->restores);
-    tumble_record_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
+    tumble_put_u32(&bytes[AT_RESTORES], stamp->restores);
+    tumble_put_u32(&bytes[AT_FROM_CRC], stamp->from_crc);
     tumble_record_seal(bytes, AT_CRC, 0);
 }
 
 void tumble_set_get_stamp(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_stamp_t *stamp)
 {
-    stamp->sequence = tumble_record_get_u32(&bytes[AT_SEQUENCE]);
-    stamp->restores = tumble_record_get_u32(&bytes[AT_RESTORES]);
-    stamp->from_crc = tumble_record_get_u32(&bytes[AT_FROM_CRC]);
+    stamp->sequence = tumble_get_u32(&bytes[AT_SEQUENCE]);
+    stamp->restores = tumble_get_u32(&bytes[AT_RESTORES]);
+    stamp->from_crc = tumble_get_u32(&bytes[AT_FROM_CRC]);
     stamp->origin = bytes[AT_ORIGIN];
 }
 
 void tumble_set_add_flags(uint8_t bytes[TUMBLE_SET_BYTES], uint16_t flags)
 {
-    const uint32_t word = tumble_record_get_u32(&bytes[AT_ORIGIN]);
-    tumble_record_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
+    const uint32_t word = tumble_get_u32(&bytes[AT_ORIGIN]);
+    tumble_put_u32(&bytes[AT_ORIGIN], word | ((uint32_t)flags << 16));
 }
 
 uint32_t tumble_set_crc(const uint8_t bytes[TUMBLE_SET_BYTES])
 {
-    return tumble_record_get_u32(&bytes[AT_CRC]);
+    return tumble_get_u32(&bytes[AT_CRC]);
 }
 
 static void put_fields(const tumble_set_t *set, uint8_t *bytes)

@@ -2,6 +2,7 @@
  * is what the memory holds, also where it failed. */
 #include "sets/store_job.h"
 
+#include "core/bytes.h"
 #include "core/count.h"
 #include "sets/nv_writer.h"
 #include "sets/record.h"
@@ -72,14 +73,14 @@ void tumble_store_set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
     uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
     (void)memset(mark, 0xFF, TUMBLE_SET_MARK_BYTES);
     (void)memcpy(mark, done, sizeof done);
-    tumble_record_put_u32(&mark[MARK_CRC], tumble_set_crc(bytes));
+    tumble_put_u32(&mark[MARK_CRC], tumble_set_crc(bytes));
 }
 
 bool tumble_store_is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 {
     const uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
     return (memcmp(mark, done, sizeof done) == 0) &&
-           (tumble_record_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
+           (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
 }
 
 static bool is_valid(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])

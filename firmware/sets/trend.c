@@ -7,6 +7,11 @@
 #define LEAST_U 1e-100
 #define GREATEST 1e100
 
+static bool is_above_zero(double u)
+{
+    return !tumble_is_positive(-u) && !tumble_within(u, 0.0);
+}
+
 static bool is_usable(double value, double u)
 {
     return tumble_within(value, GREATEST) && tumble_within(u, GREATEST) && (u >= LEAST_U);
@@ -18,9 +23,14 @@ static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
                                        : -((double)(first_utc_s - date_utc_s) / TUMBLE_MONTH_S);
 }
 
+TUMBLE_ONE_COPY static void add_product(double *sum, double weight, double a, double b)
+{
+    *sum += weight * a * b;
+}
+
 tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u)
 {
-    if ((sums == NULL) || (date_utc_s == 0U) || (u <= 0.0)) {
+    if ((sums == NULL) || (date_utc_s == 0U) || !is_above_zero(u)) {
         return TUMBLE_E_ARGUMENT;
     }
     if (!is_usable(value, u)) {
@@ -40,9 +50,9 @@ tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s,
     sums->mean_month += share * month;
     sums->mean_value += share * change;
     const double both = weight * (1.0 - share); /* of a deviation from the mean before, times one from the mean after */
-    sums->month_month += both * month * month;
-    sums->month_value += both * month * change;
-    sums->value_value += both * change * change;
+    add_product(&sums->month_month, both, month, month);
+    add_product(&sums->month_value, both, month, change);
+    add_product(&sums->value_value, both, change, change);
     sums->count++;
     return TUMBLE_OK;
 }
@@ -61,6 +71,6 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
     if (!tumble_is_finite(slope) || !tumble_is_finite(u_slope) || !tumble_is_finite(left)) {
         return TUMBLE_E_NOT_FINITE;
     }
-    *trend = (tumble_trend_t){slope, u_slope, (left > 0.0) ? left : 0.0, sums->count - 2U};
+    *trend = (tumble_trend_t){slope, u_slope, tumble_is_positive(left) ? left : 0.0, sums->count - 2U};
     return TUMBLE_OK;
 }

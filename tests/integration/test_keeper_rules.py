@@ -9,7 +9,8 @@ from fractions import Fraction
 import pytest
 from c_compiler import compiled
 
-SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/sets/rules.c", "firmware/core/arith.c"]
+SOURCES = ["tests/integration/keeper_rules_harness.c", "firmware/sets/rules.c", "firmware/core/arith.c",
+           "firmware/core/vector.c"]
 CASES = 4000
 MONTH_S = 2629746
 MOST_MONTHS = 24

@@ -21,7 +21,7 @@ BUGS = {
         "SLOT_BODY | IN_TARGET,\n                                   SLOT_MARK | IN_TARGET, SLOT_END",
         "SLOT_MARK | IN_TARGET,\n                                   SLOT_BODY | IN_TARGET, SLOT_END",
         "store_job.c",
-        "(tumble_record_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
+        "(tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes))",
         "(mark[MARK_CRC] != 1U)",
         "set_record.c",
         "return (status == TUMBLE_OK) ? check_fields(bytes) : status;",
@@ -36,7 +36,7 @@ BUGS = {
         "return (active != (uint8_t)TUMBLE_REGION_SLOT_A) ?",
         "must never be found",
     ),
-    "no checksum": ("record.c", "return tumble_record_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
+    "no checksum": ("record.c", "return tumble_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
     "the oldest set is active": ("store_job.c", "a->stamp.sequence > b->", "a->stamp.sequence < b->", "must never be found"),
     "cleared before it is accepted": (
         "store.c",

@@ -745,16 +745,16 @@ typedef struct {
 
 /* Working memory, 0.5 kB. The caller owns it; all of it is private. */
 typedef struct {
-    double triangle[(TUMBLE_MISFIT_UNKNOWNS * (TUMBLE_MISFIT_UNKNOWNS + 1)) / 2]; /* lower, by rows */
+    bool misfit;         /* some test has failed */
+    uint8_t mounting;    /* index in the schedule */
+    uint8_t test;        /* 0: all channels; else all but channel test - 1 */
+    uint8_t position;    /* the next to be looked at */
+    uint8_t counted;     /* means in the sums */
+    uint8_t all_freedom; /* what the fit of all three channels left: degrees of freedom, */
+    double all_square;   /* and of the whitened residuals */
+    double square;       /* of the whitened residuals, this test's */
     double right[TUMBLE_MISFIT_UNKNOWNS];
-    double square;     /* of the whitened residuals */
-    double all_square; /* what the fit of all three channels left, */
-    uint8_t all_freedom;
-    uint8_t counted;   /* means in the sums */
-    uint8_t mounting;  /* index in the schedule */
-    uint8_t test;      /* 0: all channels; else all but channel test - 1 */
-    uint8_t position;  /* the next to be looked at */
-    bool misfit;       /* some test has failed */
+    double triangle[(TUMBLE_MISFIT_UNKNOWNS * (TUMBLE_MISFIT_UNKNOWNS + 1)) / 2]; /* lower, by rows */
 } tumble_misfit_work_t;
 
 /* Begin. */

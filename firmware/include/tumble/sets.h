@@ -91,11 +91,11 @@ typedef struct {
 } tumble_slot_kind_t;
 
 typedef struct {
+    uint8_t failed_reads; /* in a row, of the place that is read */
+    bool begun;           /* the action is */
     const tumble_slot_kind_t *kind;
     const uint8_t *plan;  /* the actions that are left of the job; null: no job */
     tumble_nv_writer_t writer;
-    uint8_t failed_reads; /* in a row, of the place that is read */
-    bool begun;           /* the action is */
 } tumble_slots_t;
 
 /* Cells of one size in two sectors, written one behind the other. Private as well. */
@@ -106,18 +106,18 @@ typedef struct {
 } tumble_log_kind_t;
 
 typedef struct {
-    const tumble_log_kind_t *kind;
-    tumble_nv_writer_t writer;
-    tumble_status_t outcome;
-    uint32_t verify;    /* read back wrong, since init */
-    uint32_t nv_errors;
-    uint32_t torn;      /* cells that the first look found neither blank nor valid */
     uint8_t used[2];    /* cells of each sector up to the last that is not blank; the next entry goes there */
-    uint8_t at_cell;       /* that is looked at, or written */
+    uint8_t at_cell;    /* that is looked at, or written */
     uint8_t job;
     bool was_read;      /* the cell that is looked at */
     bool booted;
     bool unread;        /* the last look could not read a cell: what is there must not be overwritten */
+    tumble_status_t outcome;
+    const tumble_log_kind_t *kind;
+    uint32_t verify;    /* read back wrong, since init */
+    uint32_t nv_errors;
+    uint32_t torn;      /* cells that the first look found neither blank nor valid */
+    tumble_nv_writer_t writer;
 } tumble_log_t;
 
 /* ---- A set: coefficients with all that is known of them, and their bytes.
@@ -234,20 +234,20 @@ typedef struct {
 } tumble_store_place_t;
 
 typedef struct {
-    tumble_slots_t slots;           /* without a memory: init has refused */
-    tumble_store_counters_t counters;
-    tumble_store_place_t places[4]; /* by region */
-    tumble_set_stamp_t stamp;       /* of the record in `bytes` */
-    tumble_status_t outcome;
-    uint32_t sequence;     /* of the active set */
-    uint32_t highest;      /* that one was known to have: of the active set, or told */
     uint8_t scanned;       /* places so far */
     bool unread;           /* the last scan could not read a place: what is there must not be overwritten */
     uint8_t factory_place; /* where the factory set is, or else where it would go; TUMBLE_FACTORY_PLACES: nowhere */
     uint8_t target;        /* the slot that is being written */
     uint8_t source;        /* the region that a rollback copies */
-    uint16_t flags;        /* further ones for the record that is loaded */
     bool booted;
+    uint16_t flags;        /* further ones for the record that is loaded */
+    tumble_status_t outcome;
+    uint32_t sequence;     /* of the active set */
+    uint32_t highest;      /* that one was known to have: of the active set, or told */
+    tumble_set_stamp_t stamp;       /* of the record in `bytes` */
+    tumble_store_counters_t counters;
+    tumble_store_place_t places[4]; /* by region */
+    tumble_slots_t slots;           /* without a memory: init has refused */
     uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark */
 } tumble_store_t;
 
@@ -349,11 +349,11 @@ typedef struct {
 } tumble_history_entry_t;
 
 typedef struct {
-    tumble_log_t log;
+    uint8_t sector;    /* 0 or 1: where the newest is */
     uint32_t valid[2]; /* one bit a cell */
     uint32_t newest;   /* its number; 0: the log is empty */
     uint32_t sequence; /* of the newest */
-    uint8_t sector;    /* 0 or 1: where the newest is */
+    tumble_log_t log;
     uint8_t bytes[TUMBLE_HISTORY_BYTES];
 } tumble_history_t;
 
@@ -435,11 +435,11 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
 
 typedef struct {
-    tumble_log_t log;     /* its first cell is the header; `torn` of a run that is kept only */
-    uint32_t fingerprint; /* of the run that is kept */
-    uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
     uint8_t next;         /* the cell where the next entry goes */
     bool kept;            /* a run has been begun */
+    uint32_t fingerprint; /* of the run that is kept */
+    uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
+    tumble_log_t log;     /* its first cell is the header; `torn` of a run that is kept only */
     uint8_t bytes[TUMBLE_CHECKPOINT_BYTES];
 } tumble_checkpoint_t;
 
@@ -598,13 +598,6 @@ typedef struct {
 
 /* What the owner keeps true of its run and its stand, before every call. */
 typedef struct {
-    const tumble_schedule_t *schedule;    /* constant while a run is on */
-    const tumble_averaging_t *averaging;  /* the means */
-    const tumble_stand_record_t *stand;   /* as declared; null: it is not */
-    uint64_t measured;                    /* one bit a position of the schedule: it has a mean */
-    double v_per_count;
-    double gravity_limit_g;               /* of the gravity check: as it is in force, */
-    double board_gravity_limit_g;         /* and as the board has it */
     uint8_t estimator;                    /* its number, for the next result */
     bool on;                              /* a run is on, or could go on */
     bool idle;                            /* none is, and there is no result */
@@ -613,6 +606,13 @@ typedef struct {
     bool to_be_looked_at;                 /* somebody should look at the stand before a run begins by itself */
     bool serviced;                        /* the rules may be changed from outside now */
     bool memory_taken;                    /* the memory is at work for the owner itself */
+    const tumble_schedule_t *schedule;    /* constant while a run is on */
+    const tumble_averaging_t *averaging;  /* the means */
+    const tumble_stand_record_t *stand;   /* as declared; null: it is not */
+    uint64_t measured;                    /* one bit a position of the schedule: it has a mean */
+    double v_per_count;
+    double gravity_limit_g;               /* of the gravity check: as it is in force, */
+    double board_gravity_limit_g;         /* and as the board has it */
 } tumble_sets_run_t;
 
 /* Who owns it: const, must outlive the object. */
@@ -629,6 +629,9 @@ typedef struct {
      * TUMBLE_OK, or why they are not known. Null: they never are, and so no set is committed by itself. Asked for one
      * coefficient of a result in a step. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
+
+    /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
+    tumble_misfit_work_t *misfit;
 } tumble_sets_owner_t;
 
 /* A finished run. */
@@ -699,38 +702,9 @@ typedef struct {
                             * saved is in force */
 } tumble_sets_counters_t;
 
-/* The object. `store` and `history` may be read by their own functions; everything else is private. */
+/* The object. `store` and `history` may be read by their own functions; everything else is private. The small members come
+ * first: a Cortex-M reaches them by shorter instructions. */
 typedef struct {
-    const tumble_sets_config_t *config;
-    const tumble_sets_owner_t *owner;
-    const tumble_sets_run_t *run;
-    tumble_sets_settings_t settings;
-    tumble_store_t store;
-    tumble_history_t history;
-    tumble_checkpoint_t checkpoint;
-    tumble_sets_counters_t counters;
-    tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
-    tumble_misfit_work_t misfit; /* of the result: does it fit the declared stand? */
-    uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
-    uint64_t lost;            /* of `saved`: those that the memory would not take */
-    uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
-    uint64_t now_us;          /* of the last step */
-    uint64_t utc_us;          /* UTC at the port's time 0 */
-    uint64_t active_utc_s;    /* date of the active set; 0: unknown */
-    uint64_t active_us;       /* power-on, or when the active set changed, if later */
-    uint64_t inhibit_us;      /* the host's inhibit ends here */
-    uint64_t pause_us;        /* no start by itself before */
-    int64_t warmth_half_c;    /* sum over the averaged samples of the run */
-    uint32_t warm_samples;    /* how many */
-    uint32_t fingerprint;     /* of the run that is kept */
-    uint32_t sequence;        /* of the active set, as last seen */
-    uint32_t shown;           /* what tumble_sets_news told last */
-    uint32_t rules;           /* fingerprint of those that are in force after power-on, */
-    uint32_t rules_written;   /* and of those that are being saved */
-    uint32_t accepted;        /* the proposal that is to become active */
-    uint16_t objections;
-    uint16_t off_temperature; /* samples in a row */
-    int16_t active_half_c;
     uint8_t task;             /* what goes on over several steps, */
     uint8_t at;               /* and how far */
     uint8_t job;              /* what the store is doing for us: the verdict that it will be */
@@ -752,9 +726,38 @@ typedef struct {
     bool has_active;
     bool has_active_half_c;
     bool decayed;             /* the history knows of a later set than the store */
+    uint16_t objections;
+    uint16_t off_temperature; /* samples in a row */
+    int16_t active_half_c;
+    const tumble_sets_run_t *run;
+    const tumble_sets_owner_t *owner;
+    const tumble_sets_config_t *config;
+    uint32_t warm_samples;    /* how many averaged samples of the run */
+    uint32_t fingerprint;     /* of the run that is kept */
+    uint32_t sequence;        /* of the active set, as last seen */
+    uint32_t shown;           /* what tumble_sets_news told last */
+    uint32_t rules;           /* fingerprint of those that are in force after power-on, */
+    uint32_t rules_written;   /* and of those that are being saved */
+    uint32_t accepted;        /* the proposal that is to become active */
+    int64_t warmth_half_c;    /* sum over the averaged samples of the run */
+    uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
+    uint64_t lost;            /* of `saved`: those that the memory would not take */
+    uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
+    uint64_t now_us;          /* of the last step */
+    uint64_t utc_us;          /* UTC at the port's time 0 */
+    uint64_t active_utc_s;    /* date of the active set; 0: unknown */
+    uint64_t active_us;       /* power-on, or when the active set changed, if later */
+    uint64_t inhibit_us;      /* the host's inhibit ends here */
+    uint64_t pause_us;        /* no start by itself before */
+    tumble_sets_counters_t counters;
+    tumble_sets_settings_t settings;
+    tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
+    tumble_store_t store;
+    tumble_history_t history;
+    tumble_checkpoint_t checkpoint;
 } tumble_sets_t;
 
-static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 2304U : 2560U), "the sets must stay small");
+static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
  * for as long as the owner likes, and call tumble_sets_booted: unless it is busy still, what is active is known from

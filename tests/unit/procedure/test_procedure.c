@@ -253,8 +253,8 @@ static void test_the_clock_does_not_matter(void)
                                  sizeof first.procedure.averaging);
         TEST_ASSERT_EQUAL_MEMORY(&first.procedure.coefficients, &bench.procedure.coefficients,
                                  sizeof first.procedure.coefficients);
-        TEST_ASSERT_EQUAL_MEMORY(&first.procedure.work.check, &bench.procedure.work.check,
-                                 sizeof first.procedure.work.check);
+        TEST_ASSERT_EQUAL_MEMORY(&first.procedure.work.found.check, &bench.procedure.work.found.check,
+                                 sizeof first.procedure.work.found.check);
         TEST_ASSERT_EQUAL_MEMORY(&first.procedure.counters, &bench.procedure.counters, sizeof first.procedure.counters);
     }
 }

@@ -1,6 +1,6 @@
 /* The store undisturbed: jobs, what is answered, and what is refused. Disturbed: test_store_power.c. */
+#include "core/bytes.h"
 #include "store_jobs.h"
-#include "sets/record.h"
 #include "support.h"
 
 static nv_memory_t memory;
@@ -170,7 +170,7 @@ static void stamp_slot(uint32_t sequence)
     uint8_t *place = &memory.bytes[4096];
     const tumble_set_stamp_t stamp = {.sequence = sequence, .origin = TUMBLE_ORIGIN_COMMITTED};
     tumble_set_stamp(place, &stamp);
-    tumble_record_put_u32(&place[TUMBLE_SET_BYTES + 4U], tumble_set_crc(place));
+    tumble_put_u32(&place[TUMBLE_SET_BYTES + 4U], tumble_set_crc(place));
     TEST_ASSERT_TRUE(jobs_boot(&memory));
 }
 
