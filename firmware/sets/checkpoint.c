@@ -17,8 +17,8 @@ enum { JOB_CLEAR = TUMBLE_LOG_OWN, JOB_ERASE_FIRST, JOB_ERASE_SECOND, JOB_BEGIN,
 #define FIELD(member, width, count) {(uint16_t)offsetof(tumble_average_t, member), (width), (count)}
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
-static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a at_cell is one byte");
-static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a at_cell");
+static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a cell is one byte");
+static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a cell");
 
 static const uint8_t run_head[RUN_HEAD_BYTES] = {0x54, 0x52, 0x55, 0x4E, 1, 0, TUMBLE_CHECKPOINT_BYTES, 0}; /* TRUN */
 static const uint8_t entry_head[AT_INDEX] = {0x54, 0x50};                                                     /* TP */

@@ -1,4 +1,4 @@
-/* Settings, and the readable side of the keeper. */
+/* Settings, and the readable side of the sets. */
 #include "sets/parts.h"
 
 #include "core/one_copy.h"

@@ -7,6 +7,7 @@
  *     set            a set, and its bytes
  *     store          the active set, the factory set, a proposal, the set before: two slots, and what goes into them
  *     history        the last sets that became active, in short, and their trend
+ *     trend          what the history says of each coefficient's drift
  *     checkpoint     the finished positions of the run under way
  *     rules          may a new set replace the active one by itself?
  *     life           all of it together: from a finished run to a verdict, from the calendar to the next run
@@ -222,7 +223,7 @@ typedef enum {
 typedef struct {
     uint32_t commits;      /* sets that became active: committed, accepted, rolled back */
     uint32_t verify;       /* what was read back differed from what the memory had confirmed */
-    uint32_t nv_errors;    /* a call of the memory failed */
+    uint32_t nv_errors;    /* a call of the memory failed, or a record has decayed since it was found */
     uint32_t torn_at_boot; /* places that the first scan found neither blank nor holding a valid set */
 } tumble_store_counters_t;
 
@@ -429,7 +430,7 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
  * A log: a header with the fingerprint of the run, then one entry a position. The fingerprint is the application's:
  * CRC-32 over all that must not have changed (stand, block, schedule, configuration, and the sequence of the active
  * set, so that the checkpoint of a run that ended in a commit is not taken up again). The CRC of every entry covers it
- * too. Jobs as in store.h: begin, then step; at most one call of the memory a step.
+ * too. Jobs as of the store above: begin, then step; at most one call of the memory a step.
  */
 #define TUMBLE_CHECKPOINT_BYTES 64U
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
@@ -489,7 +490,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
  * the active set that is unknown counts as 0: what is not known excuses no change.
  *
- * TUMBLE_OBJECTION_DOES_NOT_FIT is not found here, for a set has no means in it: the caller adds it (tumble/core.h).
+ * TUMBLE_OBJECTION_DOES_NOT_FIT and _OTHER_RULES are not found here, for a set has no means in it, and knows nothing of the
+ * level that its rules were set at: the caller adds them.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are: a clock that is years ahead would else
  * excuse any change, and after so long a time somebody should look at what has become of the block. */
@@ -537,7 +539,7 @@ typedef struct {
 } tumble_commit_limits_t;
 
 /* The objections to `candidate`, as bits; `active` null: there is none. `replayed`: the caller has seen these
- * coefficients before. Some 200 double operations, 15 square roots. No other pointer may be null. */
+ * coefficients before. Some 200 double operations, 48 square roots at most. No other pointer may be null. */
 uint16_t tumble_commit_objections(const tumble_set_t *candidate, const tumble_set_t *active,
                                   const tumble_commit_limits_t *limits, bool replayed);
 
@@ -550,8 +552,9 @@ const char *tumble_objection_sentence(tumble_objection_t objection);
 
 /* ---- The life: what is done with the results of runs, and when the next one is due.
  *
- * Its owner, the navigation computer, tells what happens: a run began (tumble_sets_run_began), has ended
- * (tumble_sets_run_ended, with its result), goes on (tumble_sets_run_goes_on); a sample came. In each of its steps it
+ * Its owner, the navigation computer, tells what happens: a run began (tumble_sets_run_began), is done
+ * (tumble_sets_run_done, with its result), was given up or forgotten (tumble_sets_run_given_up, _run_forgotten), goes on
+ * (tumble_sets_run_goes_on); a position was measured (tumble_sets_run_measured); a sample came. In each of its steps it
  * calls tumble_sets_hold_off, tumble_sets_work and tumble_sets_start, and does what the event says that they return.
  * What the life must know of the run besides it reads in tumble_sets_run_t, which the owner keeps true; it asks two
  * questions of tumble_sets_owner_t, and calls nothing else.

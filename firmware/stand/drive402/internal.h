@@ -48,7 +48,7 @@ typedef struct {
     void (*look)(tumble_drive402_t *drive, bool fresh); /* fresh: a statusword has just come */
     uint8_t timeout; /* where it stands in the profile; 0: none */
     uint8_t late;    /* tumble_stand_fault_t at the timeout */
-    uint8_t state;   /* tumble_stand_state_t; of IDLE and POWER see tumble_drive_state */
+    uint8_t state;   /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
     uint8_t watch;   /* WATCH_... */
 } tumble_drive_row_t;
 

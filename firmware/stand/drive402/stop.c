@@ -30,7 +30,8 @@ uint64_t tumble_drive_next_rung_us(const tumble_drive402_t *drive)
 
 void tumble_drive_end_stop(tumble_drive402_t *drive)
 {
-    const bool is_lost = drive->fault >= (uint8_t)TUMBLE_STAND_FAULT_POSITION; /* that is still to be told */
+    const bool is_lost = (drive->fault == (uint8_t)TUMBLE_STAND_FAULT_POSITION) ||
+                         (drive->fault == (uint8_t)TUMBLE_STAND_FAULT_FOREIGN); /* that is still to be told */
     if ((drive->rung > (uint8_t)TUMBLE_RUNG_TOLD) && !is_lost) {
         tumble_emcy_clear(&drive->node->emcy, TUMBLE_ERROR_PROFILE);
     }
