@@ -1,11 +1,12 @@
 """tumble-node and tumble-gateway need no capability, as the units of the pages have it."""
 
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 from bench_program import built
-from processes import HASTE, Node, Stand, scenario
+from processes import HASTE, Node, Stand, scenario, wait_until
 from test_gateway import Served
 
 DROP = "setpriv --inh-caps=-all --bounding-set=-all --no-new-privs"
@@ -23,13 +24,14 @@ def unprivileged(tmp_path, monkeypatch):
         wrapper.write_text(f'#!/bin/sh\nexec {DROP} "{real}" "$@"\n')
         wrapper.chmod(0o755)
         monkeypatch.setenv(name.upper().replace("-", "_"), str(wrapper))
+        return Path(real).resolve()
 
     return wrap
 
 
 def test_a_calibration_without_capabilities(bus, started, tmp_path, unprivileged):
     """The receive buffer is what the system's limit allows, and it is told; the run is as good."""
-    unprivileged("tumble-node", "boards/linux")
+    program = unprivileged("tumble-node", "boards/linux")
     unprivileged("tumble-gateway", "host/gateway")
     path = scenario(tmp_path, **HASTE)
     stand = Stand(bus, path, "--seed", 7)
@@ -37,8 +39,9 @@ def test_a_calibration_without_capabilities(bus, started, tmp_path, unprivileged
     started += [stand, node]
     served = Served(bus)
     started.append(served)
-    with open(f"/proc/{node.process.pid}/status", encoding="ascii") as file:
-        assert "\nCapEff:\t0000000000000000\n" in file.read()
+    status = Path(f"/proc/{node.process.pid}/status")
+    wait_until(lambda: Path(f"/proc/{node.process.pid}/exe").readlink() == program)  # setpriv has become it
+    assert "\nCapEff:\t0000000000000000\n" in status.read_text(encoding="ascii")
     assert served.number("Link state") in (0, 1)
     code, document = node.wait()
     assert code == 0, document
