@@ -196,3 +196,10 @@ def test_a_spoilt_record_is_no_record():
     for short in (b"", data[:20], data[:-1]):
         with pytest.raises(gain_record.BadRecord):
             gain_record.from_bytes(short)
+
+
+def test_a_record_of_no_position_is_no_record():
+    parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12)}
+    empty = gain_record.Record(0, 1, 1, 0, 0, **parts, gains=np.empty((12, 0)), nuisance_gains=np.empty((3, 0)))
+    with pytest.raises(gain_record.BadRecord):
+        gain_record.from_bytes(gain_record.to_bytes(empty))
