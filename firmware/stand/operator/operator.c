@@ -29,6 +29,16 @@ static void leave_request(tumble_operator_t *person, tumble_stand_state_t state)
     person->state = (uint8_t)state;
 }
 
+/* Nobody has said at what angle it is: take the higher one, so that the next angle is reached from below. */
+static void withdraw_request(tumble_operator_t *person, tumble_stand_state_t state)
+{
+    if (person->report.asks) {
+        person->angle_deg = tumble_exceeds(person->report.asked_deg, person->angle_deg) ? person->report.asked_deg
+                                                                                        : person->angle_deg;
+    }
+    leave_request(person, state);
+}
+
 static void operator_step(void *self, uint64_t now_us)
 {
     tumble_operator_t *person = self;
@@ -37,7 +47,7 @@ static void operator_step(void *self, uint64_t now_us)
         person->asked_us = now_us;
     }
     if (person->report.asks && (now_us >= deadline_us(person))) {
-        leave_request(person, TUMBLE_STAND_FAULT);
+        withdraw_request(person, TUMBLE_STAND_FAULT);
     }
 }
 
@@ -90,17 +100,12 @@ static tumble_status_t operator_move(void *self, double angle_deg)
 
 static void rest(tumble_operator_t *person)
 {
-    leave_request(person, person->homed ? TUMBLE_STAND_STOPPED : TUMBLE_STAND_READY);
+    withdraw_request(person, person->homed ? TUMBLE_STAND_STOPPED : TUMBLE_STAND_READY);
 }
 
-/* The request is withdrawn, at what angle nobody knows: take the higher one, so that the next angle is reached from
- * below. */
 static void operator_stop(void *self)
 {
     tumble_operator_t *person = self;
-    if (person->report.asks && (person->report.asked_deg > person->angle_deg)) {
-        person->angle_deg = person->report.asked_deg;
-    }
     if (person->state != (uint8_t)TUMBLE_STAND_FAULT) {
         rest(person);
     }
