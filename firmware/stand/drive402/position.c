@@ -14,7 +14,7 @@
 #define REPORTS_PER_S 4U
 #define SETTLED_US UINT64_C(2000000)
 #define DOUBTS 2U
-#define QUARTER_DEG 90U /* rest_counts are a degree */
+#define QUARTER_DEG 90.0
 #define BLIND_US UINT64_C(1200000) /* longer than a heartbeat may be away: a silent drive is told as what it is */
 
 TUMBLE_ONE_COPY static uint32_t saturated(uint64_t counts)
@@ -93,7 +93,7 @@ static void doubt(tumble_drive402_t *drive)
 /* The zero that homing sets is no movement: whatever its size, it counts as a quarter of a turn at most. */
 static void follow_homing(tumble_drive402_t *drive, uint32_t size)
 {
-    const uint32_t quarter = drive->rest_counts * QUARTER_DEG;
+    const uint32_t quarter = tumble_drive_way(drive->profile, QUARTER_DEG);
     drive->travel += (size < quarter) ? size : quarter;
     if ((drive->homing_counts != 0U) && (drive->travel > drive->homing_counts)) {
         tumble_drive_fail(drive, TUMBLE_STAND_FAULT_HOMING);
