@@ -76,3 +76,9 @@ uint64_t tumble_whole(double x)
     const uint32_t behind_point = (EXPONENT_OF_ONE + FRACTION_BITS) - (uint32_t)(bits >> FRACTION_BITS);
     return (behind_point <= FRACTION_BITS) ? (digits >> behind_point) : 0U;
 }
+
+int64_t tumble_nearest(double x)
+{
+    const int64_t size = (int64_t)tumble_whole(tumble_abs(x) + 0.5);
+    return tumble_is_positive(-x) ? -size : size;
+}

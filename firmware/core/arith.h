@@ -56,4 +56,7 @@ double tumble_larger(double a, double b);
 /* What stands before the point of a number from 0 to below 2^53, as a cast; 0 of any other. */
 TUMBLE_ONE_COPY uint64_t tumble_whole(double x);
 
+/* The nearest whole number, of two equally near the one farther from 0; |x| below 2^53. */
+TUMBLE_ONE_COPY int64_t tumble_nearest(double x);
+
 #endif

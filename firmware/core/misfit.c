@@ -197,7 +197,7 @@ static int solve(tumble_misfit_work_t *work)
 /* A sum that is no number does not fit either. */
 static bool is_large(double chi_squared, int freedom)
 {
-    return (freedom > 0) && !(chi_squared <= tumble_misfit_limit(freedom));
+    return (freedom > 0) && !tumble_within(chi_squared, tumble_misfit_limit(freedom));
 }
 
 /* False: that was the last test. */

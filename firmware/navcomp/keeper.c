@@ -80,7 +80,7 @@ static double closure_v(const tumble_navcomp_t *navcomp)
     double largest_g = 0.0;
     for (uint8_t m = 0; m < TUMBLE_MAX_MOUNTINGS; m++) {
         const double closure_g = tumble_procedure_closure_g(&navcomp->procedure, m);
-        largest_g = (closure_g > largest_g) ? closure_g : largest_g;
+        largest_g = tumble_exceeds(closure_g, largest_g) ? closure_g : largest_g;
     }
     return largest_g * tumble_abs(navcomp->procedure_config.nominal_scale_v_per_g);
 }

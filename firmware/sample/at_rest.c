@@ -44,7 +44,7 @@ static double variance_of(const tumble_at_rest_t *at_rest, int channel)
     const double samples = (double)at_rest->wanted;
     const int64_t sum = at_rest->mean.sum_counts[channel] - (n * at_rest->open.first[channel]);
     const double mean = (double)sum / samples;
-    const int64_t middle = (int64_t)(mean + ((mean < 0.0) ? -0.5 : 0.5));
+    const int64_t middle = tumble_nearest(mean);
     const int64_t d = sum - (n * middle);
     const int64_t q = at_rest->open.square_sum[channel] - (middle * (sum + d));
     return ((double)q - ((double)(d * d) / samples)) / (samples - 1.0);

@@ -1,6 +1,7 @@
 /* What the active set is, and what is told when it decays. */
 #include "sets/parts.h"
 
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -9,8 +10,9 @@ static void note_active(tumble_sets_t *sets, const tumble_set_t *set)
 {
     const bool known = (set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U;
     const double half_c = 2.0 * set->temperature_c;
-    sets->has_active_half_c = known && (half_c >= (double)INT8_MIN) && (half_c <= (double)INT8_MAX);
-    sets->active_half_c = (int16_t)(sets->has_active_half_c ? half_c : 0.0);
+    sets->has_active_half_c = known && tumble_within(half_c + 0.5, (double)INT8_MAX + 0.5); /* from INT8_MIN on */
+    const int16_t size = sets->has_active_half_c ? (int16_t)tumble_whole(tumble_abs(half_c)) : 0;
+    sets->active_half_c = (int16_t)(tumble_is_positive(half_c) ? size : -size);
     sets->active_utc_s = set->date_utc_s;
 }
 

@@ -1,13 +1,15 @@
 /* Calendar, inhibit, and when a run is due. */
 #include "sets/parts.h"
 
+#include "core/arith.h"
+
 #include <stddef.h>
 
 /* Whole seconds. By way of doubles, because a division of 64 bits comes with 700 bytes of library and nobody else here
  * divides so; what they round is put right. */
 uint64_t tumble_sets_whole_s(uint64_t us)
 {
-    const uint64_t seconds = (uint64_t)((double)us / (double)TUMBLE_US_PER_S);
+    const uint64_t seconds = tumble_whole((double)us / (double)TUMBLE_US_PER_S);
     const uint64_t rest_us = us - (seconds * TUMBLE_US_PER_S); /* wraps where a second was rounded up */
     uint64_t whole_s = seconds;
     if (rest_us >= (2U * TUMBLE_US_PER_S)) {

@@ -139,7 +139,7 @@ static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t
 {
     bool same = true;
     for (int c = 0; c < TUMBLE_COEFFICIENTS; c++) {
-        same = same && (tumble_coefficient(a, c) == tumble_coefficient(b, c));
+        same = same && tumble_within(tumble_coefficient(a, c) - tumble_coefficient(b, c), 0.0);
     }
     return same;
 }

@@ -1,6 +1,7 @@
 /* Settings, and the readable side of the sets. */
 #include "sets/parts.h"
 
+#include "core/arith.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -18,8 +19,9 @@ static uint32_t up_to_32_bits(uint64_t value)
 bool tumble_sets_settings_valid(const tumble_sets_settings_t *settings)
 {
     const double gravity = settings->gravity_m_s2;
-    const bool somewhere = (gravity >= MIN_GRAVITY_M_S2) && (gravity <= MAX_GRAVITY_M_S2);
-    return tumble_commit_limits_valid(&settings->limits) && ((gravity == 0.0) || somewhere) &&
+    const bool somewhere = tumble_is_finite(gravity) && !tumble_exceeds(MIN_GRAVITY_M_S2, gravity) &&
+                           !tumble_exceeds(gravity, MAX_GRAVITY_M_S2);
+    return tumble_commit_limits_valid(&settings->limits) && (tumble_within(gravity, 0.0) || somewhere) &&
            (settings->pause_s >= TUMBLE_SETS_MIN_PAUSE_S) && (settings->temperature_samples != 0U) &&
            ((settings->flags & ~(unsigned)TUMBLE_SETS_STARTS) == 0U);
 }

@@ -106,10 +106,9 @@ static double months_between(const tumble_set_t *candidate, const tumble_set_t *
 {
     double months = 1.0;
     if (are_dated(candidate, active) && (candidate->date_utc_s > active->date_utc_s)) {
-        const double passed = (double)(candidate->date_utc_s - active->date_utc_s) / TUMBLE_MONTH_S;
-        months = (passed > months) ? passed : months;
+        months = tumble_larger((double)(candidate->date_utc_s - active->date_utc_s) / TUMBLE_MONTH_S, months);
     }
-    return (months < TUMBLE_COMMIT_MAX_MONTHS) ? months : TUMBLE_COMMIT_MAX_MONTHS;
+    return tumble_exceeds(TUMBLE_COMMIT_MAX_MONTHS, months) ? months : TUMBLE_COMMIT_MAX_MONTHS;
 }
 
 static double kelvin_between(const tumble_set_t *candidate, const tumble_set_t *active)

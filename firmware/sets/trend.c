@@ -14,7 +14,7 @@ static bool is_above_zero(double u)
 
 static bool is_usable(double value, double u)
 {
-    return tumble_within(value, GREATEST) && tumble_within(u, GREATEST) && (u >= LEAST_U);
+    return tumble_within(value, GREATEST) && tumble_within(u, GREATEST) && !tumble_exceeds(LEAST_U, u);
 }
 
 static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
@@ -62,7 +62,7 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
     if ((sums == NULL) || (trend == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if ((sums->count < 2U) || !(sums->month_month > 0.0)) {
+    if ((sums->count < 2U) || !tumble_exceeds(sums->month_month, 0.0)) {
         return TUMBLE_E_TOO_FEW;
     }
     const double slope = sums->month_value / sums->month_month;

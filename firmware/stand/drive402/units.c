@@ -5,19 +5,13 @@
 #define TURN_DEG 360.0
 #define MAX_WRAPPING_COUNTS 4503599627370496.0 /* 2^52: exact as a double, and far from the end of an int64 */
 
-static int64_t rounded(double x)
-{
-    const int64_t size = (int64_t)tumble_whole(tumble_abs(x) + 0.5);
-    return tumble_exceeds(0.0, x) ? -size : size;
-}
-
 bool tumble_drive_counts(const tumble_drive_profile_t *profile, double angle_deg, int64_t *counts)
 {
     const double exact = (double)profile->sign * angle_deg * profile->counts_per_revolution / TURN_DEG;
     if (!tumble_within(exact, (profile->wrap_counts == 0U) ? (double)INT32_MAX : MAX_WRAPPING_COUNTS)) {
         return false;
     }
-    *counts = rounded(exact);
+    *counts = tumble_nearest(exact);
     return true;
 }
 
