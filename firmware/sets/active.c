@@ -11,7 +11,7 @@ static void note_active(tumble_sets_t *sets, const tumble_set_t *set)
     const bool known = (set->flags & TUMBLE_SET_HAS_TEMPERATURE) != 0U;
     const double half_c = 2.0 * set->temperature_c;
     sets->has_active_half_c = known && tumble_within(half_c + 0.5, (double)INT8_MAX + 0.5); /* from INT8_MIN on */
-    const int16_t size = sets->has_active_half_c ? (int16_t)tumble_whole(tumble_abs(half_c)) : 0;
+    const int size = sets->has_active_half_c ? (int)tumble_whole(tumble_abs(half_c)) : 0;
     sets->active_half_c = (int16_t)(tumble_is_positive(half_c) ? size : -size);
     sets->active_utc_s = set->date_utc_s;
 }

@@ -225,7 +225,8 @@ uint8_t tumble_stand_numbers(const tumble_stand_kind_t *kind, const void *profil
 
 static inline const tumble_stand_report_t *tumble_stand_report(const tumble_stand_t *stand)
 {
-    return (const tumble_stand_report_t *)(const void *)((const uint8_t *)stand->self + stand->kind->report_at);
+    const void *report = (const uint8_t *)stand->self + stand->kind->report_at;
+    return (const tumble_stand_report_t *)report;
 }
 
 #ifdef __cplusplus

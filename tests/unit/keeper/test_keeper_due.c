@@ -1,5 +1,6 @@
 /* When a run is due, the calendar, settings, the trend. */
 #include "keeper_bench.h"
+#include "sets/parts.h"
 
 #define UTC_S 1800000000U
 
@@ -9,6 +10,18 @@ static uint8_t due(void)
 }
 
 /* The calendar. */
+
+/* Against the division of 64 bits, which the firmware leaves out. From 2^53 on a double has not every microsecond. */
+static void test_whole_seconds_are_those_of_a_division(void)
+{
+    for (uint64_t us = 1; us < (UINT64_MAX / 4U); us = (us * 3U) + 7U) {
+        const uint64_t first_s = us / 1000000U;
+        for (uint64_t whole_s = first_s; whole_s < (first_s + 64U); whole_s++) {
+            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_sets_whole_s(whole_s * 1000000U));
+            TEST_ASSERT_EQUAL_UINT64(whole_s, tumble_sets_whole_s((whole_s * 1000000U) + 999999U));
+        }
+    }
+}
 
 static void test_utc_is_kept_by_the_clock(void)
 {
