@@ -5,6 +5,7 @@
 #include "nv_file.h"
 #include "suite.h"
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,6 +21,7 @@ extern uint32_t most_at_once; /* 0: as many as asked for */
 extern int interruptions;
 extern int sync_error;
 extern long sync_ms;
+extern pthread_mutex_t medium; /* held: it does not answer */
 
 /* Round each case: `path` is in a folder that nobody else has, there is no file, and nothing goes wrong. */
 void set_up(void);

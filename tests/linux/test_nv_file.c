@@ -42,24 +42,18 @@ static void test_it_conforms(void)
     TEST_ASSERT_TRUE(verdicts[CONFORMANCE_SKIPPED] <= 1U); /* on a fast disk it is never busy */
 }
 
-/* An erase on a slow disk: nobody waits for it. */
+/* An erase on a disk that has not answered yet: nobody waits for it, or this would not end. */
 static void test_a_slow_medium_is_busy_and_holds_nobody_up(void)
 {
-    struct timespec before;
-    struct timespec after;
     uint8_t byte;
     open_it();
-    sync_ms = 60;
-    (void)clock_gettime(CLOCK_MONOTONIC, &before);
+    (void)pthread_mutex_lock(&medium);
     TEST_ASSERT_EQUAL(TUMBLE_E_PORT_BUSY, file.nv.erase(&file, 0));
     TEST_ASSERT_EQUAL(TUMBLE_E_PORT_BUSY, file.nv.read(&file, 0, &byte, 1));
     TEST_ASSERT_EQUAL(TUMBLE_E_PORT_BUSY, file.nv.erase(&file, NV_FILE_SECTOR));
     TEST_ASSERT_EQUAL(TUMBLE_E_PORT_BUSY, file.nv.erase(&file, 0));
-    (void)clock_gettime(CLOCK_MONOTONIC, &after);
-    const long took_ms = (after.tv_sec - before.tv_sec) * 1000L + (after.tv_nsec - before.tv_nsec) / 1000000L;
-    TEST_ASSERT_TRUE_MESSAGE(took_ms < 50, "four calls that take no longer than one sync");
+    (void)pthread_mutex_unlock(&medium);
     TEST_ASSERT_EQUAL(TUMBLE_OK, erase(0));
-    sync_ms = 0;
     TEST_ASSERT_EQUAL(TUMBLE_OK, file.nv.read(&file, 0, &byte, 1));
 }
 
