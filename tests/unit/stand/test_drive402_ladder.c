@@ -44,6 +44,21 @@ static void restart_computer(void)
     tumble_node_set_state(&bench.node, TUMBLE_NMT_OPERATIONAL);
 }
 
+/* A computer that is held up climbs every rung whose time has passed, not only those it looks at to the microsecond. */
+static void test_a_step_that_comes_late_climbs_what_is_due(void)
+{
+    start_endless_move(&common);
+    tumble_drive402_kind.stop(&bench.drive);
+    run_ms(1);
+    TEST_ASSERT_EQUAL_UINT8(TUMBLE_RUNG_TOLD, bench.drive.rung);
+    port.now_us += 60000001U;
+    tumble_drive402_kind.step(&bench.drive, port.now_us);
+    TEST_ASSERT_EQUAL_UINT32(1, climbed(TUMBLE_RUNG_AGAIN));
+    TEST_ASSERT_EQUAL_UINT32(1, climbed(TUMBLE_RUNG_SDO));
+    TEST_ASSERT_EQUAL_UINT32(1, climbed(TUMBLE_RUNG_NMT));
+    TEST_ASSERT_EQUAL_UINT32(1, climbed(TUMBLE_RUNG_SILENCE));
+}
+
 /* Before POWER nothing has been set going by us, but the axis may turn since before a restart. */
 static void test_a_bring_up_that_fails_stops_a_turning_axis(void)
 {
