@@ -22,7 +22,7 @@ def codec(tmp_path_factory):
     """A function that sends request lines to the C codec and returns its answer lines."""
     program = compiled(tmp_path_factory.mktemp("codec") / "codec", "-Wall", "-Wextra", "-Werror", "-Ihost",
                        "tests/integration/block_frames_harness.c", "firmware/sample/block_frames.c",
-                       "host/simulation/block_encode.c")
+                       "firmware/core/count.c", "host/simulation/block_encode.c")
 
     def ask(requests):
         done = subprocess.run([program], input="\n".join(requests) + "\n", text=True, capture_output=True, check=True)
