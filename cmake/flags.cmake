@@ -15,7 +15,7 @@ endif()
 target_link_libraries(tumble_flags INTERFACE tumble_sanitizers)
 
 # On a target whose stack is budgeted the compiler writes down its frames, which tools/budget checks against its own. And
-# -Os is held to its word: what it still does for speed takes 1 kB of navcomp.
+# -Os is held to its word: what it still does for speed takes 0.4 kB of navcomp.
 if(CMAKE_CROSSCOMPILING)
   set(TUMBLE_FRAMES -fstack-usage -fcallgraph-info=su,da)
   set(TUMBLE_SMALL -fno-tree-loop-im -fno-move-loop-invariants -fno-inline-functions-called-once

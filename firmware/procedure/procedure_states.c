@@ -200,7 +200,8 @@ outcome_t tumble_move_enter(tumble_procedure_t *procedure)
     procedure->target_deg = target_deg;
     const double below_deg = target_deg - config->approach_deg;
     const double here_deg = procedure->stand.kind->angle_deg(procedure->stand.self);
-    procedure->leading_in = tumble_is_positive(config->approach_deg) && tumble_exceeds(here_deg, below_deg);
+    procedure->leading_in = tumble_is_positive(config->approach_deg) &&
+                            (tumble_exceeds(here_deg, below_deg) || !tumble_is_finite(here_deg));
     return command_move(procedure, procedure->leading_in ? below_deg : target_deg);
 }
 
