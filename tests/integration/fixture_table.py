@@ -1,6 +1,7 @@
 """A fixture that the tests play: node 1 as tools/fixture sees it, a table with faults, a block on it in gravity."""
 
 import sys
+import time
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +20,25 @@ K = np.array([[-2.0, 0.03, -0.02], [0.01, -1.98, 0.04], [0.02, -0.03, -2.02]])
 U0 = np.array([0.05, -0.02, 0.01])
 COUNT_DEG = 0.001
 QUICK = {"table__rest_s": "0.0", "table__settling_moves": "2", "settling__settling_s": "0.15"}
+
+
+class PlayedTime:
+    """In the place of the module time: a sleep passes at once, and a look at the clock takes a while."""
+
+    LOOK_S = 2e-5
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        self.now += self.LOOK_S
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+    def __getattr__(self, name):
+        return getattr(time, name)
 
 
 @dataclass

@@ -1,13 +1,16 @@
 """tools/fixture: every check on a played table, good and with the fault that it is there to find."""
 
+import pkgutil
 import subprocess
 import sys
+from importlib import import_module
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
-from fixture_table import FAULT, K, LIMITS, U0, PlayedTable, limits, read_limits
+from fixture_table import FAULT, K, LIMITS, U0, PlayedTable, PlayedTime, limits, read_limits
+import validation
 from validation import can_link, harmonic, judge, report, runs, samples, session
 from validation.errors import CommunicationError
 from validation.judge import Verdict
@@ -18,6 +21,16 @@ from tumble.errors import BadInput
 pytestmark = pytest.mark.python
 LIVE = ("link", "homing", "positions", "backlash", "settling", "closure", "noise")
 DATA = ("level", "remounting", "support")
+
+
+@pytest.fixture(autouse=True)
+def clock(monkeypatch):
+    """The time of every module of the scripts."""
+    played = PlayedTime()
+    for module in pkgutil.iter_modules(validation.__path__, "validation."):
+        if not module.name.endswith("__main__") and hasattr(import_module(module.name), "time"):
+            monkeypatch.setattr(f"{module.name}.time", played)
+    return played
 
 
 def checked(tmp_path, names, runs=(), keys=None, **faults):
@@ -65,22 +78,19 @@ def test_a_backlash_alone_fails_no_other_check(tmp_path):
     assert [one.check for one in outcomes if one.verdict == Verdict.FAILS] == ["backlash"]
 
 
-@pytest.mark.full
-def test_slow_settling(tmp_path, monkeypatch):
+def test_slow_settling(tmp_path, monkeypatch, clock):
     """The encoder swings for 1.5 s."""
-    import time
-
     good = PlayedTable._read
 
     def swinging(self, name):
         value = good(self, name)
-        if name == "Progress: Actual angle" and time.monotonic() - self.moved < 1.5:
+        if name == "Progress: Actual angle" and clock.now - self.moved < 1.5:
             return value + 0.01
         return value
 
     def moving(self, angle, move=PlayedTable.move):
         move(self, angle)
-        self.moved = time.monotonic()
+        self.moved = clock.now
 
     monkeypatch.setattr(PlayedTable, "_read", swinging)
     monkeypatch.setattr(PlayedTable, "move", moving)
