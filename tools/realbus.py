@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux.
+"""Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux: each
+file of tests in a machine of its own, as many side by side as there are processors.
 
 Exit 0 passed, 1 failed, 77 neither is to be had: the last line says why.
 """
@@ -9,6 +10,9 @@ import shlex
 import shutil
 import subprocess
 import sys
+import threading
+import xml.etree.ElementTree as ElementTree
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -21,6 +25,7 @@ SKIPPED = 77
 TOOLS = {"candump": "can-utils", "cangen": "can-utils", "ip": "iproute2"}
 PROBE = "vcan999"
 MEMORY_MB = 768
+PRINTING = threading.Lock()
 TIMEOUT_S = {False: 1800.0, True: 3600.0}  # with --full, or not
 
 
@@ -40,11 +45,7 @@ def main(arguments):
     if (reason := uml.missing()) is not None:
         print(f"no virtual CAN interface here, and no user-mode Linux: {reason}")
         return SKIPPED
-    try:
-        return in_uml(report, chosen)
-    except TumbleError as error:
-        print(error)
-        return 1
+    return in_machines(report, chosen)
 
 
 def search_path():
@@ -69,7 +70,19 @@ def environment():
             "PYTHONPATH": f"{ROOT}/host/python/src:{ROOT}/build/host/python"}
 
 
-def in_uml(report, chosen):
+def in_machines(report, chosen):
+    """Side by side; the largest file, which takes longest, first."""
+    files = [] if any(word.startswith("tests/") for word in chosen) else (ROOT / "tests/realbus").glob("test_*.py")
+    parts = [[str(file.relative_to(ROOT))] for file in sorted(files, key=lambda file: -file.stat().st_size)] or [[]]
+    whole = ElementTree.Element("testsuites")
+    with ThreadPoolExecutor(os.cpu_count()) as machines:
+        codes = list(machines.map(lambda part: in_uml(whole, [*part, *chosen]), parts))
+    ElementTree.ElementTree(whole).write(report)
+    return max(codes)
+
+
+def in_uml(whole, chosen):
+    """Exit code of pytest in a machine of its own; what it reports goes into the whole."""
     with uml.work_folder() as name:
         folder = Path(name)
         words = shlex.join(command(folder / "report.xml", chosen))
@@ -79,10 +92,15 @@ def in_uml(report, chosen):
         settings += f" TMPDIR={folder}/tmp HOME=/run"
         job = (f"mount -t tmpfs tmpfs {folder}/tmp\n"
                f"cd {shlex.quote(str(ROOT))} && env {settings} {words} >{folder}/output 2>&1\n")
-        code = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen])
-        print((folder / "output").read_text(errors="replace"))
-        if (folder / "report.xml").exists():
-            shutil.copy(folder / "report.xml", report)
+        try:
+            code, complaint = uml.run(job, folder, memory_mb=MEMORY_MB, timeout_s=TIMEOUT_S["--full" in chosen]), ""
+        except TumbleError as error:
+            code, complaint = 1, f"{shlex.join(chosen)}: {error}"
+        output = folder / "output"
+        with PRINTING:
+            print(output.read_text(errors="replace") if output.exists() else "", complaint, flush=True)
+            if (folder / "report.xml").exists():
+                whole.extend(ElementTree.parse(folder / "report.xml").getroot())
         return code
 
 

@@ -11,26 +11,31 @@ ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
 MISSING = BUILD / "setup" / "missing"  # written by tools/setup: name, tab, reason
 PYTHON = sys.executable
+VIRTUAL = "not real_time and not toolchain"  # markers of tests/integration
 
 
 def main(arguments):
     if "--help" in arguments:
         return show_help()
-    full, chosen = "--full" in arguments, [name for name in arguments if name != "--full"]
-    stages = plan(full)
-    if unknown := set(chosen) - {stage.name for stage in stages}:
+    full, named = "--full" in arguments, {name for name in arguments if not name.startswith("--")}
+    stages = every_stage() if named and not full else plan("full" if full else "real" if "--real" in arguments else "")
+    if unknown := named - {stage.name for stage in stages}:
         print(f"test: no such stage: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
-    stages = [stage for stage in stages if not chosen or stage.name in chosen]
+    stages = [stage for stage in stages if not named or stage.name in named]
     return run_stages(stages, BUILD / "test", read_missing(), timeout_s=4 * 3600 if full else 2400)
 
 
 def show_help():
-    print("usage: tools/test [--full] [STAGE...]\n\nRun the tests: all stages, or those that are named.")
-    for title, stages in (("The stages", plan(False)), ("With --full", plan(True))):
+    print("usage: tools/test [--real|--full] [STAGE...]\n\nRun the tests: all stages, or those that are named.")
+    shown = set()
+    for title, kind in (("In virtual time", ""), ("With --real also", "real"), ("With --full also", "full")):
         print(f"\n{title}:")
+        stages = plan(kind)
         for stage in stages:
-            print(f"  {stage.name:<12} {stage.about}")
+            if stage.name not in shown:
+                print(f"  {stage.name:<12} {stage.about}")
+        shown |= {stage.name for stage in stages}
     return 0
 
 
@@ -63,18 +68,10 @@ def paths(preset):
     return f"{ROOT}/host/python/src:{BUILD / preset / 'python'}"
 
 
-def integration(log):
-    return pytest(log, "tests/integration", "-m", "not real_time", env={"PYTHONPATH": paths("host")}, parallel=True)
-
-
-def campaigns(log):
-    chosen = ("-m", "not real_time")
-    return pytest(log, "tests/integration", "--full", *chosen, env={"PYTHONPATH": paths("host")}, parallel=True)
-
-
-def realtime(*arguments):
-    chosen = ("tests/integration", "-m", "real_time", *arguments)
-    return lambda log: pytest(log, *chosen, env={"PYTHONPATH": paths("host")})
+def package(chosen, *arguments, parallel=True):
+    """The tests of the package and of its programs that a marker chooses."""
+    options = ("tests/integration", "-m", chosen, *arguments)
+    return lambda log: pytest(log, *options, env={"PYTHONPATH": paths("host")}, parallel=parallel)
 
 
 def realbus(log, *arguments):
@@ -89,14 +86,13 @@ def realbus(log, *arguments):
 
 
 def sanitized(full):
-    chosen = "not full and not slow" if full else "not full and not slow and not python"
+    chosen = "not full and not slow" if full else "not full and not slow and not python and not toolchain"
 
     def run(log):
         built = build_sanitized(log)
         if not built.passed:
             return built
-        emulated = [] if full else ["--ignore-glob=*/test_zcu102*", "--ignore-glob=*/test_cortex_m4*"]
-        return pytest(log, "tests/integration", *emulated, "-m", chosen, env=sanitizer_environment(), parallel=True)
+        return pytest(log, "tests/integration", "-m", chosen, env=sanitizer_environment(), parallel=True)
 
     return run
 
@@ -143,41 +139,56 @@ def fuzz(log):
     return gate(log, [PYTHON, "tools/fuzz.py"])
 
 
-def plan(full):
-    """The stages of a run."""
+def plan(kind):
+    """The stages of a run: "" in virtual time, "real", "full"."""
+    return [
+        *first_stages(),
+        *([] if kind == "full" else [integration()]),
+        *(target_stages(kind) if kind else []),
+        *(long_stages() if kind == "full" else []),
+        *(last_stages(kind) if kind else []),
+    ]
+
+
+def every_stage():
+    """Those that may be named without --full, the long ones too."""
+    named = {stage.name: stage for stage in (*plan("full"), *plan("real"))}
+    return list(named.values())
+
+
+def first_stages():
     return [
         Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
         Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects),
         Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer",
               unit, ("Unity",)),
+    ]
+
+
+def integration():
+    return Stage("integration", "the package and the command line, C against numpy", package(VIRTUAL))
+
+
+def target_stages(kind):
+    """What needs other compilers, emulators, an index of packages."""
+    return [
         Stage("cortex-m4", "the firmware for the target: warnings; code, RAM and stack within boards/budget.csv",
               cortex_m4, ("gcc-arm-none-eabi",)),
         Stage("zcu102", "the firmware for the Cortex-A53, bare metal: the same, and images for the emulator",
               zcu102, ("gcc-aarch64-linux-gnu",)),
         Stage("target", "on a Cortex-M4 in QEMU: the core's Unity tests, the same bits as here, painted stacks",
               target, ("gcc-arm-none-eabi", "qemu-system-arm", "Unity")),
+        Stage("toolchains", "what other compilers and packagers make of it, and the emulated boards",
+              package("toolchain and not real_time", *(["--full"] if kind == "full" else []))),
         Stage("sanitized", "the package's tests that run C code and are not slow, with that code instrumented",
-              sanitized(full)),
-        *(long_stages() if full else short_stages()),
-        # What is in real time has the machine for itself.
-        Stage("realtime", "programs that talk to each other in real time: gateway, guests on the bench, emulated board",
-              realtime("--full") if full else realtime(), alone=True),
-        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
-              (lambda log: realbus(log, "--full")) if full else realbus, alone=True),
-    ]
-
-
-def short_stages():
-    # The canaries build where the stages before have built, and what is tested beside them does not.
-    return [
-        Stage("canaries", "a planted defect for every gate, which must reject it", canaries(False), beside=True),
-        Stage("integration", "the package and the command line, C against numpy", integration),
+              sanitized(kind == "full")),
     ]
 
 
 def long_stages():
     return [
-        Stage("campaigns", "the package and the command line, C against numpy, the long versions", campaigns),
+        Stage("campaigns", "the package and the command line, C against numpy, the long versions",
+              package(VIRTUAL, "--full")),
         Stage("misra", "MISRA C of all firmware, by cppcheck; deviations: tools/misra_deviations.txt",
               analysis("misra")),
         Stage("tidy", "clang-tidy of all firmware: bugprone, cert, clang-analyzer", analysis("tidy"),
@@ -185,7 +196,18 @@ def long_stages():
         Stage("analyzer", "gcc -fanalyzer of all firmware", analysis("analyzer")),
         Stage("fuzz", "libFuzzer on all that comes from outside: block frames, CANopen, the whole computer", fuzz,
               ("clang-19",)),
-        Stage("canaries", "a planted defect for every gate, which must reject it", canaries(True)),
+    ]
+
+
+def last_stages(kind):
+    """The canaries, which build where the stages before have built; and what is in real time, alone on the machine."""
+    full = ["--full"] if kind == "full" else []
+    return [
+        Stage("canaries", "a planted defect for every gate, which must reject it", canaries(kind == "full")),
+        Stage("realtime", "programs that talk to each other in real time: gateway, guests on the bench, emulated board",
+              package("real_time", *full, parallel=False), alone=True),
+        Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
+              lambda log: realbus(log, *full), alone=True),
     ]
 
 

@@ -124,13 +124,20 @@ def test_an_unknown_stage_or_option_is_a_usage_error():
 
 def test_the_help_lists_every_stage():
     result = run("tools/test", "--help")
-    assert result.returncode == 0 and result.stdout.startswith("usage: tools/test [--full] [STAGE...]")
+    assert result.returncode == 0 and result.stdout.startswith("usage: tools/test [--real|--full] [STAGE...]")
     listed = [line.split()[0] for line in result.stdout.splitlines() if line.startswith("  ")]
-    assert listed == [planned.name for full in (False, True) for planned in stages.plan(full)]
+    assert sorted(listed) == sorted(planned.name for planned in stages.every_stage())
 
 
 def test_every_stage_has_a_name_of_its_own():
-    names = [planned.name for planned in stages.plan(full=True)]
-    assert len(set(names)) == len(names)
-    assert {planned.name for planned in stages.plan(full=False)} <= set(names) | {"integration"}
-    assert (ROOT / ".ci/run").read_text().count("tools/test") == 1
+    names = {kind: [planned.name for planned in stages.plan(kind)] for kind in ("", "real", "full")}
+    assert all(len(set(some)) == len(some) for some in names.values())
+    assert set(names[""]) < set(names["real"]) < set(names["full"]) | {"integration"}
+    assert (ROOT / ".ci/run").read_text().count("tools/test\" --real") == 1
+
+
+def test_what_needs_real_time_or_a_toolchain_is_not_in_virtual_time():
+    """A marker that pytest did not know, or a stage that asked for none, would let it in."""
+    chosen = run(PYTHON, "-m", "pytest", "-q", "--collect-only", "tests/integration", "-m", stages.VIRTUAL).stdout
+    assert "test_bad_runs.py" in chosen
+    assert not re.search(r"test_(gateway_(serial|crowds|registers)|bench_signals|zcu102|cortex_m4|interop)\.py", chosen)

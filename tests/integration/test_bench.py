@@ -158,6 +158,7 @@ def test_progress_goes_to_stderr_one_line_a_mounting(tumble, tmp_path):
     assert json.loads(done.stdout)["seed"] == 1
 
 
+@pytest.mark.real_time
 def test_live_progress_on_a_terminal(tmp_path):
     """Slowed down, so that there is something to see."""
     slow = wrapper(tmp_path, 'exec "$REAL" "$@" --pace 10')
@@ -198,6 +199,7 @@ def test_mountings_are_described_by_the_axes_of_the_table():
     assert two.startswith("x along -h (") and "; y along +v (" in two
 
 
+@pytest.mark.real_time
 @pytest.mark.parametrize("interactive", [False, True])
 def test_interruption_stops_the_table_first(interactive, tmp_path):
     """While the table turns in real time, and while a question waits. Nothing is left."""

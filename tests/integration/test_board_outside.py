@@ -6,6 +6,8 @@ import subprocess
 import pytest
 from conftest import ROOT
 
+pytestmark = pytest.mark.toolchain
+
 LISTS = """
 add_executable(mine main.c)
 target_link_libraries(mine PRIVATE tumble_navcomp)

@@ -10,7 +10,11 @@ from conftest import ROOT
 
 PROGRAMS = ("arm-none-eabi-gcc", "qemu-system-arm")
 MISSING = [program for program in PROGRAMS if shutil.which(program) is None]
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(MISSING), reason=f"not there: {', '.join(MISSING)}")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.toolchain,
+    pytest.mark.skipif(bool(MISSING), reason=f"not there: {', '.join(MISSING)}"),
+]
 
 
 def benchmark(*options):

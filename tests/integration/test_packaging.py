@@ -186,6 +186,7 @@ METADATA = {"sdist": ("PKG-INFO", "."), "wheel": (f"tumble-{__version__}.dist-in
 
 
 @pytest.mark.slow
+@pytest.mark.toolchain
 @pytest.mark.parametrize("kind", METADATA)
 def test_every_package_has_licence_and_version(packages, kind):
     file, licences = METADATA[kind]
@@ -203,6 +204,7 @@ def has_libmodbus(binary):
 
 
 @pytest.mark.slow
+@pytest.mark.toolchain
 def test_no_wheel_has_libmodbus(packages):
     """It is LGPL. The gateway, which links it, is in no wheel; the canary of the check is the gateway itself."""
     files = [path for path in packages["wheel"].rglob("*") if path.is_file()]

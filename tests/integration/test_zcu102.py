@@ -17,6 +17,7 @@ from conftest import EXAMPLES
 from tumble.bench import console, emulator, programs, uml
 from tumble.errors import BenchFault
 
+pytestmark = pytest.mark.toolchain
 
 # An emulator that is held up for a second has a queue of 64 frames.
 FEW_FRAMES = """

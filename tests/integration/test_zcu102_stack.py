@@ -12,6 +12,8 @@ import pytest
 
 from tumble.bench import emulator, programs
 
+pytestmark = pytest.mark.toolchain
+
 PAINT = b"\xa5"
 RAM_BYTES = 128 << 20  # as emulator.command has it
 LEAST_SHARE = 0.5  # of the worst chain that some run must really take

@@ -32,7 +32,7 @@ def missing(name: str) -> str | None:
     if shutil.which(_EMULATOR) is None:
         return f"no {_EMULATOR}: install {PACKAGES}"
     if not image(name).exists():
-        return f"no image {name}.elf: tools/setup test builds it, with the packages {PACKAGES}"
+        return f"no image {name}.elf: tools/setup real builds it, with the packages {PACKAGES}"
     return None
 
 
