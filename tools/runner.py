@@ -91,14 +91,14 @@ def gate(log, *commands, env=None):
     return Outcome(passed=1)
 
 
-def pytest(log, *arguments, env=None, parallel=False):
-    """The tests that pytest ran, from its own report. `parallel`: on every processor, shared out as they become free;
+def pytest(log, *arguments, env=None, shared=None):
+    """The tests that pytest ran, from its own report. `shared`: on every processor, shared out as xdist does by that name;
     numpy then has one thread for each."""
     report = log.path.with_suffix(".xml")
     report.unlink(missing_ok=True)
     command = [sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]
-    if parallel:
-        command += ["-n", str(os.cpu_count()), "--dist", "worksteal"]
+    if shared is not None:
+        command += ["-n", str(os.cpu_count()), "--dist", shared]
         env = {**(env or {}), "OPENBLAS_NUM_THREADS": "1"}
     status = log.run(*command, *arguments, env=env)
     outcome = read_junit(report) if report.exists() else Outcome()

@@ -68,10 +68,10 @@ def paths(preset):
     return f"{ROOT}/host/python/src:{BUILD / preset / 'python'}"
 
 
-def package(chosen, *arguments, parallel=True):
-    """The tests of the package and of its programs that a marker chooses."""
+def package(chosen, *arguments, shared="worksteal"):
+    """The tests of the package and of its programs that a marker chooses; `shared`: how the processors share them out."""
     options = ("tests/integration", "-m", chosen, *arguments)
-    return lambda log: pytest(log, *options, env={"PYTHONPATH": paths("host")}, parallel=parallel)
+    return lambda log: pytest(log, *options, env={"PYTHONPATH": paths("host")}, shared=shared)
 
 
 def realbus(log, *arguments):
@@ -92,7 +92,7 @@ def sanitized(full):
         built = build_sanitized(log)
         if not built.passed:
             return built
-        return pytest(log, "tests/integration", "-m", chosen, env=sanitizer_environment(), parallel=True)
+        return pytest(log, "tests/integration", "-m", chosen, env=sanitizer_environment(), shared="worksteal")
 
     return run
 
@@ -205,7 +205,7 @@ def last_stages(kind):
     return [
         Stage("canaries", "a planted defect for every gate, which must reject it", canaries(kind == "full")),
         Stage("realtime", "programs that talk to each other in real time: gateway, guests on the bench, emulated board",
-              package("real_time", *full, parallel=False), alone=True),
+              package("real_time", *full, shared="loadfile"), alone=True),
         Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
               lambda log: realbus(log, *full), alone=True),
     ]
