@@ -49,13 +49,18 @@ void guest_send(uint16_t id, uint8_t length, const uint8_t *data)
     ASSERT_STATUS(TUMBLE_OK, sim_bus_send(&world.bus, BENCH_BUS_GUEST, &frame));
 }
 
-void write_u32(uint8_t node, uint16_t index, uint8_t subindex, uint32_t value)
+void write_bytes(uint8_t node, uint16_t index, uint8_t subindex, uint32_t value, uint8_t size)
 {
-    uint8_t data[8] = {0x23, (uint8_t)index, (uint8_t)(index >> 8), subindex};
+    uint8_t data[8] = {(uint8_t)(0x23U | ((4U - size) << 2U)), (uint8_t)index, (uint8_t)(index >> 8), subindex};
     tumble_put_u32(&data[4], value);
     answer = UINT32_MAX;
     guest_send((uint16_t)(0x600U + node), 8, data);
     pass(20000);
+}
+
+void write_u32(uint8_t node, uint16_t index, uint8_t subindex, uint32_t value)
+{
+    write_bytes(node, index, subindex, value, 4);
 }
 
 tumble_status_t command(tumble_command_t wanted, double angle_deg)

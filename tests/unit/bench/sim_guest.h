@@ -24,7 +24,8 @@ void pass(uint64_t time_us);
 
 void guest_send(uint16_t id, uint8_t length, const uint8_t *data);
 
-/* By SDO, expedited, four bytes: to node 1 the answer is known afterwards. */
+/* By SDO, expedited, so many bytes, or four: to node 1 the answer is known afterwards. */
+void write_bytes(uint8_t node, uint16_t index, uint8_t subindex, uint32_t value, uint8_t size);
 void write_u32(uint8_t node, uint16_t index, uint8_t subindex, uint32_t value);
 
 tumble_status_t command(tumble_command_t wanted, double angle_deg);

@@ -8,6 +8,7 @@
 
 #define V_PER_COUNT 1e-9 /* fine enough not to round what is asked for */
 #define SAMPLES 16U
+#define NONE 3
 
 static tumble_averaging_t averaging;
 static tumble_misfit_work_t work;
@@ -69,13 +70,18 @@ static void draw(double alpha1, double alpha2, double alpha3, double by)
     }
 }
 
-static uint32_t judge(void)
+static bool step(void)
 {
     const tumble_misfit_run_t run = {schedule, &averaging, &block, &stand, V_PER_COUNT};
+    return tumble_misfit_step(&work, &run);
+}
+
+static uint32_t judge(void)
+{
     uint32_t steps = 1;
     memset(&work, 0xA5, sizeof work);
     tumble_misfit_begin(&work);
-    while (tumble_misfit_step(&work, &run)) {
+    while (step()) {
         steps++;
         TEST_ASSERT_LESS_THAN_UINT32(1000, steps);
     }
@@ -117,15 +123,16 @@ static void eliminate(long double a[9][9], long double b[9], int n)
     }
 }
 
-/* V^-1 of a position by elimination. */
-static void invert(uint8_t p, long double inverse[3][3])
+/* V^-1 of a position by elimination, without the share of a channel that is left out (0 to 2, or NONE). */
+static void invert(uint8_t p, int left_out, long double inverse[3][3])
 {
     const tumble_angle_t *const angle = &schedule->positions[p].angle;
     const tumble_mounting_t *const mounting = tumble_schedule_mounting_of(schedule, p);
-    const double v = (1e-4 * 1e-4 + V_PER_COUNT * V_PER_COUNT / 12.0) / SAMPLES + pow(2e-4 * 2e-4 * 2.01, 2.0);
+    const double square = stand.angle_rad * stand.angle_rad;
+    const double v = (1e-4 * 1e-4 + V_PER_COUNT * V_PER_COUNT / 12.0) / SAMPLES + pow(square * 2.01, 2.0);
     double d[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
+        for (int j = 0; (j < 3) && (i != left_out); j++) {
             d[i] += block.k_v_per_g[i][j] * (mounting->matrix[j][0] * angle->cosine - mounting->matrix[j][2] * angle->sine);
         }
     }
@@ -134,7 +141,7 @@ static void invert(uint8_t p, long double inverse[3][3])
         long double b[9] = {0.0L};
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j < 3; j++) {
-                a[i][j] = (long double)(2e-4 * 2e-4) * d[i] * d[j] + ((i == j) ? (long double)v : 0.0L);
+                a[i][j] = (long double)square * d[i] * d[j] + ((i == j) ? (long double)v : 0.0L);
             }
         }
         b[column] = 1.0L;
@@ -158,7 +165,7 @@ static double expected_square(uint8_t mounting)
             continue;
         }
         const double x[3] = {1.0, schedule->positions[p].angle.sine, schedule->positions[p].angle.cosine};
-        invert(p, weight);
+        invert(p, NONE, weight);
         for (int i = 0; i < 3; i++) {
             for (int j = 0; j < 3; j++) {
                 const long double u = (long double)averaging.averages[p].sum_counts[j] * V_PER_COUNT / SAMPLES;
@@ -180,15 +187,44 @@ static double expected_square(uint8_t mounting)
     return (double)square;
 }
 
-/* The last mounting's sum is what the work still holds. */
+/* The last mounting's sum is what the work still holds. On a coarse stand the largest K counts: it is the first one. */
 static void test_the_sum_is_that_of_plain_elimination(void)
 {
     for (int runs = 0; runs < 50; runs++) {
+        stand.angle_rad = (runs < 25) ? 2e-4 : 5e-3;
         draw(1e-4, 2e-4, 3e-4, 1.0);
         (void)judge();
         const double expected = expected_square(2);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6 * expected, expected, work.all_square);
         TEST_ASSERT_EQUAL_UINT8(18, work.all_freedom);
+    }
+}
+
+/* The sum of a mounting before it is fitted. A channel that is left out must not change how the others weigh. */
+static void test_a_channel_that_is_left_out_has_no_weight(void)
+{
+    draw(1e-4, 2e-4, 3e-4, 1.0);
+    tumble_misfit_begin(&work);
+    for (int left_out = 0; left_out < 3; left_out++) {
+        long double expected = 0.0L;
+        for (uint8_t p = 0; p < 9U; p++) {
+            double u_v[3];
+            long double weight[3][3];
+            outputs(p, 0.0, 0.0, 0.0, u_v);
+            invert(p, left_out, weight);
+            for (int k = 0; k < 9; k++) {
+                const int i = k / 3;
+                const int j = k % 3;
+                const int64_t *const sums = averaging.averages[p].sum_counts;
+                const long double product = ((long double)sums[i] * V_PER_COUNT / SAMPLES - u_v[i]) *
+                                            ((long double)sums[j] * V_PER_COUNT / SAMPLES - u_v[j]);
+                expected += ((i == left_out) || (j == left_out)) ? 0.0L : weight[i][j] * product;
+            }
+        }
+        while ((work.test != (uint8_t)(left_out + 1)) || (work.position < 9U)) {
+            TEST_ASSERT_TRUE(step());
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6 * (double)expected, (double)expected, work.square);
     }
 }
 
@@ -244,15 +280,52 @@ static void test_a_single_mean_that_is_off_does_not_fit(void)
     }
 }
 
+static tumble_position_t few[8];
+
+/* So many positions of each mounting, every 90 degrees. */
+static void shorten(uint8_t each)
+{
+    static tumble_schedule_t short_schedule;
+    for (uint8_t p = 0; p < (2U * each); p++) {
+        few[p] = tumble_schedule_paper.positions[(p < each) ? (2U * p) : (9U + 2U * (p - each))];
+    }
+    short_schedule = (tumble_schedule_t){tumble_schedule_paper.mountings, few, 2, (uint8_t)(2U * each)};
+    schedule = &short_schedule;
+}
+
+/* Four attitudes leave each channel one freedom: what is too much for that one is not for the three together. */
+static void test_a_single_freedom_is_judged(void)
+{
+    static const double factors[] = {0.9, 1.1};
+    shorten(4);
+    for (size_t i = 0; i < COUNT_OF(factors); i++) {
+        double off_v = 1e-3;
+        for (int again = 0; again < 2; again++) {
+            double u_v[3];
+            draw(0.0, 0.0, 0.0, 0.0);
+            outputs(4, 0.0, 0.0, 0.0, u_v);
+            u_v[1] += off_v;
+            set_mean(4, u_v);
+            (void)judge();
+            TEST_ASSERT_EQUAL_UINT8(3, work.all_freedom);
+            off_v *= sqrt(factors[i] * tumble_misfit_limit(1) / work.all_square);
+        }
+        TEST_ASSERT_TRUE(work.all_square < tumble_misfit_limit(3));
+        TEST_ASSERT_EQUAL(factors[i] > 1.0, work.misfit);
+    }
+}
+
+static void test_a_position_that_was_not_measured_is_left_out(void)
+{
+    draw(0.0, 0.0, 0.0, 1.0);
+    averaging.averages[12].samples = 0;
+    TEST_ASSERT_TRUE(fits());
+    TEST_ASSERT_EQUAL_UINT8(15, work.all_freedom);
+}
+
 static void test_a_mounting_with_three_attitudes_passes(void)
 {
-    static tumble_position_t few[6];
-    static tumble_schedule_t short_schedule;
-    for (uint8_t p = 0; p < 6U; p++) {
-        few[p] = tumble_schedule_paper.positions[(p < 3U) ? (2U * p) : (9U + 2U * (p - 3U))];
-    }
-    short_schedule = (tumble_schedule_t){tumble_schedule_paper.mountings, few, 2, 6};
-    schedule = &short_schedule;
+    shorten(3);
     draw(0.0, 0.0, 0.0, 1000.0);
     TEST_ASSERT_EQUAL_UINT32(2U * 4U * (3U + 1U), judge());
     TEST_ASSERT_FALSE(work.misfit);

@@ -1,5 +1,6 @@
 /* The stand seen in the data: exact small cases. The statistics are tested from Python, on many runs. */
 #include "tumble/core.h"
+#include "core/vector.h"
 #include "support.h"
 
 #include <math.h>
@@ -130,6 +131,17 @@ static void test_the_fit_is_sharper(void)
     TEST_ASSERT_TRUE(seen.alpha3_difference.u < closed.alpha3_difference.u);
 }
 
+static void test_the_fit_is_as_sharp_as_the_noise(void)
+{
+    look_fitted();
+    const double u = seen.alpha1.u;
+    for (int p = 0; p < P; p++) {
+        errors.mean_variance_v2[p] *= 4.0;
+    }
+    look_fitted();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * u, 2.0 * u, seen.alpha1.u);
+}
+
 static void test_no_excess_over_the_noise_is_not_known(void)
 {
     tumble_seen_t alpha4 = {1.0, 1.0, true};
@@ -190,6 +202,35 @@ static void test_residuals_far_beyond_the_noise(void)
                                                            &square, &count));
     TEST_ASSERT_EQUAL_UINT8(16, count);
     TEST_ASSERT_DOUBLE_WITHIN(1e-10, 16.0, square);
+}
+
+static void tilt(tumble_mounting_t mountings[2], double alpha1)
+{
+    static const double tilts[2] = {0.3, -0.2};
+    for (int m = 0; m < 2; m++) {
+        mountings[m].tilt.sine = sin(tilts[m] + alpha1);
+        mountings[m].tilt.cosine = cos(tilts[m] + alpha1);
+    }
+}
+
+/* Where the mountings are tilted differently no K explains what the axis adds to both. */
+static void test_the_axis_is_seen_behind_tilted_mountings(void)
+{
+    tumble_mounting_t mountings[2];
+    const tumble_schedule_t schedule = {mountings, tumble_schedule_paper.positions, 2, P};
+    memcpy(mountings, tumble_schedule_paper.mountings, sizeof mountings);
+    tilt(mountings, 1e-6);
+    for (uint8_t p = 0; p < P; p++) {
+        double a[3];
+        tumble_schedule_attitude(&schedule, p, a);
+        for (int i = 0; i < 3; i++) {
+            means.u_v[p][i] = block.u0_v[i] + tumble_dot(block.k_v_per_g[i], a);
+        }
+    }
+    tilt(mountings, 0.0);
+    ASSERT_STATUS(TUMBLE_OK, tumble_seen_fit(&schedule, &means, &block, &errors, &work, &seen));
+    TEST_ASSERT_TRUE(seen.alpha1.known);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-10, 1e-6, seen.alpha1.value);
 }
 
 static const tumble_position_t check_position = {.mounting = 3, .number = 1, .use = TUMBLE_USE_CHECK};

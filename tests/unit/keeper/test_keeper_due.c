@@ -98,6 +98,12 @@ static void test_due_by_temperature(void)
     bench.block.temperature_half_c = 43;
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_TEMPERATURE, due());
+    keeper.sets.off_temperature = UINT16_MAX; /* after eleven minutes */
+    bench_pass(&bench, 0.1);
+    TEST_ASSERT_EQUAL_HEX8(TUMBLE_DUE_TEMPERATURE, due());
+    keeper.sets.stale = true; /* as after any job of the store: counted anew */
+    settle_memory();
+    TEST_ASSERT_EQUAL_HEX8(0, due());
     drift(1e-5);
     (void)run_and_judge(); /* now the active set is of this temperature */
     ASSERT_SAME_DOUBLE(21.5, set_of(TUMBLE_SET_ACTIVE).temperature_c);

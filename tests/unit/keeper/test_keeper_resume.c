@@ -185,11 +185,13 @@ static void test_block_stand_schedule_and_configuration_must_be_the_same(void)
 {
     static tumble_position_t positions[18];
     tumble_schedule_t another = tumble_schedule_paper;
+    keeper_config.sets.serial = "123456789012345678901234"; /* as long as it may be */
+    keeper_power_cycle();
     start_and_cut(6);
 
-    keeper_config.sets.serial = "TB-0002";
+    keeper_config.sets.serial = "123456789012345678901235";
     assert_not_resumable("serial");
-    keeper_config.sets.serial = "TB-0001";
+    keeper_config.sets.serial = "123456789012345678901234";
     declared_stand.angle_rad = 5e-5;
     assert_not_resumable("stand");
     declared_stand.angle_rad = 4e-5;

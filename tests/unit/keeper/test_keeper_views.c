@@ -148,6 +148,19 @@ static void test_history_and_trend(void)
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_TOO_HIGH, write_byte(0x2160, 1, 64));
 }
 
+/* What an entry does not know is not there to read; everything else is. */
+static void test_an_entry_of_the_history_without_temperature_or_uncertainty(void)
+{
+    static const tumble_history_entry_t bare = {.sequence = 7, .origin = TUMBLE_ORIGIN_COMMITTED};
+    ASSERT_STATUS(TUMBLE_OK, tumble_history_append(&keeper.sets.history, &bare));
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT32(7, read_number(0x2160, 3, 4));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2160, 5));
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_ORIGIN_COMMITTED, read_number(0x2160, 6, 1));
+    TEST_ASSERT_TRUE(read_f32(0x2161, 1) == 0.0F);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2162, 1));
+}
+
 static void test_the_stand_as_it_is_seen(void)
 {
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2140, 1));

@@ -77,6 +77,12 @@ static void test_nodes_may_swap_their_numbers(void)
     bench.config.stand_node = 3;
     bench.config.block_node = 2;
     TEST_ASSERT_EQUAL(TUMBLE_OK, init());
+    bench.config.node = 127;
+    bench.config.block_node = 1;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, init());
+    bench.config.node = 1;
+    bench.config.block_node = 127;
+    TEST_ASSERT_EQUAL(TUMBLE_OK, init());
 }
 
 static void test_nothing_is_sent_before_the_first_step(void)
@@ -148,6 +154,20 @@ static void test_a_block_that_does_not_start_is_told_again_now_and_then(void)
     }
     TEST_ASSERT_EQUAL_size_t(5, count_sent(take_sent(), TUMBLE_NMT_ID, TUMBLE_NMT_START));
     TEST_ASSERT_EQUAL_UINT32(5, bench_counters(&bench).events.starts);
+}
+
+/* The node notices it at the end of a step, behind the procedure. */
+static void test_a_lost_heartbeat_is_followed_up_at_once(void)
+{
+    power_on_for(1.0);
+    bench.block.dead = true;
+    while (bench_counters(&bench).events.heartbeats_lost == 0U) {
+        TEST_ASSERT_TRUE(bench.fake.now_us < 3000000U);
+        bench_play(&bench);
+        bench.fake.now_us += 1000U;
+        tumble_navcomp_step(&bench.navcomp);
+    }
+    TEST_ASSERT_EQUAL_UINT64(0, tumble_navcomp_next_deadline_us(&bench.navcomp));
 }
 
 /* Whoever tells the NMT master to leave Operational: it goes back, or the axis could no longer be stopped. */
@@ -349,6 +369,8 @@ static void test_names_of_commands(void)
     TEST_ASSERT_EQUAL_STRING("TUMBLE_COMMAND_START", tumble_command_name(TUMBLE_COMMAND_START));
     TEST_ASSERT_EQUAL_STRING("stop the table and give up", tumble_command_sentence(TUMBLE_COMMAND_ABORT));
     TEST_ASSERT_EQUAL_STRING("TUMBLE_COMMAND_UNKNOWN", tumble_command_name(TUMBLE_COMMAND_COUNT));
+    TEST_ASSERT_EQUAL_STRING("TUMBLE_COMMAND_UNKNOWN", tumble_command_name((tumble_command_t)99));
+    TEST_ASSERT_EQUAL_STRING("this command is not in the list", tumble_command_sentence(TUMBLE_COMMAND_COUNT));
     TEST_ASSERT_EQUAL_STRING("this command is not in the list", tumble_command_sentence((tumble_command_t)99));
 }
 

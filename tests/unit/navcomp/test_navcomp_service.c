@@ -84,7 +84,9 @@ static void test_refused_before_and_accepted_after_unlocking(void)
     TEST_ASSERT_EQUAL_UINT32(TUMBLE_SERVICE_S, left_s());
     TEST_ASSERT_EQUAL_HEX32(0, write_limit(1e-3));
     TEST_ASSERT_TRUE(limit_g() == 1e-3);
+    tumble_emcy_tell(&bench.navcomp.node.emcy, TUMBLE_EMCY_FOREIGN, TUMBLE_ERROR_PROFILE, 0);
     TEST_ASSERT_EQUAL_HEX32(0, give_key(0));
+    TEST_ASSERT_EQUAL_HEX8(0x21, read_number(0x1001, 0, 1)); /* another's error stays */
     TEST_ASSERT_EQUAL_UINT32(0, level());
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, write_limit(2e-3));
     TEST_ASSERT_TRUE(limit_g() == 1e-3);

@@ -1,4 +1,5 @@
 /* Every reason code, reached by the fault that it names; every timeout of every state that waits; the table stopped. */
+#include "procedure/procedure_internal.h"
 #include "procedure_faults.h"
 
 /* What the timeouts of a run can add up to after it was broken. */
@@ -36,6 +37,15 @@ static void test_every_fault_has_its_reason(void)
         (void)snprintf(which, sizeof which, "case %u: %s", (unsigned)i, tumble_reason_name(fault_cases[i].reason));
         run_case(&fault_cases[i], which);
     }
+}
+
+/* A status that no gate gives today is not tried again. */
+static void test_a_position_refused_by_any_other_status_is_stuck(void)
+{
+    bench_start(&bench);
+    TEST_ASSERT_EQUAL(OUTCOME_FAULT, tumble_refuse_position(&bench.procedure, TUMBLE_E_RANK));
+    TEST_ASSERT_EQUAL(TUMBLE_REASON_STUCK, bench_reason_of(&bench));
+    TEST_ASSERT_EQUAL_UINT32(0, counters()->retries);
 }
 
 /* NONE, COMMAND, GRAVITY_CHECK and INHIBITED are no faults; every other reason has a case above. */

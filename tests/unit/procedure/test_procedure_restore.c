@@ -185,7 +185,9 @@ static void test_states_and_arguments(void)
 
 static void refuse(uint8_t index, const tumble_average_t *average, tumble_status_t status)
 {
+    static const tumble_average_t empty;
     ASSERT_STATUS(status, tumble_procedure_restore(&resumed.procedure, index, average));
+    TEST_ASSERT_EQUAL_MEMORY(&empty, &tumble_procedure_averages(&resumed.procedure)->averages[index], sizeof empty);
     TEST_ASSERT_FALSE(tumble_procedure_has_mean(&resumed.procedure, index));
 }
 

@@ -252,6 +252,7 @@ static void test_homing_that_nobody_sees(void)
     profile.home_timeout_ms = 60000;
     home_without_end(&profile, -1);
     run_ms(100);
+    TEST_ASSERT_EQUAL_UINT64(bench.drive.reported_us + 1200000U, tumble_drive_blind_us(&bench.drive));
     played.transmit[0].cob_id |= 0x80000000U; /* somebody has switched its process data off */
     run_ms(1100);
     TEST_ASSERT_EQUAL_INT(TUMBLE_STAND_HOMING, stand_state());

@@ -76,6 +76,7 @@ static void test_another_maker(void)
     bring_home(&profile);
     TEST_ASSERT_EQUAL_HEX16(0x1802, played.writes[0].index);
     TEST_ASSERT_EQUAL_HEX16(0x6007, played.writes[1].index);
+    TEST_ASSERT_EQUAL_HEX16(0x1016, played.writes[2].index); /* the profile's own first, then all that any drive gets */
     ASSERT_STATUS(TUMBLE_OK, bench.stand.kind->move(bench.stand.self, 10.0));
     run_to(TUMBLE_STAND_IN_POSITION, 3000);
     TEST_ASSERT_EQUAL_INT32(-13467, played.target); /* -10 / 360 * 484,800 = -13,466.67 */

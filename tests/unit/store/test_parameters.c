@@ -185,6 +185,19 @@ static void test_what_was_forgotten_is_gone_after_power_on_and_not_before(void)
     TEST_ASSERT_TRUE(is_pattern(4));
 }
 
+/* However many were saved since power-on, each takes the place of the older one. */
+static void test_a_save_that_power_cuts_short_leaves_the_one_before(void)
+{
+    save_pattern(1);
+    save_pattern(2);
+    nv_arm(&memory, (nv_fault_t){1, DONE_NOTHING, THEN_CUT});
+    variables = pattern(3);
+    (void)answer_to(tumble_parameters_save(&parameters));
+    nv_arm(&memory, nv_no_fault);
+    TEST_ASSERT_TRUE(boot(&memory));
+    TEST_ASSERT_TRUE(is_pattern(2));
+}
+
 static void test_restore_puts_the_saved_values_in_force_again(void)
 {
     save_pattern(3);

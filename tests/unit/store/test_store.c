@@ -60,15 +60,17 @@ static void test_a_life(void)
 
 static void test_the_store_writes_its_own_fields(void)
 {
-    tumble_set_t set;
+    tumble_set_t set = set_of(HELD);
     put_commit(FIRST);
-    put_hold(HELD);
+    set.flags = TUMBLE_SET_RESUMED;
+    assert_status(TUMBLE_OK, ended(tumble_store_hold(&jobs_store, &set)));
     assert_status(TUMBLE_OK, tumble_store_read(&jobs_store, TUMBLE_SET_PROPOSAL, &set));
     TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_HELD, set.origin);
     (void)job_accept();
     assert_status(TUMBLE_OK, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_ACCEPTED, set.origin);
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_RESUMED, set.flags);
     TEST_ASSERT_NOT_EQUAL(0, set.from_crc);
     (void)job_rollback();
     assert_status(TUMBLE_OK, tumble_store_read(&jobs_store, TUMBLE_SET_ACTIVE, &set));
