@@ -23,13 +23,24 @@ def test_planted(pytestconfig):
 """
 
 
-def outcome_of(tmp_path, busy, passes_at):
+def outcome_of(tmp_path, busy, passes_at, *path):
     """Of one planted test, by the runner that the stages use."""
     (tmp_path / "test_planted.py").write_text(PLANTED.format(busy=busy, passes_at=passes_at))
     (tmp_path / "conftest.py").write_text("pytest_plugins = ['busy_machine']\n")
     log = runner.Log(tmp_path / "log", 60)
-    environment = {"TUMBLE_WATCH": "no", "PYTHONPATH": str(PLUGIN)}  # this machine is not watched
+    searched = ":".join(map(str, [*path, PLUGIN]))
+    environment = {"TUMBLE_WATCH": "no", "PYTHONPATH": searched}  # this machine is not watched
     return runner.pytest(log, "-p", "no:cacheprovider", f"--rootdir={tmp_path}", str(tmp_path), env=environment)
+
+
+def test_one_that_passes_does_not_wait_for_the_machine_to_rest(tmp_path):
+    rests = tmp_path / "rests"
+    rest = f"busy_machine.rest = lambda watch: open({str(rests)!r}, 'a').write('x')\n"
+    found = f"import sys; sys.path.insert(0, {str(PLUGIN)!r}); import busy_machine\n"
+    (tmp_path / "sitecustomize.py").write_text(found + rest)
+    for passes_at, times in ((1, 0), (2, 1)):
+        outcome = outcome_of(tmp_path, True, passes_at, tmp_path)
+        assert (outcome.passed, rests.stat().st_size if rests.exists() else 0) == (1, times)
 
 
 @pytest.mark.parametrize("busy, passes_at, passed, again",

@@ -90,7 +90,9 @@ class Retried:
         self.begin = time.monotonic()
 
     def again(self, error):
-        """Is the failed test to be run again?"""
+        """Is the test to be run again? One that passed is asked about as well, without an error."""
+        if error is None:
+            return False
         watch = self._item.config.stash[WATCH]
         if (why := busy(watch, self.begin)) is None:
             return False
