@@ -10,7 +10,8 @@ foreach(room core sets sample canopen stand procedure navcomp)
   set(folder ${PROJECT_SOURCE_DIR}/firmware)
   file(GLOB part_${room} CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/${room}/*.c ${folder}/${room}/*/*.c)
 endforeach()
-list(REMOVE_ITEM part_core ${part_optimal} ${part_uncertainty} ${part_misfit} ${part_stand_seen} core/optimal_uncertainty.c)
+list(REMOVE_ITEM part_core ${part_optimal} ${part_uncertainty} ${part_misfit} ${part_stand_seen}
+  core/optimal_uncertainty.c)
 set(part_keeper ${part_navcomp})
 list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
 list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c)
@@ -53,12 +54,13 @@ function(tumble_for_the_whole library)
 endfunction()
 
 # Hold parts, and LIBRARIES beside them, to a row of boards/budget.csv, as part of the build: they are linked with what
-# they keep in RAM, and measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where indirect calls lead
-# (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole, and what it makes of
-# the objects is measured. INTEGER are functions that may reach no floating point. The target is budget_<name>.
+# they keep in RAM, and measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where
+# indirect calls lead (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole,
+# and what it makes of the objects is measured. INTEGER are functions that may reach no floating point. The target is
+# budget_<name>.
 #
-#   tumble_budget(<name> ROW <part in the table> PARTS <parts> [LIBRARIES <targets>] [RESIDENT <sources>] [ROOTS <symbols>]
-#                 [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
+#   tumble_budget(<name> ROW <part in the table> PARTS <parts> [LIBRARIES <targets>] [RESIDENT <sources>]
+#                 [ROOTS <symbols>] [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
 function(tumble_budget name)
   cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "PARTS;LIBRARIES;RESIDENT;ROOTS;INTEGER" ${ARGN})
   tumble_part_objects(objects ${arg_PARTS})

@@ -17,6 +17,7 @@ install(EXPORT tumble FILE tumble-config.cmake NAMESPACE tumble:: DESTINATION ${
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/tumble-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tumble-config-version.cmake DESTINATION ${package})
 
-file(RELATIVE_PATH up ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX}) # so that the prefix may move
+file(RELATIVE_PATH up ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX}) # the prefix may move
+string(REGEX REPLACE "/$" "" up ${up})
 configure_file(tumble.pc.in tumble.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tumble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
