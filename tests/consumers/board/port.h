@@ -1,0 +1,13 @@
+/* port.h - the board of this folder: two CAN nodes on one wire, in memory, and a clock that is told how time passes. */
+#ifndef MINE_PORT_H
+#define MINE_PORT_H
+
+#include <tumble/port.h>
+
+#define MINE_QUEUE 64U /* frames that may wait; then the sender is told to wait */
+
+extern const tumble_port_t mine_ports[2];
+
+void mine_pass(void *context, uint32_t us);
+
+#endif
