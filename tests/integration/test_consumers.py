@@ -56,7 +56,7 @@ def test_what_is_installed_is_found(tmp_path):
         pytest.skip("build/host is not configured")
     run("cmake", "--install", ROOT / "build/host", "--prefix", tmp_path / "first")
     prefix = (tmp_path / "first").rename(tmp_path / "prefix")
-    assert sorted(path.name for path in prefix.iterdir()) == ["bin", "include", "lib"]
+    assert sorted(path.name for path in prefix.iterdir()) == ["bin", "include", "lib", "share"]
     assert run(prefix / "bin/tumble-bench", "--version") == f"tumble-bench {VERSION}\n"
     assert not list(prefix.rglob("*.so"))
     check_find_package(prefix, tmp_path)
