@@ -11,6 +11,12 @@ static void report(void *context, const char *check, conformance_verdict_t verdi
     printf("%-8s %s%s%s\n", VERDICTS[verdict], check, (why != NULL) ? ": " : "", (why != NULL) ? why : "");
 }
 
+static const tumble_nv_t *reopen(void *context)
+{
+    (void)context;
+    return &mine_memory;
+}
+
 int main(void)
 {
     const conformance_bench_t bench = {.a = &mine_ports[0],
@@ -19,6 +25,7 @@ int main(void)
                                        .burst = MINE_QUEUE,
                                        .send_limit = MINE_QUEUE + 1U,
                                        .transit_us = 1,
+                                       .reopen = reopen,
                                        .report = report};
     return (conformance_run(&bench) == 0U) ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-/* port.h - the board of this folder: two CAN nodes on one wire, in memory, and a clock that is told how time passes. */
+/* port.h - the board of this folder: two CAN nodes on one wire, a clock that is told how time passes, a memory. */
 #ifndef MINE_PORT_H
 #define MINE_PORT_H
 
@@ -6,7 +6,8 @@
 
 #define MINE_QUEUE 64U /* frames that may wait; then the sender is told to wait */
 
-extern const tumble_port_t mine_ports[2];
+extern const tumble_port_t mine_ports[2]; /* the first has the memory */
+extern const tumble_nv_t mine_memory;
 
 void mine_pass(void *context, uint32_t us);
 
