@@ -1,6 +1,5 @@
 /* embed.c - average, solve, verify, keep and apply, in a program of your own. */
 #include "tumble/sets.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -17,9 +16,8 @@ static void must(tumble_status_t status)
 
 int main(void)
 {
-    static const tumble_averaging_config_t gates = {
-        .saturation_counts = 5000000, .min_samples = 64, .noise_counts = 150, .stillness_ratio = 2};
-    static const tumble_stand_record_t stand = {.noise_v = 1.5e-4, .samples = 64};
+    const tumble_averaging_config_t gates = {.saturation_counts = 5000000, .min_samples = 64, .stillness_ratio = 1};
+    const tumble_stand_record_t stand = {.noise_v = 1.5e-4, .samples = 64};
     static tumble_averaging_t averaging;
     static tumble_means_t means;
     static tumble_store_t store;
@@ -46,9 +44,11 @@ int main(void)
     must(tumble_gravity_check(run.schedule, &means, &calibration, 3e-4, &check));
 
     must(tumble_store_init(&store, &board_memory)); /* nothing waits: a control loop makes one step in each cycle */
-    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {}
+    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+    }
     must(check.pass ? tumble_store_commit(&store, &set) : TUMBLE_E_STATE);
-    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {}
+    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+    }
     must(tumble_store_read(&store, TUMBLE_SET_ACTIVE, &kept));
     must(tumble_calibration_invert(&kept.coefficients, &calibration));
     tumble_calibration_apply_counts(&calibration, 1e-6, sample.counts, a_g);

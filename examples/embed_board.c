@@ -52,6 +52,10 @@ static tumble_status_t read(void *context, uint32_t offset, uint8_t *bytes, uint
 }
 
 const tumble_nv_t board_memory = {
-    .size_bytes = sizeof flash, .sector_bytes = SECTOR, .granule_bytes = 8,
-    .erase = erase, .program = program, .read = read,
+    .size_bytes = sizeof flash,
+    .sector_bytes = SECTOR,
+    .granule_bytes = 8,
+    .erase = erase,
+    .program = program,
+    .read = read,
 };

@@ -12,7 +12,7 @@ from c_compiler import firmware_sources
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
-from footprint import image  # noqa: E402
+from footprint import image
 
 VERSION = (ROOT / "VERSION").read_text().strip()
 CONSUMERS = ROOT / "tests/consumers"
@@ -125,7 +125,7 @@ def test_bare_metal(toolchain, tmp_path):
         told_kb = float(re.search(r"takes ([0-9.]+) kB of Tumble's code", page)[1])
         assert told_kb == pytest.approx(code_bytes(tmp_path / "consumer.map") / 1000, rel=0.1)  # compilers differ
     if shutil.which("qemu-system-arm"):
-        assert run(*QEMU, tmp_path / "consumer") == re.search(r"```text\n(K .*?)```", page, re.S)[1]
+        assert run(*QEMU, tmp_path / "consumer") == re.search(r"```text\n(K .*?)```", page, re.DOTALL)[1]
 
 
 def code_bytes(linker_map):

@@ -13,7 +13,7 @@ from conftest import EXAMPLES, ROOT
 
 PAGE = (ROOT / "docs/embedding.md").read_text(encoding="utf-8")
 PROGRAM = (EXAMPLES / "embed.c").read_text(encoding="utf-8")
-OUTPUT = re.search(r"```text\n(K .*?)```", PAGE, re.S)[1]
+OUTPUT = re.search(r"```text\n(K .*?)```", PAGE, re.DOTALL)[1]
 STRICT = "-std=c11 -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Werror".split()
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -91,7 +91,7 @@ def test_its_costs_are_those_of_the_budget():
 @needs_cc
 def test_the_program_of_the_readme(tumble, tmp_path):
     """It takes the means of a recorded run, and says of its first position what `solve` says."""
-    program = re.search(r"```c\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)[1]
+    program = re.search(r"```c\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
     assert program.count("\n") <= 20
     (tmp_path / "main.c").write_text(program)
     sources = sorted((ROOT / "firmware/core").glob("*.c"))

@@ -44,6 +44,10 @@ static tumble_status_t read(void *context, uint32_t offset, uint8_t *bytes, uint
 }
 
 const tumble_nv_t mine_memory = {
-    .size_bytes = sizeof bytes_of, .sector_bytes = SECTOR, .granule_bytes = GRANULE,
-    .erase = erase, .program = program, .read = read,
+    .size_bytes = sizeof bytes_of,
+    .sector_bytes = SECTOR,
+    .granule_bytes = GRANULE,
+    .erase = erase,
+    .program = program,
+    .read = read,
 };
