@@ -1,10 +1,45 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
-# The sources of a library once more, for a link that optimises the whole.
+# The parts that are measured, by their sources, which tumble::core and tumble::navcomp hold among others.
+set(part_optimal core/crc32.c core/gain_record.c core/optimal.c)
+set(part_uncertainty core/uncertainty.c)
+set(part_misfit core/misfit.c)
+set(part_stand_seen core/stand_fit.c core/stand_seen.c)
+set(part_navcomp_uncertainty navcomp/uncertainty.c)
+foreach(room core sets sample canopen stand procedure navcomp)
+  set(folder ${PROJECT_SOURCE_DIR}/firmware)
+  file(GLOB part_${room} CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/${room}/*.c ${folder}/${room}/*/*.c)
+endforeach()
+list(REMOVE_ITEM part_core ${part_optimal} ${part_uncertainty} ${part_misfit} ${part_stand_seen}
+  core/optimal_uncertainty.c)
+set(part_keeper ${part_navcomp})
+list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
+list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c)
+
+# The objects of parts, out of those of the libraries.
+function(tumble_part_objects objects)
+  set(found)
+  foreach(part IN LISTS ARGN)
+    list(JOIN part_${part} "|" sources)
+    set(library tumble_navcomp)
+    if(sources MATCHES "^(core|sets)/")
+      set(library tumble_core)
+    endif()
+    list(APPEND found $<FILTER:$<TARGET_OBJECTS:${library}>,INCLUDE,/\(${sources}\)[.]o>)
+  endforeach()
+  set(${objects} ${found} PARENT_SCOPE)
+endfunction()
+
+# The sources of a part or of a library once more, for a link that optimises the whole.
 function(tumble_for_the_whole library)
   if(NOT TARGET ${library}_for_the_whole)
-    get_target_property(sources ${library} SOURCES)
-    get_target_property(directory ${library} SOURCE_DIR)
+    if(TARGET ${library})
+      get_target_property(sources ${library} SOURCES)
+      get_target_property(directory ${library} SOURCE_DIR)
+    else()
+      set(sources ${part_${library}})
+      set(directory ${PROJECT_SOURCE_DIR}/firmware)
+    endif()
     list(TRANSFORM sources PREPEND ${directory}/ REGEX "^[^/]")
     add_library(${library}_for_the_whole OBJECT EXCLUDE_FROM_ALL ${sources})
     foreach(source IN LISTS sources) # what is set for a source holds in one directory alone
@@ -18,26 +53,28 @@ function(tumble_for_the_whole library)
   endif()
 endfunction()
 
-# Hold libraries to a row of boards/budget.csv, as part of the build: they are linked with what they keep in RAM, and
-# measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where indirect calls lead
-# (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole, and what it makes of
-# the objects is measured. INTEGER are functions that may reach no floating point. The target is budget_<name>.
+# Hold parts, and LIBRARIES beside them, to a row of boards/budget.csv, as part of the build: they are linked with what
+# they keep in RAM, and measured. They are linked whole, or with ROOTS what these symbols need of them. CALLS lists where
+# indirect calls lead (tools/footprint/calls.py); without it there must be none. With ROOTS the link optimises the whole,
+# and what it makes of the objects is measured. INTEGER are functions that may reach no floating point. The target is
+# budget_<name>.
 #
-#   tumble_budget(<name> ROW <part in the table> LIBRARIES <targets> [RESIDENT <sources>] [ROOTS <symbols>]
-#                 [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
+#   tumble_budget(<name> ROW <part in the table> PARTS <parts> [LIBRARIES <targets>] [RESIDENT <sources>]
+#                 [ROOTS <symbols>] [CALLS <file>] [INTEGER <functions>] [ON_DEMAND])
 function(tumble_budget name)
-  cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "LIBRARIES;RESIDENT;ROOTS;INTEGER" ${ARGN})
-  set(objects)
-  set(linked_objects)
+  cmake_parse_arguments(arg "ON_DEMAND" "ROW;CALLS" "PARTS;LIBRARIES;RESIDENT;ROOTS;INTEGER" ${ARGN})
+  tumble_part_objects(objects ${arg_PARTS})
   foreach(library IN LISTS arg_LIBRARIES)
     list(APPEND objects $<TARGET_OBJECTS:${library}>)
-    if(arg_ROOTS)
+  endforeach()
+  set(linked_objects ${objects})
+  if(arg_ROOTS)
+    set(linked_objects)
+    foreach(library IN LISTS arg_PARTS arg_LIBRARIES)
       tumble_for_the_whole(${library})
       list(APPEND linked_objects $<TARGET_OBJECTS:${library}_for_the_whole>)
-    else()
-      list(APPEND linked_objects $<TARGET_OBJECTS:${library}>)
-    endif()
-  endforeach()
+    endforeach()
+  endif()
   set(image footprint_${name})
   add_executable(${image} EXCLUDE_FROM_ALL ${linked_objects} ${arg_RESIDENT})
   target_include_directories(${image} PRIVATE ${PROJECT_SOURCE_DIR}/firmware
@@ -51,7 +88,7 @@ function(tumble_budget name)
     list(TRANSFORM arg_ROOTS PREPEND LINKER:--require-defined= OUTPUT_VARIABLE roots)
     target_link_options(${image} PRIVATE LINKER:--gc-sections ${roots}
       -flto -flto-partition=one -save-temps ${TUMBLE_FRAMES} ${TUMBLE_SMALL})
-    add_dependencies(${image} ${arg_LIBRARIES}) # whose objects say what is imported
+    add_dependencies(${image} tumble_core tumble_navcomp ${arg_LIBRARIES}) # whose objects say what is imported
     set(more LINKED $<TARGET_FILE:${image}>.ltrans0.ltrans.o)
   endif()
   if(arg_CALLS)

@@ -24,12 +24,13 @@ function(tumble_suites program sources)
   set(${sources} ${taken} ${list} ${PROJECT_SOURCE_DIR}/tests/lib/suite.c PARENT_SCOPE)
 endfunction()
 
-# A program of suites as a test. TEST_LIBRARIES of the calling folder is what it is linked with.
+# A program of suites as a test. TEST_LIBRARIES of the calling folder is what it is linked with, TEST_LABELS how it is
+# chosen (ctest -L).
 function(tumble_test_program name)
   tumble_suites(${name} sources ${ARGN})
   add_executable(${name} ${sources})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/lib)
   target_link_libraries(${name} PRIVATE tumble_flags ${TEST_LIBRARIES} unity m)
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${TEST_LABELS}")
 endfunction()

@@ -1,0 +1,60 @@
+/* embed.c - average, solve, verify, keep and apply, in a program of your own. */
+#include "tumble/sets.h"
+#include <stdio.h>
+#include <stdlib.h>
+
+extern const tumble_nv_t board_memory; /* a board supplies memory and samples; here embed_board.c plays them */
+void board_sample(uint8_t position, tumble_sample_t *sample);
+
+static void must(tumble_status_t status)
+{
+    if (status != TUMBLE_OK) {
+        puts(tumble_status_sentence(status));
+        exit(1);
+    }
+}
+
+int main(void)
+{
+    const tumble_averaging_config_t gates = {.saturation_counts = 5000000, .min_samples = 64, .stillness_ratio = 1};
+    const tumble_stand_record_t stand = {.noise_v = 1.5e-4, .samples = 64};
+    static tumble_averaging_t averaging;
+    static tumble_means_t means;
+    static tumble_store_t store;
+    tumble_set_t set = {.estimator = TUMBLE_ESTIMATE_REFINED, .flags = TUMBLE_SET_HAS_UNCERTAINTY}, kept;
+    const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &set.coefficients, NULL, NULL, 0};
+    tumble_calibration_t calibration;
+    tumble_gravity_check_t check;
+    tumble_sample_t sample = {.counter = 0};
+    double a_g[TUMBLE_CHANNELS];
+
+    must(tumble_averaging_init(&averaging, &gates));
+    for (uint8_t position = 0; position < run.schedule->position_count; position++) { /* turn the table, let it rest */
+        must(tumble_averaging_begin(&averaging, position));
+        while (tumble_averaging_samples(&averaging) < gates.min_samples) {
+            board_sample(position, &sample);
+            must(tumble_averaging_add(&averaging, &gates, &sample));
+        }
+        must(tumble_averaging_finish(&averaging, &gates));
+    }
+    must(tumble_averaging_means(&averaging, 1e-6, &means)); /* 1e-6 V per count */
+    must(tumble_estimate_refined(run.schedule, &means, &set.coefficients, NULL));
+    must(tumble_uncertainty_refined(&run, &set.uncertainty, NULL));
+    must(tumble_calibration_invert(&set.coefficients, &calibration));
+    must(tumble_gravity_check(run.schedule, &means, &calibration, 3e-4, &check));
+
+    must(tumble_store_init(&store, &board_memory)); /* nothing waits: a control loop makes one step in each cycle */
+    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+    }
+    must(check.pass ? tumble_store_commit(&store, &set) : TUMBLE_E_STATE);
+    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+    }
+    must(tumble_store_read(&store, TUMBLE_SET_ACTIVE, &kept));
+    must(tumble_calibration_invert(&kept.coefficients, &calibration));
+    tumble_calibration_apply_counts(&calibration, 1e-6, sample.counts, a_g);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double *k = kept.coefficients.k_v_per_g[i], *u = kept.uncertainty.k_v_per_g[i];
+        printf("K  %+.6f %+.6f %+.6f V/g  +- %.6f %.6f %.6f\n", k[0], k[1], k[2], u[0], u[1], u[2]);
+        printf("U0 %+.6f V  +- %.6f;  a %+.4f g\n", kept.coefficients.u0_v[i], kept.uncertainty.u0_v[i], a_g[i]);
+    }
+}

@@ -1,0 +1,107 @@
+"""The C that docs/embedding.md and the README show: it is that of the files, it runs, and it finds the truth."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES, ROOT
+
+PAGE = (ROOT / "docs/embedding.md").read_text(encoding="utf-8")
+PROGRAM = (EXAMPLES / "embed.c").read_text(encoding="utf-8")
+OUTPUT = re.search(r"```text\n(K .*?)```", PAGE, re.DOTALL)[1]
+STRICT = "-std=c11 -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Werror".split()
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+
+def run(*command, cwd=None, **more):
+    done = subprocess.run([*map(str, command)], cwd=cwd, env=ENVIRONMENT, capture_output=True, text=True, **more)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_the_page_shows_the_file():
+    assert f"```c\n{PROGRAM}```" in PAGE
+    assert PROGRAM.count("\n") <= 60
+    assert set(re.findall(r'#include "(.*?)/', PROGRAM)) == {"tumble"}
+
+
+def result(text):
+    """K with U0 as a fourth column, their uncertainties, and the specific force of what the program says."""
+    rows = [re.findall(r"[-+]?\d+\.\d+", line) for line in text.splitlines()]
+    k, u0 = np.array(rows[0::2], float), np.array(rows[1::2], float)
+    return np.c_[k[:, :3], u0[:, 0]], np.c_[k[:, 3:], u0[:, 1]], u0[:, 2]
+
+
+def played():
+    """The coefficients of the block that embed_board.c plays."""
+    text = (EXAMPLES / "embed_board.c").read_text(encoding="utf-8")
+    arrays = (re.search(rf"{name} = (.*?);", text)[1] for name in (r"K\[3\]\[3\]", r"U0\[3\]"))
+    k, u0 = (re.findall(r"-?\d+\.\d+", array) for array in arrays)
+    return np.c_[np.array(k, float).reshape(3, 3), np.array(u0, float)]
+
+
+def is_true(found, u, truth):
+    """Twelve errors of honest standard uncertainties: none beyond three, their mean square near 1."""
+    errors = (found - truth) / u
+    return bool(np.abs(errors).max() < 3.0 and 0.3 < np.mean(errors**2) < 2.2)
+
+
+@pytest.mark.slow
+@needs_cc
+def test_the_program_finds_the_block_that_is_played(tmp_path):
+    """By the page's own command, and with our warnings."""
+    command = re.search(r"```console\n\$ (cc .*)\n", PAGE)[1]
+    for folder in ("examples", "firmware"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    assert run("sh", "-c", command, cwd=tmp_path) == OUTPUT
+    run("cc", *STRICT, "-Ifirmware/include", "-fsyntax-only", "examples/embed.c", "examples/embed_board.c",
+        cwd=tmp_path)
+
+
+def test_what_it_finds_is_the_truth_within_its_uncertainty():
+    found, u, a_g = result(OUTPUT)
+    assert is_true(found, u, played())
+    assert np.linalg.norm(a_g) == pytest.approx(1.0, abs=3e-4)  # one sample, with its noise
+
+
+@pytest.mark.parametrize("element", [(0, 0), (1, 2), (2, 3)])
+def test_another_block_is_not_taken_for_it(element):
+    """Canary."""
+    found, u, _ = result(OUTPUT)
+    wrong = played()
+    wrong[element] += 4e-5
+    assert not is_true(found, u, wrong)
+
+
+def test_its_costs_are_those_of_the_budget():
+    """Every row for the Cortex-M4, with the limits that builds are held to: where one is changed, change the page."""
+    with open(ROOT / "boards/budget.csv", newline="", encoding="utf-8") as file:
+        rows = [list(row.values()) for row in csv.DictReader(file) if row["target"] == "cortex-m4"]
+    limits = {row[1]: row[2:] for row in rows}
+    shown = re.findall(r"^\| `(\w+)` \| [^|]+ \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", PAGE, re.MULTILINE)
+    assert {row[0]: list(row[1:]) for row in shown} == limits
+
+
+@needs_cc
+def test_the_program_of_the_readme(tumble, tmp_path):
+    """It takes the means of a recorded run, and says of its first position what `solve` says."""
+    program = re.search(r"```c\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
+    assert program.count("\n") <= 20
+    (tmp_path / "main.c").write_text(program)
+    sources = sorted((ROOT / "firmware/core").glob("*.c"))
+    flags = ["-ffp-contract=off", f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware"]
+    run("cc", *STRICT, *flags, tmp_path / "main.c", *sources, "-lm", "-o", tmp_path / "main")
+    solved = json.loads(tumble("solve", EXAMPLES / "paper_stand.csv", "--json").stdout)
+    text = "\n".join(" ".join(map(repr, mean["mean"])) for mean in solved["means"])
+    rows = np.array(re.findall(r"[-+]\d+\.\d+", run(tmp_path / "main", input=text)), float).reshape(3, 4)
+    force = np.linalg.solve(solved["K"], np.subtract(solved["means"][0]["mean"], solved["U0"]))
+    assert rows == pytest.approx(np.c_[solved["K"], force], abs=6e-7)
+    truth = json.loads((EXAMPLES / "paper_stand.truth.json").read_text())
+    assert rows[:, :3] == pytest.approx(np.array(truth["K"]), abs=1e-3)
+    assert subprocess.run([tmp_path / "main"], input="1 2", capture_output=True, text=True).returncode == 1
