@@ -75,7 +75,7 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
     if ((set == NULL) || ((unsigned)which > (unsigned)TUMBLE_SET_PREVIOUS)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (tumble_store_busy(store)) {
+    if (tumble_store_busy(store) || store->lent) {
         return TUMBLE_E_PORT_BUSY;
     }
     const uint8_t region = find(store, which);
@@ -109,7 +109,7 @@ static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
     if (store->slots.writer.nv == NULL) {
         return TUMBLE_E_STATE;
     }
-    if (tumble_store_busy(store)) {
+    if (tumble_store_busy(store) || store->lent) {
         return TUMBLE_E_PORT_BUSY;
     }
     store->flags = 0;
