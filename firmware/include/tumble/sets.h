@@ -404,11 +404,8 @@ typedef struct {
     double first_value;
     double unit; /* u of the first value, which weighs 1 */
     double weight;
-    double mean_month;
-    double mean_value;
-    double month_month; /* weighted sums of products of deviations from the means */
-    double month_value;
-    double value_value;
+    double mean[2];     /* of months and values */
+    double products[3]; /* weighted sums of products of deviations from the means: month month, month value, value value */
     uint32_t count;
 } tumble_trend_sums_t;
 
