@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/bytes.h"
+#include "core/one_copy.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -193,7 +194,7 @@ tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, con
 }
 
 /* A number of any type that can have limits. */
-static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
+TUMBLE_ONE_COPY static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
 {
     uint32_t bits = 0;
     uint32_t sign = 0;

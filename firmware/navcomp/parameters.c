@@ -1,6 +1,7 @@
 #include "navcomp/parameters.h"
 
 #include "core/bytes.h"
+#include "core/one_copy.h"
 #include "navcomp/keeper_objects.h"
 #include "sets/nv_writer.h"
 #include "sets/record.h"
@@ -235,7 +236,7 @@ static void end_writing(tumble_parameters_t *parameters)
     end(parameters, TUMBLE_ABORT_NONE);
 }
 
-void tumble_parameters_step(tumble_parameters_t *parameters)
+TUMBLE_ONE_COPY void tumble_parameters_step(tumble_parameters_t *parameters)
 {
     if (parameters->phase == (uint8_t)IDLE) {
         return;

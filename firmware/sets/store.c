@@ -1,6 +1,7 @@
 #include "sets/store_job.h"
 
 #include "core/count.h"
+#include "core/one_copy.h"
 #include "sets/nv_writer.h"
 
 #include <stddef.h>
@@ -199,7 +200,7 @@ tumble_status_t tumble_store_discard(tumble_store_t *store)
     return TUMBLE_OK;
 }
 
-tumble_status_t tumble_store_rollback(tumble_store_t *store)
+TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
 {
     static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,
                                    SLOT_MARK | IN_PROPOSAL, PLAN_STAMP, SLOT_ERASE | IN_TARGET,
