@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/bytes.h"
+#include "core/one_copy.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -129,21 +130,6 @@ static uint8_t string_length(const uint8_t *at, uint8_t size)
     return length;
 }
 
-static bool machine_is_little_endian(void)
-{
-    const uint16_t one = 1;
-
-    return *(const uint8_t *)&one == 1U;
-}
-
-/* Between the machine's own form of a number and little-endian bytes, either way. */
-static void copy_number(uint8_t *to, const uint8_t *from, uint8_t size)
-{
-    for (uint8_t i = 0; i < size; ++i) {
-        to[i] = machine_is_little_endian() ? from[i] : from[size - 1U - i];
-    }
-}
-
 void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, uint8_t *bytes, uint8_t *size)
 {
     const uint8_t *at = (const uint8_t *)variable;
@@ -153,7 +139,7 @@ void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, u
         (void)memcpy(bytes, at, *size);
     } else {
         *size = entry->size;
-        copy_number(bytes, at, entry->size);
+        tumble_copy_numbers(bytes, at, entry->size, 1);
     }
 }
 
@@ -165,7 +151,7 @@ void tumble_dictionary_unpack(const tumble_entry_t *entry, void *variable, const
         (void)memset(at, 0, entry->size);
         (void)memcpy(at, bytes, size);
     } else {
-        copy_number(at, bytes, size);
+        tumble_copy_numbers(at, bytes, size, 1);
     }
 }
 
@@ -208,7 +194,7 @@ tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, con
 }
 
 /* A number of any type that can have limits. */
-static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
+TUMBLE_ONE_COPY static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
 {
     uint32_t bits = 0;
     uint32_t sign = 0;

@@ -322,7 +322,7 @@ void tumble_node_step(tumble_node_t *node, uint64_t now_us)
     }
 }
 
-uint64_t tumble_node_next_us(const tumble_node_t *node)
+TUMBLE_ONE_COPY uint64_t tumble_node_next_us(const tumble_node_t *node)
 {
     uint64_t next_us = tumble_nmt_next_us(&node->nmt);
 

@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 #include "core/vector.h"
 
 #include <stddef.h>
@@ -201,7 +202,7 @@ static bool is_large(double chi_squared, int freedom)
 }
 
 /* False: that was the last test. */
-static bool end_test(tumble_misfit_work_t *work, const tumble_misfit_run_t *run)
+TUMBLE_ONE_COPY static bool end_test(tumble_misfit_work_t *work, const tumble_misfit_run_t *run)
 {
     const int freedom = (int)work->counted - solve(work);
     if (work->test == 0U) {

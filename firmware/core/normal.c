@@ -1,6 +1,7 @@
 #include "core/normal.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -37,7 +38,7 @@ static double residual_of(double u, const double *a, const double *x, int count)
 }
 
 /* Symmetric exchange of unknowns a and b, in the part already factored as in the rest. */
-static void exchange(tumble_normal_t *normal, int a, int b)
+TUMBLE_ONE_COPY static void exchange(tumble_normal_t *normal, int a, int b)
 {
     for (int j = 0; j < N; j++) {
         const double keep = normal->m[a][j];

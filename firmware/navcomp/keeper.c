@@ -348,7 +348,7 @@ static tumble_status_t init(void *context, tumble_navcomp_t *navcomp)
     if (status == TUMBLE_E_ARGUMENT) {
         return status;
     }
-    tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node);
+    tumble_parameters_init(&keeper->parameters, port->nv, &navcomp->node, &keeper->sets.store);
     tumble_keeper_look(keeper);
     boot(keeper);
     tumble_sets_booted(&keeper->sets, status);

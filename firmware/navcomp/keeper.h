@@ -64,7 +64,7 @@ typedef struct {
     uint64_t due_us;          /* next step */
 } tumble_keeper_t;
 
-static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2496U : 2752U), "the keeper must stay small");
+static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2176U : 2368U), "the keeper must stay small");
 
 /* What tumble_navcomp_config_t.keeping points to; `keeper` is a tumble_keeper_t. Its init returns as tumble_sets_init. It
  * reads the whole of what is kept, unless the memory is busy: then the rest is read step by step, and until then there is

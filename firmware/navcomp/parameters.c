@@ -1,6 +1,7 @@
 #include "navcomp/parameters.h"
 
 #include "core/bytes.h"
+#include "core/one_copy.h"
 #include "navcomp/keeper_objects.h"
 #include "sets/nv_writer.h"
 #include "sets/record.h"
@@ -54,10 +55,11 @@ static bool has_room(const tumble_nv_t *nv)
            ((nv->size_bytes / nv->sector_bytes) >= (TUMBLE_REGION_PARAMETERS + 2U));
 }
 
-void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node)
+void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node,
+                            tumble_store_t *store)
 {
     static const tumble_slot_kind_t kind = {AT_MARK, TUMBLE_PARAMETERS_BYTES};
-    *parameters = (tumble_parameters_t){.nv = has_room(nv) ? nv : NULL, .node = node};
+    *parameters = (tumble_parameters_t){.nv = has_room(nv) ? nv : NULL, .node = node, .store = store};
     parameters->slots.kind = &kind;
     tumble_nv_writer_init(&parameters->slots.writer, nv);
     tumble_parameters_restore(parameters);
@@ -100,7 +102,7 @@ static uint32_t sequence_of(const uint8_t *bytes)
 /* The values of one object, up to `end`. Returns where the next one begins. */
 static uint32_t apply_object(tumble_parameters_t *parameters, uint32_t at, uint32_t end)
 {
-    const uint8_t *bytes = parameters->bytes;
+    const uint8_t *bytes = parameters->store->bytes;
     const uint16_t index = tumble_get_u16(&bytes[at]);
     const uint8_t count = bytes[at + 2U];
     at += 3U;
@@ -119,7 +121,7 @@ static uint32_t apply_object(tumble_parameters_t *parameters, uint32_t at, uint3
 
 static void apply(tumble_parameters_t *parameters)
 {
-    const uint32_t end = AT_VALUES + (uint32_t)tumble_get_u16(&parameters->bytes[AT_USED]);
+    const uint32_t end = AT_VALUES + (uint32_t)tumble_get_u16(&parameters->store->bytes[AT_USED]);
     uint32_t at = AT_VALUES;
     while ((at + 3U) < end) {
         at = apply_object(parameters, at, end);
@@ -132,7 +134,7 @@ static void end(tumble_parameters_t *parameters, tumble_abort_t answer)
     rest(parameters);
 }
 
-/* Both have been read, and the better one is in `bytes` if there is one. */
+/* Both have been read, and the better one is in the store's bytes if there is one. */
 static void end_reading(tumble_parameters_t *parameters, bool good)
 {
     if (parameters->failed) {
@@ -154,12 +156,12 @@ static void read_record(tumble_parameters_t *parameters)
                                                                    : (uint8_t)(parameters->phase - (uint8_t)READ_FIRST);
     uint32_t errors = 0; /* shown to nobody */
     const tumble_status_t status =
-        tumble_slots_read(&parameters->slots, offset_of(parameters, slot), parameters->bytes, &errors);
+        tumble_slots_read(&parameters->slots, offset_of(parameters, slot), parameters->store->bytes, &errors);
     if (status == TUMBLE_E_PORT_BUSY) {
         return;
     }
     parameters->unread = parameters->unread || (status != TUMBLE_OK);
-    const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->bytes) : 0U;
+    const uint32_t sequence = (status == TUMBLE_OK) ? sequence_of(parameters->store->bytes) : 0U;
     if (parameters->phase == (uint8_t)READ_BEST) {
         end_reading(parameters, sequence != 0U);
         return;
@@ -176,15 +178,16 @@ static void read_record(tumble_parameters_t *parameters)
 /* One object's present values. Returns where the next one goes. */
 static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_saved_t *saved, uint32_t at)
 {
-    tumble_put_u16(&parameters->bytes[at], saved->index);
-    parameters->bytes[at + 2U] = saved->count;
+    uint8_t *bytes = parameters->store->bytes;
+    tumble_put_u16(&bytes[at], saved->index);
+    bytes[at + 2U] = saved->count;
     at += 3U;
     for (uint8_t i = 0; i < saved->count; i++) {
         uint8_t value[TUMBLE_MAX_OBJECT_BYTES];
         uint8_t size = 0;
         (void)tumble_node_read(parameters->node, saved->index, (uint8_t)(FIRST_SUBINDEX + i), value, &size);
-        parameters->bytes[at] = size;
-        (void)memcpy(&parameters->bytes[at + 1U], value, size);
+        bytes[at] = size;
+        (void)memcpy(&bytes[at + 1U], value, size);
         at += 1U + (uint32_t)size;
     }
     return at;
@@ -193,6 +196,7 @@ static uint32_t gather_object(tumble_parameters_t *parameters, const tumble_save
 static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
 {
     static const uint8_t plan[] = {SLOT_ERASE, SLOT_BODY, SLOT_MARK, SLOT_END};
+    uint8_t *bytes = parameters->store->bytes;
     uint32_t at = AT_VALUES;
     if (!tumble_parameters_room(parameters) || parameters->unread) {
         return TUMBLE_ABORT_HARDWARE;
@@ -200,14 +204,15 @@ static tumble_abort_t begin(tumble_parameters_t *parameters, uint8_t objects)
     if (tumble_parameters_busy(parameters)) {
         return TUMBLE_ABORT_DEVICE_STATE;
     }
-    tumble_record_fill(&record, NULL, parameters->bytes);
+    parameters->store->lent = true;
+    tumble_record_fill(&record, NULL, bytes);
     for (uint8_t i = 0; i < objects; i++) {
         at = gather_object(parameters, &tumble_keeper_saved[i], at);
     }
-    tumble_put_u16(&parameters->bytes[AT_USED], (uint16_t)(at - AT_VALUES));
-    tumble_put_u32(&parameters->bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
-    tumble_record_seal(parameters->bytes, AT_CRC, 0);
-    (void)memcpy(&parameters->bytes[AT_MARK], mark, sizeof mark);
+    tumble_put_u16(&bytes[AT_USED], (uint16_t)(at - AT_VALUES));
+    tumble_put_u32(&bytes[AT_SEQUENCE], parameters->view.sequence + 1U);
+    tumble_record_seal(bytes, AT_CRC, 0);
+    (void)memcpy(&bytes[AT_MARK], mark, sizeof mark);
     tumble_slots_begin(&parameters->slots, plan);
     parameters->phase = (uint8_t)WRITE;
     return TUMBLE_ABORT_LATER;
@@ -231,7 +236,7 @@ static void end_writing(tumble_parameters_t *parameters)
     end(parameters, TUMBLE_ABORT_NONE);
 }
 
-void tumble_parameters_step(tumble_parameters_t *parameters)
+TUMBLE_ONE_COPY void tumble_parameters_step(tumble_parameters_t *parameters)
 {
     if (parameters->phase == (uint8_t)IDLE) {
         return;
@@ -241,7 +246,8 @@ void tumble_parameters_step(tumble_parameters_t *parameters)
         return;
     }
     const tumble_status_t status =
-        tumble_slots_step(&parameters->slots, offset_of(parameters, parameters->slot ^ 1U), parameters->bytes);
+        tumble_slots_step(&parameters->slots, offset_of(parameters, parameters->slot ^ 1U), parameters->store->bytes);
+    parameters->store->lent = (status == TUMBLE_E_PORT_BUSY);
     if (status == TUMBLE_OK) {
         end_writing(parameters);
     } else if (status != TUMBLE_E_PORT_BUSY) {

@@ -10,7 +10,9 @@
  * The one of the higher sequence is in force; without any the board's own values are, and so they are with one that
  * holds none: that is how they are forgotten. Read values are written through the dictionary, under its limits; what it
  * refuses is counted. Nothing waits: a job is begun, and a step makes at most one call of the memory. One job at a time
- * on one memory: the keeper sees to it. Not re-entrant on one object.
+ * on one memory: the keeper sees to it. So the record lies in the bytes of the store, whose jobs have ended before one of
+ * the parameters goes on. What is read is used in the same step; what is to be written must stay, and for so long the
+ * store has lent its bytes and reads no set. Not re-entrant on one object.
  */
 #ifndef TUMBLE_NAVCOMP_PARAMETERS_H
 #define TUMBLE_NAVCOMP_PARAMETERS_H
@@ -20,11 +22,13 @@
 #include "tumble/port.h"
 #include "tumble/sets.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #define TUMBLE_REGION_PARAMETERS ((uint32_t)TUMBLE_REGION_COUNT) /* and the sector behind it */
 #define TUMBLE_PARAMETERS_BYTES 320U
+static_assert(TUMBLE_PARAMETERS_BYTES <= TUMBLE_SET_PLACE_BYTES, "the record must fit the bytes of the store");
 
 typedef struct {
     uint32_t sequence; /* of the record in force: how often something was saved or forgotten; 0: never */
@@ -49,14 +53,15 @@ typedef struct {
     bool again;   /* to be restored when that is done which is under way */
     const tumble_nv_t *nv; /* null: there is no room for parameters */
     tumble_node_t *node;
+    tumble_store_t *store; /* its `bytes` hold the record */
     tumble_parameters_view_t view;
     tumble_slots_t slots;
-    uint8_t bytes[TUMBLE_PARAMETERS_BYTES];
 } tumble_parameters_t;
 
 /* Get ready and begin to read what was saved. A memory without the two sectors (or null) is none: then nothing can be
- * saved. `node` with its dictionary must be ready. */
-void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node);
+ * saved. `node` with its dictionary must be ready, and `store` be initialised with the same memory. */
+void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node,
+                            tumble_store_t *store);
 
 /* Is there room for them? */
 bool tumble_parameters_room(const tumble_parameters_t *parameters);

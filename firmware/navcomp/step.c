@@ -4,6 +4,7 @@
 #include "navcomp/navcomp_internal.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -85,7 +86,7 @@ static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
     return status;
 }
 
-static tumble_status_t init_node(tumble_navcomp_t *navcomp)
+TUMBLE_ONE_COPY static tumble_status_t init_node(tumble_navcomp_t *navcomp)
 {
     const tumble_keeping_t *keeping = navcomp->config->keeping;
     navcomp->node_config = (tumble_node_config_t){

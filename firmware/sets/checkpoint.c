@@ -1,6 +1,7 @@
 #include "core/arith.h"
 #include "core/bytes.h"
 #include "core/crc32.h"
+#include "core/one_copy.h"
 #include "sets/log.h"
 #include "sets/record.h"
 
@@ -160,7 +161,7 @@ static void go_on(tumble_checkpoint_t *checkpoint)
     tumble_log_end(log);
 }
 
-tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint)
+TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint)
 {
     const tumble_log_event_t event = tumble_log_step(&checkpoint->log, checkpoint->bytes);
     if (event == TUMBLE_LOG_CELL) {
@@ -231,7 +232,7 @@ bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index)
     return !tumble_checkpoint_busy(checkpoint) && (index < TUMBLE_MAX_POSITIONS) && (checkpoint->place[index] != 0U);
 }
 
-tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average)
+TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average)
 {
     if (tumble_checkpoint_busy(checkpoint)) {
         return TUMBLE_E_PORT_BUSY;

@@ -2,6 +2,7 @@
 #include "sets/parts.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #include <stddef.h>
 
@@ -92,7 +93,7 @@ void tumble_sets_pause(tumble_sets_t *sets)
 }
 
 /* What somebody should look at first keeps it from starting: the table, a proposal, a run that could be gone on with. */
-bool tumble_sets_start(tumble_sets_t *sets)
+TUMBLE_ONE_COPY bool tumble_sets_start(tumble_sets_t *sets)
 {
     const tumble_sets_run_t *at_hand = sets->run;
     const bool wanted = ((sets->settings.flags & TUMBLE_SETS_STARTS) != 0U) && (tumble_sets_due(sets) != 0U);

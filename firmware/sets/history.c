@@ -1,4 +1,5 @@
 #include "sets/history_entry.h"
+#include "core/one_copy.h"
 #include "sets/log.h"
 
 #include <stddef.h>
@@ -75,7 +76,7 @@ static void go_on(tumble_history_t *history)
     tumble_log_end(&history->log);
 }
 
-tumble_status_t tumble_history_step(tumble_history_t *history)
+TUMBLE_ONE_COPY tumble_status_t tumble_history_step(tumble_history_t *history)
 {
     const tumble_log_event_t event = tumble_log_step(&history->log, history->bytes);
     if (event == TUMBLE_LOG_CELL) {

@@ -76,10 +76,10 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     tumble_sets_pause(sets);
     *set = (tumble_set_t){
         .estimator = sets->run->estimator,
-        .coefficients = *run->coefficients,
         .samples = count_samples(sets),
         .stand_crc = run->stand_crc,
     };
+    set->coefficients = *run->coefficients;
     add_circumstances(sets, set);
     add_check(sets, run->check, set);
     add_closure(run->closure_v, set);

@@ -1,6 +1,8 @@
 /* The means of the run under way, and their checkpoint. */
 #include "sets/parts.h"
 
+#include "core/one_copy.h"
+
 #include <stddef.h>
 
 /* The run under way. */
@@ -59,7 +61,7 @@ void tumble_sets_run_forgotten(tumble_sets_t *sets)
 
 /* There is none, for it could not be written. All that is measured so far counts as saved, so that the next mean is what
  * it is tried again for, and not the next step. */
-static void put_off(tumble_sets_t *sets)
+TUMBLE_ONE_COPY static void put_off(tumble_sets_t *sets)
 {
     sets->has_checkpoint = false;
     sets->trying = TRYING_NOTHING;
@@ -88,7 +90,7 @@ static void begin(tumble_sets_t *sets)
 static uint64_t tried_mean(const tumble_sets_t *sets)
 {
     const bool mean = (sets->trying != (uint8_t)TRYING_NOTHING) && (sets->trying <= (uint8_t)TUMBLE_MAX_POSITIONS);
-    return mean ? (UINT64_C(1) << (sets->trying - 1U)) : 0U;
+    return mean ? tumble_sets_bit((uint8_t)(sets->trying - 1U)) : 0U;
 }
 
 /* What the memory would not take before it may take now. */
@@ -157,7 +159,7 @@ static void append(tumble_sets_t *sets)
 {
     const uint64_t missing = sets->run->measured & ~sets->saved;
     uint8_t p = 0;
-    while ((p < tumble_sets_positions(sets)) && (((missing >> p) & 1U) == 0U)) {
+    while ((p < tumble_sets_positions(sets)) && ((missing & tumble_sets_bit(p)) == 0U)) {
         p++;
     }
     if (p == tumble_sets_positions(sets)) {
@@ -173,7 +175,7 @@ static void append(tumble_sets_t *sets)
         sets->wants |= WANT_BEGIN; /* of what was measured again only the last remains */
         return;
     }
-    sets->saved |= UINT64_C(1) << p;
+    sets->saved |= tumble_sets_bit(p);
     if (status == TUMBLE_OK) {
         begin_trying(sets, (uint8_t)(p + 1U));
     } else {

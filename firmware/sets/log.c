@@ -1,6 +1,7 @@
 #include "sets/log.h"
 
 #include "core/count.h"
+#include "core/one_copy.h"
 #include "sets/nv_writer.h"
 
 #include <stddef.h>
@@ -49,7 +50,7 @@ void tumble_log_note(tumble_log_t *log, bool valid)
     }
 }
 
-void tumble_log_next(tumble_log_t *log, bool more)
+TUMBLE_ONE_COPY void tumble_log_next(tumble_log_t *log, bool more)
 {
     log->at_cell++;
     if (!more || (log->at_cell == (SECTORS * log->kind->cells))) {

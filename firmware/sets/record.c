@@ -5,24 +5,6 @@
 
 #include <string.h>
 
-/* Where the machine keeps byte `i`, counted from the lowest, of a number of `width` bytes. */
-static uint32_t place_of(uint32_t i, uint32_t width)
-{
-#if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)
-    return width - 1U - i;
-#else
-    (void)width;
-    return i;
-#endif
-}
-
-/* Where byte `i` of a field is in its struct. */
-static uint32_t place_in(const tumble_field_t *field, uint32_t i)
-{
-    const uint32_t width = field->width;
-    return field->offset + i - (i % width) + place_of(i % width, width);
-}
-
 void tumble_record_fill(const tumble_record_t *record, const void *object, uint8_t *bytes)
 {
     const uint8_t *from = object;
@@ -31,12 +13,10 @@ void tumble_record_fill(const tumble_record_t *record, const void *object, uint8
     (void)memcpy(bytes, record->head, record->head_bytes);
     for (uint32_t f = 0; f < record->field_count; f++) {
         const tumble_field_t *field = &record->fields[f];
-        for (uint32_t i = 0; i < ((uint32_t)field->width * field->count); i++) {
-            if (field->offset != TUMBLE_FIELD_NONE) {
-                bytes[at] = from[place_in(field, i)];
-            }
-            at++;
+        if (field->offset != TUMBLE_FIELD_NONE) {
+            tumble_copy_numbers(&bytes[at], &from[field->offset], field->width, field->count);
         }
+        at += (uint32_t)field->width * field->count;
     }
 }
 
@@ -46,12 +26,10 @@ void tumble_record_read(const tumble_record_t *record, const uint8_t *bytes, voi
     uint32_t at = record->head_bytes;
     for (uint32_t f = 0; f < record->field_count; f++) {
         const tumble_field_t *field = &record->fields[f];
-        for (uint32_t i = 0; i < ((uint32_t)field->width * field->count); i++) {
-            if (field->offset != TUMBLE_FIELD_NONE) {
-                to[place_in(field, i)] = bytes[at];
-            }
-            at++;
+        if (field->offset != TUMBLE_FIELD_NONE) {
+            tumble_copy_numbers(&to[field->offset], &bytes[at], field->width, field->count);
         }
+        at += (uint32_t)field->width * field->count;
     }
 }
 

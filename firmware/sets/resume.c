@@ -15,7 +15,7 @@ uint8_t tumble_sets_positions(const tumble_sets_t *sets)
 
 static bool is_fit(const tumble_sets_t *sets, uint8_t index)
 {
-    return tumble_checkpoint_has(&sets->checkpoint, index) && ((sets->unfit & (UINT64_C(1) << index)) == 0U);
+    return tumble_checkpoint_has(&sets->checkpoint, index) && ((sets->unfit & tumble_sets_bit(index)) == 0U);
 }
 
 /* One that is about to be cleared holds none. */
@@ -84,7 +84,7 @@ static void end_restoring(tumble_sets_t *sets, tumble_sets_event_t *event)
 void tumble_sets_restored(tumble_sets_t *sets, uint8_t index, bool done)
 {
     uint64_t *const means = done ? &sets->saved : &sets->unfit;
-    *means |= UINT64_C(1) << index;
+    *means |= tumble_sets_bit(index);
 }
 
 void tumble_sets_restore(tumble_sets_t *sets, tumble_sets_event_t *event)

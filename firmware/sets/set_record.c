@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/bytes.h"
+#include "core/one_copy.h"
 #include "sets/record.h"
 
 #include <stdbool.h>
@@ -139,7 +140,7 @@ tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
     return (status == TUMBLE_OK) ? check_fields(bytes) : status;
 }
 
-void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
+TUMBLE_ONE_COPY void tumble_set_stamp(uint8_t bytes[TUMBLE_SET_BYTES], const tumble_set_stamp_t *stamp)
 {
     tumble_put_u32(&bytes[AT_SEQUENCE], stamp->sequence);
     bytes[AT_ORIGIN] = stamp->origin;

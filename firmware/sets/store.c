@@ -1,6 +1,7 @@
 #include "sets/store_job.h"
 
 #include "core/count.h"
+#include "core/one_copy.h"
 #include "sets/nv_writer.h"
 
 #include <stddef.h>
@@ -75,7 +76,7 @@ tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t whic
     if ((set == NULL) || ((unsigned)which > (unsigned)TUMBLE_SET_PREVIOUS)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if (tumble_store_busy(store)) {
+    if (tumble_store_busy(store) || store->lent) {
         return TUMBLE_E_PORT_BUSY;
     }
     const uint8_t region = find(store, which);
@@ -109,7 +110,7 @@ static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
     if (store->slots.writer.nv == NULL) {
         return TUMBLE_E_STATE;
     }
-    if (tumble_store_busy(store)) {
+    if (tumble_store_busy(store) || store->lent) {
         return TUMBLE_E_PORT_BUSY;
     }
     store->flags = 0;
@@ -199,7 +200,7 @@ tumble_status_t tumble_store_discard(tumble_store_t *store)
     return TUMBLE_OK;
 }
 
-tumble_status_t tumble_store_rollback(tumble_store_t *store)
+TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
 {
     static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,
                                    SLOT_MARK | IN_PROPOSAL, PLAN_STAMP, SLOT_ERASE | IN_TARGET,

@@ -4,6 +4,7 @@
 
 #include "core/bytes.h"
 #include "core/count.h"
+#include "core/one_copy.h"
 #include "sets/nv_writer.h"
 #include "sets/record.h"
 
@@ -118,7 +119,7 @@ static void note_place(tumble_store_t *store, bool valid, bool blank)
 
 /* What a job that lost its power has left: a proposal that is active already, and after a rollback the set that it was to
  * get rid of. */
-static void clear_leftovers(tumble_store_t *store)
+TUMBLE_ONE_COPY static void clear_leftovers(tumble_store_t *store)
 {
     static const uint8_t clear_proposal[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_END};
     static const uint8_t clear_other[] = {SLOT_ERASE | IN_OTHER, SLOT_END};
@@ -244,7 +245,7 @@ bool tumble_store_busy(const tumble_store_t *store)
     return (store->slots.writer.nv != NULL) && ((store->scanned < SCAN_DONE) || (store->slots.plan != NULL));
 }
 
-tumble_status_t tumble_store_step(tumble_store_t *store)
+TUMBLE_ONE_COPY tumble_status_t tumble_store_step(tumble_store_t *store)
 {
     if (!tumble_store_busy(store)) {
         return store->outcome;

@@ -7,6 +7,9 @@
 #define LEAST_U 1e-100
 #define GREATEST 1e100
 
+/* Of a mean; and the sum of two is the place of their product. */
+enum { MONTH, VALUE };
+
 static bool is_above_zero(double u)
 {
     return !tumble_is_positive(-u) && !tumble_within(u, 0.0);
@@ -21,11 +24,6 @@ static double months_since(uint64_t first_utc_s, uint64_t date_utc_s)
 {
     return (date_utc_s >= first_utc_s) ? ((double)(date_utc_s - first_utc_s) / TUMBLE_MONTH_S)
                                        : -((double)(first_utc_s - date_utc_s) / TUMBLE_MONTH_S);
-}
-
-TUMBLE_ONE_COPY static void add_product(double *sum, double weight, double a, double b)
-{
-    *sum += weight * a * b;
 }
 
 tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u)
@@ -43,16 +41,17 @@ tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s,
     }
     const double root_weight = sums->unit / u;
     const double weight = root_weight * root_weight;
-    const double month = months_since(sums->first_utc_s, date_utc_s) - sums->mean_month;
-    const double change = (value - sums->first_value) - sums->mean_value;
+    const double off[2] = {months_since(sums->first_utc_s, date_utc_s) - sums->mean[MONTH],
+                           (value - sums->first_value) - sums->mean[VALUE]};
     sums->weight += weight;
     const double share = weight / sums->weight;
-    sums->mean_month += share * month;
-    sums->mean_value += share * change;
     const double both = weight * (1.0 - share); /* of a deviation from the mean before, times one from the mean after */
-    add_product(&sums->month_month, both, month, month);
-    add_product(&sums->month_value, both, month, change);
-    add_product(&sums->value_value, both, change, change);
+    for (int i = MONTH; i <= VALUE; i++) {
+        sums->mean[i] += share * off[i];
+        for (int j = i; j <= VALUE; j++) {
+            sums->products[i + j] += both * off[i] * off[j];
+        }
+    }
     sums->count++;
     return TUMBLE_OK;
 }
@@ -62,12 +61,13 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
     if ((sums == NULL) || (trend == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    if ((sums->count < 2U) || !tumble_exceeds(sums->month_month, 0.0)) {
+    if ((sums->count < 2U) || !tumble_exceeds(sums->products[MONTH + MONTH], 0.0)) {
         return TUMBLE_E_TOO_FEW;
     }
-    const double slope = sums->month_value / sums->month_month;
-    const double u_slope = sums->unit / tumble_sqrt(sums->month_month);
-    const double left = (sums->value_value - (slope * sums->month_value)) / (sums->unit * sums->unit);
+    const double slope = sums->products[MONTH + VALUE] / sums->products[MONTH + MONTH];
+    const double u_slope = sums->unit / tumble_sqrt(sums->products[MONTH + MONTH]);
+    const double left =
+        (sums->products[VALUE + VALUE] - (slope * sums->products[MONTH + VALUE])) / (sums->unit * sums->unit);
     if (!tumble_is_finite(slope) || !tumble_is_finite(u_slope) || !tumble_is_finite(left)) {
         return TUMBLE_E_NOT_FINITE;
     }

@@ -243,13 +243,15 @@ typedef struct {
     bool booted;
     uint16_t flags;        /* further ones for the record that is loaded */
     tumble_status_t outcome;
+    bool lent;             /* `bytes` are: nothing else may be put there */
     uint32_t sequence;     /* of the active set */
     uint32_t highest;      /* that one was known to have: of the active set, or told */
     tumble_set_stamp_t stamp;       /* of the record in `bytes` */
     tumble_store_counters_t counters;
     tumble_store_place_t places[4]; /* by region */
     tumble_slots_t slots;           /* without a memory: init has refused */
-    uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark */
+    uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job of
+                                            * the store can meet: there is one job at a time on one memory */
 } tumble_store_t;
 
 static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
@@ -286,8 +288,8 @@ uint32_t tumble_store_sequence(const tumble_store_t *store);
 void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
 
 /* A set by value: one read and one check of its CRC; `*set` is written on TUMBLE_OK alone. Returns TUMBLE_OK;
- * TUMBLE_E_PORT_BUSY (a job is under way, or the memory is, or it failed for the first or second time in a row: step,
- * and ask again); TUMBLE_E_STATE (there is no such set); TUMBLE_E_ARGUMENT (null, or no such kind); and where the
+ * TUMBLE_E_PORT_BUSY (a job is under way, or the memory is, or writes for the owner, or it failed for the first or second
+ * time in a row: step, and ask again); TUMBLE_E_STATE (there is no such set); TUMBLE_E_ARGUMENT (null, or no such kind); and where the
  * memory cannot be read or has decayed since the last scan, TUMBLE_E_NV or as tumble_set_decode: then a scan is begun,
  * after which the next valid set is active. */
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set);
@@ -402,11 +404,8 @@ typedef struct {
     double first_value;
     double unit; /* u of the first value, which weighs 1 */
     double weight;
-    double mean_month;
-    double mean_value;
-    double month_month; /* weighted sums of products of deviations from the means */
-    double month_value;
-    double value_value;
+    double mean[2];     /* of months and values */
+    double products[3]; /* weighted sums of products of deviations from the means: month month, month value, value value */
     uint32_t count;
 } tumble_trend_sums_t;
 

@@ -1,6 +1,7 @@
 #include "stand/drive402/internal.h"
 
 #include "core/arith.h"
+#include "core/one_copy.h"
 
 #define TURN_DEG 360.0
 #define MAX_WRAPPING_COUNTS 4503599627370496.0 /* 2^52: exact as a double, and far from the end of an int64 */
@@ -28,7 +29,7 @@ double tumble_drive_angle_deg(const tumble_drive_profile_t *profile, int64_t cou
 
 /* What is left of `counts`, with its sign, after whole circles: the longest way of doubled circles first. It saves the
  * library's division of 64 bits. */
-static int64_t rest_of(int64_t counts, int64_t wrap)
+TUMBLE_ONE_COPY static int64_t rest_of(int64_t counts, int64_t wrap)
 {
     int64_t rest = (counts < 0) ? -counts : counts;
     while (rest >= wrap) {

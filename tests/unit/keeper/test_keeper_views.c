@@ -38,6 +38,29 @@ static void test_parameters_outlast_power_when_they_are_saved(void)
     TEST_ASSERT_FALSE(are_changed());
 }
 
+/* The record is made in the bytes that sets are read to. So as long as it is written none is read, and after that it is both
+ * whole and saved. */
+static void test_a_set_that_is_read_meanwhile_spoils_nothing(void)
+{
+    tumble_set_t set;
+    (void)run_and_judge();
+    change_parameters();
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_LATER, tumble_parameters_save(&keeper.parameters));
+    int refused = 0;
+    while (tumble_parameters_busy(&keeper.parameters)) {
+        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
+        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_store_discard(&keeper.sets.store));
+        refused++;
+        tumble_navcomp_step(&bench.navcomp);
+        bench.fake.now_us += 1000;
+    }
+    TEST_ASSERT_GREATER_THAN(5, refused);
+    ASSERT_STATUS(TUMBLE_OK, tumble_store_read(&keeper.sets.store, TUMBLE_SET_ACTIVE, &set));
+    keeper_power_cycle();
+    TEST_ASSERT_TRUE(are_changed());
+}
+
 static void test_a_reset_of_the_node_is_as_good_as_power_off(void)
 {
     change_parameters();

@@ -47,6 +47,7 @@ static const tumble_object_table_t table = {
 static fake_port_t fake;
 static variables_t variables;
 static tumble_node_t node;
+static tumble_store_t store; /* in whose bytes the record lies */
 static tumble_parameters_t parameters;
 static bool is_fresh; /* just powered on: what is in force is what was found */
 
@@ -99,7 +100,8 @@ static bool boot(nv_memory_t *memory)
     if (tumble_node_init(&node, &config, &binding) != TUMBLE_OK) {
         return false;
     }
-    tumble_parameters_init(&parameters, &memory->nv, &node);
+    (void)tumble_store_init(&store, &memory->nv);
+    tumble_parameters_init(&parameters, &memory->nv, &node, &store);
     is_fresh = true;
     return finish();
 }
@@ -283,7 +285,7 @@ static void test_without_room_nothing_is_saved(void)
     TEST_ASSERT_FALSE(tumble_parameters_room(&parameters));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, tumble_parameters_save(&parameters));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_HARDWARE, tumble_parameters_forget(&parameters));
-    tumble_parameters_init(&parameters, NULL, &node);
+    tumble_parameters_init(&parameters, NULL, &node, &store);
     TEST_ASSERT_FALSE(tumble_parameters_room(&parameters) || tumble_parameters_busy(&parameters));
     tumble_parameters_step(&parameters);
 }
