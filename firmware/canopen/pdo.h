@@ -88,8 +88,8 @@ typedef enum {
 /* All PDOs invalid and without mapping, of type TUMBLE_PDO_EVENT_PROFILE. */
 void tumble_pdo_init(tumble_pdos_t *pdos);
 
-/* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the objects
- * of the PDO with the communication parameter `index`; size 0: nothing. */
+/* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the
+ * objects of the PDO with the communication parameter `index`; size 0: nothing. */
 #define TUMBLE_PDO_SETUP_STEPS (TUMBLE_MAX_MAPPED + 7U)
 void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
                             tumble_object_write_t *write);

@@ -1,7 +1,8 @@
 /* uncertainty.h - the standard uncertainties that the navigation computer itself states of its result.
  *
  * Computed when asked for, from what the board declares of its stand; nothing is kept here, and a board that never asks
- * does not link it. The keeper asks once a result, coefficient by coefficient, and serves what it was told (2023h, 2024h).
+ * does not link it. The keeper asks once a result, coefficient by coefficient, and serves what it was told (2023h,
+ * 2024h).
  */
 #ifndef TUMBLE_NAVCOMP_UNCERTAINTY_H
 #define TUMBLE_NAVCOMP_UNCERTAINTY_H

@@ -158,8 +158,8 @@ tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumbl
  * handed to the stand, so that a replay sees the stand in the same states; more often does no harm. */
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us);
 
-/* The moment at which step has something to do by itself, a timeout of the present state; 0: at once; UINT64_MAX: never.
- * Silence of the block counts from the first step after its last sample. */
+/* The moment at which step has something to do by itself, a timeout of the present state; 0: at once; UINT64_MAX:
+ * never. Silence of the block counts from the first step after its last sample. */
 uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure);
 
 /* Which mean a sample went into. Ordinal 1: the position begins (again), what it held before is forgotten. */

@@ -137,7 +137,7 @@ static tumble_status_t want(tumble_sets_t *sets, unsigned wanted, tumble_which_s
     return TUMBLE_OK;
 }
 
-/* The proposal that is meant is named by its CRC: what was read is what becomes active. */
+/* The caller names the proposal by its CRC, so that the set that was read is the one that becomes active. */
 tumble_status_t tumble_sets_accept(tumble_sets_t *sets, uint32_t named)
 {
     const bool other = (tumble_store_proposal(&sets->store) != named) || (named == 0U);

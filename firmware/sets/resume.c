@@ -70,7 +70,7 @@ void tumble_sets_run_goes_on(tumble_sets_t *sets, bool done)
     sets->resumable = 0;
 }
 
-/* All that is kept has been put back. Nothing but the configuration can have changed since the command. */
+/* All kept means have been put back. Only the configuration can have changed since the command: check it again. */
 static void end_restoring(tumble_sets_t *sets, tumble_sets_event_t *event)
 {
     sets->task = TASK_NONE;
