@@ -1,4 +1,4 @@
-"""The README: its commands run, and its transcript is what they print."""
+"""The README and the tutorial: their commands run, and their transcripts are what they print."""
 
 import re
 import shlex
@@ -62,9 +62,20 @@ def test_a_transcript_is_there():
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md"] + [f"docs/{name}.md" for name in ("files", "gateway", "method", "operations", "real-bus")]
+    "page", ["README.md"] + [f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")]
 )
 def test_links_lead_somewhere(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#:]+)\)", text):
         assert ((ROOT / page).parent / target).exists(), target
+
+
+def test_the_tutorial_leads_to_coefficients(tumble, tmp_path):
+    """Its commands, one after the other as a reader gives them."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    text = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+    steps = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n(?:\n```text\n(.*?)```)?", text, re.S)
+    assert len(steps) == text.count("$ ./tools/tumble ") == 4
+    for command, shown in steps:
+        done = tumble(*shlex.split(command), cwd=tmp_path)
+        assert done.returncode == 0 and (not shown or shows(shown, done.stdout)), command
