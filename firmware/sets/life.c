@@ -171,7 +171,7 @@ bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool mo
     } else if (moves) {
         sets->was_inhibited = false; /* whatever the last step saw: the next one is to see when it begins again */
     } else {
-        /* anything else is none of our business */
+        /* any other command is allowed */
     }
     return !refused && !inhibited;
 }

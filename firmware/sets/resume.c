@@ -41,7 +41,7 @@ tumble_status_t tumble_sets_resume(tumble_sets_t *sets)
     if ((sets->task != (uint8_t)TASK_NONE) || sets->stale || tumble_sets_busy(sets)) {
         return refuse(sets);
     }
-    sets->unfit = 0; /* who asks is heard: all of them are tried anew */
+    sets->unfit = 0; /* a command tries all of them again */
     tumble_sets_count_resumable(sets);
     if (sets->resumable == 0U) {
         return refuse(sets);

@@ -248,9 +248,9 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
 
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
  * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
- * caller's timeout must come long before.
- * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (not counted here, for it is the block's own
- * word), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION. */
+ * caller's timeout must come long before. Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (the
+ * block itself calls the sample faulty; not counted here), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED,
+ * TUMBLE_E_DEVIATION. */
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);
 

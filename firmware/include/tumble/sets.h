@@ -603,8 +603,8 @@ typedef struct {
     const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
     const tumble_sets_settings_t *settings; /* at power-on */
 
-    /* May no run be on now, as far as the board knows (a discrete input, the vehicle's state)? Asked at least every
-     * step. May be null: never inhibited by the board. */
+    /* Does the board inhibit runs now (a discrete input, the vehicle's state)? Called at least once in every step. May
+     * be null: the board never inhibits. */
     bool (*inhibited)(void *context);
     void *context; /* handed to it */
 } tumble_sets_config_t;
@@ -638,9 +638,9 @@ typedef struct {
      * of the active set, so that the checkpoint of a run that ended in a commit is not resumed. */
     uint32_t (*fingerprint)(const void *self, uint32_t sequence);
 
-    /* The standard uncertainties of these coefficients (bits) of the result at hand; the others are left as they are.
-     * TUMBLE_OK, or why they are not known. Null: they never are, and so no set is committed by itself. Asked for one
-     * coefficient of a result in a step. */
+    /* The standard uncertainties of these coefficients (bits) of the present result; the others are left as they are.
+     * Called for one coefficient in each step. Null: they are never known, and so no set is committed by itself.
+     * Returns TUMBLE_OK, or why they are not known. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
 
     /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
@@ -707,7 +707,7 @@ typedef struct {
     uint32_t rolled_back;
     uint32_t failures;     /* jobs of the memory that ended in anything but TUMBLE_OK */
     uint32_t checkpoints;  /* positions kept */
-    uint32_t resumed;      /* runs gone on with after a loss of power */
+    uint32_t resumed;      /* runs that went on after a loss of power */
     uint32_t not_resumed;  /* refused: nothing kept, or of another block, stand, schedule or configuration */
     uint32_t inhibited;    /* commands refused, runs given up and tables stopped because of the inhibit */
     uint32_t self_started;
@@ -840,8 +840,8 @@ bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool mo
 /* No start by itself for some time from now: somebody is at work at the table. */
 void tumble_sets_pause(tumble_sets_t *sets);
 
-/* The uncertainties of the result at hand: TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on),
- * TUMBLE_E_STATE (not known). */
+/* The uncertainties of the present result.
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on), TUMBLE_E_STATE (not known). */
 tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_uncertainty_t **uncertainty);
 
 /* What happens to the saved rules, which count as the board's own. tumble_sets_save_rules: the rules in force are being
@@ -867,7 +867,7 @@ typedef struct {
     uint8_t verdict;     /* tumble_verdict_t */
     uint8_t status;      /* tumble_status_t of the last failure of the memory */
     uint8_t due;         /* TUMBLE_DUE_... */
-    uint8_t resumable;   /* finished positions of a run that lost power and may be gone on with; 0: none */
+    uint8_t resumable;   /* finished positions of a run that lost power and can be resumed; 0: none */
     bool inhibited;      /* by host or board */
     bool busy;           /* the memory is at work, or about to be */
     bool has_proposal;
