@@ -19,8 +19,8 @@ This page lists the object dictionary of each node, as its SDO server answers an
 
 - Numbers are decimal unless they end in `h` or begin with `0x`.
 - The column "power-on" has the value after a reset. Limits are inclusive; a write beyond them is refused.
-- Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped into a receive or
-  transmit PDO.
+- Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped into a
+  receive or transmit PDO.
 - Level `service`: a write from outside is refused (0800 0022h) unless the service level is open (2006h,
   [service-level.md](service-level.md)).
 - Neighbours that differ only in a number or an axis share a row, matrices row by row: `:1 to :9` are nine subindices. A
