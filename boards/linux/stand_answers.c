@@ -23,7 +23,7 @@ static void take(stand_answers_t *answers, char byte, stand_operator_t *operator
     answers->line[answers->size] = '\0';
     answers->size = 0;
     if (!stand_operator_answer(operator, world, answers->line)) {
-        (void)fprintf(stderr, "tumble-stand: nothing is asked that this could be an answer to: %s\n", answers->line);
+        (void)fprintf(stderr, "tumble-stand: ignored, it answers no open question: %s\n", answers->line);
     }
 }
 

@@ -275,7 +275,7 @@ tumble_abort_t tumble_dictionary_accepts(const tumble_entry_t *entry, uint32_t s
     return refusal;
 }
 
-/* Ask the entry's owner. Without a hook a variable may be written, what is computed may not. */
+/* Ask the entry's owner. Without a hook a variable may be written, a computed value may not. */
 static tumble_abort_t write_by_hook(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                     const uint8_t *bytes, uint8_t size)
 {

@@ -85,8 +85,9 @@ typedef struct {
 /* The application's say. Every member may be null. `context` is the binding's. */
 typedef struct {
     /* Make the value of a COMPUTED entry: put its bytes at `bytes` (room for TUMBLE_MAX_OBJECT_BYTES); `size` comes in
-     * as the entry's size and may be made smaller for a string. Returns TUMBLE_ABORT_NONE or the reason to refuse.
-     * Without this hook a COMPUTED entry reads as TUMBLE_ABORT_NO_DATA. */
+     * as the entry's size and may be made smaller for a string.
+     * Returns TUMBLE_ABORT_NONE or the reason to refuse. Without this hook a COMPUTED entry reads as
+     * TUMBLE_ABORT_NO_DATA. */
     tumble_abort_t (*read)(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size);
 
     /* A value that passed type, length and limits is about to be stored; for a COMPUTED entry this is the store.
@@ -120,8 +121,8 @@ typedef struct {
 /* The row of a table at a place that was found. */
 const tumble_entry_t *tumble_dictionary_row(const tumble_dictionary_t *dictionary, uint8_t place);
 
-/* Where in the tables an object is described: `place`. Returns TUMBLE_ABORT_NONE, _NO_OBJECT or _NO_SUBINDEX. Looks
- * through them all. */
+/* Find the place in the tables where an object is described; searches all of them.
+ * Returns TUMBLE_ABORT_NONE, TUMBLE_ABORT_NO_OBJECT or TUMBLE_ABORT_NO_SUBINDEX. */
 tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, uint16_t index, uint8_t subindex,
                                        uint8_t *place);
 
@@ -134,12 +135,14 @@ tumble_abort_t tumble_dictionary_find(const tumble_dictionary_t *dictionary, uin
                                       tumble_entry_t *entry);
 
 /* Read the value of an entry into `bytes` (room for TUMBLE_MAX_OBJECT_BYTES) and its length into `size`. A string comes
- * without its padding and may be empty. Returns TUMBLE_ABORT_NONE, _WRITE_ONLY, or what a hook says. */
+ * without its padding and may be empty.
+ * Returns TUMBLE_ABORT_NONE, TUMBLE_ABORT_WRITE_ONLY, or what a hook says. */
 tumble_abort_t tumble_dictionary_read(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                       uint8_t *bytes, uint8_t *size);
 
-/* Write a value of `size` bytes. Returns TUMBLE_ABORT_NONE, _READ_ONLY, _TOO_LONG, _TOO_SHORT, _VALUE (not a number; a
- * BOOLEAN beyond 1), _TOO_HIGH, _TOO_LOW, or what a hook says. */
+/* Write a value of `size` bytes.
+ * Returns TUMBLE_ABORT_NONE, TUMBLE_ABORT_READ_ONLY, TUMBLE_ABORT_TOO_LONG, TUMBLE_ABORT_TOO_SHORT, TUMBLE_ABORT_VALUE
+ * (not a number; a BOOLEAN beyond 1), TUMBLE_ABORT_TOO_HIGH, TUMBLE_ABORT_TOO_LOW, or what a hook says. */
 tumble_abort_t tumble_dictionary_write(const tumble_dictionary_t *dictionary, const tumble_entry_t *entry,
                                        const uint8_t *bytes, uint8_t size);
 
@@ -151,7 +154,8 @@ void tumble_dictionary_pack(const tumble_entry_t *entry, const void *variable, u
 void tumble_dictionary_unpack(const tumble_entry_t *entry, void *variable, const uint8_t *bytes, uint8_t size);
 
 /* Could a value of `size` bytes be written, as far as access and length tell? For refusing a long transfer at its
- * start. Returns TUMBLE_ABORT_NONE, _READ_ONLY, _TOO_LONG, _TOO_SHORT. */
+ * start.
+ * Returns TUMBLE_ABORT_NONE, TUMBLE_ABORT_READ_ONLY, TUMBLE_ABORT_TOO_LONG, TUMBLE_ABORT_TOO_SHORT. */
 tumble_abort_t tumble_dictionary_accepts(const tumble_entry_t *entry, uint32_t size);
 
 #endif

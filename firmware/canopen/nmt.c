@@ -6,6 +6,17 @@
 #define US_PER_MS 1000U
 #define MAX_NODE 127U
 
+/* A watched node from power-on. Nothing is armed before it is first heard: a node that boots slowly is not lost.
+ *
+ *     node       off          boot-up   hb    hb    hb    (falls silent)                     hb
+ *                              |        |     |     |                                        |
+ *     event                    BOOTED   (CHANGED or nothing)    |<- time_ms ->| LOST         BEGAN
+ *     deadline   TUMBLE_NEVER  | heard + time_ms, anew at each                | TUMBLE_NEVER | heard + time_ms
+ *     state      UNKNOWN       | as heard                                     | UNKNOWN      | as heard
+ *
+ * A heartbeat after a loss is BEGAN again, so that its owner brings the node up anew: while it was silent it may have
+ * restarted, and its boot-up message may be lost.
+ */
 void tumble_nmt_init(tumble_nmt_t *nmt, uint8_t node, uint16_t producer_ms)
 {
     (void)memset(nmt, 0, sizeof *nmt);
@@ -172,7 +183,8 @@ static tumble_status_t send_commands(tumble_nmt_t *nmt, tumble_link_t *link)
     return status;
 }
 
-/* The period is kept from one heartbeat to the next, unless a step came so late that one was missed. */
+/* Heartbeats keep their period whatever the delay of a step: the next is due a period after the last was due. Only if a
+ * whole period was missed the period begins anew, or several heartbeats would go out at once. */
 static void send_heartbeat(tumble_nmt_t *nmt, tumble_link_t *link, uint64_t now_us)
 {
     uint64_t period_us = (uint64_t)nmt->producer_ms * US_PER_MS;

@@ -100,7 +100,7 @@ uint32_t tumble_nmt_consumer(const tumble_nmt_t *nmt, uint8_t subindex);
 tumble_abort_t tumble_nmt_set_consumer(tumble_nmt_t *nmt, uint8_t subindex, uint32_t value);
 void tumble_nmt_set_producer(tumble_nmt_t *nmt, uint16_t producer_ms, uint64_t now_us);
 
-/* Send no heartbeat before this moment, so that whoever watches it notices. */
+/* Send no heartbeat before this moment (us), so that those who watch this node notice. */
 void tumble_nmt_withhold(tumble_nmt_t *nmt, uint64_t until_us);
 
 /* The next moment at which step or lost has something to do; one that is over: at once. */

@@ -94,7 +94,7 @@ tumble_pdo_outcome_t tumble_pdo_receive(tumble_pdos_t *pdos, const tumble_dictio
     return TUMBLE_PDO_NOT_MINE;
 }
 
-/* The values of this moment. One that its owner refuses to give goes as zeros: the others have their places. */
+/* The present values. A value that its owner refuses to give is sent as zeros, so that the others keep their places. */
 static void pack(const tumble_pdo_t *pdo, const tumble_dictionary_t *dictionary, tumble_can_frame_t *frame)
 {
     (void)memset(frame, 0, sizeof *frame);

@@ -88,22 +88,23 @@ typedef enum {
 /* All PDOs invalid and without mapping, of type TUMBLE_PDO_EVENT_PROFILE. */
 void tumble_pdo_init(tumble_pdos_t *pdos);
 
-/* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the objects
- * of the PDO with the communication parameter `index`; size 0: nothing. */
+/* Setting up a PDO, ours or another node's, takes so many steps, in the order above. What a step writes into the
+ * objects of the PDO with the communication parameter `index`; size 0: nothing. */
 #define TUMBLE_PDO_SETUP_STEPS (TUMBLE_MAX_MAPPED + 7U)
 void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
                             tumble_object_write_t *write);
 
 /* Set up the PDO `number` (0 is 1400h / 1800h) at once, in the order above: what was there before is gone. On a refusal
- * the PDO is left invalid. Returns TUMBLE_ABORT_NONE or the reason, as from SDO; _NO_OBJECT for a number that is not
- * there. */
+ * the PDO is left invalid.
+ * Returns TUMBLE_ABORT_NONE or the reason, as from SDO; TUMBLE_ABORT_NO_OBJECT for a number that does not exist. */
 tumble_abort_t tumble_pdo_configure(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
                                     tumble_pdo_direction_t direction, uint8_t number, const tumble_pdo_setup_t *setup);
 
-/* Read and write the communication parameters (1400h.., 1800h..) and mappings (1600h.., 1A00h..). Refusals: _NO_OBJECT
- * (mapping of an object that does not exist, a PDO that is not there), _NO_SUBINDEX, _READ_ONLY, _NOT_MAPPABLE
- * (direction, access, bits that are not the object's), _MAP_LENGTH (over 8 bytes), _VALUE (identifier reserved by CiA
- * 301, 29-bit, transmission type), _DEVICE_STATE (the PDO must be disabled first, or its mapping). */
+/* Read and write the communication parameters (1400h.., 1800h..) and mappings (1600h.., 1A00h..). Both return
+ * TUMBLE_ABORT_NONE or a refusal: TUMBLE_ABORT_NO_OBJECT (mapping of an object that does not exist, a PDO that does not
+ * exist), TUMBLE_ABORT_NO_SUBINDEX, TUMBLE_ABORT_READ_ONLY, TUMBLE_ABORT_NOT_MAPPABLE (direction, access, bits that are
+ * not the object's), TUMBLE_ABORT_MAP_LENGTH (over 8 bytes), TUMBLE_ABORT_VALUE (identifier reserved by CiA 301,
+ * 29-bit, transmission type), TUMBLE_ABORT_DEVICE_STATE (the PDO must be disabled first, or its mapping). */
 tumble_abort_t tumble_pdo_read_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,
                                          uint8_t subindex, uint32_t *value);
 tumble_abort_t tumble_pdo_write_parameter(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary, uint16_t index,

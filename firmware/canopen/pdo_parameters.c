@@ -121,8 +121,8 @@ static bool is_reserved(uint32_t id)
            ((id >= 0x601U) && (id <= 0x67FU)) || ((id >= 0x6E0U) && (id <= 0x6FFU)) || (id >= 0x701U);
 }
 
-/* While the PDO exists its identifier stands; disabling it is always possible. A transmit PDO that begins to exist is
- * due once. */
+/* While a PDO is enabled its identifier cannot change; disabling it is always possible. A transmit PDO that is enabled
+ * is due once. */
 static tumble_abort_t write_cob_id(tumble_pdo_t *pdo, uint32_t value)
 {
     bool enable = (value & TUMBLE_PDO_INVALID) == 0U;
@@ -268,7 +268,7 @@ static tumble_abort_t write_mapping(tumble_pdo_t *pdo, const tumble_dictionary_t
     return refusal;
 }
 
-/* Has another PDO of this node the identifier? What we send with it would be taken for what that one carries. */
+/* Has another PDO of this node this identifier? Whoever receives it would take our frame for the other one's. */
 static bool is_taken(const tumble_pdos_t *pdos, const tumble_pdo_t *pdo, uint32_t value)
 {
     bool taken = false;

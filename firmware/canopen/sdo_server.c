@@ -107,7 +107,7 @@ static void send_segment(tumble_sdo_server_t *server)
     }
 }
 
-/* What the axis hangs on: who watches whom, the PDOs that the node's own parts have, and what these hold. */
+/* What a stop depends on: who watches whom, the PDOs of the node's own parts, and the objects that these carry. */
 static bool is_held(const tumble_entry_t *entry)
 {
     const unsigned pdo = entry->index & HELD_PDOS;
@@ -116,7 +116,7 @@ static bool is_held(const tumble_entry_t *entry)
            (entry->index == ERROR_BEHAVIOUR) || (pdo == RECEIVE_PDO) || (pdo == TRANSMIT_PDO);
 }
 
-/* The one place where a level is asked for: what comes from outside comes through here, and nothing else does. */
+/* The only place that asks for the level: everything from outside comes through here, and nothing else does. */
 static bool is_of_this_level(const tumble_sdo_server_t *server)
 {
     return server->service || ((server->entry.access & TUMBLE_ACCESS_SERVICE) == 0U);

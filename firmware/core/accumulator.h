@@ -1,12 +1,13 @@
-/* accumulator.h - a mean in the making: exact integer sums of the samples that pass every gate (private to the firmware).
+/* accumulator.h - a mean in the making: exact integer sums of the samples that pass every gate (private to the
+ * firmware).
  *
- * The positions of a run (averaging_sample.c) and a measurement at rest (sample/at_rest.c) share it, so a gate on samples is
- * written once, here. The sums stand in a tumble_average_t, what only an open mean needs in a tumble_open_position_t; both
- * all zero: nothing has come yet. The functions are inline because the way of every sample leads through them: as a
- * function of its own, which must be told where the sums lie, the way is a fifth longer.
+ * The positions of a run (averaging_sample.c) and a measurement at rest (sample/at_rest.c) share it, so a gate on
+ * samples is written once, here. The sums stand in a tumble_average_t, what only an open mean needs in a
+ * tumble_open_position_t; both all zero: nothing has come yet. The functions are inline because every sample goes
+ * through them: one function that is told where the sums lie takes a fifth more instructions.
  *
- * Most gates refuse a sample alone. One that leaves a fault has the whole mean of a position refused when it is closed
- * (averaging.c): without that sample the mean would be biased.
+ * Most gates refuse a single sample. A gate that leaves a fault makes averaging.c refuse the whole mean when the
+ * position is closed: without that sample the mean would be biased.
  */
 #ifndef TUMBLE_CORE_ACCUMULATOR_H
 #define TUMBLE_CORE_ACCUMULATOR_H
@@ -112,9 +113,10 @@ static inline void tumble_accumulator_add_up(tumble_accumulator_t into, const in
     into.average->samples++;
 }
 
-/* One sample through all gates. The caller vouches for fewer than TUMBLE_MAX_SAMPLES so far. Returns as
- * tumble_averaging_add does of an open position that is not full. Whoever goes on after TUMBLE_E_UNHEALTHY lets that
- * sample through the gate of the counter as well. */
+/* One sample through all gates. The caller guarantees that there are fewer than TUMBLE_MAX_SAMPLES so far. After
+ * TUMBLE_E_UNHEALTHY a caller that goes on must put that sample through the gate of the counter itself. Returns as
+ * tumble_averaging_add for an open position that is not full: TUMBLE_OK, TUMBLE_E_UNHEALTHY, TUMBLE_E_REPEATED,
+ * TUMBLE_E_REORDERED, TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION. */
 static inline tumble_status_t tumble_accumulator_take(tumble_accumulator_t into, const tumble_averaging_config_t *config,
                                                       const tumble_sample_t *sample)
 {

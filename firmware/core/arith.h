@@ -1,9 +1,11 @@
-/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, rounding to a float, tests of one number.
+/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, rounding to a float, tests of one
+ * number.
  *
  * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
- * firmware/core, because libraries differ in their last bit. The tests are functions of their own: where comparing
- * doubles is a call of the library, a place that asks then costs one call instead of several. A navigation computer compares
- * by nothing else, and casts no double to an integer: so it links neither the library's comparisons nor its casts.
+ * firmware/core, because libraries differ in their last bit. The tests are functions because without floating point
+ * hardware comparing doubles is a call of the library: a test then costs one call instead of several. A navigation
+ * computer compares only by these functions, and casts no double to an integer, so that it links neither the library's
+ * comparisons nor its casts.
  */
 #ifndef TUMBLE_CORE_ARITH_H
 #define TUMBLE_CORE_ARITH_H
@@ -35,8 +37,8 @@ static inline uint64_t tumble_earlier(uint64_t a_us, uint64_t b_us)
     return (a_us < b_us) ? a_us : b_us;
 }
 
-/* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal float.
- * `x` a number. Without floating point hardware a cast costs a member of the library. */
+/* The nearest float, of two equally near the even one: as a cast, but with 0 for what is below the smallest normal
+ * float. `x` a number. Without floating point hardware a cast costs a member of the library. */
 TUMBLE_ONE_COPY float tumble_to_float(double x);
 
 TUMBLE_ONE_COPY bool tumble_is_finite(double x);

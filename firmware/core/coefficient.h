@@ -1,6 +1,6 @@
 /* coefficient.h - the twelve coefficients by their number: K row by row, then U0 (private to the firmware).
  *
- * Whoever goes through all twelve needs no two cases, one for K and one for U0.
+ * So a loop over all twelve needs no separate cases for K and U0.
  */
 #ifndef TUMBLE_CORE_COEFFICIENT_H
 #define TUMBLE_CORE_COEFFICIENT_H

@@ -66,8 +66,8 @@ static double largest_k(const tumble_coefficients_t *coefficients)
     return largest;
 }
 
-/* Noise of a mean, the rounding of the converter in it. What an angle's error does in second order is added: it is no part
- * of `by_angle_v`, and no noise either, but on a coarse stand it exceeds the noise. */
+/* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
+ * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. */
 static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
 {
     const double step_v = tumble_abs(run->v_per_count);
@@ -170,8 +170,8 @@ static double without_products(double number, const double *a, const double *b, 
     return number;
 }
 
-/* Cholesky, row by row, with the right side carried along: what the fit explains leaves the sum of squares. An unknown that
- * the positions do not determine is left out. Returns how many are determined. */
+/* Cholesky, row by row, with the right side carried along: what the fit explains leaves the sum of squares. An unknown
+ * that the positions do not determine is left out. Returns how many are determined. */
 static int solve(tumble_misfit_work_t *work)
 {
     int rank = 0;

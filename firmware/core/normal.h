@@ -1,8 +1,8 @@
 /* normal.h - the four-unknown normal matrix that the three channels share (private to the core).
  *
- * Every channel obeys u = [a_x a_y a_z 1] (K_ix, K_iy, K_iz, U0_i), with the same rows for all three. So one 4 x 4 matrix
- * N = sum r r^T over the fit positions serves them, factored with diagonal pivoting as N = P L D L^T P^T. A pivot is the
- * part of a column that the columns before it do not explain, which makes the rank test one comparison.
+ * Every channel obeys u = [a_x a_y a_z 1] (K_ix, K_iy, K_iz, U0_i), with the same rows for all three. So one 4 x 4
+ * matrix N = sum r r^T over the fit positions serves them, factored with diagonal pivoting as N = P L D L^T P^T. A
+ * pivot is the part of a column that the columns before it do not explain, which makes the rank test one comparison.
  */
 #ifndef TUMBLE_CORE_NORMAL_H
 #define TUMBLE_CORE_NORMAL_H

@@ -1,7 +1,7 @@
 /* one_copy.h - a function that stays one function.
  *
- * A link that optimises the whole copies functions to where they are called if it takes that for shorter. It is mistaken at
- * times, and by as much as the image is short of: so where that was measured the function is marked.
+ * Link-time optimisation copies a function to its callers if it takes that for shorter. Sometimes it is wrong, and the
+ * image grows by more than there is room for. Where that was measured the function is marked.
  */
 #ifndef TUMBLE_CORE_ONE_COPY_H
 #define TUMBLE_CORE_ONE_COPY_H

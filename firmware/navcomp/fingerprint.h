@@ -1,5 +1,5 @@
-/* fingerprint.h - what must not change while a run is on, as one number: so that a run that lost power is gone on with by
- * the configuration that it was begun with, or not at all. */
+/* fingerprint.h - one number for all that must not change in a run, so that a run that lost power is resumed with the
+ * configuration with which it began, or not at all. */
 #ifndef TUMBLE_NAVCOMP_FINGERPRINT_H
 #define TUMBLE_NAVCOMP_FINGERPRINT_H
 
@@ -7,11 +7,11 @@
 
 #include <stdint.h>
 
-/* Of what is declared of the stand, and how it is turned. */
+/* The fingerprint of the stand: what is declared of it, and how it is turned. */
 uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp);
 
-/* Of all that must not change in a run, with the serial number of the block and the sequence of the active set: a result
- * that was committed is no run to go on with. */
+/* The fingerprint of a run: all that must not change in it, with the serial number of the block and the sequence of the
+ * active set, so that a run whose result was committed is not resumed. */
 uint32_t tumble_run_fingerprint(const tumble_navcomp_t *navcomp, const char *serial, uint32_t sequence);
 
 #endif

@@ -4,9 +4,9 @@
  *     navcomp_config.keeping = &tumble_keeper_calls;
  *     navcomp_config.keeper = &keeper;
  *
- * The keeper tells the sets what happens to the run, and does what they wish; it saves parameters (1010h) in the same
- * memory, measures the block at rest (2152h), and shows all of it in the object dictionary. All this goes on in navcomp's
- * own step, at most one call of the memory each; nothing waits.
+ * The keeper tells the sets what happens to the run, and does what they ask for. It saves parameters (1010h) in the
+ * same memory, measures the block at rest (2152h), and shows all of it in the object dictionary. It works in navcomp's
+ * own step and makes at most one call of the memory in each; nothing waits.
  *
  * Not re-entrant; its functions are called from where navcomp's are called.
  */
@@ -31,7 +31,7 @@ typedef struct {
     tumble_sets_config_t sets;
 
     /* tumble_navcomp_uncertainty where the stand is declared; null: no set has uncertainties, and so none is committed
-     * by itself. Called once for each coefficient of a result, one a step. */
+     * by itself. Called once for each coefficient of a result, one in each step. */
     tumble_status_t (*uncertainty)(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                    tumble_uncertainty_t *uncertainty);
 
@@ -41,8 +41,8 @@ typedef struct {
     struct tumble_stand_memory *stand_memory;
 } tumble_keeper_config_t;
 
-/* The emergency message (1003h) while TUMBLE_DUE_DECAYED is set. The first four of its own bytes: the counter as it is
- * now, little endian. "No error" follows when the next set becomes active. */
+/* The emergency message (1003h) while TUMBLE_DUE_DECAYED is set. Its first four info bytes are the present calibration
+ * counter, little endian. "No error" follows when the next set becomes active. */
 #define TUMBLE_KEEPER_EMCY_DECAYED 0xFF20U
 
 /* The transmit PDO that is triggered when the calibration counter, the verdict or what is due changes. */
@@ -66,24 +66,27 @@ typedef struct {
 
 static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2176U : 2368U), "the keeper must stay small");
 
-/* What tumble_navcomp_config_t.keeping points to; `keeper` is a tumble_keeper_t. Its init returns as tumble_sets_init. It
- * reads the whole of what is kept, unless the memory is busy: then the rest is read step by step, and until then there is
- * no set.
+/* For tumble_navcomp_config_t.keeping, with a tumble_keeper_t as `keeper`. Its init returns as tumble_sets_init:
+ * TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NV. It reads everything that is kept. If the memory is busy, the rest is read
+ * step by step, and until then there is no set.
  *
- * Commands that are its own, by tumble_navcomp_command: TUMBLE_COMMAND_ACCEPT and _DISCARD (there must be a proposal,
- * and ACCEPT must name it, tumble_navcomp_accept: else TUMBLE_E_ARGUMENT),
- * _ROLLBACK (something to go back to, and no proposal), all three only while no run is on and the memory is not at work;
- * and in IDLE TUMBLE_COMMAND_RESUME: go on with the run that lost power (there must be one, and block, stand,
- * schedule, configuration and active set be those that it was begun with); it begins within some steps. While inhibited
- * everything that begins or goes on with a run, or turns the table, is refused, and so is TUMBLE_COMMAND_START until what
- * was saved (1010h) is in force after power-on or an NMT reset. For some 100 ms after DONE the result is looked at: until
- * then START, REPEAT_POSITION and REPEAT_MOUNTING are refused. Refusals: TUMBLE_E_STATE. */
+ * It adds commands to tumble_navcomp_command; each is refused with TUMBLE_E_STATE where it is not allowed. While no run
+ * is on and the memory is not at work: TUMBLE_COMMAND_ACCEPT (there must be a proposal, and tumble_navcomp_accept must
+ * name it, otherwise TUMBLE_E_ARGUMENT), TUMBLE_COMMAND_DISCARD (there must be a proposal), TUMBLE_COMMAND_ROLLBACK
+ * (there must be something to go back to, and no proposal). In IDLE: TUMBLE_COMMAND_RESUME goes on with the run that
+ * lost power, within some steps (there must be one, and block, stand, schedule, configuration and active set must be
+ * those with which it began).
+ *
+ * It also refuses others. While inhibited: every command that begins or resumes a run or turns the table. Until the
+ * saved parameters (1010h) are in force after power-on or an NMT reset: TUMBLE_COMMAND_START. For some 100 ms after
+ * DONE, while the result is judged: TUMBLE_COMMAND_START, TUMBLE_COMMAND_REPEAT_POSITION and
+ * TUMBLE_COMMAND_REPEAT_MOUNTING. */
 extern const tumble_keeping_t tumble_keeper_calls;
 
 /* tumble_sets_inhibit; a run under way is given up and the table stopped, with TUMBLE_REASON_INHIBITED. */
 void tumble_keeper_inhibit(tumble_keeper_t *keeper, uint16_t seconds);
 
-/* For navcomp: what the sets know of the run is brought up to date. */
+/* For navcomp: bring up to date what the sets know of the run. */
 void tumble_keeper_look(tumble_keeper_t *keeper);
 
 #endif

@@ -24,7 +24,7 @@
 /* The four sets lie one behind the other in each kind of object, in the order of tumble_which_set_t. */
 #define WHICH_BITS 3U
 
-/* What a memory at work, and one that fails, means to whoever reads. */
+/* The SDO abort code for what a read of the memory returned. */
 static tumble_abort_t refusal_of(tumble_status_t status)
 {
     tumble_abort_t refusal = TUMBLE_ABORT_HARDWARE;
@@ -89,7 +89,7 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
     return is_known(&set, entry->offset) ? member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
-/* The result at hand. Its uncertainties were computed once, when the run ended. */
+/* The present result. Its uncertainties were computed once, when the run ended. */
 
 static tumble_abort_t read_uncertainty(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
                                        uint8_t *size)

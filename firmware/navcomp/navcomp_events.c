@@ -12,7 +12,8 @@ static bool is_block(const tumble_navcomp_t *navcomp, uint8_t node)
     return tumble_has_block(navcomp) && (node == navcomp->config->block_node);
 }
 
-/* A block that starts counting anew is not reordering. It is started (again) as soon as it is seen. */
+/* A block that has restarted counts from the beginning: forget its last counter, or its samples would count as
+ * reordered. Start it (again) as soon as it is seen. */
 static void block_heartbeat(tumble_navcomp_t *navcomp, tumble_heartbeat_event_t event)
 {
     if (event == TUMBLE_HEARTBEAT_BOOTED) {

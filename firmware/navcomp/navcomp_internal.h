@@ -33,14 +33,14 @@ static inline tumble_state_t tumble_run_state(const tumble_navcomp_t *navcomp)
     return tumble_procedure_state(&navcomp->procedure);
 }
 
-/* A run is on, or could go on: nobody else's hand on what it goes by. */
+/* A run is on, or could go on: then nobody may change what it depends on. */
 static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
 {
     const tumble_state_t state = tumble_run_state(navcomp);
     return (state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT);
 }
 
-/* A command that no keeper deals with. Returns as tumble_navcomp_command. */
+/* Obey a command that the keeper has not taken. Returns as tumble_navcomp_command. */
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
 
 /* Set 1016h and 1017h as configured, instead of the dictionary's power-on values. */
@@ -49,11 +49,11 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us);
 /* Are 1016h and 1017h such that stand and block are watched, and hear us, as configured? */
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp);
 
-/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the stand, and the
- * heartbeat of its number); the stand has been told. */
+/* A frame came that is no service of this node. True: nobody but this node may send it (set-points for the stand, and
+ * the heartbeat of its number); the stand has been told. */
 bool tumble_notice_foreign(tumble_navcomp_t *navcomp, uint16_t id);
 
-/* The block streams, or is none of our business. Tell the procedure. */
+/* Tell the procedure whether the block is alive: it streams, or samples come from another source. */
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp);
 
 #endif

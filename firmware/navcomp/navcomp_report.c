@@ -12,14 +12,15 @@ static tumble_status_t confirm_angle(const tumble_navcomp_t *navcomp, double ang
     return tumble_stand_report(stand)->asks ? stand->kind->confirm(stand->self, angle_deg) : TUMBLE_E_STATE;
 }
 
-/* A stand that is not in FAULT, or cannot leave it now, says so in its own words. */
+/* The stand answers TUMBLE_E_STAND_STATE when it is not in FAULT or cannot leave it now; a caller knows
+ * TUMBLE_E_STATE. */
 static tumble_status_t clear_fault(tumble_navcomp_t *navcomp)
 {
     const tumble_status_t status = navcomp->stand.kind->clear_fault(navcomp->stand.self);
     return (status == TUMBLE_OK) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
-/* The table in the hands of whoever validates it: what no run may do meanwhile it may not do in a run. */
+/* Home or turn the table for the validation of a fixture: never during a run, and within the cable's limits. */
 static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;

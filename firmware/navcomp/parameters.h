@@ -1,4 +1,4 @@
-/* parameters.h - what was written over CAN and is to outlast a loss of power (1010h, 1011h).
+/* parameters.h - values that were written over CAN and shall outlast a loss of power (1010h, 1011h).
  *
  * The values of the objects that the generator lists (tumble_keeper_saved), as SDO carries them, in one record in two
  * sectors that take turns (TUMBLE_REGION_PARAMETERS). Little endian:
@@ -7,12 +7,13 @@
  *      12  values: index u16, count u8, and for each subindex from 1 on its size u8 and its bytes
  *     284  CRC-32 of all before    288  mark: "TPARGOOD" four times, programmed when the rest has been read back
  *
- * The one of the higher sequence is in force; without any the board's own values are, and so they are with one that
- * holds none: that is how they are forgotten. Read values are written through the dictionary, under its limits; what it
- * refuses is counted. Nothing waits: a job is begun, and a step makes at most one call of the memory. One job at a time
- * on one memory: the keeper sees to it. So the record lies in the bytes of the store, whose jobs have ended before one of
- * the parameters goes on. What is read is used in the same step; what is to be written must stay, and for so long the
- * store has lent its bytes and reads no set. Not re-entrant on one object.
+ * The record with the higher sequence is in force. Without a record the board's own values are in force, and also with
+ * a record that holds no values: that is how saved values are forgotten. Values that were read are written through the
+ * dictionary, under its limits; those that it refuses are counted. Nothing waits: a call begins a job, and each step
+ * makes at most one call of the memory. The keeper ensures that only one job runs on the memory at a time. So the
+ * record lies in the bytes of the store, whose jobs end before one of the parameters goes on. What is read is used in the
+ * same step. What is to be written must stay: the store has lent its bytes for so long, and reads no set. Not re-entrant
+ * on one object.
  */
 #ifndef TUMBLE_NAVCOMP_PARAMETERS_H
 #define TUMBLE_NAVCOMP_PARAMETERS_H
@@ -58,23 +59,25 @@ typedef struct {
     tumble_slots_t slots;
 } tumble_parameters_t;
 
-/* Get ready and begin to read what was saved. A memory without the two sectors (or null) is none: then nothing can be
- * saved. `node` with its dictionary must be ready, and `store` be initialised with the same memory. */
+/* Get ready and begin to read what was saved. If the memory lacks the two sectors (or is null), nothing can be saved.
+ * `node` with its dictionary must be ready, and `store` be initialised with the same memory. */
 void tumble_parameters_init(tumble_parameters_t *parameters, const tumble_nv_t *nv, tumble_node_t *node,
                             tumble_store_t *store);
 
 /* Is there room for them? */
 bool tumble_parameters_room(const tumble_parameters_t *parameters);
 
-/* Read again and put in force what was saved: after a reset to the board's own values. While busy it waits. */
+/* Read what was saved again and put it in force, after a reset to the board's own values. While busy this waits its
+ * turn. */
 void tumble_parameters_restore(tumble_parameters_t *parameters);
 
 /* What was saved is not in force yet: it is being read, or about to be. */
 bool tumble_parameters_reading(const tumble_parameters_t *parameters);
 
 /* Begin to save the present values, or to forget what was saved. The SDO server is told the answer at the end
- * (tumble_sdo_server_answer). Returns TUMBLE_ABORT_LATER; _HARDWARE: no room, or a record could not be read
- * (until restored); _DEVICE_STATE: busy. */
+ * (tumble_sdo_server_answer).
+ * Returns TUMBLE_ABORT_LATER (begun); TUMBLE_ABORT_HARDWARE (no room, or a record could not be read, until restored);
+ * TUMBLE_ABORT_DEVICE_STATE (busy). */
 tumble_abort_t tumble_parameters_save(tumble_parameters_t *parameters);
 tumble_abort_t tumble_parameters_forget(tumble_parameters_t *parameters);
 

@@ -1,9 +1,9 @@
 /* service.h - the service level (2006h) and the run number (2007h) of a navigation computer.
  *
- * What protects the table or the coefficients can be written from outside at service level only: objects that are
- * TUMBLE_ACCESS_SERVICE, which the SDO server looks at. The level is opened by a published key and ends by itself, so that
- * nobody changes such a thing by mistake and no script leaves it open; against an attacker it is nothing (docs/security.md).
- * What the board's own program writes needs no level.
+ * Objects that protect the table or the coefficients are TUMBLE_ACCESS_SERVICE: the SDO server lets them be written at
+ * service level only. A published key opens the level, and it ends by itself, so that nobody changes such an object by
+ * mistake and no script leaves it open. It does not stop an attacker (docs/security.md). The board's own program needs
+ * no level to write.
  *
  * Not re-entrant; called from where navcomp's functions are called.
  */
@@ -21,8 +21,9 @@ struct tumble_navcomp;
 #define TUMBLE_SERVICE_S 60U           /* how long one key opens it */
 #define TUMBLE_SERVICE_PDO 4U          /* 1804h: sent when the level or the run number changes */
 
-/* 2006h:1. The key opens the level or prolongs it, 0 ends it. Returns TUMBLE_OK; _ARGUMENT (another number: nothing
- * changes); _STATE (the key, while a run is on). */
+/* 2006h:1. The key opens the level or prolongs it, 0 ends it.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (any other number: nothing changes); TUMBLE_E_STATE (the key, while a run is
+ * on). */
 tumble_status_t tumble_service_unlock(struct tumble_navcomp *navcomp, uint32_t key);
 
 bool tumble_service_is_open(const struct tumble_navcomp *navcomp);

@@ -1,4 +1,4 @@
-/* stand_view.h - what the run at hand tells about its stand, for the object dictionary (tumble/core.h).
+/* stand_view.h - what the present run tells about its stand, for the object dictionary (tumble/core.h).
  *
  * For boards that have the memory and the time: some 4 kB of RAM, and once a result a few generalised least-squares
  * fits of all positions in double precision. It is done when somebody asks for it, between runs. A board that names
@@ -32,8 +32,8 @@ typedef struct tumble_stand_memory {
     uint32_t looked_at;  /* and of which of its results: positions finished so far, and 1. An NMT reset zeroes them */
 } tumble_stand_memory_t;
 
-/* Of the result at hand; the errors of set angles as declared (navcomp->config->declared), or as the run itself shows
- * them. Null while there is no result. */
+/* The view of the present result; the errors of set angles as declared (navcomp->config->declared), or as the run
+ * itself shows them. Null while there is no result. */
 const tumble_stand_view_t *tumble_stand_view(const tumble_navcomp_t *navcomp, tumble_stand_memory_t *memory);
 
 #endif

@@ -1,5 +1,5 @@
-/* standard.h - the configuration for the standard stand: what a board is built with until it is told better, and what
- * tumble-bench starts from.
+/* standard.h - the configuration for the standard stand: a board has it until a commissioning record replaces it, and
+ * tumble-bench starts from it.
  *
  * The stand: the paper's, with its schedule, on a drive that counts in thousandths of a degree (also per second, and
  * per second squared) and turns at 90 deg/s and 180 deg/s^2. The block: 24 bits over +-10 V, -2 V/g, white noise of
@@ -7,8 +7,8 @@
  * the `refined` estimator makes coefficients of the means; residual gravity beyond 3e-4 g fails. Nodes: ours 1, the
  * drive 2, the block 3.
  *
- * A number that follows from others says so where it stands. Times that faults are told by leave a slow stand room; a
- * person has ten minutes for a mounting, and the block ten to warm up.
+ * A number that follows from others says so in its own comment. Timeouts leave room for a slow stand; a person has ten
+ * minutes for a mounting, and the block has ten minutes to warm up.
  */
 #ifndef TUMBLE_NAVCOMP_STANDARD_H
 #define TUMBLE_NAVCOMP_STANDARD_H

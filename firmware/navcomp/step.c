@@ -1,5 +1,18 @@
-/* step.c - the computer's init, its step, its deadlines: the one file of navcomp that knows the others. None of them calls
- * it back: they leave what it must know in the object (restart, woken, more, due_us).
+/* step.c - the computer's init, its step, its deadlines: the one file of navcomp that knows the others. None of them
+ * calls it back: they leave what it must know in the object (restart, woken, more, due_us).
+ *
+ * A step has a short way and a long one, for most frames are halves of samples:
+ *
+ *     port --> drain_bus --+-- 683h, 693h --> block receiver --> take_sample --> procedure (gates, exact sums)
+ *                          |                                                 `-> keeper (temperature)
+ *                          |
+ *                          `-- others ------> node (SDO, NMT, heartbeats, PDOs) --> advance: stand, procedure, node
+ *
+ *     only samples, no deadline over, state as before  --> return
+ *     anything else                                    --> advance, keeper, next deadline
+ *
+ * What follows from a sample shows in the state of the procedure. A frame of another kind is followed up at once, so
+ * the result does not depend on how many frames wait when a step begins, and a replay gives the same bits.
  */
 #include "navcomp/navcomp_internal.h"
 
@@ -29,15 +42,15 @@ static bool is_node(uint8_t node)
     return (node >= 1U) && (node <= MAX_NODE);
 }
 
-/* A silence that is no fault yet is shorter than the longest gap that eight bits tell from a step back. It is noticed
- * up to a heartbeat late, for samples alone do not make a step look at the clock. */
+/* The longest silence that is not yet a fault must be shorter than the longest gap that eight bits can tell from a step
+ * back. It is noticed up to a heartbeat late, because samples alone do not make a step read the clock. */
 static bool counter_outlasts_silence(const tumble_navcomp_config_t *config)
 {
     const uint64_t silence_ms = (uint64_t)config->procedure->sample_timeout_ms + config->heartbeat_ms;
     return (silence_ms * US_PER_MS) <= ((uint64_t)TUMBLE_BLOCK_MAX_GAP * config->block_period_us);
 }
 
-/* Which node it takes is the stand's own matter, but one that is never on the bus has none. */
+/* The stand checks its own node number; but a kind that is never on the bus must have none. */
 static bool has_stand(const tumble_navcomp_config_t *config)
 {
     const tumble_stand_kind_t *kind = config->stand;
@@ -124,8 +137,8 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
                                                                  : status;
 }
 
-/* After an NMT reset, which has ended the run: the axis is brought up again from the start. Why the run ended stays to
- * be read. */
+/* After an NMT reset, which has ended the run, bring the axis up again from the start. The reason of the run stays
+ * readable. */
 static void restart(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
     const bool application = (navcomp->restart == RESTART_APPLICATION);
@@ -176,8 +189,8 @@ static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *
     }
 }
 
-/* False: the frame is not the block's. Here and in drain_source one copy keeps the sample off the stack of all that other
- * frames set going. */
+/* False: the frame is not the block's. Not inlined, here and in drain_source, so that the sample does not lie on the
+ * stack below everything that other frames set going. */
 TUMBLE_ONE_COPY static bool take_block_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame)
 {
     const uint32_t lost_before = navcomp->block.counters.lost;
@@ -203,7 +216,6 @@ static bool has_axis(const tumble_navcomp_t *navcomp)
     return tumble_is_on_bus(navcomp) && navcomp->stand.kind->is_present(navcomp->stand.self);
 }
 
-/* Everything but samples is followed up at once, so that it does not matter how many frames wait when a step begins. */
 static void take_frame(tumble_navcomp_t *navcomp, const tumble_can_frame_t *frame, uint64_t now_us)
 {
     if (tumble_has_block(navcomp) && take_block_frame(navcomp, frame)) {
@@ -286,8 +298,8 @@ static uint64_t later(uint64_t a_us, uint64_t b_us)
     return (a_us > b_us) ? a_us : b_us;
 }
 
-/* The bus is off when the port says so in receiving, or in sending at the end of a step: what it would not take is
- * offered again every time. A bus that is off is looked after until it is back. */
+/* The bus is off when the port says so in receiving, or in sending at the end of a step, where frames that it did not
+ * take are offered again. While the bus is off every step takes the long way, until it is back. */
 static bool is_bus_off(const tumble_navcomp_t *navcomp)
 {
     return navcomp->node.link.last == TUMBLE_E_PORT_DOWN;

@@ -1,5 +1,5 @@
-/* supervision.c - who watches whom by heartbeats. Whoever is to stop the axis when something falls silent must hear and
- * be heard.
+/* supervision.c - who watches whom by heartbeats. To stop the axis when something falls silent, this computer must hear
+ * the others, and they must hear it.
  */
 #include "navcomp/navcomp_internal.h"
 
@@ -19,8 +19,8 @@ static uint32_t watched_block(const tumble_navcomp_t *navcomp)
     return tumble_has_block(navcomp) ? (((uint32_t)config->block_node << 16) | config->heartbeat_timeout_ms) : 0U;
 }
 
-/* What the configuration says instead of the dictionary's power-on values. Setting one consumer
- * twice is refused: so all are cleared first. */
+/* Put the configuration's heartbeats in place of the dictionary's power-on values. Clear all consumers first: a node
+ * that is watched twice is refused, also if its old place is about to change. */
 void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
@@ -33,7 +33,7 @@ void tumble_set_heartbeats(tumble_navcomp_t *navcomp, uint64_t now_us)
     (void)tumble_nmt_set_consumer(nmt, WATCHES_BLOCK, watched_block(navcomp));
 }
 
-/* The process data need no look: while there is a drive they are held, and its bring-up sets them. */
+/* Process data need no check: while there is a drive nobody can write them, and its bring-up sets them. */
 bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
 {
     const tumble_nmt_t *nmt = &navcomp->node.nmt;

@@ -1,7 +1,8 @@
 /* uncertainty.h - the standard uncertainties that the navigation computer itself states of its result.
  *
  * Computed when asked for, from what the board declares of its stand; nothing is kept here, and a board that never asks
- * does not link it. The keeper asks once a result, coefficient by coefficient, and serves what it was told (2023h, 2024h).
+ * does not link it. The keeper asks once a result, coefficient by coefficient, and serves what it was told (2023h,
+ * 2024h).
  */
 #ifndef TUMBLE_NAVCOMP_UNCERTAINTY_H
 #define TUMBLE_NAVCOMP_UNCERTAINTY_H
@@ -20,13 +21,14 @@ typedef struct tumble_declared {
 
 #define TUMBLE_ALL_COEFFICIENTS 0x0FFFU
 
-/* Of the result at hand, for the estimator that is configured: before another one is written for the next run.
- * `coefficients`: bits of those to be judged by this call (0 to 11: K row by row, then U0); the others are left as they
- * are. All of them take a Cortex-M4 without floating point hardware 0.7 million instructions (`refined`) to 1.2 million
- * (`least_squares`) for 18 positions: a control loop takes one a step, coefficient 0 first, which alone has a gain record
- * checked. `uncertainty` is written on TUMBLE_OK, and all of it set to zero on _NOT_FINITE.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), _ARGUMENT (null; nothing declared; no coefficient; a number out of
- * range), or as the function of tumble/core.h. */
+/* Standard uncertainties of the present result, for the configured estimator. Ask before another estimator is written
+ * for the next run. `coefficients`: bits of those that this call computes (0 to 11: K row by row, then U0); the others
+ * are left as they are. All twelve take a Cortex-M4 without floating point hardware 0.7 million instructions
+ * (`refined`) to 1.2 million (`least_squares`) for 18 positions: a control loop computes one in each step, beginning
+ * with coefficient 0, the only one with which a gain record is checked. `uncertainty` is written on TUMBLE_OK, and set
+ * to zero on TUMBLE_E_NOT_FINITE.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), TUMBLE_E_ARGUMENT (null; nothing declared; no coefficient; a number
+ * out of range), or as the estimator's function in tumble/core.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);
 

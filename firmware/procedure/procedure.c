@@ -67,8 +67,8 @@ static outcome_t watch(tumble_procedure_t *procedure, unsigned watched)
     return OUTCOME_STAY;
 }
 
-/* The table's angle changes with a report of the stand alone, and a step follows every report: so a sample, which comes far
- * more often, need not look at what takes floating point. */
+/* The table's angle changes only with a report of the stand, and a step follows every report. So this check, which
+ * needs floating point, need not run for samples, which come far more often. */
 enum { BETWEEN_REPORTS = WATCH_BUS | WATCH_STAND | WATCH_BLOCK };
 
 static outcome_t look(tumble_procedure_t *procedure, unsigned watched)
@@ -77,8 +77,8 @@ static outcome_t look(tumble_procedure_t *procedure, unsigned watched)
     return (outcome == OUTCOME_STAY) ? act(procedure, row_of(procedure)->poll) : outcome;
 }
 
-/* Follow the table until there is something to wait for. So it makes no difference how many steps lie between two
- * samples. Ends: every way round the table waits for a sample or for the stand. */
+/* Follow the table until a state waits for something, so that the number of steps between two samples makes no
+ * difference. Terminates: every cycle contains a state that waits for a sample or for the stand. */
 static void follow(tumble_procedure_t *procedure, outcome_t outcome)
 {
     while (outcome != OUTCOME_STAY) {

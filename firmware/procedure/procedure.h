@@ -3,15 +3,13 @@
  * It knows the core and the stand interface, no bus and no clock: time comes in as a parameter, samples are handed in.
  * The caller owns the object and every configuration; nothing is allocated, no function waits. Not re-entrant.
  *
- * What decides about settling and averaging is only what arrives: the stand's report of being in position, then the
- * block's samples with their own counters and timestamps. The time parameter drives timeouts alone, so a recorded run
- * replays to the same bits anywhere. Every state that waits for something has a bounded time; IDLE, DONE, FAULT and
- * ABORT wait for nothing and leave the table at rest.
+ * Settling and averaging depend only on what arrives: the stand's report of being in position, then the block's samples
+ * with their own counters and timestamps. The time parameter drives timeouts alone, so a recorded run replays to the
+ * same bits anywhere. Every state that waits for something has a bounded time; IDLE, DONE, FAULT and ABORT wait for
+ * nothing and leave the table at rest.
  *
- * The way of a run (procedure_table.c): PREFLIGHT, WARM_UP, NEXT; for every position WAIT_MOUNTING (passed at once when
- * the right mounting is confirmed), HOME (passed when the table is homed), MOVE, SETTLE, AVERAGE, NEXT; when nothing is
- * left SOLVE, VERIFY, PROPOSE, DONE. A fault stops the table and keeps what was measured: `resume` goes through
- * PREFLIGHT to NEXT again, which picks the first position without a mean, the current mounting's before others.
+ * The way of a run is in procedure_table.c. A fault stops the table and keeps what was measured: `resume` goes through
+ * PREFLIGHT to NEXT again, which picks the first position without a mean, those of the current mounting first.
  */
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_H
 #define TUMBLE_PROCEDURE_PROCEDURE_H
@@ -24,8 +22,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own: a computer that does not use it need not hold it. Set
- * to tumble_optimal_check and tumble_optimal_estimate of tumble/core.h, `source` to a tumble_optimal_source_t. */
+/* The estimator behind TUMBLE_ESTIMATE_OPTIMAL, with data of its own, so that a computer that does not use it need not
+ * link it. Set `check` and `estimate` to tumble_optimal_check and tumble_optimal_estimate of tumble/core.h, `source` to
+ * a tumble_optimal_source_t. */
 typedef struct {
     tumble_status_t (*check)(const void *source, const tumble_schedule_t *schedule);
     tumble_status_t (*estimate)(const void *source, const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -142,23 +141,25 @@ typedef struct {
 } tumble_procedure_t;
 
 /* Would a run with this configuration be refused at once? PREFLIGHT asks the same. `reason` (may be null) receives
- * TUMBLE_REASON_NONE, _CONFIGURATION, _SCHEDULE or _CABLE_LIMIT. Returns TUMBLE_OK, _ARGUMENT (a number out of
- * range, or a position with no table angle within the cable's limits), or what tumble_schedule_validate, _identify
- * or (for the harmonic estimators) _harmonic says. */
+ * TUMBLE_REASON_NONE, TUMBLE_REASON_CONFIGURATION, TUMBLE_REASON_SCHEDULE or TUMBLE_REASON_CABLE_LIMIT.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (a number out of range, or a position with no table angle within the cable's
+ * limits), or what tumble_schedule_validate, tumble_schedule_identify or (for the harmonic estimators)
+ * tumble_schedule_harmonic returns. */
 tumble_status_t tumble_procedure_validate(const tumble_procedure_config_t *config, tumble_reason_t *reason);
 
-/* Get ready, in IDLE. Both are kept by reference. In IDLE, DONE and ABORT the numbers of the configuration may
- * change, with `start` as the next command; the schedule and the pointers to it only before init. The configuration
- * is checked when a run starts or goes on. Returns TUMBLE_OK, or _ARGUMENT (null). */
+/* Get ready, in IDLE. The procedure keeps pointers to `config` and `stand`. In IDLE, DONE and ABORT the numbers of the
+ * configuration may change if `start` is the next command; the schedule and the pointers may change before init only.
+ * The configuration is checked when a run starts or goes on.
+ * Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT (null). */
 tumble_status_t tumble_procedure_init(tumble_procedure_t *procedure, const tumble_procedure_config_t *config,
                                       const tumble_stand_t *stand);
 
-/* Let time pass: look at the stand, go on, watch the timeouts. `now_us` never goes back. It may be called as often as
- * one likes; call it after every frame handed to the stand, so that a replay sees the stand in the same states. */
+/* Let time pass: look at the stand, go on, watch the timeouts. `now_us` never goes back. Call it after every frame
+ * handed to the stand, so that a replay sees the stand in the same states; more often does no harm. */
 void tumble_procedure_step(tumble_procedure_t *procedure, uint64_t now_us);
 
-/* The moment at which step has something to do by itself, a timeout of the present state; 0: at once; UINT64_MAX: never.
- * Silence of the block counts from the first step after its last sample. */
+/* The moment at which step has something to do by itself, a timeout of the present state; 0: at once; UINT64_MAX:
+ * never. Silence of the block counts from the first step after its last sample. */
 uint64_t tumble_procedure_next_us(const tumble_procedure_t *procedure);
 
 /* Which mean a sample went into. Ordinal 1: the position begins (again), what it held before is forgotten. */
@@ -167,14 +168,14 @@ typedef struct {
     uint32_t ordinal; /* 1 to the number of samples per position */
 } tumble_taken_t;
 
-/* Hand in one sample, in the order of arrival. True: it went into a mean, and `taken` (may be null) tells which.
- * What is refused or not wanted is counted and needs nothing from the caller. */
+/* Hand in one sample, in the order of arrival. True: it went into a mean, and `taken` (may be null) tells which. A
+ * sample that is refused or not wanted is counted; the caller need do nothing. */
 bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
                              tumble_taken_t *taken);
 
-/* What the sample source could not hand in, in the order of arrival with the samples: frames refused as corrupted and
- * samples missing since the last call. Corrupted frames are judged per position; missing samples are only counted here,
- * because the averaging follows the sample counter by itself. */
+/* Tell of what the sample source could not hand in, in the order of arrival with the samples: frames refused as
+ * corrupted and samples missing since the last call. Corrupted frames are judged per position; missing samples are only
+ * counted here, because the averaging follows the sample counter by itself. */
 void tumble_procedure_sample_faults(tumble_procedure_t *procedure, uint16_t corrupted, uint16_t lost);
 
 /* Is the block's heartbeat there, is the bus up? Both count as true until told otherwise; telling again is harmless.
@@ -186,13 +187,13 @@ void tumble_procedure_set_bus_up(tumble_procedure_t *procedure, bool up);
 void tumble_procedure_set_supervised(tumble_procedure_t *procedure, bool supervised);
 
 /* Commands. Each returns TUMBLE_OK, TUMBLE_E_STATE when the state does not allow it, or TUMBLE_E_ARGUMENT; refusals are
- * counted. Which state allows what stands in procedure_table.c. */
+ * counted. Each comment ends with the states that allow the command (procedure_table.c). */
 
 /* Begin a run; results of the last one are gone. IDLE, DONE, ABORT. */
 tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure);
 
-/* Stop the table and give up. Every state of a run, and FAULT. The table is stopped even when the command is
- * refused. */
+/* Stop the table and give up. The table is stopped even when the command is refused. Every state of a run, and
+ * FAULT. */
 tumble_status_t tumble_procedure_abort(tumble_procedure_t *procedure);
 
 /* The same for another reason than a command, in the same states; else nothing, not even a count. */
@@ -200,32 +201,33 @@ void tumble_procedure_give_up(tumble_procedure_t *procedure, tumble_reason_t rea
 
 /* The mounting with this number has been put on the table; its positions are (all) measured from now on. WAIT_MOUNTING,
  * and FAULT when it came from the mounting (not confirmed, wrong, swapped channels): the run then goes on at once.
- * _ARGUMENT: another mounting is wanted. */
+ * TUMBLE_E_ARGUMENT: another mounting is wanted. */
 tumble_status_t tumble_procedure_confirm_mounting(tumble_procedure_t *procedure, uint8_t mounting);
 
-/* Go on at the failed position after a fault has been mended; a fault of the stand is cleared first. FAULT.
- * In IDLE, once means have been put back by `restore`: go on with that run. Mounting and homing are asked for again; the
- * first mounting that is confirmed keeps its means, so whoever confirms it says that nobody has touched the block. If
- * somebody has, it is to be repeated (repeat_mounting). */
+/* Go on at the failed position after a fault has been mended; a fault of the stand is cleared first. FAULT. In IDLE,
+ * once means have been put back by `restore`: go on with that run. Mounting and homing are asked for again. The first
+ * mounting that is confirmed keeps its means: confirming it says that nobody has touched the block. If somebody has,
+ * repeat it (tumble_procedure_repeat_mounting). */
 tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure);
 
-/* Put back the mean of a position, finished by a run that then lost power; all in the order in which they were measured.
- * IDLE, before `resume`; `start` forgets them. The configuration must have passed tumble_procedure_validate. The mean
- * must pass the gates (tumble_averaging_restore) and the checks of direction and closure, as it did then. Returns
- * TUMBLE_OK, _STATE, _ARGUMENT (index; a mean that this run would not have kept), or what the gates say; refused, the
- * position counts as not measured. */
+/* Put back the mean of a position that a run had finished before it lost power. Put back all of them in the order in
+ * which they were measured, in IDLE, before `resume`; `start` forgets them. The configuration must have passed
+ * tumble_procedure_validate. The mean must pass the gates (tumble_averaging_restore) and the checks of direction and
+ * closure again. If it is refused, the position counts as not measured.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE, TUMBLE_E_ARGUMENT (index; a mean that this run would not have kept),
+ * TUMBLE_E_TOO_FEW, TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. */
 tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index,
                                          const tumble_average_t *average);
 
-/* Measure one position anew. Only of the mounting that is on the table, because every mounting sits a little
+/* Measure one position anew. It must be of the mounting that is on the table, because every mounting sits a little
  * differently: TUMBLE_E_STATE otherwise. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
 tumble_status_t tumble_procedure_repeat_position(tumble_procedure_t *procedure, uint8_t index);
 
 /* Measure a mounting anew, from mounting it. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
 tumble_status_t tumble_procedure_repeat_mounting(tumble_procedure_t *procedure, uint8_t mounting);
 
-/* Looks that cost nothing, for those who look at every step. The mark changes exactly when state, reason, position or
- * attempt do; 0 before the first start. */
+/* Two cheap views for a caller that looks at every step. The mark changes exactly when state, reason, position or
+ * attempt change; it is 0 before the first start. */
 static inline tumble_state_t tumble_procedure_state(const tumble_procedure_t *procedure)
 {
     return procedure->state;
@@ -265,7 +267,7 @@ tumble_status_t tumble_procedure_running(const tumble_procedure_t *procedure, do
 /* The finished means, as in tumble/core.h; valid as long as the object. */
 const tumble_averaging_t *tumble_procedure_averages(const tumble_procedure_t *procedure);
 
-/* What a run found. A result that fails the gravity check is a result all the same, with `pass` false. */
+/* The result of a run. A result that fails the gravity check is a result, too, with `pass` false. */
 typedef struct {
     const tumble_coefficients_t *coefficients;
     const tumble_calibration_t *calibration;
@@ -283,7 +285,8 @@ bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t inde
  * scale, in g; 0 before it is complete, or when it has no such pair. */
 double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index);
 
-/* Which positions or coefficients made an estimator or a schedule be refused (tumble/core.h); zeros otherwise. */
+/* Which positions or coefficients made an estimator refuse, or a schedule be refused (tumble/core.h); zeros
+ * otherwise. */
 tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure);
 
 const tumble_procedure_counters_t *tumble_procedure_counters(const tumble_procedure_t *procedure);

@@ -66,8 +66,9 @@ static outcome_t finish_position(tumble_procedure_t *procedure)
     return (status == TUMBLE_OK) ? check_position(procedure) : tumble_refuse_position(procedure, status);
 }
 
-/* Now and then, from the smallest number of samples on: the more often one looks, the luckier the scatter one stops
- * on. */
+/* Look at the standard error every eighth sample only, from the smallest number of samples on. Stopping on a small
+ * scatter prefers scatters that are small by chance; the more often one looks, the more the error is understated
+ * (docs/method.md, "Averaging as long as needed"). */
 static bool is_good_enough(const tumble_procedure_t *procedure, uint32_t taken)
 {
     const uint32_t smallest = procedure->config->averaging->min_samples;
@@ -75,7 +76,7 @@ static bool is_good_enough(const tumble_procedure_t *procedure, uint32_t taken)
            is_certain(procedure, false);
 }
 
-/* Is there more to wait for? A position that will be refused anyway is given up at once. */
+/* Is the position complete? One that will be refused anyway is given up at once. */
 static bool is_complete(const tumble_procedure_t *procedure, tumble_status_t last)
 {
     const uint32_t taken = tumble_averaging_samples(&procedure->averaging);

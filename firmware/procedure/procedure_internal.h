@@ -126,11 +126,12 @@ void tumble_forget_position(tumble_procedure_t *procedure, uint8_t index);
 /* The position is refused with this status: another attempt (OUTCOME_OTHER) if that may help and one is left. */
 outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status);
 
-/* Does gravity in the mean of the position point where it should? TUMBLE_REASON_NONE, _WRONG_MOUNTING,
- * _SWAPPED_CHANNELS, _SLIP. */
+/* Does gravity in the mean of the position point where it should?
+ * Returns TUMBLE_REASON_NONE, TUMBLE_REASON_WRONG_MOUNTING, TUMBLE_REASON_SWAPPED_CHANNELS or TUMBLE_REASON_SLIP. */
 tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint8_t index);
 
-/* If the mounting of the position is complete, note its closure. TUMBLE_REASON_NONE, or _SLIP when it is too large. */
+/* If the mounting of the position is complete, note its closure.
+ * Returns TUMBLE_REASON_NONE, or TUMBLE_REASON_SLIP when the closure is too large. */
 tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t index);
 
 /* The table angle for a scheduled one: itself, or a whole number of turns off so that it and the way up to it lie

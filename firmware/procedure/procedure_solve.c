@@ -37,7 +37,7 @@ outcome_t tumble_solve_poll(tumble_procedure_t *procedure)
     return (status == TUMBLE_OK) ? OUTCOME_DONE : fail_to_solve(procedure, status);
 }
 
-/* The means make room for what is found with them; they can be made again from the averages. */
+/* The check takes the memory of the means; they can be made again from the averages. */
 outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
 {
     tumble_gravity_check_t found;
@@ -52,7 +52,7 @@ outcome_t tumble_verify_poll(tumble_procedure_t *procedure)
     return OUTCOME_DONE;
 }
 
-/* A result that fails the check is offered as what it is: readable, and not passing. */
+/* A result that fails the check is offered too: it is readable, with `pass` false. */
 outcome_t tumble_propose_poll(tumble_procedure_t *procedure)
 {
     procedure->solved = true;

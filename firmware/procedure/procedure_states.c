@@ -50,7 +50,8 @@ outcome_t tumble_preflight_enter(tumble_procedure_t *procedure)
     return OUTCOME_STAY;
 }
 
-/* A stand that is still enforcing a stop is asked again. What fails after the fault was cleared is not cleared unasked. */
+/* A stand that is still enforcing a stop refuses: ask again at the next step. Once it has accepted, a new fault is not
+ * cleared without a command. */
 static void clear_fault(tumble_procedure_t *procedure)
 {
     if (procedure->clearing) {
@@ -140,7 +141,8 @@ outcome_t tumble_warm_up_sample(tumble_procedure_t *procedure, const tumble_bloc
     return procedure->warm ? OUTCOME_DONE : OUTCOME_STAY;
 }
 
-/* NEXT and WAIT_MOUNTING: what is left of the mounting on the table, then whatever is left. */
+/* NEXT and WAIT_MOUNTING: first the positions that are left of the mounting on the table, then those of the others, so
+ * that nobody has to mount the block more often than needed. */
 
 outcome_t tumble_next_enter(tumble_procedure_t *procedure)
 {
@@ -181,7 +183,21 @@ outcome_t tumble_home_poll(tumble_procedure_t *procedure)
     return procedure->homed ? OUTCOME_DONE : OUTCOME_STAY;
 }
 
-/* MOVE: always up to the angle; from above, or from too near below, first to a point below it. */
+/* MOVE: always up to the angle. Play in a gear leaves the table at two places, one for each direction; coming from
+ * below every time, all positions have the same error, which is one error of the table's zero.
+ *
+ *     angle
+ *       ^                                       o  here: above the target
+ *       |                                        :
+ *     target  - - - - - - - - +--- measured - - - : - - - - - - - - - - +--- measured
+ *       |                    /                     :                   /
+ *       |                   /                       :                 /  second move
+ *     target - approach_deg  - - - - - - - - - - - - +---------------+
+ *       |                 /                             first move, `leading_in`
+ *       |   o-------------   here: far enough below, one move
+ *
+ * A `here` between the two lines, or one that is no number, leads in as well: what is not known to be below is above.
+ */
 
 static outcome_t command_move(tumble_procedure_t *procedure, double angle_deg)
 {
@@ -217,7 +233,8 @@ outcome_t tumble_move_poll(tumble_procedure_t *procedure)
     return OUTCOME_DONE;
 }
 
-/* SETTLE: so much of the block's own time since the stand came into position, and stayed there. */
+/* SETTLE: wait until settle_ms of the block's own time have passed since the stand came into position and stayed there.
+ * The local clock does not count here: a replayed log must settle at the same sample. */
 
 outcome_t tumble_settle_enter(tumble_procedure_t *procedure)
 {
@@ -240,7 +257,8 @@ outcome_t tumble_settle_poll(tumble_procedure_t *procedure)
     return (procedure->settled_ms >= procedure->config->settle_ms) ? OUTCOME_DONE : OUTCOME_STAY;
 }
 
-/* A sample whose counter is not ahead of the last one's tells no time. */
+/* The block's timestamp wraps after 4.096 s, so times are added up from sample to sample. A sample that came twice or
+ * late (its counter is not ahead of the last one's) would add nearly a whole period: it tells no time. */
 outcome_t tumble_settle_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
                                tumble_taken_t *taken)
 {
@@ -280,7 +298,8 @@ outcome_t tumble_fault_enter(tumble_procedure_t *procedure)
     return OUTCOME_STAY;
 }
 
-/* A drive tells its error code and what kind of fault it was in messages of their own, maybe a moment later. */
+/* A drive sends its error code, and what kind of fault it is, in messages of their own, which may come a moment
+ * later. */
 outcome_t tumble_fault_poll(tumble_procedure_t *procedure)
 {
     const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);
@@ -299,7 +318,7 @@ outcome_t tumble_abort_enter(tumble_procedure_t *procedure)
     return OUTCOME_STAY;
 }
 
-/* A table that does not stop matters more than why it was told to. */
+/* That the table does not stop matters more than why it was told to. */
 outcome_t tumble_abort_poll(tumble_procedure_t *procedure)
 {
     const bool stand_fault = (tumble_stand_state(procedure) == TUMBLE_STAND_FAULT);

@@ -12,6 +12,19 @@ static_assert(sizeof(tumble_procedure_config_t) <= UINT8_MAX, "an offset into th
 #define IN_MOTION COMMAND_ABORT
 #define AT_REST (COMMAND_ABORT | COMMAND_REPEAT)
 
+/* The way of a run. `>`: passed at once when it is so already. Every state of a run leads to FAULT or ABORT too.
+ *
+ *     IDLE --start--> PREFLIGHT --> WARM_UP --> NEXT --> WAIT_MOUNTING > HOME > MOVE --> SETTLE --> AVERAGE
+ *                         ^                     ^  |     (confirmed)   (homed)             ^         |  |
+ *                      resume                   |  |                                       + another +  |
+ *                         |                     |  | nothing is left                         attempt    |
+ *                       FAULT                   |  |                                                    |
+ *                                               +--|------------ the position has its mean -------------+
+ *                                                  v
+ *                                                SOLVE --> VERIFY --> PROPOSE --> DONE
+ *
+ * No run goes on for ever: attempts are counted, and every state of a run that waits has a timeout.
+ */
 /* clang-format off */
 const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT] = {
     [TUMBLE_STATE_IDLE] = {

@@ -1,12 +1,12 @@
 /* at_rest.h - mean and scatter of so many samples in a row, on a table that somebody else has brought to rest.
  *
- * For whoever checks a stand without calibrating on it: how well it comes back to a place, how much it is tilted there,
- * how much noise there is. The sums are integers and exact, so neither number depends on the order of the samples: the
- * mean is one correctly rounded division, the variance is right to some units of the last place.
+ * It serves the check of a stand without a calibration: how well the table comes back to a place, how much it is tilted
+ * there, how much noise there is. The sums are integers and exact, so neither number depends on the order of the
+ * samples: the mean is one correctly rounded division, the variance is right to some units of the last place.
  *
- * A sample passes the gates that the samples of a run pass (core/accumulator.h). One that is refused is counted as spoilt
- * and the measurement goes on without it, for whoever asked decides how many are too many. Samples that never came are
- * counted as spoilt by the counter of the next.
+ * A sample passes the gates that the samples of a run pass (core/accumulator.h). A refused sample is counted as spoilt
+ * and the measurement goes on without it; the user decides how many are too many. Samples that never came are counted
+ * as spoilt when the next one comes.
  *
  * The caller owns the object; nothing is allocated, nothing waits. Not re-entrant on one object.
  */
@@ -44,8 +44,8 @@ typedef struct {
     uint16_t spoilt; /* stays at UINT16_MAX */
 } tumble_at_rest_view_t;
 
-/* Forget what was measured and begin anew: TUMBLE_AT_REST_MIN_SAMPLES or more are wanted, or 0: none. Returns TUMBLE_OK
- * or _ARGUMENT (1): then nothing has changed. */
+/* Forget what was measured and begin anew: TUMBLE_AT_REST_MIN_SAMPLES or more are wanted, or 0: none.
+ * Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT (1 sample is wanted): then nothing has changed. */
 tumble_status_t tumble_at_rest_begin(tumble_at_rest_t *at_rest, uint16_t wanted);
 
 /* Every sample that comes; what is not wanted (any more) is not looked at. `dropped`: how many frames of the block came
@@ -53,8 +53,9 @@ tumble_status_t tumble_at_rest_begin(tumble_at_rest_t *at_rest, uint16_t wanted)
 void tumble_at_rest_take(tumble_at_rest_t *at_rest, const tumble_averaging_config_t *config,
                          const tumble_block_sample_t *sample, uint32_t dropped);
 
-/* The numbers of samples, and with all that were wanted what they tell: TUMBLE_OK. Else TUMBLE_E_TOO_FEW, and means and
- * deviations are 0. `v_per_count` finite, not 0. */
+/* The numbers of samples and, once all that were wanted have come, their means and deviations. `v_per_count` finite,
+ * not 0.
+ * Returns TUMBLE_OK, or TUMBLE_E_TOO_FEW: some are still missing, and means and deviations are 0. */
 tumble_status_t tumble_at_rest_view(const tumble_at_rest_t *at_rest, double v_per_count, tumble_at_rest_view_t *view);
 
 #endif

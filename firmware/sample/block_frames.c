@@ -3,6 +3,18 @@
 #include "core/bytes.h"
 #include "core/count.h"
 
+/* A sample is two frames. The second carries seven bits of the first one's counter, so halves of different samples do
+ * not pair:
+ *
+ *     683h  x y  7   \  a sample,            683h  x y  7      (the 693h of 7 is lost)
+ *     693h  z   15   /  for 15 = 2 * 7 + 1
+ *     683h  x y  8   \                       683h  x y  8      the half before has no partner: lone_halves
+ *     693h  z   17   /  a sample             693h  z   17      a sample; 7 was never handed on: lost
+ *
+ * The counter has eight bits and is widened to sixteen. A step forward of n, 1 to 127, means n - 1 lost samples; a step
+ * of 128 to 255 is an old sample that came late. Eight bits cannot tell a longer silence from that: a timeout must end
+ * it.
+ */
 enum { PENDING_XY = 1, PENDING_Z = 2, HAS_COUNTER = 4 };
 
 enum { XY_COUNTER = 6, Z_COUNTER = 3, Z_TIMESTAMP = 4, Z_TEMPERATURE = 6, CRC = 7 };
@@ -142,7 +154,7 @@ static tumble_block_event_t receive_xy(tumble_block_receiver_t *receiver, const 
     return TUMBLE_BLOCK_HALF;
 }
 
-/* Both halves are there: follow the sample counter. A step backwards by up to 128 is an old sample. */
+/* Both halves are there: follow the sample counter. */
 static tumble_block_event_t complete(tumble_block_receiver_t *receiver, const uint8_t *data,
                                      tumble_block_sample_t *sample)
 {

@@ -21,7 +21,7 @@ void tumble_sets_try_history_again(tumble_sets_t *sets)
     sets->stale = sets->stale || (sets->history_tries != 0U);
 }
 
-/* A commit whose entry in the history a loss of power or the memory prevented is caught up on here. */
+/* Append the history entry of a commit that a loss of power or a failing memory has prevented. */
 static void write_history(tumble_sets_t *sets, const tumble_set_t *set)
 {
     tumble_history_entry_t entry;
@@ -55,7 +55,7 @@ static void note_change(tumble_sets_t *sets)
 
 /* Decay: the history knows of a set that the store no longer has. */
 
-/* The event goes into the history once, however often power comes back: has the newest entry told it? */
+/* A decay goes into the history once, however often power comes back: is the newest entry about it already? */
 TUMBLE_ONE_COPY void tumble_sets_record_decay(tumble_sets_t *sets)
 {
     tumble_history_entry_t entry;

@@ -35,7 +35,7 @@ bool tumble_sets_rules_are_other(const tumble_sets_t *sets)
     return tumble_sets_rules(sets) != sets->rules;
 }
 
-/* What was saved is the board's, too: from when it is in force, or has been written. */
+/* Saved rules count as the board's as soon as they are in force or have been written. */
 
 void tumble_sets_save_rules(tumble_sets_t *sets, bool save)
 {

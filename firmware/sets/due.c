@@ -6,8 +6,8 @@
 
 #include <stddef.h>
 
-/* Whole seconds. By way of doubles, because a division of 64 bits comes with 700 bytes of library and nobody else here
- * divides so; what they round is put right. */
+/* Whole seconds. A division of 64 bits would link 700 bytes of library that nothing else here needs, so divide as
+ * doubles and correct what they round. */
 uint64_t tumble_sets_whole_s(uint64_t us)
 {
     const uint64_t seconds = tumble_whole((double)us / (double)TUMBLE_US_PER_S);
@@ -70,8 +70,8 @@ bool tumble_sets_is_inhibited(const tumble_sets_t *sets)
     return (sets->now_us < sets->inhibit_us) || ((config->inhibited != NULL) && config->inhibited(config->context));
 }
 
-/* A run that waits for a fault to be mended keeps what it has measured: the table rests, and going on is refused. One that
- * began between two looks at a contact that bounces is given up as well. */
+/* A run that waits in FAULT keeps what it has measured: the table rests, and RESUME is refused. A run that began
+ * between two readings of a bouncing contact is given up as well. */
 tumble_sets_wish_t tumble_sets_hold_off(tumble_sets_t *sets, uint64_t now_us)
 {
     const tumble_sets_run_t *at_hand = sets->run;
@@ -92,7 +92,8 @@ void tumble_sets_pause(tumble_sets_t *sets)
     sets->pause_us = sets->now_us + ((uint64_t)sets->settings.pause_s * TUMBLE_US_PER_S);
 }
 
-/* What somebody should look at first keeps it from starting: the table, a proposal, a run that could be gone on with. */
+/* Do not start by itself while somebody should look first: at the table, at a proposal, at a run that can be
+ * resumed. */
 TUMBLE_ONE_COPY bool tumble_sets_start(tumble_sets_t *sets)
 {
     const tumble_sets_run_t *at_hand = sets->run;

@@ -1,4 +1,14 @@
-/* From a result to a verdict. */
+/* From a result to a verdict, a part in each step:
+ *
+ *     run_done --> UNCERTAINTY, 12 steps --> FIT, a step a position --+
+ *         |                                                           v
+ *         `-- no stand is declared ---------------------------> COMPARE_SETS --> COMPARE_HISTORY --> DECIDE
+ *
+ *     DECIDE: seen before: store nothing    no objection: commit    else: hold
+ *
+ * All of it takes some 100 ms. Meanwhile the means must stay as they are, so commands that begin a run or measure anew
+ * are refused (tumble_sets_allow).
+ */
 #include "sets/parts.h"
 
 #include "core/arith.h"
@@ -61,7 +71,8 @@ static uint32_t count_samples(const tumble_sets_t *sets)
     return samples;
 }
 
-/* Rules that were others when the run was done are held against it even if they are the board's when it is decided. */
+/* Rules other than the board's when the run was done are an objection, even if the board's are in force again when it
+ * is decided. */
 static void note_rules(tumble_sets_t *sets)
 {
     const bool others = tumble_sets_rules_are_other(sets);
@@ -92,8 +103,8 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     begin_task(sets, (sets->owner->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
 }
 
-/* What it is worth, by the declared stand. Both questions take a processor without floating point hardware a million
- * instructions and more: so a part a step. */
+/* What the result is worth, by the declared stand. Uncertainty and fit take a processor without floating point hardware
+ * a million instructions and more, so each step does a part. */
 
 /* One coefficient. Without all twelve there are none. */
 static void judge_uncertainty(tumble_sets_t *sets)
@@ -132,8 +143,8 @@ static void judge_fit(tumble_sets_t *sets)
     }
 }
 
-/* Has the store held it before? Noise makes no two runs alike to the last bit: one that is was not measured, it was
- * replayed, or it is the same one, offered again. */
+/* Has the store held these coefficients before? Noise makes every run different in the last bits. Equal coefficients
+ * were not measured: the run was replayed, or the same result is offered again after a loss of power. */
 
 static bool are_same(const tumble_coefficients_t *a, const tumble_coefficients_t *b)
 {
@@ -205,8 +216,8 @@ static void begin_job(tumble_sets_t *sets, uint8_t job, tumble_status_t status)
     tumble_sets_begin_job(sets, job, status);
 }
 
-/* An active set that is dated after the present says nothing of what is older: a clock that was ahead once would else hold
- * every set for years. It counts as one without a date; TUMBLE_DUE_DATE tells of it. */
+/* An active set that is dated after the present counts as one without a date. Otherwise a clock that was ahead once
+ * would hold every later set as "older", for years. TUMBLE_DUE_DATE tells of such a date. */
 static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
 {
     if ((active != NULL) && tumble_sets_is_ahead(sets, active->date_utc_s, 0)) {

@@ -22,7 +22,7 @@ void tumble_sets_run_began(tumble_sets_t *sets)
     sets->wants = (uint8_t)((sets->wants & ~(unsigned)WANT_CLEAR) | WANT_BEGIN);
 }
 
-/* A mean that is gone must not come back with the next power-on: the checkpoint is written anew without it. */
+/* A mean that was dropped must not come back with the next power-on: write the checkpoint anew without it. */
 void tumble_sets_run_measured(tumble_sets_t *sets)
 {
     const uint64_t measured = sets->run->measured;
@@ -33,7 +33,8 @@ void tumble_sets_run_measured(tumble_sets_t *sets)
     }
 }
 
-/* None is to be begun or added to: what is there, of this run or the one before, is no run to go on with. */
+/* Clear the checkpoint instead of beginning it or adding to it: neither this run nor the one before shall be
+ * resumed. */
 static void clear_instead(tumble_sets_t *sets)
 {
     sets->wants = (uint8_t)((sets->wants & ~(unsigned)(WANT_BEGIN | WANT_APPEND)) | WANT_CLEAR);
@@ -59,8 +60,8 @@ void tumble_sets_run_forgotten(tumble_sets_t *sets)
 
 /* The checkpoint. */
 
-/* There is none, for it could not be written. All that is measured so far counts as saved, so that the next mean is what
- * it is tried again for, and not the next step. */
+/* The write failed, so there is no checkpoint. Retry after the next position, not at every step: until then all means
+ * count as saved. */
 TUMBLE_ONE_COPY static void put_off(tumble_sets_t *sets)
 {
     sets->has_checkpoint = false;
@@ -106,8 +107,9 @@ static void end_well(tumble_sets_t *sets)
     sets->trying = TRYING_NOTHING;
 }
 
-/* Is there anything to be tried? A failure may cost all of it, and what is left of the run before must go: it is no run
- * to go on with, and one that cannot be read now may be there at the next power-on. */
+/* Should the failed job of the checkpoint be retried? A mean, only while there is a checkpoint: the failure may have
+ * cost all of it. A clear, in any case: what is left of the run before must not be resumed, and a record that cannot be
+ * read now may be readable at the next power-on. */
 static bool is_to_be_tried(const tumble_sets_t *sets)
 {
     bool to_be_tried = sets->checkpoint.kept && sets->has_checkpoint;

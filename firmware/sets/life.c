@@ -137,7 +137,7 @@ static tumble_status_t want(tumble_sets_t *sets, unsigned wanted, tumble_which_s
     return TUMBLE_OK;
 }
 
-/* The proposal that is meant is named by its CRC: what was read is what becomes active. */
+/* The caller names the proposal by its CRC, so that the set that was read is the one that becomes active. */
 tumble_status_t tumble_sets_accept(tumble_sets_t *sets, uint32_t named)
 {
     const bool other = (tumble_store_proposal(&sets->store) != named) || (named == 0U);
@@ -171,7 +171,7 @@ bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool mo
     } else if (moves) {
         sets->was_inhibited = false; /* whatever the last step saw: the next one is to see when it begins again */
     } else {
-        /* anything else is none of our business */
+        /* any other command is allowed */
     }
     return !refused && !inhibited;
 }

@@ -40,7 +40,7 @@ bool tumble_log_is_blank(const tumble_log_t *log, const uint8_t *bytes)
     return log->was_read && tumble_nv_is_blank(bytes, log->kind->cell_bytes);
 }
 
-/* After the first look a torn cell is an attempt that failed, and was counted as such. */
+/* Torn cells count at the boot scan only: later ones are failed attempts, which have been counted. */
 void tumble_log_note(tumble_log_t *log, bool valid)
 {
     const uint8_t cells = log->kind->cells;

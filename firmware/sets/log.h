@@ -1,8 +1,8 @@
 /* log.h - cells of one size in two sectors, written one behind the other (private to the room).
  *
- * A log looks through its cells, erases a sector, programs a cell and reads it back: what that means is its owner's to
- * know. A step makes at most one call of the memory, and returns what has come of it: a cell was looked at, a job is done.
- * Then the owner goes on: with the next cell, with the next job of the plan, or not at all.
+ * A log scans its cells, erases a sector, programs a cell and reads it back; its owner knows what the cells mean. A
+ * step makes at most one call of the memory and returns its outcome: a cell was read, or a job is done. Then the owner
+ * goes on with the next cell, with the next job of its plan, or not at all.
  */
 #ifndef TUMBLE_SETS_LOG_H
 #define TUMBLE_SETS_LOG_H
@@ -19,29 +19,30 @@ typedef enum {
     TUMBLE_LOG_FAILED       /* it is not: all cells are looked at anew */
 } tumble_log_event_t;
 
-/* Returns TUMBLE_OK: look through all cells; or TUMBLE_E_ARGUMENT or TUMBLE_E_NV as tumble_regions_check: then nothing is
- * ever under way, and TUMBLE_E_STATE the outcome. */
+/* Returns TUMBLE_OK (the scan of all cells has begun), or TUMBLE_E_ARGUMENT or TUMBLE_E_NV as tumble_regions_check:
+ * then nothing is ever under way, and the outcome is TUMBLE_E_STATE. */
 tumble_status_t tumble_log_open(tumble_log_t *log, const tumble_log_kind_t *kind, const tumble_nv_t *nv);
 
-/* Look through all cells. */
+/* Start the scan of all cells. */
 void tumble_log_scan(tumble_log_t *log);
 
-/* A cell is blank; or it holds something, and the next entry goes behind it; `valid`: or is torn. */
+/* Is this cell blank? If not, note it: the next entry goes behind it. `valid`: it holds an entry; otherwise it is
+ * torn. */
 bool tumble_log_is_blank(const tumble_log_t *log, const uint8_t *bytes);
 void tumble_log_note(tumble_log_t *log, bool valid);
 
-/* On to the next cell; without `more`, or behind the last one, the look through them is over. */
+/* Go on to the next cell. Without `more`, or behind the last cell, the scan is over. */
 void tumble_log_next(tumble_log_t *log, bool more);
 
-/* Begin a job of the owner's: erase a sector (0 or 1), or program `bytes`, which must stay, into a cell (counted through
- * both sectors). */
+/* Begin a job of the owner's: erase a sector (0 or 1), or program `bytes`, which must stay, into a cell (counted
+ * through both sectors). */
 void tumble_log_erase(tumble_log_t *log, uint8_t sector, uint8_t job);
 void tumble_log_program(tumble_log_t *log, uint8_t at_cell, const uint8_t *bytes, uint8_t job);
 
-/* The last job of a plan is done: nothing is under way, and the outcome is TUMBLE_OK. */
+/* The last job of a plan is done: now nothing is under way, and the outcome is TUMBLE_OK. */
 void tumble_log_end(tumble_log_t *log);
 
-/* Go on; a cell is read to `bytes`. */
+/* Go on: at most one call of the memory. A cell is read into `bytes`. */
 tumble_log_event_t tumble_log_step(tumble_log_t *log, uint8_t *bytes);
 
 /* One read. Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY, TUMBLE_E_NV. */

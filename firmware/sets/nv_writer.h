@@ -1,7 +1,7 @@
-/* nv_writer.h - one erase or one program of the non-volatile memory, and reading back that it is so (private to the room).
+/* nv_writer.h - one erase or one program of the non-volatile memory, read back afterwards (private to the room).
  *
- * Begun, then stepped until it is done; a step makes at most one call of the memory. What is to be programmed must stay
- * where it is until then.
+ * Begin, then step until it is done; a step makes at most one call of the memory. The bytes to be programmed must stay
+ * where they are until then.
  */
 #ifndef TUMBLE_SETS_NV_WRITER_H
 #define TUMBLE_SETS_NV_WRITER_H
@@ -13,13 +13,14 @@ void tumble_nv_writer_init(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
 /* The same if all regions have room there, else nothing. Returns what tumble_regions_check says. */
 tumble_status_t tumble_nv_writer_open(tumble_nv_writer_t *writer, const tumble_nv_t *nv);
 
-/* Erase the sector at `offset`; its first `size` bytes must be blank then. Sizes are multiples of TUMBLE_NV_MAX_GRANULE. */
+/* Erase the sector at `offset`; its first `size` bytes must be blank then. Sizes are multiples of
+ * TUMBLE_NV_MAX_GRANULE. */
 void tumble_nv_begin_erase(tumble_nv_writer_t *writer, uint32_t offset, uint32_t size);
 
-/* Program `bytes`, which must be there then. */
+/* Program `bytes`; the memory must hold them afterwards. */
 void tumble_nv_begin_program(tumble_nv_writer_t *writer, uint32_t offset, const uint8_t *bytes, uint32_t size);
 
-/* Nothing but look whether `size` bytes are blank. */
+/* Only check that `size` bytes are blank. */
 void tumble_nv_begin_blank(tumble_nv_writer_t *writer, uint32_t offset, uint32_t size);
 
 /* Returns TUMBLE_E_PORT_BUSY (step again), TUMBLE_OK, or TUMBLE_E_NV (a call failed, or what is read back differs). */

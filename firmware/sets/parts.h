@@ -69,7 +69,7 @@ void tumble_sets_record_decay(tumble_sets_t *sets);      /* in the history: at m
 /* judge.c */
 void tumble_sets_judge(tumble_sets_t *sets); /* go on with it: one call of the memory, or a part of a computation */
 
-/* Is a result being looked at whose means must stay as they are? Some 100 ms after DONE. */
+/* Is a result being judged whose means must stay as they are? For some 100 ms after DONE. */
 static inline bool tumble_sets_is_assessing(const tumble_sets_t *sets)
 {
     return (sets->task == (uint8_t)TASK_UNCERTAINTY) || (sets->task == (uint8_t)TASK_FIT);

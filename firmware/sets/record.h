@@ -1,6 +1,6 @@
-/* record.h - the one way in which records are written and read (private to the room, and to who keeps one in it).
+/* record.h - how all records are written and read (private to the room, and to those who keep a record in its memory).
  *
- * A record begins with its head (a magic, most have schema and length besides), then come fields of a struct as
+ * A record begins with its head: a magic, and in most a schema and a length. Then come the fields of a struct as
  * little-endian bytes, one after the other, by a table of const rows; then zeros; at the end a CRC-32 of all before.
  * Signed values travel as two's complement, floating point as IEEE 754.
  */
@@ -38,7 +38,8 @@ void tumble_record_fill(const tumble_record_t *record, const void *object, uint8
 /* Its fields. */
 void tumble_record_read(const tumble_record_t *record, const uint8_t *bytes, void *object);
 
-/* Is it one? Returns TUMBLE_OK, TUMBLE_E_FRAME (another head), TUMBLE_E_CRC. The CRC goes on from `crc_before`. */
+/* Do the bytes hold this kind of record? Returns TUMBLE_OK, TUMBLE_E_FRAME (another head), TUMBLE_E_CRC. The CRC goes
+ * on from `crc_before`. */
 tumble_status_t tumble_record_check(const tumble_record_t *record, const uint8_t *bytes, uint32_t crc_before);
 
 /* The CRC-32 over `size` bytes, going on from `crc_before`, stands behind them. */

@@ -127,8 +127,8 @@ const tumble_sets_counters_t *tumble_sets_counters(const tumble_sets_t *sets)
     return &sets->counters;
 }
 
-/* From the newest entry backwards: a set that was brought back is a copy of an older one, and the one before it was
- * given up for it. Neither tells of a drift. */
+/* From the newest entry backwards. A set that a rollback brought back is a copy of an older one, and the set before it
+ * was given up. Neither says anything about drift. */
 static bool is_of_the_trend(const tumble_history_entry_t *entry, uint8_t *given_up)
 {
     if (entry->origin == (uint8_t)TUMBLE_ORIGIN_DECAYED) {

@@ -41,7 +41,7 @@ tumble_status_t tumble_sets_resume(tumble_sets_t *sets)
     if ((sets->task != (uint8_t)TASK_NONE) || sets->stale || tumble_sets_busy(sets)) {
         return refuse(sets);
     }
-    sets->unfit = 0; /* who asks is heard: all of them are tried anew */
+    sets->unfit = 0; /* a command tries all of them again */
     tumble_sets_count_resumable(sets);
     if (sets->resumable == 0U) {
         return refuse(sets);
@@ -70,7 +70,7 @@ void tumble_sets_run_goes_on(tumble_sets_t *sets, bool done)
     sets->resumable = 0;
 }
 
-/* All that is kept has been put back. Nothing but the configuration can have changed since the command. */
+/* All kept means have been put back. Only the configuration can have changed since the command: check it again. */
 static void end_restoring(tumble_sets_t *sets, tumble_sets_event_t *event)
 {
     sets->task = TASK_NONE;

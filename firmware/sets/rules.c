@@ -32,7 +32,7 @@ static double length_of(const tumble_set_t *set, int c)
 
 /* The limits. */
 
-/* Asked of doubles, by functions: comparing floats would cost another part of the library. */
+/* Compare as doubles, by functions: comparing floats would link another part of the library. */
 static bool is_ratio(float limit)
 {
     return tumble_within((double)limit, MAX_RATIO) && !tumble_is_positive(-(double)limit);

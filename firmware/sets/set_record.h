@@ -4,7 +4,8 @@
 
 #include "tumble/sets.h"
 
-/* As tumble_set_encode and _decode, with another stamp; without looking into the fields. A null set is TUMBLE_E_ARGUMENT. */
+/* As tumble_set_encode and _decode, with another stamp; without looking into the fields. A null set is
+ * TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_set_encode_as(const tumble_set_t *set, const tumble_set_stamp_t *stamp,
                                      uint8_t bytes[TUMBLE_SET_BYTES]);
 tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES]);

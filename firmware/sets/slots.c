@@ -7,7 +7,7 @@
 
 #define READ_ATTEMPTS 3U /* before a place counts as lost */
 
-/* A failure or two are as good as a memory at work: one that fails every so many calls would else lose what it holds. */
+/* One or two failures in a row count as "busy". Otherwise a memory that fails now and then would lose what it holds. */
 tumble_status_t tumble_slots_read(tumble_slots_t *slots, uint32_t offset, uint8_t *bytes, uint32_t *errors)
 {
     const tumble_status_t status = tumble_nv_read(slots->writer.nv, offset, bytes, slots->kind->bytes);

@@ -1,8 +1,9 @@
 /* slots.h - a record in a sector of its own, and behind it the mark that makes it valid (private to the room).
  *
- * A job is a plan, a row of actions: erase, look that it is blank, program the record and read it back, and only then the
- * mark, in a granule of its own. So whatever bytes a loss of power leaves in what was being written, it is not valid.
- * A step makes at most one call of the memory. Which place an action is about is its owner's to know.
+ * A job is a plan, a row of actions: erase, check that the place is blank, program the record and read it back, and
+ * only then program the mark, in a granule of its own. So whatever bytes a loss of power leaves in a place that was
+ * being written, the place is not valid. A step makes at most one call of the memory. The owner knows which place an
+ * action is about.
  */
 #ifndef TUMBLE_SETS_SLOTS_H
 #define TUMBLE_SETS_SLOTS_H

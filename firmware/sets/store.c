@@ -104,7 +104,7 @@ static uint8_t spare_slot(const tumble_store_t *store)
     return (active == (uint8_t)TUMBLE_REGION_SLOT_A) ? (uint8_t)TUMBLE_REGION_SLOT_B : (uint8_t)TUMBLE_REGION_SLOT_A;
 }
 
-/* What every job needs: nothing under way, and, where it gives out a sequence, one to give. */
+/* What every job needs: no other job under way, and, if it makes a set active, a sequence below the last one. */
 static tumble_status_t prepare(tumble_store_t *store, uint8_t origin)
 {
     if (store->slots.writer.nv == NULL) {
@@ -154,7 +154,7 @@ tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set
     return (status == TUMBLE_OK) ? take(store, set, plan) : status;
 }
 
-/* Go on from the proposal that is there. What was staged by a rollback is ended as one. */
+/* Go on from the proposal. A copy that a rollback has staged is finished as a rollback. */
 static tumble_status_t take_proposal(tumble_store_t *store)
 {
     static const uint8_t accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET, SLOT_BODY | IN_TARGET,

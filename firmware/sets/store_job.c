@@ -1,5 +1,21 @@
-/* What is under way: a scan of all places, or a job, action by action. After a job comes a scan, so what the store answers
- * is what the memory holds, also where it failed. */
+/* What is under way: a scan of all places, or a job, action by action. A scan follows every job, so that the store
+ * answers what the memory really holds, also where the job failed.
+ *
+ * A commit swaps the slots. The set in force is never touched; the mark, written last, puts the new one in force:
+ *
+ *                   slot A             slot B                     in force after a loss of power here
+ *
+ *     before        set 7, marked      set 6, marked              7
+ *     erase B       set 7, marked      any bytes                  7
+ *     look          set 7, marked      blank, or the job fails    7
+ *     record        set 7, marked      set 8, no mark             7: a record without its mark is not valid
+ *     read back     set 7, marked      set 8, no mark             7
+ *     mark          set 7, marked      set 8, a part of a mark    7, or 8 if the mark is whole
+ *     after         set 7, marked      set 8, marked              8: the higher sequence
+ *
+ * There is one edge case: a mark that an erase has left standing must not make another record valid. The mark therefore
+ * repeats the CRC of its record, and is valid for that record alone.
+ */
 #include "sets/store_job.h"
 
 #include "core/bytes.h"
@@ -68,7 +84,7 @@ uint32_t tumble_store_place(const tumble_store_t *store, uint8_t region)
     return (region * store->slots.writer.nv->sector_bytes) + within;
 }
 
-/* The mark belongs to this record alone: one that an erase left standing cannot make another record valid. */
+/* See the edge case above. */
 void tumble_store_set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 {
     uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
@@ -98,7 +114,7 @@ void tumble_store_begin_scan(tumble_store_t *store)
     store->unread = false;
 }
 
-/* The first valid factory set counts, and as long as there is none the first blank place is where it would go. */
+/* The first valid factory set counts. While there is none, the first blank place is where it would go. */
 static void note_place(tumble_store_t *store, bool valid, bool blank)
 {
     const bool is_factory = store->scanned < TUMBLE_FACTORY_PLACES;
@@ -117,8 +133,8 @@ static void note_place(tumble_store_t *store, bool valid, bool blank)
     }
 }
 
-/* What a job that lost its power has left: a proposal that is active already, and after a rollback the set that it was to
- * get rid of. */
+/* What a job left behind when power was lost: a proposal that is active already, and after a rollback the set that was
+ * to be given up. */
 TUMBLE_ONE_COPY static void clear_leftovers(tumble_store_t *store)
 {
     static const uint8_t clear_proposal[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_END};
@@ -188,7 +204,7 @@ static void put_stamp(tumble_store_t *store)
     tumble_store_set_mark(store->bytes);
 }
 
-/* The one that was held becomes the one that was accepted; a staged copy remains one that was brought back. */
+/* A held proposal is stamped "accepted"; the copy that a rollback has staged stays stamped "rolled back". */
 static tumble_status_t load(tumble_store_t *store, uint8_t region)
 {
     const tumble_status_t status =

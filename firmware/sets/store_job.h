@@ -1,4 +1,5 @@
-/* store_job.h - what the store is doing (private to the room): store.c answers and begins jobs, store_job.c does them. */
+/* store_job.h - what the store is doing (private to the room): store.c answers and begins jobs, store_job.c does
+ * them. */
 #ifndef TUMBLE_SETS_STORE_JOB_H
 #define TUMBLE_SETS_STORE_JOB_H
 
@@ -22,7 +23,7 @@
 uint8_t tumble_store_active(const tumble_store_t *store);
 uint8_t tumble_store_previous(const tumble_store_t *store);
 
-/* Is the proposal one that has become active already, and only has not been cleared? */
+/* Is the proposal active already, and has only not been cleared yet? */
 bool tumble_store_is_stale(const tumble_store_t *store);
 
 /* Where the record of a region begins in the memory. */
@@ -32,7 +33,8 @@ uint32_t tumble_store_place(const tumble_store_t *store, uint8_t region);
 void tumble_store_set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES]);
 bool tumble_store_is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES]);
 
-/* Look into all places anew, at the next steps; then clear what is left over, if `booted` is not set yet. */
+/* Start a scan of all places, which the next steps make; the boot scan (`booted` is not set yet) then clears
+ * leftovers. */
 void tumble_store_begin_scan(tumble_store_t *store);
 
 /* Slots by their region. */

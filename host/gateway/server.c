@@ -122,7 +122,7 @@ static void rest(server_t *server, const char *what)
     const uint64_t now_us = clock_us(server);
     gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_PUT_OFF);
     if (now_us >= server->told_until_us) {
-        (void)fprintf(stderr, "tumble-gateway: no connection can be accepted: %s; tried again until one can\n", what);
+        (void)fprintf(stderr, "tumble-gateway: cannot accept connections: %s; trying again\n", what);
     }
     server->told_until_us = now_us + WELL_US;
     server->rests_until_us = now_us + REST_US;

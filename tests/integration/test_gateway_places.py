@@ -151,4 +151,4 @@ def test_out_of_descriptors_it_rests_and_says_so_once(gateway_program):
     resource.prlimit(gateway.process.pid, resource.RLIMIT_NOFILE, limits)
     code, said = gateway.end()
     assert code == 0 and re.fullmatch(
-        r"tumble-gateway: no connection can be accepted: Too many open files; tried again until one can\n", said)
+        r"tumble-gateway: cannot accept connections: Too many open files; trying again\n", said)

@@ -87,4 +87,4 @@ def test_a_command_that_node_1_refuses_is_told_and_may_be_followed_by_another(bu
     assert (code, document["state"]) == (3, "TUMBLE_STATE_ABORT")
     ended = stand.end()
     assert ended["operator"] == {"answers": 2, "refusals": 1}
-    assert stand.errors == "tumble-stand: nothing is asked that this could be an answer to: nonsense\n"
+    assert stand.errors == "tumble-stand: ignored, it answers no open question: nonsense\n"

@@ -14,14 +14,18 @@ HEAD = """\
 
 <!-- Written by tools/objects/generate: change tools/objects/*.toml instead. -->
 
-What each node's object dictionary holds, as its SDO server answers and its EDS file says. Communication: 500 kbit/s,
-SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats. Numbers are decimal unless they end in
-`h` or begin with `0x`. A value in the column "power-on" is there after a reset; limits are inclusive and a write beyond
-them is refused. Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped
-into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level is
-open (2006h, [service-level.md](service-level.md)). Neighbours that differ in a number or an axis alone share a row,
-matrices row by row: `:1 to :9` are nine subindices. A record or an array that is `as` another one has the rows of that
-one. Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
+This page lists the object dictionary of each node, as its SDO server answers and its EDS file says. Communication:
+500 kbit/s, SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats.
+
+- Numbers are decimal unless they end in `h` or begin with `0x`.
+- The column "power-on" has the value after a reset. Limits are inclusive; a write beyond them is refused.
+- Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped into a
+  receive or transmit PDO.
+- Level `service`: a write from outside is refused (0800 0022h) unless the service level is open (2006h,
+  [service-level.md](service-level.md)).
+- Neighbours that differ only in a number or an axis share a row, matrices row by row: `:1 to :9` are nine subindices. A
+  record or an array that is `as` another one has the rows of that one.
+- Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
 
 Objects of every node:
 """

@@ -11,32 +11,32 @@ HEAD = """\
 
 <!-- Written by tools/objects/generate: change tools/objects/*.toml instead. -->
 
-What `tumble-gateway` serves; how it behaves stands in [gateway.md](gateway.md), the same table for scripts in
-[modbus.csv](modbus.csv). This is version {version} of the map.
+This page lists the registers that `tumble-gateway` serves, version {version} of the map. [gateway.md](gateway.md) says
+how the gateway behaves; [modbus.csv](modbus.csv) is the same table for scripts.
 
-- Registers are numbered from 0, as they travel. Many tools count from 1: there it is one more.
+- Registers are numbered from 0, as on the wire. For a tool that counts from 1, add 1.
 - Input registers are read with function 04, holding registers with 03 and written with 06 or 16. Nothing else is
   served. A request may have up to 125 registers (16: up to 123) and may span registers that the table does not name:
   they read as 0.
 - **Order of words and bytes**: big-endian throughout. A number of two or four registers has its high word first (ABCD).
-  Texts have two characters in a register, the first in its high byte, zeros behind. Whoever reads the magic word as
-  5455 4D42h and the known number as 123456.0 has it right.
-- **What is not known**: each group of values begins with a register whose bit n says that the value of place n (from 0,
-  in the order of the table) is there. Where the bit is 0 the value is 0 and means nothing: there is no result yet, the
-  node refused it, or it does not fit the registers. No value is ever infinite or not a number.
+  Texts have two characters in a register, the first in its high byte, and end in zeros. If you read the magic word as
+  5455 4D42h and the known number as 123456.0, your order is right.
+- **Unknown values**: each group begins with a register of validity bits: bit n is set if value n (from 0, in the order
+  of the table) is known. Where the bit is 0 the value is 0 and means nothing: there is no result yet, the node refused
+  it, or it does not fit the registers. No value is ever infinite or not a number.
 - **Scaled numbers**: multiply the i32 by the scale. They resolve more than f32 does: 1e-8 V/g of 2 V/g against 1.2e-7.
-- Neighbours that differ in a number or an axis alone share a row here, matrices row by row; in modbus.csv each has its
-  own.
-- In modbus.csv `table` says what a row is: `input` and `holding` registers by number, and below them each `setting`
-  with its number in the column `register`, the type of its object, and the same names as the registers have.
+- Neighbours that differ only in a number or an axis share a row here, matrices row by row; in modbus.csv each has a row
+  of its own.
+- In modbus.csv the column `table` says what a row is: an `input` or `holding` register, or a `setting`, with its number
+  in the column `register`, the type of its object, and the same names as the registers have.
 """
 
 SETTINGS = """\
-Settings: staged by their number in register {setting}, with their value, an f64, in {value}, and written by Execute.
-The value must be one that the object's type can hold: an integer without a fraction within the type's range, or a
-finite number, for an f32 rounded to it. What else is allowed says the object ([canopen.md](canopen.md)); the node
-refuses what is not. A setting of level `service` is sent only for the session that has opened the service level: the one
-that wrote the key, setting {key}, last ([service-level.md](service-level.md)).
+To write a setting, stage its number in register {setting} and its value, an f64, in {value}; Execute writes it. The
+type of the object must be able to hold the value: a whole number within the type's range, or a finite number, which is
+rounded for an f32. The object says what else is allowed ([canopen.md](canopen.md)); the node refuses the rest. A setting of
+level `service` is sent only for the session that has opened the service level: the one that wrote the key, setting
+{key}, last ([service-level.md](service-level.md)).
 """
 
 

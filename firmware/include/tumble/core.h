@@ -1,18 +1,18 @@
 /* tumble/core.h - the mathematics of a calibration: from raw samples to coefficients that are checked and known to be
  * good.
  *
- * What a block measures is U = U0 + K a: three outputs (V), a 3 x 3 matrix K (V per g), a bias U0 (V), the specific
- * force a (g). The twelve coefficients come from mean outputs at known test positions in gravity. In the order of use:
+ * A block puts out U = U0 + K a: three outputs U (V), a 3 x 3 matrix K (V per g), a bias U0 (V), the specific force a
+ * (g). The twelve coefficients come from mean outputs at known test positions in gravity. In the order of use:
  *
  *     schedule       the test positions: mountings of the block, angles of the table
  *     averaging      samples of a position to a mean, by exact integer sums, through gates
  *     estimators     means to K and U0: averaged, refined, least_squares, or optimal by a gain record
- *     calibration    K and U0 turned round: outputs to specific force
+ *     calibration    K and U0 inverted: outputs to specific force
  *     verification   the gravity check: does the calibrated block find 1 g at every position?
  *     uncertainty    how far K and U0 may be from the truth, from what the stand is declared to be
  *     the stand seen, misfit    what the run itself says about the stand
  *
- * The shortest program, for means that are there already:
+ * The shortest program, for means that have been measured already:
  *
  *     tumble_means_t means = {0};                       // u_v in V, measured = true, position by position
  *     tumble_coefficients_t found;
@@ -26,11 +26,11 @@
  *         tumble_calibration_apply(&calibration, means.u_v[0], a_g);
  *     }
  *
- * All functions are pure: no clock, no I/O, nothing allocated, nothing kept but in memory that the caller owns, no libm
- * but the square root. They may be called from anywhere, also at once on different objects. A function that refuses
- * leaves its outputs as they were, unless its own comment says otherwise. Formulas in brackets, such as (7), are those
- * of Chernyak, Rybak, Paliushok, "Ensuring the given accuracy of calibrating a three-axis block of navigation
- * accelerometers on a single-axis rotary stand"; docs/method.md derives the others.
+ * All functions are pure: no clock, no I/O, no allocation, no libm but the square root. They keep nothing outside the
+ * memory that the caller owns. They may be called from anywhere, also at the same time on different objects. A function
+ * that refuses leaves its outputs as they were, unless its own comment says otherwise. Formulas in brackets, such as
+ * (7), are those of Chernyak, Rybak, Paliushok, "Ensuring the given accuracy of calibrating a three-axis block of
+ * navigation accelerometers on a single-axis rotary stand"; docs/method.md derives the others.
  */
 #ifndef TUMBLE_CORE_H
 #define TUMBLE_CORE_H
@@ -149,15 +149,16 @@ const tumble_mounting_t *tumble_schedule_mounting_of(const tumble_schedule_t *sc
 void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, double a_g[TUMBLE_CHANNELS]);
 
 /* Can these positions identify all twelve coefficients? Uses the fit positions, and of those only the measured ones
- * when `measured` is not null (one flag per position). The three channels share one design, so the answer is four
- * bits: bit 0..2 for K_ix, K_iy, K_iz, bit 3 for U0_i of every channel i; set in `unidentified` (may be null) when that
- * coefficient is not determined. Returns TUMBLE_OK, TUMBLE_E_RANK, or TUMBLE_E_ARGUMENT (null schedule). */
+ * when `measured` is not null (one flag per position). The three channels share one design, so the answer is four bits:
+ * bit 0..2 for K_ix, K_iy, K_iz, bit 3 for U0_i of every channel i; set in `unidentified` (may be null) when that
+ * coefficient is not determined.
+ * Returns TUMBLE_OK, TUMBLE_E_RANK, or TUMBLE_E_ARGUMENT (null schedule). */
 tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
                                          uint8_t *unidentified);
 
-/* The strongest column of the design is taken first, then always the one of which the columns taken explain least. As
- * long as what remains has at least this root mean square over the positions, its coefficient counts as identified;
- * below it the noise of a mean would be magnified about a thousandfold. */
+/* Identification takes the columns of the design one by one: first the strongest, then always the one that those taken
+ * before explain least. A coefficient counts as identified if the unexplained rest of its column has at least this root
+ * mean square over the positions. Below it the noise of a mean would be magnified about a thousandfold. */
 #define TUMBLE_MIN_SENSITIVITY_G 1e-3
 
 /* Where a schedule holds the positions of the paper: index of the fit position in each slot [mounting - 1][l - 1]. */
@@ -180,9 +181,9 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
  * accelerometers) and the constant configuration. Not re-entrant on one state; no other state is touched.
  *
  * Life of a position: begin, add (or accumulate) for every sample, finish. `finish` judges the gates; a position that
- * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted;
- * one that comes while no position is open, or when it is full, is a mistake of the caller: the status tells, nothing
- * counts it.
+ * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted. A
+ * sample that comes while no position is open, or when the position is full, is a mistake of the caller: the status
+ * says so, and nothing counts it.
  */
 
 typedef struct {
@@ -237,7 +238,8 @@ typedef struct {
 
 static_assert(sizeof(tumble_averaging_t) <= ((40U * TUMBLE_MAX_POSITIONS) + 96U), "a position costs 40 bytes of RAM");
 
-/* Empty every position and zero the counters. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (a configuration out of range). */
+/* Empty every position and zero the counters.
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (a configuration out of range). */
 tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
 
 /* Open the position at `index` of the schedule, forgetting what it held; an open one is abandoned and left empty.
@@ -246,15 +248,16 @@ tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t in
 
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
  * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
- * caller's timeout must come long before.
- * Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (not counted here, for it is the block's own
- * word), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION. */
+ * caller's timeout must come long before. Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (the
+ * block itself calls the sample faulty; not counted here), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED,
+ * TUMBLE_E_DEVIATION. */
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);
 
-/* Take one sample without gates, for a caller that has gates of its own: sums and scatter only. Those of `add` that can
- * be switched off are the stuck and the stillness gate (configuration); the others always judge. The caller vouches for
- * an open position that is not full and for deviations within TUMBLE_MAX_DEVIATION_COUNTS. */
+/* Take one sample without gates, for a caller that has gates of its own: sums and scatter only. (With
+ * tumble_averaging_add the configuration can switch off the stuck and the stillness gate; the others always judge.)
+ * The caller guarantees that a position is open and not full, and that deviations stay within
+ * TUMBLE_MAX_DEVIATION_COUNTS. */
 void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t counts[TUMBLE_CHANNELS]);
 
 /* Close the open position and judge it. On any refusal the position is left empty.
@@ -262,10 +265,12 @@ void tumble_averaging_accumulate(tumble_averaging_t *averaging, const int32_t co
  * refused: the mean would be biased), TUMBLE_E_LOST, TUMBLE_E_TOO_FEW, TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. */
 tumble_status_t tumble_averaging_finish(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
 
-/* Put back a position that `finish` had accepted, as it was kept elsewhere meanwhile; an open one is abandoned and left
- * empty. It must pass the gates that can still be judged: TUMBLE_OK, TUMBLE_E_ARGUMENT (null, index, a sum that so many
- * samples below saturation cannot have, more than TUMBLE_MAX_SAMPLES, a scatter that is none), TUMBLE_E_TOO_FEW,
- * TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. On any refusal the position is left empty. */
+/* Put back a position that `finish` had accepted and that was kept elsewhere meanwhile, over a loss of power. An open
+ * position is abandoned and left empty. The position must pass the gates that can still be judged; on any refusal it is
+ * left empty.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null, the index, a sum that so many samples below saturation cannot have, more
+ * than TUMBLE_MAX_SAMPLES, a scatter that is negative or not finite), TUMBLE_E_TOO_FEW, TUMBLE_E_STUCK,
+ * TUMBLE_E_NOT_STILL. */
 tumble_status_t tumble_averaging_restore(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                          uint8_t index, const tumble_average_t *average);
 
@@ -286,7 +291,8 @@ tumble_status_t tumble_averaging_mean(const tumble_averaging_t *averaging, uint8
                                       double standard_error_counts[TUMBLE_CHANNELS]);
 
 /* All finished positions as means in volts, ready for an estimator; the others are marked as not measured.
- * `v_per_count` finite and not 0. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
+ * `v_per_count` finite and not 0.
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, double v_per_count, tumble_means_t *means);
 
 /* ---- Estimators: from position means to the twelve coefficients of U = U0 + K a.
@@ -300,9 +306,9 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *averaging, doub
 #define TUMBLE_MAX_MEAN_V 1e100
 
 /* The table of estimators: number, name, what it needs of a schedule, the functions that estimate and that state
- * uncertainties. C reads it here, Python through its extension; tools/estimators writes the names into the package and the
- * schemas. Numbers are places in the list and travel over CAN: new estimators go to the end. Those with a gain record are
- * functions that a board hands in (tumble_optimal_estimate, tumble_optimal_uncertainty). */
+ * uncertainties. C reads it here, Python through its extension; tools/estimators writes the names into the package and
+ * the schemas. An estimator's number is its place in the list and travels over CAN: new ones go to the end. A board
+ * hands in the functions of an estimator with a gain record (tumble_optimal_estimate, tumble_optimal_uncertainty). */
 #define TUMBLE_ESTIMATOR_LIST(ONE, ONE_WITH_GAINS)                                                                     \
     ONE(AVERAGED, averaged, HARMONIC, tumble_estimate_averaged, tumble_uncertainty_averaged)                           \
     ONE(REFINED, refined, HARMONIC, tumble_estimate_refined, tumble_uncertainty_refined)                               \
@@ -335,14 +341,16 @@ typedef struct {
     uint8_t unidentified;
 } tumble_refusal_t;
 
-/* `averaged`: what both mountings tell is averaged: K_ix = (K1_ix + K2_ix)/2, U0_i = (U1_0i + U2_0i)/2.
+/* `averaged`: the mean of what the two mountings say: K_ix = (K1_ix + K2_ix)/2, U0_i = (U1_0i + U2_0i)/2.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION (then refusal->missing),
  * TUMBLE_E_NOT_FINITE. `refusal` may be null. */
 tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                          tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
 /* `refined`, formula (7): as averaged, but K_yx from mounting 2 and K_zx from mounting 1, which keeps the yaw of the
- * block on the platform out of them. Returns as tumble_estimate_averaged. */
+ * block on the platform out of them.
+ * Returns as tumble_estimate_averaged: TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION
+ * (then refusal->missing), TUMBLE_E_NOT_FINITE. */
 tumble_status_t tumble_estimate_refined(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                         tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
@@ -370,7 +378,7 @@ tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *table, const tu
 
 /* ---- Calibration: coefficients to specific force, and what is intrinsic to the block. */
 
-/* Coefficients turned round, ready to be applied: a = k_inverse (U - u0). */
+/* The inverse of the coefficients, ready to be applied: a = k_inverse (U - u0). */
 typedef struct {
     double k_inverse_g_per_v[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
     double u0_v[TUMBLE_CHANNELS];
@@ -431,9 +439,9 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
                                      const tumble_calibration_t *calibration, double limit_g,
                                      tumble_gravity_check_t *check);
 
-/* Closure: the outputs at the last measured position of a mounting whose attitude equals that of an earlier one, less
- * those at the earliest such one (in the paper's schedule U9 - U1): drift, slip of the table, or a block that moved.
- * `mounting` is the mounting's number.
+/* Closure: how the outputs have changed when a mounting comes back to an attitude, last measured position less the
+ * earliest one with the same attitude (in the paper's schedule U9 - U1). It shows drift, slip of the table, or a block
+ * that moved. `mounting` is the mounting's number.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, or TUMBLE_E_MISSING_POSITION when the mounting has no such pair. */
 tumble_status_t tumble_closure(const tumble_schedule_t *schedule, const tumble_means_t *means, uint8_t mounting,
                                double difference_v[TUMBLE_CHANNELS]);
@@ -487,9 +495,9 @@ typedef struct {
     double u0_v[TUMBLE_CHANNELS];
 } tumble_uncertainty_t;
 
-/* Of an estimate by tumble_estimate_averaged, tumble_estimate_refined or tumble_estimate_least_squares; each uses, and
- * refuses, the positions that its estimator does. `refusal` may be null. `uncertainty` is written on TUMBLE_OK, and set
- * to zero on TUMBLE_E_NOT_FINITE.
+/* Standard uncertainties of an estimate by tumble_estimate_averaged, tumble_estimate_refined or
+ * tumble_estimate_least_squares; each uses, and refuses, the positions that its estimator does. `refusal` may be null.
+ * `uncertainty` is written on TUMBLE_OK, and set to zero on TUMBLE_E_NOT_FINITE.
  * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, or a number out of its range above); TUMBLE_E_NOT_FINITE (K is no number,
  * or too large); TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION (refusal->missing) or TUMBLE_E_RANK
  * (refusal->unidentified) as the estimator. */
@@ -500,7 +508,7 @@ tumble_status_t tumble_uncertainty_refined(const tumble_judged_run_t *run, tumbl
 tumble_status_t tumble_uncertainty_least_squares(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
                                                  tumble_refusal_t *refusal);
 
-/* Of an estimate by tumble_estimate_gains, or by the table of a gain record.
+/* Standard uncertainties of an estimate by tumble_estimate_gains, or by the table of a gain record.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_GAIN_TABLE (for another number of fit positions),
  * TUMBLE_E_MISSING_POSITION. */
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const tumble_judged_run_t *run,
@@ -508,8 +516,8 @@ tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *table, const
 
 /* ---- Gain records: a table of stand-optimal gains as it lies in non-volatile memory, validated and read in place.
  *
- * docs/gain-record.md lays down the bytes. Nothing is copied: a record that passed is used where it is mapped, and must
- * stay there, unchanged, as long as the pointer to it is in use.
+ * docs/gain-record.md defines the bytes. Nothing is copied: a record that passed the check is used where it is mapped.
+ * The caller must keep it there, unchanged, as long as the pointer to it is in use.
  */
 
 #if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__)
@@ -546,8 +554,8 @@ static_assert(sizeof(tumble_gain_record_t) == 232, "the gains follow the head's 
  * written only on TUMBLE_OK. The schedule has passed its own validation. Reads every byte once bitwise (about 50
  * instructions a byte).
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_RECORD (nothing that this software reads), TUMBLE_E_CRC,
- * TUMBLE_E_GAIN_TABLE (for another schedule), TUMBLE_E_NOT_FINITE (a number, K, sigma, u or gain, that is none or is
- * out of range). */
+ * TUMBLE_E_GAIN_TABLE (for another schedule), TUMBLE_E_NOT_FINITE (K, a sigma, a u or a gain is not a number or out of
+ * range). */
 tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *schedule,
                                         const tumble_gain_record_t **record);
 
@@ -565,8 +573,8 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
  * The gains of a record are those of generalised least squares for the stand's declared errors: twelve rows for the
  * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws). The gains are linear; the
  * outputs are not, and on a stand with a yaw of 15 mrad a linear estimate of K_xx is off by 16 times its uncertainty.
- * So what the exact geometry gives beyond its linearisation is taken out of the means and the gains are applied again,
- * twice: docs/method.md, "stand-optimal weights".
+ * Therefore the difference between the exact geometry and its linearisation is taken out of the means and the gains are
+ * applied again, twice: docs/method.md, "Stand-optimal weights".
  */
 
 /* The series for sine and cosine are exact to a double's last bits up to here. No stand is that bad. */
@@ -605,21 +613,25 @@ typedef struct {
     tumble_optimal_t *work;
 } tumble_optimal_source_t;
 
-/* Is there a right record? `source`: a tumble_optimal_source_t. Returns as tumble_gain_record_open. */
+/* Does the memory hold a record for this schedule? `source`: a tumble_optimal_source_t. Returns as
+ * tumble_gain_record_open: TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_RECORD, TUMBLE_E_CRC, TUMBLE_E_GAIN_TABLE,
+ * TUMBLE_E_NOT_FINITE. */
 tumble_status_t tumble_optimal_check(const void *source, const tumble_schedule_t *schedule);
 
-/* Check the record again, whole, and estimate. Returns as tumble_gain_record_open and tumble_estimate_optimal; on any
- * refusal `coefficients` holds no result. */
+/* Check the whole record again, and estimate. On any refusal `coefficients` holds no result. Returns as
+ * tumble_gain_record_open and tumble_estimate_optimal: TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_RECORD,
+ * TUMBLE_E_CRC, TUMBLE_E_GAIN_TABLE, TUMBLE_E_NOT_FINITE, TUMBLE_E_MISSING_POSITION, TUMBLE_E_STAND_ERROR. */
 tumble_status_t tumble_optimal_estimate(const void *source, const tumble_schedule_t *schedule,
                                         const tumble_means_t *means, tumble_coefficients_t *coefficients);
 
-/* What the gains of a record make of the stand's errors, at the K that the record was made for. For a block that
- * differs from it the second-order correction makes up, which a propagation through the gains alone would overstate
- * (docs/method.md).
+/* Standard uncertainties of an estimate by `optimal`: the stand's errors propagated through the gains of the record, at
+ * the K for which the record was made. (At the K of another block this propagation would overstate them, because the
+ * second-order correction takes the difference out: docs/method.md.)
  *
- * `source`: a tumble_optimal_source_t. `run->coefficients` are not looked at, but may not be null. The record is
- * checked whole, unless `run->only` leaves out the first coefficient: then it has been, with that one. Returns as
- * tumble_gain_record_open and tumble_uncertainty_gains. */
+ * `source`: a tumble_optimal_source_t. `run->coefficients` is not read, but must not be null. The whole record is
+ * checked with the first coefficient; when `run->only` leaves that out, it has been checked before. Returns as
+ * tumble_gain_record_open and tumble_uncertainty_gains: TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_GAIN_RECORD,
+ * TUMBLE_E_CRC, TUMBLE_E_GAIN_TABLE, TUMBLE_E_NOT_FINITE, TUMBLE_E_MISSING_POSITION. */
 tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judged_run_t *run,
                                            tumble_uncertainty_t *uncertainty);
 
@@ -630,13 +642,13 @@ tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judg
  *
  *     alpha1 = (v_y - v_z) / 2,    w_y = alpha2 + alpha3 of mounting 1,    w_z = alpha2 + alpha3 of mounting 2.
  *
- * The fit takes any schedule: generalised least squares for coefficients and angles together, in which the error of a
- * set angle counts for what it is, an error of three outputs at once along one direction. It is the best there is, up
- * to six times sharper, and it alone gives alpha4 (docs/method.md, "the stand seen"). Only measured fit positions are
- * looked at.
+ * The fit takes any schedule: generalised least squares for coefficients and angles together. It treats the error of a
+ * set angle as an error of three outputs at once along one direction. Its uncertainties are the smallest possible, up
+ * to six times smaller than those of the closed form, and only the fit gives alpha4 (docs/method.md, "The stand seen").
+ * Only measured fit positions are read.
  */
 
-/* One quantity with its standard uncertainty. What a run cannot tell is not known, and its numbers are 0. */
+/* One quantity with its standard uncertainty. If the run cannot tell it, `known` is false and both numbers are 0. */
 typedef struct {
     double value;
     double u;
@@ -659,7 +671,7 @@ typedef struct {
 /* Unknowns of the fit at most: coefficients, alpha1, alpha3 per mounting, alpha2; and room for them. */
 #define TUMBLE_FIT_UNKNOWNS (TUMBLE_COEFFICIENTS + 2 + TUMBLE_MAX_MOUNTINGS)
 
-/* Working memory of the fit, 2 kB. The caller owns it; its content is of no use to anybody. */
+/* Working memory of the fit, 2 kB. The caller owns it; its content means nothing outside the fit. */
 typedef struct {
     double r[(TUMBLE_FIT_UNKNOWNS * (TUMBLE_FIT_UNKNOWNS + 3)) / 2]; /* upper triangle and right sides, by rows */
     double row[TUMBLE_FIT_UNKNOWNS + 1];
@@ -681,22 +693,25 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
                                    tumble_seen_angles_t *angles);
 
 /* The angles by the fit, linearised at `coefficients` (any estimate of them) and an ideal stand; errors of second order
- * in the angles remain. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+ * in the angles remain.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_seen_fit(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                 const tumble_coefficients_t *coefficients, const tumble_random_errors_t *errors,
                                 tumble_fit_work_t *work, tumble_seen_angles_t *angles);
 
-/* alpha4 from the run itself: what the residuals hold beyond the noise (`errors->angle_rad` is not read). The weighted
- * residuals that errors of set angles move, m of them, are as large as they should be when their squares sum up to m
- * (Paule and Mandel). `freedom` receives the degrees of freedom of the estimate: m without noise, less with it.
- * Not known where m is 0, or where the residuals do not exceed the noise. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+/* alpha4 from the run itself: the part of the residuals that exceeds the noise (`errors->angle_rad` is not read).
+ * Errors of set angles move m of the weighted residuals; the estimate is the alpha4 at which the squares of these sum
+ * up to m (Paule and Mandel). `freedom` receives the degrees of freedom of the estimate: m without noise, less with it.
+ * Not known where m is 0, or where the residuals do not exceed the noise.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                         const tumble_coefficients_t *coefficients,
                                         const tumble_random_errors_t *errors, tumble_fit_work_t *work,
                                         tumble_seen_t *alpha4, double *freedom);
 
-/* How large those squares are if alpha4 were `errors->angle_rad`: chi-squared with `freedom` = m degrees of freedom
- * where that is the truth. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
+/* The sum of those squares for alpha4 = `errors->angle_rad`. If that is the truth, the sum is chi-squared with
+ * `freedom` = m degrees of freedom.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                               const tumble_coefficients_t *coefficients,
                                               const tumble_random_errors_t *errors, tumble_fit_work_t *work,
@@ -709,20 +724,20 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
  *     U(phi) = b + s sin phi + c cos phi
  *
  * whatever K and U0 are, and whatever the systematic errors of the stand (alpha1, alpha2, the yaw alpha3, a known
- * tilt): each of them changes b, s and c alone. What is left of a generalised least-squares fit of these nine numbers
- * comes from the errors of the set angles and from the noise of the means, and from what nobody declared: steps, drift,
- * slip, curvature of the block. With V = v I + alpha4^2 d d^T the covariance of the three means at a position (d: how
- * the outputs answer to its angle), the sum of r^T V^-1 r is chi-squared with 3 (n - 3) degrees of freedom.
+ * tilt): each of them changes b, s and c alone. A generalised least-squares fit of these nine numbers leaves residuals.
+ * They come from the errors of the set angles, from the noise of the means, and from what nobody declared: steps,
+ * drift, slip, curvature of the block. With V = v I + alpha4^2 d d^T the covariance of the three means at a position
+ * (d: how the outputs answer to its angle), the sum of r^T V^-1 r is chi-squared with 3 (n - 3) degrees of freedom.
  *
  * A fault of one channel drowns in the sum over three. So each channel is judged again, given the other two: the sum
  * less the sum without that channel is chi-squared with n - 3 degrees of freedom. Hence four tests a mounting. Each
  * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million, so that all tests of TUMBLE_MAX_MOUNTINGS
  * together stay below 1e-3.
  *
- * What two mountings say about each other is not looked at: a step between them, and a tilt of the seat, pass.
+ * Mountings are not compared with each other: a step between them, and a tilt of the seat, pass.
  *
- * Every measured position counts, also one that is for checks alone. A mounting with fewer than four positions cannot
- * be judged, and passes.
+ * Every measured position counts, check positions included. A mounting with fewer than four positions cannot be judged,
+ * and passes.
  */
 
 #define TUMBLE_MISFIT_UNKNOWNS 9 /* b, s and c of three channels */
@@ -743,7 +758,7 @@ typedef struct {
     double v_per_count;
 } tumble_misfit_run_t;
 
-/* Working memory, 0.5 kB. The caller owns it; all of it is private. */
+/* Working memory, 0.5 kB. The caller owns it. `misfit` is the verdict; everything else is private. */
 typedef struct {
     bool misfit;         /* some test has failed */
     uint8_t mounting;    /* index in the schedule */
@@ -760,8 +775,8 @@ typedef struct {
 /* Begin. */
 void tumble_misfit_begin(tumble_misfit_work_t *work);
 
-/* Go on: one position, or the end of one test; some 20,000 instructions on a Cortex-M4 without floating point hardware.
- * Returns true as long as there is more to do. */
+/* Take one step of the test: one position, or the end of one test; some 20,000 instructions on a Cortex-M4 without
+ * floating point hardware. Call it until it returns false; then `work->misfit` is the verdict. */
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
 
 /* The largest chi-squared of an honest run, by Wilson and Hilferty (1931): k (1 - 2/(9 k) + z sqrt(2/(9 k)))^3 with

@@ -1,8 +1,8 @@
 /* tumble/navcomp.h - the navigation computer: the one place where the parts meet, driven by one non-blocking step.
  *
- * Whoever composes a computer names its parts in one configuration: the port of the board (tumble/port.h), the stand
- * (tumble/stand.h: of which kind, with which profile, in which memory), a source of samples or the block's frames, what
- * is to be kept over a loss of power. Then there is one loop.
+ * One configuration names the parts of a computer: the port of the board (tumble/port.h), the stand (tumble/stand.h:
+ * its kind, its profile, the memory for its object), a source of samples or the block's frames, and what is kept over a
+ * loss of power. Then there is one loop.
  *
  * The shortest program, for the standard stand, which a drive turns:
  *
@@ -76,7 +76,7 @@ typedef struct {
     uint32_t stand_bytes;                       /* of that memory */
     const tumble_sample_source_t *source;       /* null: the block's frames over CAN */
     const tumble_navcomp_hooks_t *hooks;        /* may be null */
-    const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: states no uncertainties */
+    const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: no uncertainties */
     const tumble_keeping_t *keeping;            /* &tumble_keeper_calls; null: keeps nothing over a loss of power */
     void *keeper;                               /* with `keeping`: the tumble_keeper_t */
     uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
@@ -88,7 +88,7 @@ typedef struct {
     uint8_t block_node;            /* ignored with a sample source of the board's own */
 } tumble_navcomp_config_t;
 
-/* Kept by navcomp itself; monotonic since init, they stop at UINT32_MAX. */
+/* Counted by navcomp itself; monotonic since init, they stop at UINT32_MAX. */
 typedef struct {
     uint32_t frames_ignored;    /* of no interest to this node */
     uint32_t source_corrupted;  /* samples that a board's own source found spoilt */
@@ -129,33 +129,36 @@ static_assert(sizeof(tumble_navcomp_t) <= (((sizeof(void *) == 4U) ? 2560U : 307
               "with 36 positions 4 kB of RAM are all there is");
 
 /* Check the configuration and get ready; nothing is sent before the first step. What the procedure's configuration says
- * is checked when a run starts. Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may not be null, a
- * time of 0, node numbers out of range or equal, a sample timeout too long for the block's counter, too little memory
- * for the stand, a profile that its kind refuses; or what the keeper's init says. */
+ * is checked when a run starts.
+ * Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a null pointer that may not be null, a time of 0, node numbers out of range
+ * or equal, a sample timeout too long for the block's counter, too little memory for the stand, a profile that its kind
+ * refuses. With `keeping`, also what its init returns (tumble_sets_init: TUMBLE_E_ARGUMENT, TUMBLE_E_NV). */
 tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navcomp_config_t *config);
 
-/* One step: drain what was received, advance timers, stand and procedure, send what is due. Returns at once; the work
- * is bounded by so many frames. Call it whenever a frame has come or the deadline is over; more often does no harm. */
+/* One step: take the received frames, advance timers, stand and procedure, send what is due. It returns at once; it
+ * takes at most so many frames. Call it whenever a frame has come or the deadline is over; more often does no harm. */
 #define TUMBLE_NAVCOMP_MAX_FRAMES_PER_STEP 64
 void tumble_navcomp_step(tumble_navcomp_t *navcomp);
 
-/* The moment (port's clock) at which the next step is due if no frame comes; a moment that is over means at once.
- * Never more than a heartbeat away. Timeouts of the nodes, the stand and the procedure are deadlines too. */
+/* When the next step is due if no frame comes (us, port's clock); a moment in the past means at once. Never more than a
+ * heartbeat away. Timeouts of the nodes, the stand and the procedure are deadlines too. */
 uint64_t tumble_navcomp_next_deadline_us(const tumble_navcomp_t *navcomp);
 
-/* Give a command (commands.h); `argument` is what its comment says, else ignored. It takes effect at the next step at
- * the latest. Returns TUMBLE_OK, TUMBLE_E_STATE (not allowed in this state), TUMBLE_E_ARGUMENT (no such command,
- * position or mounting). Refusals are counted. */
+/* Give a command (navcomp/commands.h says what `argument` means for each; otherwise it is ignored). It takes effect at
+ * the next step at the latest.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (not allowed in this state), TUMBLE_E_ARGUMENT (no such command, position or
+ * mounting). Refusals are counted. */
 tumble_status_t tumble_navcomp_command(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
 
-/* TUMBLE_COMMAND_TURN_AXIS to this angle (degrees of the table), for the validation of a fixture: straight there, with no
- * regard to the approach from below. Between runs only (IDLE, DONE, ABORT), once TUMBLE_COMMAND_HOME_AXIS, also
- * between runs only, has homed it; TUMBLE_COMMAND_ABORT stops the table although it is refused. Returns TUMBLE_OK,
- * TUMBLE_E_STATE (not now), TUMBLE_E_ARGUMENT (not within the cable's limits). */
+/* TUMBLE_COMMAND_TURN_AXIS to this angle (degrees of the table), for the validation of a fixture. It turns straight
+ * there, without the approach from below. Allowed between runs only (IDLE, DONE, ABORT), after
+ * TUMBLE_COMMAND_HOME_AXIS, which is also allowed between runs only, has homed the table. TUMBLE_COMMAND_ABORT stops
+ * the table, although the command itself is refused then.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (not now), TUMBLE_E_ARGUMENT (not within the cable's limits). */
 tumble_status_t tumble_navcomp_turn(tumble_navcomp_t *navcomp, double angle_deg);
 
-/* TUMBLE_COMMAND_ACCEPT of this proposal: the CRC at the end of its record (tumble_set_t.record_crc). Returns TUMBLE_OK,
- * TUMBLE_E_STATE (not now, or there is no proposal), TUMBLE_E_ARGUMENT (it is another one). */
+/* TUMBLE_COMMAND_ACCEPT of this proposal: the CRC at the end of its record (tumble_set_t.record_crc).
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (not now, or there is no proposal), TUMBLE_E_ARGUMENT (it is another one). */
 tumble_status_t tumble_navcomp_accept(tumble_navcomp_t *navcomp, uint32_t proposal);
 
 /* Where the calibration stands. */
@@ -198,8 +201,8 @@ void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_cou
 /* Is a person asked for an angle, and which? */
 bool tumble_navcomp_request(const tumble_navcomp_t *navcomp, double *angle_deg);
 
-/* The same as TUMBLE_COMMAND_CONFIRM_ANGLE, but for the angle at which the head really stands. Returns TUMBLE_OK,
- * TUMBLE_E_STATE (nothing is asked for), TUMBLE_E_ARGUMENT (too far from what is asked for). */
+/* As TUMBLE_COMMAND_CONFIRM_ANGLE, but with the angle (degrees) at which the head really stands.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (nothing is asked for), TUMBLE_E_ARGUMENT (too far from what is asked for). */
 tumble_status_t tumble_navcomp_confirm_angle(tumble_navcomp_t *navcomp, double angle_deg);
 
 /* What the stand refused of its configuration; zeros when nothing. */

@@ -1,9 +1,9 @@
-/* tumble/port.h - everything the firmware needs of a board: a clock, CAN frames and, where it keeps coefficients, non-volatile
- * memory.
+/* tumble/port.h - what the firmware needs of a board: a clock, CAN frames and, where it keeps coefficients,
+ * non-volatile memory.
  *
- * A board fills in one const table of non-blocking functions; nothing else reaches hardware. Every call returns at once.
- * What a port returns is checked and counted by its caller: a status outside the lists below counts as
- * TUMBLE_E_PORT_DOWN, a frame longer than eight bytes or with an identifier beyond eleven bits is dropped.
+ * A board fills in one const table of non-blocking functions; nothing else reaches hardware. Every call returns at
+ * once. The caller checks and counts what a port returns: a status outside the lists below counts as
+ * TUMBLE_E_PORT_DOWN; a frame longer than eight bytes, or with an identifier beyond eleven bits, is dropped.
  */
 #ifndef TUMBLE_PORT_H
 #define TUMBLE_PORT_H
@@ -29,13 +29,14 @@ typedef struct {
 /* The largest granule that the store can fill. */
 #define TUMBLE_NV_MAX_GRANULE 32U
 
-/* Non-volatile memory as flash has it, addressed from 0: erased by the sector (every byte becomes FFh), programmed by
- * the granule (once after each erase), read by the byte. FRAM and EEPROM are the special case of an erase that fills.
+/* Non-volatile memory that works like flash, addressed from 0: erased by the sector (every byte becomes FFh),
+ * programmed by the granule (once after each erase), read by the byte. For FRAM and EEPROM an erase fills the sector
+ * with FFh.
  *
- * An operation may take long: until it has ended every call returns TUMBLE_E_PORT_BUSY at once, and the caller makes the
- * same call, with the same arguments and bytes, at a later step. Loss of power in the middle of an operation may
- * leave the bytes it addresses, and no others, with any values.
- * All functions return TUMBLE_OK, TUMBLE_E_PORT_BUSY, or TUMBLE_E_NV (it failed, or the memory has no such place). */
+ * An operation may take long. Until it has ended every call returns TUMBLE_E_PORT_BUSY at once, and the caller repeats
+ * the same call, with the same arguments and bytes, at a later step. A loss of power in the middle of an operation may
+ * leave any values in the bytes that it addresses, and in no others. All functions return TUMBLE_OK,
+ * TUMBLE_E_PORT_BUSY, or TUMBLE_E_NV (the operation failed, or the memory has no such place). */
 typedef struct {
     void *context;          /* handed to every function */
     uint32_t size_bytes;    /* whole sectors */

@@ -12,7 +12,7 @@
  *     rules          may a new set replace the active one by itself?
  *     life           all of it together: from a finished run to a verdict, from the calendar to the next run
  *
- * The shortest program, for a board that asks its memory which set is active:
+ * The shortest program, for a board that reads the active set from its memory:
  *
  *     static tumble_store_t store;
  *     const tumble_nv_t memory = {0};                   // the board's, with its three functions (tumble/port.h)
@@ -27,11 +27,11 @@
  *     }
  *     (void)k_xx_v_per_g;
  *
- * Nothing waits: a job is begun, and a step makes at most one call of the memory. One job at a time on one memory:
- * where store, history and checkpoint lie in the same, step one of them until it is not busy, then the next; the life
- * does so by itself. The caller owns every object; its members are private unless said otherwise. Not re-entrant on one
- * object. No pointer may be null unless said otherwise. docs/store.md lays down every byte, and what a loss of power
- * does.
+ * Nothing waits: a call begins a job, and each step makes at most one call of the memory. Only one job at a time may
+ * run on one memory. Where store, history and checkpoint lie in the same memory, step one of them until it is not busy,
+ * then the next; tumble_sets_t does so by itself. The caller owns every object; its members are private unless said
+ * otherwise. Not re-entrant on one object. No pointer may be null unless said otherwise. docs/store.md defines every
+ * byte, and says what a loss of power does.
  */
 #ifndef TUMBLE_SETS_H
 #define TUMBLE_SETS_H
@@ -50,7 +50,7 @@ extern "C" {
 
 /* ---- Regions: where in the memory what is kept. Region n begins at n sectors.
  *
- * Of a sector only the first TUMBLE_STORE_MIN_SECTOR bytes are used, so the layout is the same for every larger sector
+ * Only the first TUMBLE_STORE_MIN_SECTOR bytes of a sector are used, so the layout is the same for every larger sector
  * and for every granule.
  */
 enum {
@@ -65,7 +65,7 @@ enum {
 
 #define TUMBLE_STORE_MIN_SECTOR 4096U
 
-/* Can all of it be kept there? A board whose memory has smaller sectors joins several to one.
+/* Has this memory room for all regions? A board whose memory has smaller sectors joins several to one.
  * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null); TUMBLE_E_NV (fewer than TUMBLE_REGION_COUNT sectors, one smaller than
  * TUMBLE_STORE_MIN_SECTOR, or a granule that is no power of two up to TUMBLE_NV_MAX_GRANULE). */
 tumble_status_t tumble_regions_check(const tumble_nv_t *nv);
@@ -147,8 +147,8 @@ enum {
 #define TUMBLE_SET_HAS_CHECK 0x0008U   /* the gravity check: maxima, limit, positions */
 #define TUMBLE_SET_HAS_CLOSURE 0x0010U
 #define TUMBLE_SET_RESUMED 0x0020U     /* the run was interrupted by a loss of power, and went on after it */
-#define TUMBLE_SET_OTHER_RULES 0x0040U /* judged, committed or accepted under rules other than the board's, or while those
-                                        * could be changed (the service level was open) */
+#define TUMBLE_SET_OTHER_RULES 0x0040U /* judged, committed or accepted under other rules than the board's, or with the
+                                        * service level open, when they could be changed */
 #define TUMBLE_SET_FLAGS 0x007FU
 
 typedef struct {
@@ -179,16 +179,16 @@ typedef struct {
     uint32_t record_crc;   /* read: CRC-32 at the end of the record; writing a record does not look at it */
 } tumble_set_t;
 
-/* Write the record of `set`. What a cleared flag says is unknown is written as 0. After a refusal `bytes` hold nothing
- * of use. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, a flag or origin that does not exist, a serial with a byte
- * behind its first zero, or a number out of its range above); TUMBLE_E_NOT_FINITE (K, U0 or a number that is said to
- * be known). */
+/* Write the record of `set`. Fields whose flag is cleared are unknown and written as 0. After a refusal the content of
+ * `bytes` is undefined.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, a flag or origin that does not exist, a serial with a byte behind its
+ * first zero, or a number out of its range above); TUMBLE_E_NOT_FINITE (K, U0 or a number that is said to be known). */
 tumble_status_t tumble_set_encode(const tumble_set_t *set, uint8_t bytes[TUMBLE_SET_BYTES]);
 
-/* Read a record. `*set` is written on TUMBLE_OK alone. Costs one bitwise CRC over 320 bytes. Returns TUMBLE_OK;
- * TUMBLE_E_ARGUMENT (null); TUMBLE_E_FRAME (not the magic, schema and size of a set); TUMBLE_E_CRC; and under a right
- * CRC, of a writer that errs: TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE as tumble_set_encode, and TUMBLE_E_FRAME (bytes
- * that must be 0). */
+/* Read a record. `*set` is written on TUMBLE_OK alone. Costs one bitwise CRC over 320 bytes.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null); TUMBLE_E_FRAME (not the magic, schema and size of a set); TUMBLE_E_CRC;
+ * and with a right CRC, when its writer was wrong, TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE as tumble_set_encode, and
+ * TUMBLE_E_FRAME (bytes that must be 0). */
 tumble_status_t tumble_set_decode(const uint8_t bytes[TUMBLE_SET_BYTES], tumble_set_t *set);
 
 /* Private: what the store writes of a set itself. */
@@ -201,10 +201,10 @@ typedef struct {
 
 /* ---- The store: two slots, a factory set, and a proposal.
  *
- * Active is the set with the highest sequence in the two slots, and where neither holds one, the factory set. A new set
- * goes to the other slot: erase, look that it is blank, program the record, read back, and only then program the mark
- * that makes it valid, in a granule of its own. So at every instant either the set that was active is active, or the
- * new one; which bytes a loss of power leaves in what was being written does not matter (docs/store.md).
+ * The active set is the one with the highest sequence in the two slots; where neither holds one, it is the factory set.
+ * A new set goes to the other slot: erase, check that it is blank, program the record, read it back, and only then
+ * program the mark that makes it valid, in a granule of its own. So at every instant either the old set is active or
+ * the new one, whatever bytes a loss of power leaves in the place that was being written (docs/store.md).
  */
 #define TUMBLE_SET_MARK_BYTES 32U /* a cell for the mark behind the record */
 #define TUMBLE_SET_PLACE_BYTES (TUMBLE_SET_BYTES + TUMBLE_SET_MARK_BYTES)
@@ -256,16 +256,18 @@ typedef struct {
 
 static_assert(sizeof(tumble_store_t) <= 768U, "the store must stay small");
 
-/* Begin to look what is there, and to clear what a job left behind that lost its power; step until it is done: eight
- * calls of the memory, some more where there is something to clear. `nv` must stay. Returns TUMBLE_OK,
- * TUMBLE_E_ARGUMENT, TUMBLE_E_NV (tumble_regions_check); after a refusal the object answers every call with
- * TUMBLE_E_STATE and holds nothing. */
+/* Start the boot scan: find what the memory holds, and clear what a job left behind that lost power. Step until it is
+ * done: eight calls of the memory, some more where there is something to clear. `*nv` must stay valid as long as the
+ * object is used.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NV (tumble_regions_check); after a refusal the object answers every
+ * call with TUMBLE_E_STATE and holds nothing. */
 tumble_status_t tumble_store_init(tumble_store_t *store, const tumble_nv_t *nv);
 
-/* Go on with what is under way: at most one call of the memory. TUMBLE_E_PORT_BUSY: call again. Else nothing is under
- * way, and the outcome of the last job is returned: TUMBLE_OK, or TUMBLE_E_NV (the memory failed or did not hold what
- * it confirmed: the set that was active is active still, or, in rare cases, the new one is; begin the job again), or
- * TUMBLE_E_CRC (what was to be copied is no longer valid). */
+/* Go on with the job under way: at most one call of the memory.
+ * Returns TUMBLE_E_PORT_BUSY while it goes on: call again. When nothing is under way, it returns the outcome of the
+ * last job: TUMBLE_OK; TUMBLE_E_NV (the memory failed, or did not hold what it had confirmed; the old set is still
+ * active or, in rare cases, the new one: begin the job again); TUMBLE_E_CRC (the set that was to be copied is no longer
+ * valid). */
 tumble_status_t tumble_store_step(tumble_store_t *store);
 
 bool tumble_store_busy(const tumble_store_t *store);
@@ -275,29 +277,30 @@ const tumble_store_counters_t *tumble_store_counters(const tumble_store_t *store
 /* Is there such a set? By the last scan; false while busy. */
 bool tumble_store_has(const tumble_store_t *store, tumble_which_set_t which);
 
-/* The CRC-32 at the end of the proposal's record: its name; 0: there is none, or busy. By the last scan. */
+/* The name of the proposal: the CRC-32 at the end of its record. 0: there is no proposal, or the store is busy. By the
+ * last scan. */
 uint32_t tumble_store_proposal(const tumble_store_t *store);
 
 /* The sequence of the active set: the calibration counter, which grows with every set that becomes active by a job. 0:
- * the factory set, or none. Where the active set decays it goes back to that of the one before, and the next one that
- * becomes active gets a sequence that none had. Keeps its last value while busy. */
+ * the factory set, or none. If the active set decays, the counter goes back to the set before; the next set that
+ * becomes active gets a sequence that no set had. While busy the counter keeps its last value. */
 uint32_t tumble_store_sequence(const tumble_store_t *store);
 
-/* Tell of a sequence that a set once had, say in the history: the next one that becomes active gets a higher one, even
- * where that set has decayed since. What is not below TUMBLE_MAX_SEQUENCE is not believed. */
+/* Tell the store of a sequence that a set once had, for instance by the history: the next set that becomes active gets
+ * a higher one, even if that set has decayed since. A sequence of TUMBLE_MAX_SEQUENCE or more is ignored. */
 void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
 
-/* A set by value: one read and one check of its CRC; `*set` is written on TUMBLE_OK alone. Returns TUMBLE_OK;
- * TUMBLE_E_PORT_BUSY (a job is under way, or the memory is, or writes for the owner, or it failed for the first or second
- * time in a row: step, and ask again); TUMBLE_E_STATE (there is no such set); TUMBLE_E_ARGUMENT (null, or no such kind); and where the
- * memory cannot be read or has decayed since the last scan, TUMBLE_E_NV or as tumble_set_decode: then a scan is begun,
- * after which the next valid set is active. */
+/* Read a set: one read of the memory and one check of its CRC. `*set` is written on TUMBLE_OK only.
+ * Returns TUMBLE_OK; TUMBLE_E_PORT_BUSY (a job is under way, the memory is busy or written by the owner of the store,
+ * or it failed for the first or second time in a row: step, and ask again); TUMBLE_E_STATE (there is no such set);
+ * TUMBLE_E_ARGUMENT (null, or no such kind); and if the memory cannot be read or has decayed since the last scan,
+ * TUMBLE_E_NV, TUMBLE_E_FRAME or TUMBLE_E_CRC: a scan begins then, after which the next valid set is active. */
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set);
 
-/* The jobs. Each returns TUMBLE_OK (begun: step), or why it was not begun: TUMBLE_E_PORT_BUSY (one is under way),
- * TUMBLE_E_STATE (see there), TUMBLE_E_NV (a place could not be read, and may hold what is active: it is looked at
- * anew, then begin again), and those that take a set: TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE (tumble_set_encode).
- * The set is copied at once. */
+/* The jobs. Each returns TUMBLE_OK (begun: step the store), or why it has not begun: TUMBLE_E_PORT_BUSY (a job is under
+ * way); TUMBLE_E_STATE (see each job); TUMBLE_E_NV (a place could not be read and may hold the active set: the store
+ * scans again, then begin again). Jobs that take a set also return TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE
+ * (tumble_set_encode); they copy the set at once. */
 
 /* Make a set active. TUMBLE_E_STATE: the sequence has reached TUMBLE_MAX_SEQUENCE. */
 tumble_status_t tumble_store_commit(tumble_store_t *store, const tumble_set_t *set);
@@ -327,10 +330,10 @@ tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_s
 
 /* ---- The history: the last sets that became active, in short.
  *
- * Each sector has room for TUMBLE_HISTORY_CELLS entries. When one is full the other, which holds the oldest, is erased
- * and goes on. So the last 32 are there at any time, whatever a loss of power does to the one being written; an entry
- * torn by a loss of power costs one of them its place. Between a commit and its entry power may fail: a caller that
- * compares the newest entry's sequence with the store's at start-up, and appends what is missing, has them all.
+ * Each sector has room for TUMBLE_HISTORY_CELLS entries. When one is full, the other, which holds the oldest, is erased
+ * and takes the next. So the last 32 entries are there at any time, whatever a loss of power does to the one being
+ * written; each entry that a loss of power tore takes the place of one. Power may fail between a commit and its entry:
+ * at start-up compare the newest entry's sequence with the store's, and append the entry that is missing.
  */
 #define TUMBLE_HISTORY_BYTES 128U
 #define TUMBLE_HISTORY_CELLS (TUMBLE_STORE_MIN_SECTOR / TUMBLE_HISTORY_BYTES)
@@ -346,7 +349,7 @@ typedef struct {
     float temperature_c;
     uint8_t origin;
     uint8_t estimator;
-    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE and _UNCERTAINTY are meant for this entry; TUMBLE_HISTORY_... */
+    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE, TUMBLE_SET_HAS_UNCERTAINTY; TUMBLE_HISTORY_... */
     float value[TUMBLE_COEFFICIENTS]; /* K row by row (V/g), then U0 (V) */
     float u[TUMBLE_COEFFICIENTS];     /* standard uncertainties; 0 where not known */
 } tumble_history_entry_t;
@@ -360,8 +363,8 @@ typedef struct {
     uint8_t bytes[TUMBLE_HISTORY_BYTES];
 } tumble_history_t;
 
-/* What of a set goes into the log. Pure. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE (a number
- * too large for single precision). */
+/* What of a set goes into the log. Pure.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE (a number too large for single precision). */
 tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_entry_t *entry);
 
 /* Bytes of an entry (docs/store.md). `encode`: TUMBLE_E_ARGUMENT (null), TUMBLE_E_NOT_FINITE. `decode`:
@@ -369,14 +372,15 @@ tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_
 tumble_status_t tumble_history_encode(const tumble_history_entry_t *entry, uint8_t bytes[TUMBLE_HISTORY_BYTES]);
 tumble_status_t tumble_history_decode(const uint8_t bytes[TUMBLE_HISTORY_BYTES], tumble_history_entry_t *entry);
 
-/* As tumble_store_init, _step, _busy; init takes 64 calls of the memory. */
+/* As tumble_store_init (64 calls of the memory), tumble_store_step and tumble_store_busy. */
 tumble_status_t tumble_history_init(tumble_history_t *history, const tumble_nv_t *nv);
 tumble_status_t tumble_history_step(tumble_history_t *history);
 bool tumble_history_busy(const tumble_history_t *history);
 
-/* Begin to append. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY (a job is under way), TUMBLE_E_STATE (init refused,
- * or the number of entries has reached UINT32_MAX - 1), TUMBLE_E_NV (a cell could not be read when it looked what is
- * there: it looks again now; step, then try again), or as tumble_history_encode. */
+/* Begin to append.
+ * Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY (a job is under way), TUMBLE_E_STATE (init refused, or the number of
+ * entries has reached UINT32_MAX - 1), TUMBLE_E_NV (the last scan could not read a cell; a new scan has begun: step,
+ * then try again), TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE (tumble_history_encode). */
 tumble_status_t tumble_history_append(tumble_history_t *history, const tumble_history_entry_t *entry);
 
 /* How many entries there are: after more than 32, 32 to 64. 0 while busy. */
@@ -385,15 +389,16 @@ uint8_t tumble_history_count(const tumble_history_t *history);
 /* The sequence of the newest entry; 0: none. */
 uint32_t tumble_history_sequence(const tumble_history_t *history);
 
-/* One entry, `age` 0 the newest, below tumble_history_count(). One read. Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (ask
- * again), TUMBLE_E_ARGUMENT (null, or no such age), TUMBLE_E_NV, TUMBLE_E_FRAME, TUMBLE_E_CRC. */
+/* One entry, `age` 0 the newest, below tumble_history_count(). One read.
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (ask again), TUMBLE_E_ARGUMENT (null, or no such age), TUMBLE_E_NV,
+ * TUMBLE_E_FRAME, TUMBLE_E_CRC. */
 tumble_status_t tumble_history_read(tumble_history_t *history, uint8_t age, tumble_history_entry_t *entry);
 
 /* ---- The trend: how a coefficient drifts: a weighted straight line through its values over time. Pure functions.
  *
  * Each value weighs (u of the first / u)^2. Means and sums of products are carried along (West, Comm. ACM 22, 1979,
- * 532), relative to the first date, so nothing cancels. The uncertainty of the drift is that of independent values;
- * what all calibrations on one stand have in common does not make a drift, and then it is stated too large, not too
+ * 532), relative to the first date, so nothing cancels. The uncertainty of the drift is that of independent values. An
+ * error that all calibrations on one stand share makes no drift; the stated uncertainty is then too large, not too
  * small.
  */
 #define TUMBLE_MONTH_S 2629746.0 /* a twelfth of a Gregorian year of 365.2425 days */
@@ -416,8 +421,9 @@ typedef struct {
     uint32_t freedom;     /* values - 2 */
 } tumble_trend_t;
 
-/* One more value, in any order of time. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, date 0, or u not above 0);
- * TUMBLE_E_NOT_FINITE (the value, or u, no number or beyond 1e100 in magnitude, or u below 1e-100). */
+/* Add one value; values may come in any order of time.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null, date 0, or u not above 0); TUMBLE_E_NOT_FINITE (the value, or u, no
+ * number or beyond 1e100 in magnitude, or u below 1e-100). */
 tumble_status_t tumble_trend_add(tumble_trend_sums_t *sums, uint64_t date_utc_s, double value, double u);
 
 /* Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (null); TUMBLE_E_TOO_FEW (fewer than two values, or all of one date);
@@ -426,10 +432,11 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
 
 /* ---- The checkpoint: the finished positions of a run, so that it can go on after a loss of power.
  *
- * A log: a header with the fingerprint of the run, then one entry a position. The fingerprint is the application's:
- * CRC-32 over all that must not have changed (stand, block, schedule, configuration, and the sequence of the active
- * set, so that the checkpoint of a run that ended in a commit is not taken up again). The CRC of every entry covers it
- * too. Jobs as of the store above: begin, then step; at most one call of the memory a step.
+ * The checkpoint is a log: a header with the fingerprint of the run, then one entry for each position. The application
+ * makes the fingerprint: a CRC-32 over everything that must not have changed (stand, block, schedule, configuration,
+ * and the sequence of the active set, so that the checkpoint of a run that ended in a commit is not resumed). The CRC
+ * of every entry covers it too. Jobs work as in the store above: begin, then step; each step makes at most one call of
+ * the memory.
  */
 #define TUMBLE_CHECKPOINT_BYTES 64U
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
@@ -443,19 +450,20 @@ typedef struct {
     uint8_t bytes[TUMBLE_CHECKPOINT_BYTES];
 } tumble_checkpoint_t;
 
-/* As tumble_store_init, _step, _busy. */
+/* As tumble_store_init, tumble_store_step and tumble_store_busy. */
 tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tumble_nv_t *nv);
 tumble_status_t tumble_checkpoint_step(tumble_checkpoint_t *checkpoint);
 bool tumble_checkpoint_busy(const tumble_checkpoint_t *checkpoint);
 
-/* Forget what is kept and begin a new run. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init
- * refused). */
+/* Forget the run that is kept and begin a new one.
+ * Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init refused). */
 tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_t fingerprint);
 
-/* Keep one finished position. Returns TUMBLE_OK (begun); TUMBLE_E_PORT_BUSY; TUMBLE_E_STATE (no run has been begun);
- * TUMBLE_E_FULL (no cell is left: TUMBLE_CHECKPOINT_CELLS - 1 entries, torn ones included); TUMBLE_E_ARGUMENT (null,
- * an index not below TUMBLE_MAX_POSITIONS, samples 0 or above TUMBLE_MAX_SAMPLES, a negative scatter);
- * TUMBLE_E_NOT_FINITE (the scatter). */
+/* Keep one finished position.
+ * Returns TUMBLE_OK (begun); TUMBLE_E_PORT_BUSY; TUMBLE_E_STATE (no run has been begun); TUMBLE_E_FULL (no cell is
+ * left: TUMBLE_CHECKPOINT_CELLS - 1 entries, torn ones included); TUMBLE_E_ARGUMENT (null, an index not below
+ * TUMBLE_MAX_POSITIONS, samples 0 or above TUMBLE_MAX_SAMPLES, a negative scatter); TUMBLE_E_NOT_FINITE (the
+ * scatter). */
 tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
                                          const tumble_average_t *average);
 
@@ -468,15 +476,16 @@ bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t f
 /* Is this position kept? The last entry of a position counts. False while busy, and for an index out of range. */
 bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index);
 
-/* One kept position; one read. The caller has asked tumble_checkpoint_matches before. Returns TUMBLE_OK,
- * TUMBLE_E_PORT_BUSY (ask again), TUMBLE_E_MISSING_POSITION (not kept), TUMBLE_E_ARGUMENT (null), TUMBLE_E_NV,
- * TUMBLE_E_CRC. */
+/* One kept position; one read. The caller has asked tumble_checkpoint_matches before.
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (ask again), TUMBLE_E_MISSING_POSITION (not kept), TUMBLE_E_ARGUMENT (null),
+ * TUMBLE_E_NV, TUMBLE_E_CRC. */
 tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average);
 
 /* ---- The rules: may a new set of coefficients replace the active one by itself?
  *
- * A pure function: candidate, active set and limits in, a bit per objection out; none: commit. Whatever cannot be
- * judged is an objection. The set is then held as a proposal with these bits, for an operator to accept or discard.
+ * A pure function: candidate, active set and limits go in, one bit for each objection comes out. Without any bit the
+ * set may be committed. With one the set is held as a proposal with these bits, for an operator to accept or discard.
+ * Whatever cannot be judged is an objection.
  *
  * Everything is relative to the length of a row of the candidate's K, |K_i| = sqrt(K_ix^2 + K_iy^2 + K_iz^2) in V/g:
  * a scale factor's limit is a ratio, a cross-axis sensitivity's an angle in rad, and a bias's is in g.
@@ -486,14 +495,14 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  *                                             + drift_per_month[c] months + drift_per_kelvin[c] kelvin
  *
  * with months the time between the dates of the two sets, at least 1 (and 1 where a date is unknown) and at most
- * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An uncertainty of
- * the active set that is unknown counts as 0: what is not known excuses no change.
+ * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An unknown
+ * uncertainty of the active set counts as 0: it excuses no change.
  *
- * TUMBLE_OBJECTION_DOES_NOT_FIT and _OTHER_RULES are not found here, for a set has no means in it, and knows nothing of the
- * level that its rules were set at: the caller adds them.
+ * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT and TUMBLE_OBJECTION_OTHER_RULES: a set holds no means, and does not
+ * know who set its rules.
  */
-/* Drift is allowed for so many months at most, however far apart the dates are: a clock that is years ahead would else
- * excuse any change, and after so long a time somebody should look at what has become of the block. */
+/* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
+ * would excuse any change; and after so long a time somebody should look at the block. */
 #define TUMBLE_COMMIT_MAX_MONTHS 24.0
 
 /* Bit numbers travel over CAN and Modbus: new ones go to the end, 16 at most. */
@@ -551,20 +560,21 @@ const char *tumble_objection_sentence(tumble_objection_t objection);
 
 /* ---- The life: what is done with the results of runs, and when the next one is due.
  *
- * Its owner, the navigation computer, tells what happens: a run began (tumble_sets_run_began), is done
- * (tumble_sets_run_done, with its result), was given up or forgotten (tumble_sets_run_given_up, _run_forgotten), goes on
- * (tumble_sets_run_goes_on); a position was measured (tumble_sets_run_measured); a sample came. In each of its steps it
- * calls tumble_sets_hold_off, tumble_sets_work and tumble_sets_start, and does what the event says that they return.
- * What the life must know of the run besides it reads in tumble_sets_run_t, which the owner keeps true; it asks two
- * questions of tumble_sets_owner_t, and calls nothing else.
+ * The owner, the navigation computer, reports what happens to the run: it began (tumble_sets_run_began), is done
+ * (tumble_sets_run_done, with its result), was given up (tumble_sets_run_given_up) or forgotten
+ * (tumble_sets_run_forgotten), goes on (tumble_sets_run_goes_on), has measured a position (tumble_sets_run_measured),
+ * received a sample (tumble_sets_sample). In each of its own steps the owner calls tumble_sets_hold_off,
+ * tumble_sets_work and tumble_sets_start, and does what they ask for. The sets read everything else about the run in
+ * tumble_sets_run_t, which the owner keeps true. They call the two functions of tumble_sets_owner_t, and nothing else
+ * of the owner.
  *
  * A finished run becomes a set, is judged by the rules, and committed, or held as the proposal. A result that the store
- * has held before, to the last bit, is not stored again. After every finished position a checkpoint is written, so
- * that a run that lost power can go on. What the memory refuses is counted, and the active set stays. An entry of the
- * history, and what is done to the checkpoint, is tried again when refused, TUMBLE_SETS_TRIES times in all; then the
- * history waits for the next job of the store, the checkpoint for the next mean.
+ * has held before, to the last bit, is not stored again. After every finished position a checkpoint is written, so that
+ * a run that lost power can go on. When the memory refuses a job, that is counted, and the active set stays. An entry
+ * of the history or of the checkpoint is tried TUMBLE_SETS_TRIES times in all; then the history waits for the next job
+ * of the store, the checkpoint for the next mean.
  *
- * A checkpoint ends with the run that it is of: a run that is started anew, given up, or done and stored, leaves none.
+ * A checkpoint ends with its run: when a run is started anew, given up, or done and stored, no checkpoint is left.
  */
 
 /* tumble_sets_settings_t.flags */
@@ -583,7 +593,7 @@ typedef struct {
     uint32_t pause_s;             /* no start by itself so long after the last one, the end of any run, and
                                    * tumble_sets_pause; TUMBLE_SETS_MIN_PAUSE_S or more */
     uint16_t temperature_samples; /* a run is due after so many samples in a row, 1 or more, ... */
-    uint8_t temperature_half_c;   /* ... at more than this from the active set's temperature, half degrees C; 0: never */
+    uint8_t temperature_half_c;   /* ... more than this off the active set's temperature, half degrees C; 0: never */
     uint8_t flags;                /* TUMBLE_SETS_... */
 } tumble_sets_settings_t;
 
@@ -592,8 +602,8 @@ typedef struct {
     const char *serial;                     /* of the block, 1 to TUMBLE_SET_SERIAL_BYTES characters */
     const tumble_sets_settings_t *settings; /* at power-on */
 
-    /* May no run be on now, as far as the board knows (a discrete input, the vehicle's state)? Asked at least every
-     * step. May be null: never inhibited by the board. */
+    /* Does the board inhibit runs now (a discrete input, the vehicle's state)? Called at least once in every step. May
+     * be null: the board never inhibits. */
     bool (*inhibited)(void *context);
     void *context; /* handed to it */
 } tumble_sets_config_t;
@@ -623,13 +633,13 @@ typedef struct {
     const tumble_sets_run_t *run;
     const void *self; /* handed to both questions */
 
-    /* What fingerprint has all that must not change in a run: block, stand, schedule, configuration, and the sequence of the
-     * active set, so that the checkpoint of a run that ended in a commit is not taken up again? */
+    /* The fingerprint of all that must not change in a run: block, stand, schedule, configuration, and `sequence`, that
+     * of the active set, so that the checkpoint of a run that ended in a commit is not resumed. */
     uint32_t (*fingerprint)(const void *self, uint32_t sequence);
 
-    /* The standard uncertainties of these coefficients (bits) of the result at hand; the others are left as they are.
-     * TUMBLE_OK, or why they are not known. Null: they never are, and so no set is committed by itself. Asked for one
-     * coefficient of a result in a step. */
+    /* The standard uncertainties of these coefficients (bits) of the present result; the others are left as they are.
+     * Called for one coefficient in each step. Null: they are never known, and so no set is committed by itself.
+     * Returns TUMBLE_OK, or why they are not known. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
 
     /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */
@@ -696,7 +706,7 @@ typedef struct {
     uint32_t rolled_back;
     uint32_t failures;     /* jobs of the memory that ended in anything but TUMBLE_OK */
     uint32_t checkpoints;  /* positions kept */
-    uint32_t resumed;      /* runs gone on with after a loss of power */
+    uint32_t resumed;      /* runs that went on after a loss of power */
     uint32_t not_resumed;  /* refused: nothing kept, or of another block, stand, schedule or configuration */
     uint32_t inhibited;    /* commands refused, runs given up and tables stopped because of the inhibit */
     uint32_t self_started;
@@ -704,8 +714,8 @@ typedef struct {
                             * saved is in force */
 } tumble_sets_counters_t;
 
-/* The object. `store` and `history` may be read by their own functions; everything else is private. The small members come
- * first: a Cortex-M reaches them by shorter instructions. */
+/* The object. `store` and `history` may be read by their own functions; everything else is private. The small members
+ * come first, because a Cortex-M reaches them by shorter instructions. */
 typedef struct {
     uint8_t task;             /* what goes on over several steps, */
     uint8_t at;               /* and how far */
@@ -762,10 +772,10 @@ typedef struct {
 static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
- * for as long as the owner likes, and call tumble_sets_booted: unless it is busy still, what is active is known from
- * then on; else it is read step by step, and until then there is no set. Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no
- * configuration, a serial number or settings out of range, no memory behind the port); TUMBLE_E_NV
- * (tumble_regions_check). */
+ * for as long as the owner likes, and call tumble_sets_booted. If the memory is not busy by then, the active set is
+ * known at once; otherwise it is read step by step, and until then there is no set.
+ * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no configuration, a serial number or settings out of range, no memory behind
+ * the port); TUMBLE_E_NV (tumble_regions_check). */
 tumble_status_t tumble_sets_init(tumble_sets_t *sets, const tumble_sets_config_t *config,
                                  const tumble_sets_owner_t *owner);
 void tumble_sets_booted(tumble_sets_t *sets, tumble_status_t opened);
@@ -777,7 +787,8 @@ void tumble_sets_reset(tumble_sets_t *sets);
 bool tumble_sets_memory_busy(const tumble_sets_t *sets);
 void tumble_sets_step_memory(tumble_sets_t *sets);
 
-/* The same, or is the memory at work for the owner; or is there anything left to be done? */
+/* tumble_sets_busy: as tumble_sets_memory_busy, or the memory is at work for the owner. tumble_sets_has_work: there is
+ * something left to do. */
 bool tumble_sets_busy(const tumble_sets_t *sets);
 bool tumble_sets_has_work(const tumble_sets_t *sets);
 
@@ -787,7 +798,7 @@ tumble_sets_wish_t tumble_sets_hold_off(tumble_sets_t *sets, uint64_t now_us);
 /* Second: one call of the memory, one job begun, or a part of a computation. */
 void tumble_sets_work(tumble_sets_t *sets, tumble_sets_event_t *event);
 
-/* Third, where there is no work left: is a run to be started that is due? */
+/* Third, when no work is left: should the owner start a run that is due? */
 bool tumble_sets_start(tumble_sets_t *sets);
 
 /* Has what a state message tells changed since this was asked last: counter, verdict, objections, what is due? */
@@ -815,30 +826,33 @@ tumble_status_t tumble_sets_discard(tumble_sets_t *sets);
 tumble_status_t tumble_sets_rollback(tumble_sets_t *sets);
 
 /* Go on with the run that lost power; it begins within some steps, by events. Block, stand, schedule, configuration and
- * active set must be those that it was begun with. Returns TUMBLE_OK, TUMBLE_E_STATE (there is no such run). */
+ * active set must be those with which it began.
+ * Returns TUMBLE_OK, TUMBLE_E_STATE (there is no such run). */
 tumble_status_t tumble_sets_resume(tumble_sets_t *sets);
 
-/* May the owner obey a command that `begins` a run or measures anew (for some 100 ms after a run is done its means must
- * stay as they are; `too_early`: and what was saved is not in force yet), or that `moves` the table or goes on with
- * a run (not while inhibited)? False: it is counted as refused. */
+/* May the owner obey this command? `begins`: it begins a run or measures anew, which is refused for some 100 ms after a
+ * run is done, because its means must stay as they are. `too_early`: it begins a run, and the saved parameters are not
+ * in force yet: refused. `moves`: it moves the table or goes on with a run, which is refused while inhibited. False:
+ * the command is refused, and has been counted. */
 bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool moves);
 
 /* No start by itself for some time from now: somebody is at work at the table. */
 void tumble_sets_pause(tumble_sets_t *sets);
 
-/* The uncertainties of the result at hand: TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on),
- * TUMBLE_E_STATE (not known). */
+/* The uncertainties of the present result.
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on), TUMBLE_E_STATE (not known). */
 tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_uncertainty_t **uncertainty);
 
-/* The rules in force are being saved (else the board's come back), and then: they have been; those that were saved are
- * in force. What was saved counts as the board's own. */
+/* What happens to the saved rules, which count as the board's own. tumble_sets_save_rules: the rules in force are being
+ * saved (`save`), or the saved ones forgotten. tumble_sets_rules_saved: that is done. tumble_sets_rules_applied: the
+ * saved rules are in force. */
 void tumble_sets_save_rules(tumble_sets_t *sets, bool save);
 void tumble_sets_rules_saved(tumble_sets_t *sets);
 void tumble_sets_rules_applied(tumble_sets_t *sets);
 
-/* The calibration counter: grows with every change of the active set, and by nothing else, unless that decays: then it
- * is the one of the set before, and what comes next gets one that none had; TUMBLE_DUE_DECAYED tells of it. 0: the
- * factory set, or none. */
+/* The calibration counter: it grows with every change of the active set, and with nothing else. Only when the active
+ * set decays it goes back to that of the set before, and TUMBLE_DUE_DECAYED is set; the next set gets a number that no
+ * set had. 0: the factory set, or none. */
 uint32_t tumble_sets_counter(const tumble_sets_t *sets);
 
 /* What else is readable, in one copy. */
@@ -852,7 +866,7 @@ typedef struct {
     uint8_t verdict;     /* tumble_verdict_t */
     uint8_t status;      /* tumble_status_t of the last failure of the memory */
     uint8_t due;         /* TUMBLE_DUE_... */
-    uint8_t resumable;   /* finished positions of a run that lost power and may be gone on with; 0: none */
+    uint8_t resumable;   /* finished positions of a run that lost power and can be resumed; 0: none */
     bool inhibited;      /* by host or board */
     bool busy;           /* the memory is at work, or about to be */
     bool has_proposal;
@@ -863,29 +877,31 @@ void tumble_sets_state(const tumble_sets_t *sets, tumble_sets_state_t *state);
 
 const tumble_sets_counters_t *tumble_sets_counters(const tumble_sets_t *sets);
 
-/* Settings. `change` and `configure` look at all of them and take all or none: TUMBLE_OK, TUMBLE_E_ARGUMENT (null, or
- * one is out of range), TUMBLE_E_STATE (a run is on). `change` is for whoever is outside; what the board's program sets
- * by `configure` are the board's rules unless others were in force before. */
+/* Settings. tumble_sets_change and tumble_sets_configure check all of them and take all or none. tumble_sets_change is
+ * for those outside. What the board's program sets by tumble_sets_configure becomes the board's rules, unless other
+ * rules were in force before. Both return TUMBLE_OK, TUMBLE_E_ARGUMENT (null, or one is out of range), TUMBLE_E_STATE
+ * (a run is on). */
 const tumble_sets_settings_t *tumble_sets_settings(const tumble_sets_t *sets);
 tumble_status_t tumble_sets_change(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
 tumble_status_t tumble_sets_configure(tumble_sets_t *sets, const tumble_sets_settings_t *settings);
 
 /* The calendar: seconds since 1970-01-01T00:00:00 UTC, from here on kept by the port's clock; 0: no longer known. At
- * most TUMBLE_SETS_MAX_UTC_S. Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. Without it sets carry no date, and the interval
- * counts from power-on, or from the last change of the active set. */
+ * most TUMBLE_SETS_MAX_UTC_S.
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. Without it sets carry no date, and the interval counts from power-on, or from
+ * the last change of the active set. */
 #define TUMBLE_SETS_MAX_UTC_S (UINT64_C(1) << 40)
 tumble_status_t tumble_sets_set_utc(tumble_sets_t *sets, uint64_t utc_s);
 
 /* The host's inhibit (say, while navigating): no run may be on for so many seconds from now; 0 ends it. It expires, so
- * that a host that has died does not inhibit for ever; one that lives tells it again in time. What must not hang on a
- * living host is the board's: config->inhibited. */
+ * that a host that has died does not inhibit for ever; a living host repeats it in time. An inhibit that must hold
+ * without the host belongs to the board: config->inhibited. */
 void tumble_sets_inhibit(tumble_sets_t *sets, uint16_t seconds);
 
-/* Drift of a coefficient (0 to 11: K row by row, then U0) over the sets of the history that are dated and have
- * uncertainties, of this block, and were neither given up by a rollback nor brought back by one (they are there
- * already), in V/g or V per TUMBLE_MONTH_S. Reads the whole history, once for each call. Returns TUMBLE_OK,
- * TUMBLE_E_ARGUMENT, TUMBLE_E_PORT_BUSY (the memory is at work: ask again), TUMBLE_E_TOO_FEW, TUMBLE_E_NOT_FINITE, or
- * why an entry could not be read. */
+/* Drift of a coefficient (0 to 11: K row by row, then U0), in V/g or V per TUMBLE_MONTH_S. It takes the sets of this
+ * block in the history that are dated and have uncertainties, without those that a rollback gave up and the copies that
+ * it brought back. Each call reads the whole history.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_PORT_BUSY (the memory is at work: ask again), TUMBLE_E_TOO_FEW,
+ * TUMBLE_E_NOT_FINITE, or why an entry could not be read: TUMBLE_E_NV, TUMBLE_E_FRAME, TUMBLE_E_CRC. */
 tumble_status_t tumble_sets_trend(tumble_sets_t *sets, uint8_t coefficient, tumble_trend_t *trend);
 
 #ifdef __cplusplus

@@ -1,15 +1,15 @@
-/* tumble/stand.h - the rotary stand as everything else sees it: turn, wait, ask. And how to write one of your own.
+/* tumble/stand.h - the rotary stand as the rest of the firmware sees it, and how to write a stand of your own.
  *
  * A stand is a kind, a const table of functions, and the object that they work on. No function waits: home and move
  * start an action, `state` tells how far it has come. Angles are degrees of the table, counted from the home position,
  * over as many turns as the cable allows; they are the schedule's angles and not counts of an encoder.
  *
  * Two kinds come with Tumble: &tumble_drive402_kind, a CiA 402 drive in profile position mode, and
- * &tumble_operator_kind, a person at a dividing head. A third one is a folder of its own with a header that names its
- * object, its profile and its kind; whoever composes a computer names them in its tumble_navcomp_config_t. Nothing else
- * in the firmware asks of what kind a stand is.
+ * &tumble_operator_kind, a person at a dividing head. A stand of your own is a folder with a header that declares its
+ * object, its profile and its kind; name them in the computer's tumble_navcomp_config_t. Nothing else in the firmware
+ * asks of what kind a stand is.
  *
- * The shortest program, a table that is wherever it is told to be:
+ * The shortest program, a table that is at once wherever it is told to be:
  *
  *     #include <stddef.h>
  *     typedef struct { tumble_stand_report_t report; double angle_deg; uint8_t state; } table_t;
@@ -43,8 +43,8 @@
  *     static table_t table;
  *     tumble_stand_t stand = {&table_kind, &table}; // as a navcomp makes it of .stand and .stand_memory
  *
- * The functions are called from within navcomp's own, never at once on one object. They may use the node they were
- * given (trigger its PDOs, use its SDO client, queue NMT commands, raise emergencies), but not step it.
+ * navcomp calls these functions from its own, never two at the same time on one object. They may use the node that they
+ * were given (trigger its PDOs, use its SDO client, queue NMT commands, raise emergencies), but must not step it.
  */
 #ifndef TUMBLE_STAND_H
 #define TUMBLE_STAND_H
@@ -101,7 +101,7 @@ typedef enum {
     TUMBLE_RUNG_UNCONFIRMED
 } tumble_stop_rung_t;
 
-/* How far stops had to go, and what was not believed; monotonic, they stop at UINT32_MAX. */
+/* How far stops had to go, and how many reports were not believed; monotonic, they stop at UINT32_MAX. */
 typedef struct {
     uint32_t rungs[TUMBLE_RUNG_UNCONFIRMED - TUMBLE_RUNG_TOLD]; /* how often each was climbed to, from AGAIN on */
     uint32_t implausible;                                       /* position reports that were not believed */
@@ -114,7 +114,7 @@ typedef struct {
     uint32_t abort; /* the SDO abort code; TUMBLE_ABORT_TIMEOUT when it did not answer */
 } tumble_stand_refusal_t;
 
-/* What is read and needs no function: a part of the object. Zeros: there is nothing to tell. */
+/* What a stand tells without a function call: a part of its object. Zeros: there is nothing to tell. */
 typedef struct {
     double asked_deg;               /* with `asks`: the angle, 0 for homing */
     tumble_stand_refusal_t refusal; /* what led to TUMBLE_STAND_FAULT_PROTOCOL */
@@ -126,7 +126,7 @@ typedef struct {
 
 /* ---- What a stand is. */
 
-/* What it is given to work with. */
+/* What a stand is given to work with. */
 typedef struct {
     const void *profile;           /* the kind's own configuration, const; outlives the object */
     tumble_node_t *node;           /* ours, initialised, watching `stand_node` (1016h) */
@@ -136,7 +136,7 @@ typedef struct {
     uint8_t stand_node;            /* 0: it is not on the bus */
 } tumble_stand_setup_t;
 
-/* A number of a profile. A run that lost power is gone on with only if it has not changed. */
+/* A number of a profile that must not change in a run: if it has changed, a run that lost power is not resumed. */
 typedef enum {
     TUMBLE_STAND_NUMBER_NONE = 0, /* no more of them */
     TUMBLE_STAND_NUMBER_F64,
@@ -150,66 +150,72 @@ typedef struct {
 
 #define TUMBLE_STAND_NUMBERS 3U
 
-/* A kind. None may be null but those that say so. */
+/* A kind of stand. No function may be null unless its comment says so. */
 typedef struct {
     uint16_t bytes;     /* size of its object, which the caller of tumble_navcomp_init owns */
     uint16_t report_at; /* where in it the report stands */
 
-    /* What of the profile decides where an angle is. */
+    /* The numbers of the profile that decide where an angle is. */
     tumble_stand_number_t numbers[TUMBLE_STAND_NUMBERS];
 
-    /* Get ready, at power-on (the object is all zero) and after every NMT reset of our node (it is as it was: counters
-     * go on). TUMBLE_OK; TUMBLE_E_ARGUMENT: a profile or a node number that it cannot work with. */
+    /* Get ready, at power-on (the object is all zero) and after every NMT reset of our node (the object is unchanged:
+     * counters go on).
+     * Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: a profile or a node number that this kind cannot work with. */
     tumble_status_t (*init)(void *self, const tumble_stand_setup_t *setup);
 
-    /* Go on, watch the time. After every frame, and when next_us is over; before the node's own step, which sends what
-     * this one has prepared. */
+    /* Go on and watch the time. Called after every frame and when next_us is over, before the node's own step, which
+     * sends what this one has prepared. */
     void (*step)(void *self, uint64_t now_us);
 
     /* The next moment at which step has something to do by itself; 0: at once; UINT64_MAX: never. */
     uint64_t (*next_us)(const void *self);
 
-    /* Start homing. TUMBLE_OK, or TUMBLE_E_STAND_STATE when the state does not allow it (offline, moving, fault). */
+    /* Start homing.
+     * Returns TUMBLE_OK, or TUMBLE_E_STAND_STATE when the state does not allow it (offline, moving, fault). */
     tumble_status_t (*home)(void *self);
 
-    /* Start a move to an absolute angle. TUMBLE_OK, TUMBLE_E_STAND_STATE, TUMBLE_E_ARGUMENT (beyond what the stand's
-     * position can express). */
+    /* Start a move to an absolute angle.
+     * Returns TUMBLE_OK, TUMBLE_E_STAND_STATE (as home), TUMBLE_E_ARGUMENT (beyond what the stand's position can
+     * express). */
     tumble_status_t (*move)(void *self, double angle_deg);
 
     /* Stop the axis as fast as the drive allows, whatever the state. Never refused. The stand goes on until the axis is
      * seen at rest: STOPPED, or FAULT (with TUMBLE_STAND_FAULT_STOP when it had to take harsher means). */
     void (*stop)(void *self);
 
-    /* Begin to leave FAULT, towards READY or STOPPED. TUMBLE_OK; TUMBLE_E_STAND_STATE: not in FAULT, or a stop is still
-     * being enforced, which takes seconds at most: ask again. */
+    /* Begin to leave FAULT, towards READY or STOPPED.
+     * Returns TUMBLE_OK, or TUMBLE_E_STAND_STATE: not in FAULT, or a stop is still being enforced, which takes seconds
+     * at most: ask again. */
     tumble_status_t (*clear_fault)(void *self);
 
-    /* Called only while report.asks is set, null in a kind that never sets it. The head stands at this angle.
-     * TUMBLE_OK, or TUMBLE_E_ARGUMENT: it is not the angle asked for (the request stands). */
+    /* The person says that the head stands at this angle. Called only while report.asks is set; null in a kind that
+     * never sets it.
+     * Returns TUMBLE_OK, or TUMBLE_E_ARGUMENT: it is not the angle asked for (the request stands). */
     tumble_status_t (*confirm)(void *self, double angle_deg);
 
     tumble_stand_state_t (*state)(const void *self);
     tumble_stand_fault_t (*fault)(const void *self);
     double (*angle_deg)(const void *self); /* actual angle, last reported */
 
-    /* Of a kind that is on the bus, where stand_node must not be 0; in others all of them are null. */
+    /* The rest is for a kind that is on the bus, where stand_node must not be 0; in other kinds all of it is null. */
 
-    /* Is there a drive, so that what its stop depends on must stay as it is? */
+    /* Is a drive there? Then nobody may change what its stop depends on. */
     bool (*is_present)(const void *self);
 
-    /* What the node tells of stand_node: its heartbeat, an emergency message. */
+    /* The node has received a heartbeat event, or an emergency message, of stand_node. */
     void (*heartbeat)(void *self, tumble_heartbeat_event_t event, tumble_nmt_state_t state);
     void (*emergency)(void *self, const tumble_emergency_t *message);
 
     /* Our receive PDO with this number (0 is 1400h), whoever sent it, has been written. */
     void (*pdo_received)(void *self, uint8_t number);
 
-    /* A frame of this identifier has come that is no service of our node. `ours`: nobody but our node may send it.
-     * Returns `ours`, or true if it is one by which we command the stand: then the axis is not in our hands alone. */
+    /* A frame with this identifier has come that is no service of our node. `ours`: nobody but our node may send it.
+     * Returns true if `ours`, or if it is a frame by which we command the stand: then somebody else commands the
+     * axis. */
     bool (*foreign)(void *self, uint16_t id, bool ours);
 } tumble_stand_kind_t;
 
-/* In the initialiser of a kind: the functions that none may lack, each named `name`_ and as its member. */
+/* For the initialiser of a kind: the functions that every kind must have, each named `name`_ and then as its member. */
 #define TUMBLE_STAND_FUNCTIONS(name)                                                                                   \
     .init = name##_init, .step = name##_step, .next_us = name##_next_us, .home = name##_home, .move = name##_move,     \
     .stop = name##_stop, .clear_fault = name##_clear_fault, .state = name##_state, .fault = name##_fault,              \
@@ -220,7 +226,8 @@ typedef struct {
     void *self;
 } tumble_stand_t;
 
-/* What of a profile decides where an angle is. `numbers` has room for TUMBLE_STAND_NUMBERS; returns how many it holds. */
+/* The numbers of a profile that decide where an angle is. `numbers` has room for TUMBLE_STAND_NUMBERS; returns how many
+ * were written. */
 uint8_t tumble_stand_numbers(const tumble_stand_kind_t *kind, const void *profile, double *numbers);
 
 static inline const tumble_stand_report_t *tumble_stand_report(const tumble_stand_t *stand)

@@ -256,7 +256,7 @@ static tumble_status_t drive_move(void *self, double angle_deg)
     return begin(drive, PHASE_TARGET);
 }
 
-/* Nothing moves before it is powered; from there on the axis is told, whatever it is thought to do. */
+/* Before the drive is powered nothing moves. From then on tell the axis to stop, whatever we believe it is doing. */
 static void drive_stop(void *self)
 {
     tumble_drive402_t *drive = self;

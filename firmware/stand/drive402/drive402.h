@@ -1,8 +1,8 @@
 /* drive402.h - a CiA 402 drive in profile position mode as the stand's axis: the master's side.
  *
- * It lives on a canopen node (ours): writes the drive's configuration by SDO, starts it by NMT, leads it through its
- * statusword up to Operation enabled, homes and moves it through process data, and watches it. What differs from
- * maker to maker stands in a const profile. Everything goes on in steps; nothing waits; every phase has a bounded
+ * It lives on a canopen node (ours). It writes the drive's configuration by SDO, starts the drive by NMT, leads it
+ * through its statusword up to Operation enabled, homes and moves it through process data, and watches it. A const
+ * profile holds what differs from maker to maker. Everything goes on in steps; nothing waits; every phase has a bounded
  * time.
  *
  * What happens to the axis follows from received frames and their order; the clock drives timeouts alone.
@@ -12,22 +12,22 @@
  * it is busy here. The node's dictionary holds the drive's objects in 2040h: controlword, target, mode, statusword,
  * actual position, mode display, velocity, error code, as subindices 1 to 8, at home in the mirror.
  *
- * The life of a drive: absent; heartbeat heard: configure, start, power up: READY. One that is found under power is
- * stopped first, and powered up by the next home or move. Not homed after power-on: moves are refused until homing.
- * Losing its heartbeat, its power or its configuration is a fault until clear_fault, which does it all again and resets
- * a fault of the drive's own. A drive that has booted, was switched off, or was seen in another NMT state than
- * Operational must be homed again.
+ * The life of a drive: it is absent until its heartbeat is heard; then it is configured, started and powered up, and is
+ * READY. A drive that is found under power is stopped first, and powered up by the next home or move. Until it has
+ * homed, moves are refused. If its heartbeat, its power or its configuration is lost, that is a fault until
+ * clear_fault, which does all of this again and resets a fault of the drive's own. A drive that has booted, was
+ * switched off, or was seen in another NMT state than Operational must be homed again.
  *
- * A stop is a state that is seen. Until the drive has reported the axis at rest it is told again, by harsher means from
- * rung to rung; each raises TUMBLE_EMCY_STOP and is counted. The times run from the stop, or from the end of
- * stop_timeout_ms where the drive has been seen to obey:
+ * A stop is over when the axis is seen at rest. Until then the drive is told again, by harsher means from rung to rung;
+ * each rung raises TUMBLE_EMCY_STOP and is counted. The times count from the stop, or from the end of stop_timeout_ms
+ * if the drive has been seen to obey:
  *
  *     at once   process data     controlword, and again at every report that still shows Operation enabled
  *     0.2 s     process data     again, unasked
  *     0.4 s     SDO              6040h
  *     1.0 s     NMT stop         of the drive: CiA 402 stops an axis that leaves Operational
  *     1.5 s     silence          our own heartbeat is withheld, so that the drive's consumer (1016h) stops the axis
- *     later     not confirmed    nothing is left to be tried: somebody must look at the table
+ *     later     not confirmed    nothing is left to try: somebody must look at the table
  *
  * A position is believed when it can have been reached since the last one, at twice profile velocity (and a quarter of
  * a second more, for reports that waited). One report that is not believed is dropped; a second in a row, or an axis
@@ -153,10 +153,10 @@ typedef struct {
 /* Is a profile usable on the bus of our node? Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_drive402_validate(const tumble_drive_profile_t *profile, uint8_t node);
 
-/* The kind: its object is a tumble_drive402_t, its profile a tumble_drive_profile_t. Its init sets up the node's own PDOs
- * and leaves it absent; it refuses a profile, a node number, a mapping that the node's dictionary cannot take. What
- * homing may turn, and what is written to 607Dh, follow from the cable's limits. A foreign frame, once the drive is led,
- * stops the axis: a fault, and its position is unknown. */
+/* The kind: its object is a tumble_drive402_t, its profile a tumble_drive_profile_t. Its init sets up the node's own
+ * PDOs and leaves the drive absent; it refuses a profile or a node number that is not usable, and a mapping that the
+ * node's dictionary cannot take. The cable's limits decide how far homing may turn and what is written to 607Dh. Once
+ * the drive is led, a foreign frame stops the axis: a fault, and its position is unknown. */
 extern const tumble_stand_kind_t tumble_drive402_kind;
 
 #endif

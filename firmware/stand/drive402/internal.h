@@ -66,8 +66,7 @@ void tumble_drive_look(tumble_drive402_t *drive, bool fresh);
 /* Have all process data that were asked for been handed to the port? */
 bool tumble_drive_is_sent(const tumble_drive402_t *drive);
 
-/* Must they still go before there is anything to look at? Notes it, so that the next step comes as soon as they are
- * gone. */
+/* Must process data go out first? Notes it, so that the next step comes as soon as they are gone. */
 bool tumble_drive_is_blocked(tumble_drive402_t *drive);
 
 /* Set the controlword and ask for the process data to go. */
@@ -76,8 +75,8 @@ void tumble_drive_control(tumble_drive402_t *drive, unsigned word);
 /* Is one of these bits set in the last statusword? */
 bool tumble_drive_has(const tumble_drive402_t *drive, unsigned bits);
 
-/* The ladder of a stop: begin to watch one (from the node's last time on); leave it; is it being climbed; when its next
- * rung is due; climb. */
+/* The ladder of a stop (stop.c): begin to watch a stop (from the node's last time on); leave the ladder; is it being
+ * climbed; when its next rung is due; climb. */
 void tumble_drive_watch_stop(tumble_drive402_t *drive);
 void tumble_drive_end_stop(tumble_drive402_t *drive);
 bool tumble_drive_is_stopping(const tumble_drive402_t *drive);
@@ -147,7 +146,7 @@ bool tumble_drive_is_faulty(const tumble_drive402_t *drive);
 /* Is the axis under power, so that it moves or brakes, or may? */
 bool tumble_drive_may_turn(const tumble_drive402_t *drive);
 
-/* Has it come to its end, or to that of a stop? */
+/* Has the motion, or the stop, come to its end? */
 bool tumble_drive_is_at_rest(const tumble_drive402_t *drive);
 
 /* The configuration, one object after the other: false after the last. `write->size` 0: nothing to write at this

@@ -1,8 +1,8 @@
 #include "stand/drive402/internal.h"
 
-/* Statuswords that are not believed when they show the end of homing right after its start: of a method that homes where
- * the axis stands, and so may be over before anything else is seen. Of any other one the bits must have been seen clear: a
- * start that got lost would else be a homing that never was. */
+/* Right after the start of homing the statusword may still show the end of an earlier one. A method that homes where
+ * the axis stands may be over at once, so only this many statuswords are not believed. With any other method bits 12
+ * and 13 must have been seen clear; otherwise a start that got lost would pass for a homing that never took place. */
 #define STALE_STATUSWORDS 2U
 #define ON_THE_SPOT 35 /* and 37 */
 #define ON_THE_SPOT_TOO 37
@@ -55,9 +55,20 @@ void tumble_drive_look_move_mode(tumble_drive402_t *drive, bool fresh)
     }
 }
 
-/* Moving: target, then the edge of bit 4, its acknowledgement, its release, the way, and only then target reached. */
+/* Moving. The drive takes a target at the rising edge of bit 4 and acknowledges it by bit 12:
+ *
+ *     phase       TARGET               | SET_POINT  | RELEASE  | MOVING           | IDLE
+ *     607Ah       old > new; read back = new                                             we send
+ *     bit 4       _____________________/~~~~~~~~~~~~\__________________________________  new set-point
+ *     bit 12      ________________________________/~~~~~~~~~~\_________________________  acknowledged
+ *     bit 10      ~~~~~~~~~~~~~~~~~~~~~~~????????????????????\__________________/~~~~~~  target reached
+ *
+ * There is one critical moment. Until bit 12 has fallen again, bit 10 may still belong to the target before: reading it
+ * earlier would report a table in position that has not begun to turn. So MOVING, where bit 10 counts, comes last.
+ */
 
-/* A wrapping drive takes the shorter way, so a long way is gone in quarters of its circle. */
+/* A drive whose counts wrap takes the shorter way round. Ask for a quarter of its circle at a time, so that the shorter
+ * way is always the one that the cable allows. */
 void tumble_drive_enter_target(tumble_drive402_t *drive)
 {
     const int64_t quarter = (int64_t)(drive->profile->wrap_counts / 4U);
@@ -74,8 +85,8 @@ void tumble_drive_enter_target(tumble_drive402_t *drive)
     tumble_drive_control(drive, TUMBLE_402_CONTROL_ENABLE);
 }
 
-/* Process data are not acknowledged, and a drive that has missed its target would go to an old one at the edge: so the
- * target is read back, and sent again until it is there. */
+/* Process data are not acknowledged. A drive that has missed the target would turn to an old one at the edge of bit 4.
+ * So the target is read back by SDO, and sent again until the drive holds it. */
 void tumble_drive_look_target(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
@@ -157,7 +168,7 @@ static void tell_to_stop(tumble_drive402_t *drive)
                                                      : TUMBLE_402_CONTROL_QUICK_STOP);
 }
 
-/* Whoever comes here is up: a fault from now on is not reset unasked. */
+/* A drive that comes here is powered up: from now on a fault is reset only by command. */
 void tumble_drive_enter_stopping(tumble_drive402_t *drive)
 {
     tumble_drive_leave_sdo(drive);
@@ -189,7 +200,7 @@ void tumble_drive_look_stopping(tumble_drive402_t *drive, bool fresh)
     }
 }
 
-/* Whatever the drive still does, it is told to stop, and again while it has not begun; a silent one may hear us. */
+/* Whatever the drive is doing, tell it to stop, and again until it begins; a drive that is silent may still hear us. */
 void tumble_drive_enter_fault(tumble_drive402_t *drive)
 {
     tumble_drive_leave_sdo(drive);

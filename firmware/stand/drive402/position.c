@@ -1,7 +1,12 @@
 /* Where the axis is: which reports are believed, how far homing has turned, whether the axis strays at rest.
  *
- * A drive that wraps tells its position within one circle, and the turns are counted here. A report that is a circle off
- * would be a turn of cable, so nothing is counted that the axis cannot have turned since the report before:
+ * A drive that wraps reports its position within one circle; the turns are counted here. A turn too many would be a
+ * turn of the cable:
+ *
+ *     reported    350    10     20       small steps: the axis has turned on, to 370 and 380
+ *     reported    350           170      half a circle unseen: 170 or 530?
+ *
+ * So a change counts only if the axis can have made it since the report before,
  *
  *     |change| <= 2 velocity (time since the last report + 1 s / REPORTS_PER_S)
  *
@@ -53,7 +58,7 @@ static bool is_homing(const tumble_drive402_t *drive)
     return (drive->phase >= (uint8_t)PHASE_HOME_MODE) && (drive->phase <= (uint8_t)PHASE_MOVE_MODE);
 }
 
-/* Must it stay where it is? Without power, and not homed, it may be turned by hand. */
+/* Must the axis stay where it is? Without power and not homed it may be turned by hand. */
 static bool is_held(const tumble_drive402_t *drive)
 {
     return tumble_drive_is_at_rest(drive) && (drive->homed || tumble_drive_may_turn(drive));
@@ -70,7 +75,8 @@ static void settle(tumble_drive402_t *drive)
     }
 }
 
-/* Not homed, any number will do, for homing gives it another zero: but an axis that was told to rest does rest. */
+/* Before homing any position is plausible, because homing sets another zero. But an axis that was told to rest must
+ * rest. */
 static bool is_plausible(const tumble_drive402_t *drive, int64_t change)
 {
     if (drive->settled) {
@@ -129,7 +135,8 @@ void tumble_drive_take_position(tumble_drive402_t *drive)
     }
 }
 
-/* Nobody else has led the axis before POWER, and in FAULT it is being stopped already. */
+/* Before POWER we have not led the axis, and in FAULT it is being stopped already: only in between this is a new
+ * fault. */
 void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t fault, uint16_t code, uint16_t detail)
 {
     const bool told = !drive->homed && (drive->fault == (uint8_t)fault);
@@ -143,7 +150,8 @@ void tumble_drive_lose_position(tumble_drive402_t *drive, tumble_stand_fault_t f
     }
 }
 
-/* Reports that come by a timer must come while the axis turns: who does not see it cannot stop it in time. */
+/* If the reports have a timer, they must keep coming while the axis turns: an axis that is not seen cannot be stopped
+ * in time. */
 uint64_t tumble_drive_blind_us(const tumble_drive402_t *drive)
 {
     const bool turns = (drive->phase == (uint8_t)PHASE_HOMING) || (drive->phase == (uint8_t)PHASE_MOVING);

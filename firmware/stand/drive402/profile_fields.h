@@ -1,6 +1,6 @@
-/* profile_fields.h - every number of tumble_drive_profile_t (drive402.h), a row each: procedure/config_fields.h tells how.
- * `signs` is for people here: profile.c has the checks, for most of them are relations. The lists of PDOs and writes are
- * no fields.
+/* profile_fields.h - every number of tumble_drive_profile_t (drive402.h), a row each: procedure/config_fields.h tells
+ * how. Here `signs` is only for readers: profile.c has the checks, because most of them are relations. The lists of
+ * PDOs and writes are not fields.
  */
 #ifndef TUMBLE_STAND_DRIVE402_PROFILE_FIELDS_H
 #define TUMBLE_STAND_DRIVE402_PROFILE_FIELDS_H

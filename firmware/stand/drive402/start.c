@@ -25,8 +25,14 @@ bool tumble_drive_is_answered(tumble_drive402_t *drive)
     return true;
 }
 
-/* A drive that was there before us, and sends no heartbeat of its own accord, is asked for one: so it is heard. Nobody who
- * answers is absent; one who refuses cannot be watched, and must not move. */
+/* A drive that was there before us may send no heartbeat. Ask it to send one by writing its 1017h; from the first one
+ * on it is watched. A drive that refuses cannot be watched, and must not move.
+ *
+ *     us      boot-up   write 1017h   write 1017h                            configure, start
+ *               |         |             |                                      |
+ *     drive     (off)     x timeout     answer, then heartbeat ... heartbeat --+--> present
+ *
+ * A timeout means that nobody is there yet: ask again. An answer without a heartbeat is not enough to be present. */
 void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
 {
     (void)fresh;
@@ -46,8 +52,8 @@ void tumble_drive_look_absent(tumble_drive402_t *drive, bool fresh)
     }
 }
 
-/* Outsiders may have changed our own process data while there was no drive. One that was taken out of operation by NMT
- * has no SDO until it is put back. */
+/* Outsiders may have changed our own process data while there was no drive: set them up again. A drive that the ladder
+ * of a stop has taken out of operation by NMT has no SDO: put it back into Pre-operational first. */
 void tumble_drive_enter_configure(tumble_drive402_t *drive)
 {
     tumble_nmt_t *nmt = &drive->node->nmt;
@@ -125,7 +131,20 @@ void tumble_drive_look_mode(tumble_drive402_t *drive, int8_t mode, tumble_drive_
     tumble_drive_ask(drive, TUMBLE_402_MODE_DISPLAY, 0);
 }
 
-/* START and POWER. */
+/* START and POWER: the ramp of CiA 402. Each statusword asks for the next controlword; the drive may take its time.
+ *
+ *     statusword (6041h)        controlword (6040h)
+ *
+ *     any                  <--  0000h  disable voltage, on entering POWER
+ *     switch on disabled   -->  0006h  shutdown
+ *     ready to switch on   -->  0007h  switch on
+ *     switched on          -->  000Fh  enable operation
+ *     operation enabled         ready; go on to the phase that is wanted
+ *
+ *     fault                -->  0080h  fault reset, once and only if it may be reset; then from the top
+ *
+ * A set-point acts on the rising edge of bit 4, and Halt stays set in the controlword. Beginning at 0000h clears both.
+ */
 
 static void control_once(tumble_drive402_t *drive, unsigned word)
 {
@@ -134,8 +153,8 @@ static void control_once(tumble_drive402_t *drive, unsigned word)
     }
 }
 
-/* A drive that is under power already was left by a computer that has restarted, or by a cable: without power it would
- * coast, so it stops first. */
+/* A drive that is under power already may be turning: this computer has restarted, or a cable was loose. POWER begins
+ * by switching the voltage off, and the axis would coast. So stop it first. */
 void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh)
 {
     if (drive->asked != ASKED_START) {
@@ -149,7 +168,7 @@ void tumble_drive_look_start(tumble_drive402_t *drive, bool fresh)
     }
 }
 
-/* From the bottom, the axis being at rest: so no old set-point and no old Halt survives. */
+/* Begin at the bottom of the ramp while the axis is at rest, so that no old set-point and no old Halt survives. */
 void tumble_drive_enter_power(tumble_drive402_t *drive)
 {
     tumble_drive_control(drive, TUMBLE_402_CONTROL_DISABLE_VOLTAGE);

@@ -1,11 +1,18 @@
-/* A stop is a state that is seen: the ladder of drive402.h.
+/* A stop is over when the axis is seen at rest. Until then the drive is told again, by harsher means: the ladder of
+ * drive402.h. A drive that never obeys climbs it all:
  *
- *     told ---- again ---- SDO ---- NMT ---- silence ---- not confirmed
- *       \________\________\________\___________\____ the axis is reported at rest: the ladder is left
+ *     s     0      0.2     0.4                1.0           1.5             1.8 + the drive's heartbeat timeout
+ *           |       |       |                  |             |               |
+ *           told    again   SDO                NMT stop      silence         not confirmed
+ *           PDO     PDO     6040h by SDO       leaves        our heartbeat   somebody must look at the table
+ *                                              Operational   is withheld
  *
- * The ladder does not care which phase it runs in. A stop that begins in STOPPING becomes a FAULT at the rung that takes
- * the drive out of operation, and goes on there: from that rung on no process data tell of the axis any more, so only
- * the next bring-up can see it at rest.
+ * A drive that obeys gets time to brake: once it has left Operation enabled, or is halting, all times count from the
+ * end of stop_timeout_ms. At any rung a report of rest leaves the ladder.
+ *
+ * The ladder does not depend on the phase. A stop that begins in STOPPING becomes a FAULT at the NMT rung, which takes
+ * the drive out of operation, and goes on there. From that rung on there are no process data that tell of the axis, so
+ * only the next bring-up can see it at rest.
  */
 #include "stand/drive402/internal.h"
 

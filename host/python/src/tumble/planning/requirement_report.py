@@ -107,14 +107,14 @@ def _limit(value: float | None) -> str:
 
 
 _AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
-_AT_MOST_OPTIMAL = "at most: all sources at once; what refined allows, grown until the row named is full"
+_AT_MOST_OPTIMAL = "at most: all sources at once; as refined allows, scaled until the named row is full"
 
 
 def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
     """Of the words in the table."""
     lines = [
         _AT_MOST_OPTIMAL if plan["estimator"] == "optimal" else _AT_MOST,
-        "its share: one may be over it where others leave room; the last line counts",
+        "its share: a source may exceed it if others leave room; the last line decides",
         "alone: one source, the others as the stand has them",
     ]
     shown = [plan["alone"][key] for key in SIZE_KEYS] + [rule[key] for key in SIZE_KEYS]

@@ -90,7 +90,7 @@ def from_bytes(data: bytes) -> Record:
     if schema != SCHEMA or size != size_of(positions, yaws) or size > len(data):
         raise BadRecord("a gain record of another schema or size")
     if positions == 0 or yaws not in (1, mountings):
-        raise BadRecord("a gain record without a position, or of as many yaws as there cannot be")
+        raise BadRecord("a gain record without a position, or with an impossible number of yaws")
     zero, crc = _TAIL.unpack_from(data, size - _TAIL.size)
     if zlib.crc32(data[: size - 4]) != crc or zero != 0 or any(data[13:16]):
         raise BadRecord("a gain record whose checksum does not agree")
