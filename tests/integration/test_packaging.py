@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tarfile
 import zipfile
+from pathlib import Path
 
 import pytest
 from _tumble_core import ffi, lib
@@ -217,4 +218,4 @@ def test_the_gateway_links_libmodbus_dynamically():
     path = built("tumble-gateway", "host/gateway")
     done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
     assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
-    assert has_libmodbus(open(path, "rb").read())
+    assert has_libmodbus(Path(path).read_bytes())

@@ -10,13 +10,11 @@ import sys
 import time
 
 import pytest
-
 from bench_program import HASTY_STAND
 from conftest import EXAMPLES
 
 from tumble.bench import console, emulator, programs, uml
 from tumble.errors import BenchFault
-
 
 # An emulator that is held up for a second has a queue of 64 frames.
 FEW_FRAMES = """

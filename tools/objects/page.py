@@ -18,8 +18,8 @@ What each node's object dictionary holds, as its SDO server answers and its EDS 
 SDO expedited and segmented (no block transfer), event-driven PDOs, heartbeats. Numbers are decimal unless they end in
 `h` or begin with `0x`. A value in the column "power-on" is there after a reset; limits are inclusive and a write beyond
 them is refused. Access: `ro` read, `rw` read and write, `wo` write, `const` never changes; `R` and `T`: may be mapped
-into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level is
-open (2006h, [service-level.md](service-level.md)). Neighbours that differ in a number or an axis alone share a row,
+into a receive or transmit PDO. Level `service`: a write from outside is refused (0800 0022h) unless the service level
+is open (2006h, [service-level.md](service-level.md)). Neighbours that differ in a number or an axis alone share a row,
 matrices row by row: `:1 to :9` are nine subindices. A record or an array that is `as` another one has the rows of that
 one. Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
 
@@ -54,8 +54,8 @@ def node_part(node: Node) -> list[str]:
 
 
 def object_table(objects: list[Object], told: dict[tuple, int]) -> list[str]:
-    """The objects, and what those of them that are not every node's mean. `told`: by their rows, the objects that have
-    them already."""
+    """The objects, and what those of them that are not every node's mean. `told`: by their rows,
+    the objects that have them already."""
     lines = ["", "| object | name | type | access | level | power-on | limits | unit |",
              "|---|---|---|---|---|---|---|---|"]
     for item in objects:
@@ -81,7 +81,10 @@ def rows(item: Object, told: dict[tuple, int]) -> list[str]:
         return lines
     first = told.setdefault(tuple(lines), item.index)
     kind = item.kind if first == item.index else f"{item.kind}, as {first:04X}h"
-    return [f"| {item.index:04X}h | **{cell(item.name)}** | {kind} | | | | | |", *(lines if first == item.index else [])]
+    return [
+        f"| {item.index:04X}h | **{cell(item.name)}** | {kind} | | | | | |",
+        *(lines if first == item.index else []),
+    ]
 
 
 def entry_rows(item: Object) -> list[str]:
@@ -165,7 +168,7 @@ def notes(objects: Iterable[Object]) -> list[str]:
             said.append(f"Numbers: see {item.values}_... below.")
         if said:
             lines.append(f"- **{item.index:04X}h {item.name}**: {' '.join(said)}")
-    return lines + [""] if lines else []
+    return [*lines, ""] if lines else []
 
 
 def value_list(name: str, pairs: list[tuple[str, str]]) -> list[str]:

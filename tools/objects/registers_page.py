@@ -35,8 +35,8 @@ SETTINGS = """\
 Settings: staged by their number in register {setting}, with their value, an f64, in {value}, and written by Execute.
 The value must be one that the object's type can hold: an integer without a fraction within the type's range, or a
 finite number, for an f32 rounded to it. What else is allowed says the object ([canopen.md](canopen.md)); the node
-refuses what is not. A setting of level `service` is sent only for the session that has opened the service level: the one
-that wrote the key, setting {key}, last ([service-level.md](service-level.md)).
+refuses what is not. A setting of level `service` is sent only for the session that has opened the service level: the
+one that wrote the key, setting {key}, last ([service-level.md](service-level.md)).
 """
 
 

@@ -111,7 +111,7 @@ class Console:
         self._job, self._folder = job, folder
         self._state, self._reason = None, 0
         self._began = time.monotonic()
-        self._progress = open(folder / "progress", "a", buffering=1)
+        self._progress = open(folder / "progress", "a", buffering=1)  # noqa: SIM115 - as long as the run
         self._bus = Bus(job["interface"], self._on_state)
         self._processes = {}
 

@@ -6,6 +6,7 @@ bench says of it.
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import os
 import shutil
@@ -141,7 +142,5 @@ def _check(path: str) -> None:
 
 
 def _remove_if_empty(folder: Path) -> None:
-    try:
+    with contextlib.suppress(OSError):
         folder.rmdir()
-    except OSError:
-        pass

@@ -34,7 +34,9 @@ def require_done(document: dict[str, Any]) -> None:
     if document["end"] == "done" and document["K"] is not None:
         return
     if document["end"] == "too long":
-        raise BenchFault(f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}")
+        raise BenchFault(
+            f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}"
+        )
     where = f"in state {in_words(document['failed_in'])}, positions finished: {len(document['means'])}"
     code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
     rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -109,7 +110,5 @@ def _tell(child: subprocess.Popen, answer: str) -> None:
 
 def _close(stream) -> None:
     if stream is not None:
-        try:
+        with contextlib.suppress(BrokenPipeError):
             stream.close()
-        except BrokenPipeError:
-            pass

@@ -40,7 +40,7 @@ OnEvent = Callable[[program.Event], str | None]
 def require_bus(text: str) -> str:
     """A value of --bus, as it is. Raises UsageError."""
     interface = text.removeprefix(SOCKETCAN) if text.startswith(SOCKETCAN) else None
-    if text in (INPROCESS, UML) or interface is not None and _INTERFACE.fullmatch(interface):
+    if text in (INPROCESS, UML) or (interface is not None and _INTERFACE.fullmatch(interface)):
         return text
     raise UsageError(f"--bus: {quoted(text)} is not inprocess, uml, or socketcan: and the name of an interface")
 

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from tumble.bench.programs import built, last_words
@@ -89,9 +89,10 @@ def run(
     """Run the shell script `job` in there. Returns its exit code.
 
     `folder`: the run's own (its working folder, writable); files appear outside when they are closed inside. `on_tick`
-    is called all the while. `terminals`: descriptors, input or None and output, of what is tty1, tty2 and so on in there
-    (character devices 4:1, 4:2); bytes go through them at once. Raises Skipped where it is not installed, BenchFault where it does not start, falls silent
-    or takes longer than `timeout_s`; whatever on_tick raises, and an interrupt, ends it at once.
+    is called all the while. `terminals`: descriptors, input or None and output, of what is tty1, tty2 and so on in
+    there (character devices 4:1, 4:2); bytes go through them at once. Raises Skipped where it is not installed,
+    BenchFault where it does not start, falls silent or takes longer than `timeout_s`; whatever on_tick raises, and an
+    interrupt, ends it at once.
     """
     require_there()
     _write_scripts(job, folder)
@@ -218,10 +219,8 @@ def _require_life(folder: Path, began: float) -> None:
 
 def _end(process: subprocess.Popen) -> None:
     if process.poll() is None:
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
     process.wait()
 
 

@@ -111,7 +111,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
 
 
 def _is_of_an_interrupt(error: Exception) -> bool:
-    """What an import makes of one: numpy an ImportError, Python 3.11 a RuntimeError that a class half made has caused."""
+    """What an import makes of one: numpy an ImportError,
+    Python 3.11 a RuntimeError that a class half made has caused."""
     causes: list[BaseException] = [error]
     while (cause := causes[-1].__cause__ or causes[-1].__context__) is not None and cause not in causes:
         causes.append(cause)

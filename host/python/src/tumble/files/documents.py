@@ -51,7 +51,7 @@ def read_coefficients(file: str) -> dict[str, Any]:
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
     for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
-        _require(result, key, lambda value: value is None or isinstance(value, kind), file, default=None)
+        _require(result, key, lambda value, kind=kind: value is None or isinstance(value, kind), file, default=None)
     return result
 
 

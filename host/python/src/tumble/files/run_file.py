@@ -1,10 +1,10 @@
 """Run files: recorded samples in, one mean per position and channel out.
 
-A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is plain,
-carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of delimiters
-and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it leaves to the
-careful way, which reads line by line and is the one that complains: so both accept the same files, and every complaint
-knows its row.
+A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is
+plain, carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of
+delimiters and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it
+leaves to the careful way, which reads line by line and is the one that complains: so both accept the same files, and
+every complaint knows its row.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ together. The optimal estimator is made anew for every stand that is tried.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,10 +48,8 @@ def margins(case: Case, limit_g: float) -> dict[str, float]:
     """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
     sizes, found = declared_sizes(case, False), {}
     for estimator in ESTIMATORS:
-        try:
+        with suppress(UsageError):  # the schedule lacks positions that it needs
             found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
-        except UsageError:
-            pass  # the schedule lacks positions that it needs
     return found
 
 

@@ -11,7 +11,7 @@ import ast
 import operator
 
 SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
-NAMES = tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz") + ("a0_x", "a0_y", "a0_z")
+NAMES = (*tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz"), "a0_x", "a0_y", "a0_z")
 
 # Equation (5) and the text around it. The noise is that of one sample; grouping 50 divides it "by 7".
 STAND_5 = {"alpha1": "2e-5", "alpha2": "2e-5", "alpha3": "4e-4", "alpha4": "4e-5", "noise": "3e-4"}

@@ -19,14 +19,13 @@ from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import SecondOrder, Stand
 from tumble.units import volts_per
 
-
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3` by mounting and
-    `alpha4` by position."""
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians,
+    `alpha3` by mounting and `alpha4` by position."""
 
     k: np.ndarray
     u0: np.ndarray

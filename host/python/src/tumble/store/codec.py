@@ -118,11 +118,30 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         raise NotARecord("a field is out of its range")
     known = lambda bit, value: value if flags & bit else None  # noqa: E731
     return CoefficientSet(
-        sequence, origin, estimator, serial.rstrip(b"\0").decode("utf-8", "backslashreplace"), date or None,
-        known(HAS_TEMPERATURE, temperature), known(HAS_GRAVITY, gravity), doubles[:9], doubles[9:12],
-        known(HAS_UNCERTAINTY, doubles[12:21]), known(HAS_UNCERTAINTY, doubles[21:24]), known(HAS_CHECK, doubles[24:27]),
-        known(HAS_CLOSURE, doubles[27]), samples, fit, check, schedule, stand, reasons, restores, from_crc,
-        bool(flags & RESUMED), bool(flags & OTHER_RULES))
+        sequence,
+        origin,
+        estimator,
+        serial.rstrip(b"\0").decode("utf-8", "backslashreplace"),
+        date or None,
+        known(HAS_TEMPERATURE, temperature),
+        known(HAS_GRAVITY, gravity),
+        doubles[:9],
+        doubles[9:12],
+        known(HAS_UNCERTAINTY, doubles[12:21]),
+        known(HAS_UNCERTAINTY, doubles[21:24]),
+        known(HAS_CHECK, doubles[24:27]),
+        known(HAS_CLOSURE, doubles[27]),
+        samples,
+        fit,
+        check,
+        schedule,
+        stand,
+        reasons,
+        restores,
+        from_crc,
+        bool(flags & RESUMED),
+        bool(flags & OTHER_RULES),
+    )
 
 
 def mark_of(record: bytes) -> bytes:
@@ -151,7 +170,9 @@ def decode_entry(bytes_: bytes) -> HistoryEntry:
         raise NotARecord("there is no entry of a history")
     _check_seal(bytes_)
     _, number, sequence, origin, estimator, flags, date, temperature, *numbers = _ENTRY.unpack(bytes_[:-4])
-    return HistoryEntry(number, sequence, origin, estimator, flags, date or None, temperature, numbers[:12], numbers[12:])
+    return HistoryEntry(
+        number, sequence, origin, estimator, flags, date or None, temperature, numbers[:12], numbers[12:]
+    )
 
 
 def encode_run(fingerprint: int) -> bytes:

@@ -7,8 +7,19 @@ from datetime import datetime, timezone
 
 from tumble.errors import BadInput
 from tumble.store.codec import (
-    CELL_BYTES, ENTRY_BYTES, ORIGINS, PLACE_BYTES, SET_BYTES, CoefficientSet, HistoryEntry, NotARecord, Position, decode_entry,
-    decode_place, decode_position, decode_run,
+    CELL_BYTES,
+    ENTRY_BYTES,
+    ORIGINS,
+    PLACE_BYTES,
+    SET_BYTES,
+    CoefficientSet,
+    HistoryEntry,
+    NotARecord,
+    Position,
+    decode_entry,
+    decode_place,
+    decode_position,
+    decode_run,
 )
 
 SECTORS = 8
@@ -67,7 +78,9 @@ def _read_sets(image: bytes, sector: int, found: Image) -> None:
         return _read(decode_place, image[offset : offset + PLACE_BYTES], where, found)
 
     for number in range(FACTORY_PLACES):
-        found.factory = place(number * FACTORY_PITCH, f"factory place {number + 1}") if not found.factory else found.factory
+        found.factory = (
+            place(number * FACTORY_PITCH, f"factory place {number + 1}") if not found.factory else found.factory
+        )
     for number, name in ((1, "A"), (2, "B")):
         if (slot := place(number * sector, f"slot {name}")) is not None:
             found.slots[name] = slot
@@ -114,7 +127,7 @@ def _set_line(name: str, found: CoefficientSet | None) -> str:
     if found is None:
         return f"{name}: none"
     diagonal = ", ".join(f"{found.k[i]:.9g}" for i in (0, 4, 8))
-    parts = [f"sequence {found.sequence}", ORIGINS[found.origin], f"block {ascii(found.serial)}", _date(found.date_utc_s),
+    parts = [f"sequence {found.sequence}", ORIGINS[found.origin], f"block {found.serial!a}", _date(found.date_utc_s),
              f"K_xx, K_yy, K_zz {diagonal} V/g", f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V"]
     parts += [f"gravity check {max(found.check[:2]):.2g} of {found.check[2]:.2g} g"] if found.check else []
     parts += [f"reasons {found.reasons:#06x}"] if found.reasons else []
@@ -130,7 +143,13 @@ def _history_line(history: list[HistoryEntry]) -> str:
 
 def describe(found: Image) -> list[str]:
     """What is in an image, in a few lines."""
-    where = f"active (slot {found.active_slot})" if found.slots else "active (the factory set)" if found.factory else "active"
+    where = (
+        f"active (slot {found.active_slot})"
+        if found.slots
+        else "active (the factory set)"
+        if found.factory
+        else "active"
+    )
     lines = [_set_line(where, found.active), _set_line("factory", found.factory)]
     lines += [_set_line(f"slot {name}", found.slots[name]) for name in found.slots if name != found.active_slot]
     lines += [_set_line("proposal", found.proposal)]

@@ -106,7 +106,6 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
 
     from dataclasses import replace
 
-    from tumble.bench import realbus
     from tumble.bench.setup import Setup
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
