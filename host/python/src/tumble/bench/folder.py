@@ -85,7 +85,7 @@ class RunFolder:
         self.stage.mkdir()
         self._made = True
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         with interruption.Postponed():
             if self._made:
                 shutil.rmtree(self.stage, ignore_errors=True)

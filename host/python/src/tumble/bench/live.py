@@ -31,7 +31,7 @@ class LiveProgress(Progress):
         self._bars.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bars.stop()
 
     def on_state(self, event: dict[str, Any]) -> None:

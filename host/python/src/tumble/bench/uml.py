@@ -119,7 +119,7 @@ def stop(folder: Path) -> None:
     (folder / "stop").touch()
 
 
-def work_folder() -> tempfile.TemporaryDirectory:
+def work_folder() -> tempfile.TemporaryDirectory[str]:
     """A folder to run in: its path can stand in the command line of a kernel."""
     parent = tempfile.gettempdir()
     plain = re.fullmatch(r"[\w./-]+", parent, re.ASCII)
@@ -143,6 +143,7 @@ def _write_scripts(job: str, folder: Path) -> None:
 
 def _command(folder: Path, memory_mb: int) -> list[str]:
     kernel = shutil.which(_KERNEL, path=f"{os.environ.get('PATH', '')}:{_PATH}")
+    assert kernel is not None  # require_there has looked
     return [
         kernel,
         f"mem={memory_mb}M",
@@ -196,7 +197,7 @@ def _watching(folder: Path) -> Iterator[None]:
         thread.join()
 
 
-def _watch(process: subprocess.Popen, folder: Path, on_tick: Callable[[], None], timeout_s: float) -> None:
+def _watch(process: subprocess.Popen[bytes], folder: Path, on_tick: Callable[[], None], timeout_s: float) -> None:
     """Until it has ended."""
     began = time.monotonic()
     while process.poll() is None:
@@ -217,7 +218,7 @@ def _require_life(folder: Path, began: float) -> None:
         raise BenchFault(f"user-mode Linux does not start: {_last_words(folder)}")
 
 
-def _end(process: subprocess.Popen) -> None:
+def _end(process: subprocess.Popen[bytes]) -> None:
     if process.poll() is None:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
