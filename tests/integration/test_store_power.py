@@ -134,9 +134,10 @@ def part_of(file):
 
 def plant(firmware, file, good, bad):
     source = firmware / "sets" / file
-    text = source.read_text(encoding="utf-8")
-    assert text.count(good) == 1, "the planted bug has lost its place"
-    source.write_text(text.replace(good, bad), encoding="utf-8")
+    wherever_broken = r"\s+".join(map(re.escape, good.split()))
+    text, places = re.subn(wherever_broken, lambda _: bad, source.read_text(encoding="utf-8"))
+    assert places == 1, "the planted bug has lost its place"
+    source.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.slow
