@@ -198,6 +198,11 @@ def test_every_package_has_licence_and_version(packages, kind):
         assert (path.parent / licences / name).read_bytes() == (ROOT / name).read_bytes()
 
 
+@pytest.mark.slow
+def test_a_wheel_says_that_it_is_typed(packages):
+    assert (packages["wheel"] / "tumble/py.typed").is_file()
+
+
 def has_libmodbus(binary):
     """Does it link libmodbus, or hold it? Its functions' names and messages are in whatever does."""
     return b"libmodbus" in binary or b"modbus_" in binary
