@@ -21,7 +21,7 @@ tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, ui
     const uint8_t count = (uint8_t)(dictionary->table->count + further);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_OBJECT;
 
-    for (uint8_t i = 0; i < count; ++i) {
+    for (uint8_t i = 0; i < count; i++) {
         const tumble_entry_t *entry = tumble_dictionary_row(dictionary, i);
 
         if ((index >= entry->index) && ((index - entry->index) <= entry->more_objects)) {
@@ -139,7 +139,7 @@ static bool machine_is_little_endian(void)
 /* Between the machine's own form of a number and little-endian bytes, either way. */
 static void copy_number(uint8_t *to, const uint8_t *from, uint8_t size)
 {
-    for (uint8_t i = 0; i < size; ++i) {
+    for (uint8_t i = 0; i < size; i++) {
         to[i] = machine_is_little_endian() ? from[i] : from[size - 1U - i];
     }
 }
@@ -214,7 +214,7 @@ static double number_of(const tumble_entry_t *entry, const uint8_t *bytes)
     uint32_t sign = 0;
     double number;
 
-    for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); ++i) { /* wider integers have no limits */
+    for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); i++) { /* wider integers have no limits */
         bits |= (uint32_t)bytes[i] << (8U * i);
         sign = (uint32_t)0x80U << (8U * i);
     }
