@@ -50,8 +50,8 @@ def tidy(files, _whole):
 
 
 def analyzer(files, _whole):
-    """At -O0: optimised code hides from it what it looks for. Its check for uninitialised values is off because it takes
-    a loop that fills an array for one that may not run; clang-tidy checks the same."""
+    """At -O0: optimised code hides from it what it looks for. Its check for uninitialised values is off because it
+    takes a loop that fills an array for one that may not run; clang-tidy checks the same."""
     worst = 0
     with tempfile.TemporaryDirectory() as folder:
         for file in files:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Write the names of the estimators, as TUMBLE_ESTIMATOR_LIST of tumble/core.h has them, where they can't be read from C.
+"""Write the names of the estimators, as TUMBLE_ESTIMATOR_LIST of tumble/core.h has them, where they can't be read from
+C.
 
     estimators.py [--check]     exit 1 if something is (or with --check: would be) written anew
 """
@@ -24,7 +25,7 @@ def main(arguments):
     texts = {MODULE: module}
     for path in sorted(SCHEMAS.glob("*.json")):
         quoted = ", ".join(f'"{name}"' for name in names)
-        texts[path] = re.sub(r'("estimator": \{\s*"enum": \[)[^]]*', lambda match: match[1] + quoted,
+        texts[path] = re.sub(r'("estimator": \{\s*"enum": \[)[^]]*', lambda match, quoted=quoted: match[1] + quoted,
                              path.read_text(encoding="utf-8"))
     stale = [path for path, text in texts.items() if path.read_text(encoding="utf-8") != text]
     for path in stale:

@@ -75,7 +75,8 @@ def unpack(target, folder):
 
 
 def read_seeds(path):
-    """Hexadecimal; an empty line ends a seed, # begins a comment, and a line with x9 at its end stands for nine of it."""
+    """Hexadecimal; an empty line ends a seed, # begins a comment,
+    and a line with x9 at its end stands for nine of it."""
     text = re.sub(r"#.*", "", path.read_text(encoding="utf-8"))
     text = re.sub(r"(?m)^(.*) x(\d+)[ \t]*$", lambda line: line[1] * int(line[2]), text)
     return [bytes.fromhex(block) for block in re.split(r"\n[ \t]*\n", text) if block.strip()]

@@ -4,12 +4,12 @@ import re
 import subprocess
 import sys
 import time
-import xml.etree.ElementTree as ElementTree
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable
+from xml.etree import ElementTree
 
 SKIPPED = 77  # exit status of a command that could not do its check
 TAIL_LINES = 40

@@ -52,6 +52,10 @@ def objects(log):
     return gate(log, [PYTHON, "tools/objects/generate", "--check"])
 
 
+def style(log):
+    return gate(log, [PYTHON, "tools/style.py"])
+
+
 def build_sanitized(log):
     """The unit tests and the extension module, instrumented. Without Unity the extension alone."""
     tests = "OFF" if "Unity" in read_missing() else "ON"
@@ -160,6 +164,7 @@ def first_stages():
     return [
         Stage("rooms", "who includes whom, what firmware may not use, sizes of files and functions", rooms),
         Stage("objects", "object dictionaries, EDS files and their page are what their table says", objects),
+        Stage("style", "layout of C by clang-format, Python by ruff, types of the package by mypy", style),
         Stage("unit", "Unity tests of firmware and simulation, with AddressSanitizer and UndefinedBehaviorSanitizer",
               unit, ("Unity",)),
     ]

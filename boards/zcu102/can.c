@@ -5,7 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { /* registers */
+/* Registers. */
+enum {
     RESET = 0x00,
     MODE = 0x04,
     PRESCALER = 0x08,

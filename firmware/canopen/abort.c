@@ -14,7 +14,7 @@ const char *tumble_abort_sentence(uint32_t code)
     };
     const char *sentence = "this abort code is not in the list";
 
-    for (size_t i = 0; i < (sizeof texts / sizeof texts[0]); ++i) {
+    for (size_t i = 0; i < (sizeof texts / sizeof texts[0]); i++) {
         if (texts[i].code == code) {
             sentence = texts[i].sentence;
         }

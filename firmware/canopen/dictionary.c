@@ -22,7 +22,7 @@ tumble_abort_t tumble_dictionary_place(const tumble_dictionary_t *dictionary, ui
     const uint8_t count = (uint8_t)(dictionary->table->count + further);
     tumble_abort_t refusal = TUMBLE_ABORT_NO_OBJECT;
 
-    for (uint8_t i = 0; i < count; ++i) {
+    for (uint8_t i = 0; i < count; i++) {
         const tumble_entry_t *entry = tumble_dictionary_row(dictionary, i);
 
         if ((index >= entry->index) && ((index - entry->index) <= entry->more_objects)) {
@@ -200,7 +200,7 @@ TUMBLE_ONE_COPY static double number_of(const tumble_entry_t *entry, const uint8
     uint32_t sign = 0;
     double number;
 
-    for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); ++i) { /* wider integers have no limits */
+    for (uint32_t i = 0; (i < entry->size) && (i < sizeof bits); i++) { /* wider integers have no limits */
         bits |= (uint32_t)bytes[i] << (8U * i);
         sign = (uint32_t)0x80U << (8U * i);
     }

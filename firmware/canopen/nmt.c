@@ -25,7 +25,7 @@ void tumble_nmt_init(tumble_nmt_t *nmt, uint8_t node, uint16_t producer_ms)
     nmt->state = (uint8_t)TUMBLE_NMT_INITIALISING;
     nmt->next_state = (uint8_t)TUMBLE_NMT_PRE_OPERATIONAL;
     nmt->heartbeat_us = TUMBLE_NEVER;
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         nmt->consumers[i].deadline_us = TUMBLE_NEVER;
         nmt->consumers[i].state = (uint8_t)TUMBLE_NMT_UNKNOWN;
     }
@@ -139,7 +139,7 @@ tumble_heartbeat_event_t tumble_nmt_heard(tumble_nmt_t *nmt, const tumble_can_fr
 
 uint8_t tumble_nmt_lost(tumble_nmt_t *nmt, uint64_t now_us)
 {
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         tumble_consumer_t *consumer = &nmt->consumers[i];
 
         if (now_us >= consumer->deadline_us) {
@@ -222,7 +222,7 @@ bool tumble_nmt_any_lost(const tumble_nmt_t *nmt)
 {
     bool lost = false;
 
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         lost = lost || nmt->consumers[i].lost;
     }
     return lost;
@@ -276,7 +276,7 @@ uint64_t tumble_nmt_next_us(const tumble_nmt_t *nmt)
     if ((nmt->state == (uint8_t)TUMBLE_NMT_INITIALISING) || (nmt->queued > 0U)) {
         return 0;
     }
-    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_CONSUMERS; i++) {
         if (nmt->consumers[i].deadline_us < next_us) {
             next_us = nmt->consumers[i].deadline_us;
         }

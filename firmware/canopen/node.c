@@ -30,7 +30,7 @@ static tumble_abort_t set_transmit(tumble_node_t *node, const tumble_pdo_setup_t
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    for (uint8_t i = 0; (i < count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+    for (uint8_t i = 0; (i < count) && (refusal == TUMBLE_ABORT_NONE); i++) {
         refusal = set_pdo(node, TUMBLE_PDO_TRANSMIT, (uint8_t)(first + i), &setups[i]);
     }
     return refusal;
@@ -42,10 +42,10 @@ static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaul
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
     node->on_error = defaults->on_error;
-    for (uint8_t i = 0; (i < TUMBLE_MAX_CONSUMERS) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+    for (uint8_t i = 0; (i < TUMBLE_MAX_CONSUMERS) && (refusal == TUMBLE_ABORT_NONE); i++) {
         refusal = tumble_nmt_set_consumer(&node->nmt, (uint8_t)(i + 1U), defaults->consumers[i]);
     }
-    for (uint8_t i = 0; (i < defaults->receive_count) && (refusal == TUMBLE_ABORT_NONE); ++i) {
+    for (uint8_t i = 0; (i < defaults->receive_count) && (refusal == TUMBLE_ABORT_NONE); i++) {
         refusal = set_pdo(node, TUMBLE_PDO_RECEIVE, (uint8_t)(defaults->first_receive + i), &defaults->receive[i]);
     }
     if (refusal == TUMBLE_ABORT_NONE) {

@@ -10,11 +10,11 @@
 void tumble_pdo_init(tumble_pdos_t *pdos)
 {
     (void)memset(pdos, 0, sizeof *pdos);
-    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; i++) {
         pdos->receive[i].cob_id = TUMBLE_PDO_INVALID;
         pdos->receive[i].type = TUMBLE_PDO_EVENT_PROFILE;
     }
-    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; i++) {
         pdos->transmit[i].pdo.cob_id = TUMBLE_PDO_INVALID;
         pdos->transmit[i].pdo.type = TUMBLE_PDO_EVENT_PROFILE;
         pdos->transmit[i].event_us = TUMBLE_NEVER;
@@ -35,7 +35,7 @@ void tumble_pdo_trigger(tumble_pdos_t *pdos, uint8_t number)
 
 void tumble_pdo_start(tumble_pdos_t *pdos)
 {
-    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; i++) {
         pdos->transmit[i].pdo.due = true;
     }
 }
@@ -44,7 +44,7 @@ bool tumble_pdo_any_fault(const tumble_pdos_t *pdos)
 {
     bool fault = false;
 
-    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; i++) {
         fault = fault || pdos->receive[i].fault;
     }
     return fault;
@@ -56,7 +56,7 @@ static void unpack(tumble_pdos_t *pdos, const tumble_pdo_t *pdo, const tumble_di
 {
     uint8_t at = 0;
 
-    for (uint8_t i = 0; i < pdo->count; ++i) {
+    for (uint8_t i = 0; i < pdo->count; i++) {
         const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, i);
 
         if (tumble_dictionary_write(dictionary, &entry, &data[at], entry.size) != TUMBLE_ABORT_NONE) {
@@ -81,7 +81,7 @@ static tumble_pdo_outcome_t take(tumble_pdos_t *pdos, tumble_pdo_t *pdo, const t
 tumble_pdo_outcome_t tumble_pdo_receive(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
                                         const tumble_can_frame_t *frame, uint8_t *number)
 {
-    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_RECEIVE_PDOS; i++) {
         tumble_pdo_t *pdo = &pdos->receive[i];
 
         if (in_use(pdo) && ((pdo->cob_id & TUMBLE_CAN_MAX_ID) == frame->id)) {
@@ -99,7 +99,7 @@ static void pack(const tumble_pdo_t *pdo, const tumble_dictionary_t *dictionary,
 {
     (void)memset(frame, 0, sizeof *frame);
     frame->id = (uint16_t)(pdo->cob_id & TUMBLE_CAN_MAX_ID);
-    for (uint8_t i = 0; i < pdo->count; ++i) {
+    for (uint8_t i = 0; i < pdo->count; i++) {
         const tumble_entry_t entry = tumble_pdo_mapped(dictionary, pdo, i);
         uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
         uint8_t size;
@@ -132,7 +132,7 @@ void tumble_pdo_step(tumble_pdos_t *pdos, const tumble_dictionary_t *dictionary,
 {
     tumble_status_t status = TUMBLE_OK;
 
-    for (uint8_t i = 0; (i < TUMBLE_MAX_TRANSMIT_PDOS) && (status == TUMBLE_OK); ++i) {
+    for (uint8_t i = 0; (i < TUMBLE_MAX_TRANSMIT_PDOS) && (status == TUMBLE_OK); i++) {
         tumble_transmit_pdo_t *transmit = &pdos->transmit[i];
         bool due = transmit->pdo.due || (now_us >= transmit->event_us);
 
@@ -154,7 +154,7 @@ uint64_t tumble_pdo_next_us(const tumble_pdos_t *pdos)
 {
     uint64_t next_us = TUMBLE_NEVER;
 
-    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; ++i) {
+    for (uint8_t i = 0; i < TUMBLE_MAX_TRANSMIT_PDOS; i++) {
         const tumble_transmit_pdo_t *transmit = &pdos->transmit[i];
 
         if (in_use(&transmit->pdo) && (due_us(transmit) < next_us)) {

@@ -237,7 +237,7 @@ static tumble_abort_t write_count(tumble_pdo_t *pdo, const tumble_dictionary_t *
     if (value > TUMBLE_MAX_MAPPED) {
         return TUMBLE_ABORT_VALUE;
     }
-    for (uint32_t slot = 0; slot < value; ++slot) {
+    for (uint32_t slot = 0; slot < value; slot++) {
         if ((pdo->written & (1U << slot)) == 0U) {
             return TUMBLE_ABORT_NOT_MAPPABLE;
         }
@@ -273,7 +273,7 @@ static bool is_taken(const tumble_pdos_t *pdos, const tumble_pdo_t *pdo, uint32_
 {
     bool taken = false;
 
-    for (unsigned i = 0; i < (TUMBLE_MAX_TRANSMIT_PDOS + TUMBLE_MAX_RECEIVE_PDOS); ++i) {
+    for (unsigned i = 0; i < (TUMBLE_MAX_TRANSMIT_PDOS + TUMBLE_MAX_RECEIVE_PDOS); i++) {
         const tumble_pdo_t *other = (i < TUMBLE_MAX_TRANSMIT_PDOS) ? &pdos->transmit[i].pdo
                                                                    : &pdos->receive[i - TUMBLE_MAX_TRANSMIT_PDOS];
 
@@ -367,7 +367,7 @@ tumble_abort_t tumble_pdo_configure(tumble_pdos_t *pdos, const tumble_dictionary
     tumble_object_write_t write = {(uint16_t)(base + number), SUB_COB_ID, 4, TUMBLE_PDO_INVALID | TUMBLE_PDO_NO_RTR};
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    for (uint8_t step = STEP_DISABLE; (step < TUMBLE_PDO_SETUP_STEPS) && (refusal == TUMBLE_ABORT_NONE); ++step) {
+    for (uint8_t step = STEP_DISABLE; (step < TUMBLE_PDO_SETUP_STEPS) && (refusal == TUMBLE_ABORT_NONE); step++) {
         if (step != STEP_DISABLE) {
             tumble_pdo_setup_write(setup, (uint16_t)(base + number), step, &write);
         }

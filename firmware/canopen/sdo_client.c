@@ -366,7 +366,7 @@ uint32_t tumble_sdo_client_u32(const tumble_sdo_client_t *client)
     uint32_t value = 0;
 
     if ((client->result == TUMBLE_OK) && (size <= TUMBLE_SDO_EXPEDITED)) {
-        for (uint8_t i = 0; i < size; ++i) {
+        for (uint8_t i = 0; i < size; i++) {
             value |= (uint32_t)data[i] << (8U * (uint32_t)i);
         }
     }

@@ -27,7 +27,8 @@
 #define FIELD(member, width, count) {(uint16_t)offsetof(tumble_set_t, member), (width), (count)}
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
-static const uint8_t head[AT_FIELDS] = {0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0, /* TSET */
+/* "TSET", schema, size */
+static const uint8_t head[AT_FIELDS] = {0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0,
                                         TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
 
 static const tumble_field_t fields[] = {

@@ -26,6 +26,7 @@ static const write_t STOP_WRITES[] = {
 };
 
 /* Other objects of the navigation computer that can be written, most with a value that might do harm. */
+/* clang-format off: four in a row */
 static const write_t OTHER_WRITES[] = {
     {0x1802, 1, 4, 0x80000181U}, {0x1803, 1, 4, 0x80000681U}, {0x1A02, 0, 1, 0},           {0x1801, 1, 4, 0x202},
     {0x1401, 1, 4, 0x182},       {0x1003, 0, 1, 0},           {0x1010, 1, 4, 0x65766173U}, {0x1011, 1, 4, 0x64616F6CU},
@@ -36,6 +37,7 @@ static const write_t OTHER_WRITES[] = {
     {0x2124, 1, 4, 0x3F800000U}, {0x2125, 10, 4, 0x3F800000U}, {0x2126, 4, 4, 0x3F800000U}, {0x2150, 1, 1, 17},
     {0x2160, 1, 1, 3},           {0x2002, 1, 1, 2},           {0x2001, 0, 1, 1},           {0x2152, 1, 4, 10},
 };
+/* clang-format on */
 
 /* Of the drive: the first are commands, the others settings. */
 static const write_t DRIVE_COMMANDS[] = {

@@ -5,8 +5,8 @@
 
 /* V(register, form, register and bit of its validity, index, subindex, type, bytes, group, key, scale) */
 #define V(at, form, validity, bit, index, subindex, type, size, group, key, scale) \
-    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, group, \
-     key, scale}
+    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, \
+     group, key, scale}
 #define WORDS_WORD(size) 1
 #define WORDS_LONG(size) 2
 #define WORDS_QUAD(size) 4

@@ -2,13 +2,13 @@
 
     python tests/benchmark/cortex_m4.py [-O s|2] [--json]
 
-Each candidate is linked alone with what it needs and run in QEMU (mps2-an386), which counts instructions, not cycles: no
-time follows from them. The run and the gains are those of the paper's stand. `code` is the project's own, `library` the
-soft floating point that comes with it, `data` constants beside the code (the schedule apart); stack is painted and read
-back, below the call. Every result is compared with the host's. Steps of the navigation computer are those of a whole
-calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). Beside them, what
-tools/budget measured in the builds that are there: code, RAM and worst stack of whole parts, with their limits. Needs the
-package to be importable, as in the tests; gcc for Arm and qemu-system-arm, or exit 77.
+Each candidate is linked alone with what it needs and run in QEMU (mps2-an386), which counts instructions, not cycles:
+no time follows from them. The run and the gains are those of the paper's stand. `code` is the project's own, `library`
+the soft floating point that comes with it, `data` constants beside the code (the schedule apart); stack is painted and
+read back, below the call. Every result is compared with the host's. Steps of the navigation computer are those of a
+whole calibration, with a bus, a drive and a block played beside it (tests/target/navcomp_steps.c). Beside them, what
+tools/budget measured in the builds that are there: code, RAM and worst stack of whole parts, with their limits. Needs
+the package to be importable, as in the tests; gcc for Arm and qemu-system-arm, or exit 77.
 """
 
 import argparse
@@ -27,7 +27,7 @@ import numpy as np
 from tumble import core
 from tumble.core import optimal as core_optimal, uncertainty
 from tumble.reference import Geometry
-from tumble.solving import gains, gain_record
+from tumble.solving import gain_record, gains
 from tumble.stand import PAPER_STAND
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,23 +59,24 @@ BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset
 PRESETS = ("cortex-m4", "zcu102")
 SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt", "cmake/*")
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
-KNOWN |= {number: "least_squares" for number in (6, 7, 12)}
+KNOWN |= dict.fromkeys((6, 7, 12), "least_squares")
 KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal"}
 LOOP, SAMPLE_PATHS = "a loop over samples", ("a sample, without gates", "a sample, with gates")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}
-# The target's library rounds a sum wrongly, by one unit in the last place, where the exponents of its terms differ by 33 and
-# the result falls below the power of two that the larger one is not below (1 - 1.55e-10, say; ieee754-df.S of libgcc 12).
-# The cosines of small angles in `optimal` meet that; so results are compared to this part of the largest coefficient.
+# The target's library rounds a sum wrongly, by one unit in the last place, where the exponents of its terms differ by
+# 33 and the result falls below the power of two that the larger one is not below (1 - 1.55e-10, say; ieee754-df.S of
+# libgcc 12). The cosines of small angles in `optimal` meet that; so results are compared to this part of the largest
+# coefficient.
 LAST_BITS = 4 * np.finfo(float).eps
 UNITY = ("build/unity", "build/*/_deps/unity-src/src")
 UNITY_FLAGS = """-DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64 -DUNITY_OUTPUT_CHAR=target_put
                  -DUNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_put(int)""".split()
 HONEST = """
-Ratios are to `refined`, from means to coefficients; the division that makes the means stands apart, since all need it. The
-honest comparison is with the shared normal matrix of four unknowns: what one would write who has thought about it, for the
-same model and the same means. Dense rows for twelve unknowns do the same work several times over. Mind that `refined` needs
-the 2 x 9 positions of the paper and does not have the least noise; `least_squares` takes any schedule, tells whether it has
-full rank, and corrects its solution once."""
+Ratios are to `refined`, from means to coefficients; the division that makes the means stands apart, since all need it.
+The honest comparison is with the shared normal matrix of four unknowns: what one would write who has thought about it,
+for the same model and the same means. Dense rows for twelve unknowns do the same work several times over. Mind that
+`refined` needs the 2 x 9 positions of the paper and does not have the least noise; `least_squares` takes any schedule,
+tells whether it has full rank, and corrects its solution once."""
 REPEATS, INSTRUCTIONS_PER_TICK = 25, 40
 NOT_THERE = 77
 CMAKE_FLAGS = (ROOT / "cmake/flags.cmake").read_text(encoding="utf-8")
@@ -144,7 +145,8 @@ def measure(folder, optimise):
 
 
 def navcomp_steps(folder, optimise):
-    """Instructions of a step by its kind: [steps, mean, least, most, the state after the longest]. None without Unity."""
+    """Instructions of a step by its kind: [steps, mean, least, most, the state after the longest].
+    None without Unity."""
     unity = next((path for pattern in UNITY for path in ROOT.glob(pattern)), None)
     if unity is None:
         return None
@@ -164,7 +166,15 @@ def navcomp_steps(folder, optimise):
         command = ["arm-none-eabi-gcc", *options, *more, "-c", source, "-o", objects[-1]]
         subprocess.run(command, check=True, capture_output=True)
     elf = folder / "steps"
-    command = ["arm-none-eabi-gcc", *options, "-flto", "-flto-partition=one", f"-T{TARGET / 'link.ld'}", *objects, *LINK]
+    command = [
+        "arm-none-eabi-gcc",
+        *options,
+        "-flto",
+        "-flto-partition=one",
+        f"-T{TARGET / 'link.ld'}",
+        *objects,
+        *LINK,
+    ]
     subprocess.run([*command, "-o", elf], check=True)
     result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=120)
     lines = [line.split()[1:] for line in (result.stdout + result.stderr).splitlines() if line.startswith("step ")]
@@ -206,9 +216,13 @@ def write_data(path):
     rng = np.random.default_rng(1)
     k = np.full((3, 3), 0.04) + 1.96 * np.eye(3)
     errors = {"alpha1": 2e-5, "alpha2": -2e-5, "alpha3": [4e-4, -4e-4], "delta": 4e-5 * rng.normal(size=18)}
-    means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(size=(18, 3))
+    means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(
+        size=(18, 3)
+    )
     written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
-    sigmas = ", ".join(PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise"))
+    sigmas = ", ".join(
+        PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
+    )
     path.write_text(
         gain_record.to_c_header(written)
         + f"""#include "data.h"
@@ -246,7 +260,15 @@ def compile_c(source, folder, optimise, *more):
 def run(folder, objects, data, harness):
     """Link and run one image: its cost, and its result (12,)."""
     elf, linker_map = folder / "image", folder / "image.map"
-    command = ["arm-none-eabi-gcc", *FLAGS, f"-T{TARGET / 'link.ld'}", f"-Wl,-Map={linker_map}", *harness, data, *objects]
+    command = [
+        "arm-none-eabi-gcc",
+        *FLAGS,
+        f"-T{TARGET / 'link.ld'}",
+        f"-Wl,-Map={linker_map}",
+        *harness,
+        data,
+        *objects,
+    ]
     subprocess.run([*command, *LINK, "-o", elf], check=True)
     result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=60)
     ticks, stack, status, *words = (int(word) for word in (result.stdout + result.stderr).split())

@@ -4,7 +4,6 @@ import shutil
 
 import pytest
 from conftest import ROOT, run
-
 from stages import PYTHON
 
 REJECTED = {  # gate: what it must say

@@ -4,9 +4,8 @@ import subprocess
 import time
 
 import pytest
-from conftest import ROOT
-
 import runner
+from conftest import ROOT
 
 PLUGIN = ROOT / "tests/lib"
 PLANTED = """

@@ -1,8 +1,7 @@
 """The fuzz stage: every target finds a planted defect in its time, and accepts the firmware; no skip is silent."""
+import fuzz
 import pytest
 from conftest import ROOT, configured, run
-
-import fuzz
 from stages import PYTHON
 
 SECONDS = fuzz.SECONDS * len(fuzz.TARGETS)  # what the stage takes

@@ -3,7 +3,6 @@ import json
 import shutil
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 from conftest import ROOT
@@ -64,7 +63,9 @@ def copied(tmp_path_factory):
 
 def live(program, lives=LIVES):
     """The document of a campaign, and the lines about violations."""
-    done = subprocess.run([program, "--campaign", str(lives), "--seed", "1"], capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [program, "--campaign", str(lives), "--seed", "1"], capture_output=True, text=True, timeout=300
+    )
     document = json.loads(done.stdout)
     assert done.returncode == (3 if document["violated"] else 0), done.stderr
     return document, done.stderr.splitlines()
@@ -89,7 +90,7 @@ def plant(tree, objects, folder, defects):
 
 
 def test_the_firmware_as_it_is_violates_nothing(copied, tmp_path):
-    tree, objects = copied
+    _, objects = copied
     document, lines = live(link(objects, tmp_path / "tumble-bench"))
     assert (document["violated"], lines) == (0, [])
 

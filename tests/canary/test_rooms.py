@@ -1,4 +1,5 @@
-"""tools/rooms.py names file and line of whatever breaks the rules of docs/architecture.md, and accepts what does not."""
+"""tools/rooms.py names file and line of whatever breaks the rules of docs/architecture.md,
+and accepts what does not."""
 import pytest
 from conftest import run
 
@@ -32,13 +33,20 @@ CLEAN = {
 LONG_FUNCTION_C = "int f(void)\n{\n" + "    if (x) {\n    }\n" * 40 + "}\n"
 DEFECTS = {
     "core knows port": ("firmware/core/means.c", '\n#include "tumble/port.h"\n', "2: core may not know port"),
-    "port knows canopen": ("firmware/include/tumble/port.h", '#include "canopen/node.h"\n', '1: "canopen/node.h" is not a header'),
+    "port knows canopen": (
+        "firmware/include/tumble/port.h",
+        '#include "canopen/node.h"\n',
+        '1: "canopen/node.h" is not a header',
+    ),
     "stand knows port": ("firmware/stand/a.c", '#include "tumble/port.h"\n', "1: stand may not know port"),
     "a way round": ("firmware/core/means.c", '#include "../tumble/port.h"\n', '1: "../tumble/port.h" is not a header'),
     "a hidden name": ("firmware/core/means.c", "#include HEADER\n", "1: include of HEADER"),
     "an unknown room": ("firmware/attic/a.c", "int a;\n", "1: no such room: attic"),
-    "a program's own rooms": ("host/gateway/poll.c", '#include "tumble/navcomp.h"\n',
-                              "1: host/gateway may not know navcomp"),
+    "a program's own rooms": (
+        "host/gateway/poll.c",
+        '#include "tumble/navcomp.h"\n',
+        "1: host/gateway may not know navcomp",
+    ),
     "a program next door": ("boards/linux/can.h", '\n#include "poll.h"\n', '2: "poll.h" is neither beside the file'),
     "stdio": ("firmware/core/means.c", "#include <stdio.h>\n", "1: <stdio.h> is not among the headers"),
     "math": ("firmware/core/means.c", "#include <math.h>\n", "1: <math.h> is not among the headers"),
@@ -47,19 +55,31 @@ DEFECTS = {
     "print": ("firmware/core/means.c", "int a = printf(text);\n", "1: printf: heap, libc I/O"),
     "sine": ("firmware/core/arith.h", "double b = sin(a);\n", "1: sin: of <math.h> firmware may use sqrt alone"),
     "square root": ("firmware/core/means.c", "double b = sqrt(a);\n", "1: sqrt: the square root is wrapped in"),
-    "a witness of the core": (f"{PACKAGE}/reference/a.py", "import os\nfrom tumble.core import estimate\n",
-                              "2: reference may not know core; it may know: no other room"),
-    "a witness of the extension": (f"{PACKAGE}/reference/a.py", "def f():\n    import _tumble_core\n",
-                                   "2: reference may not know core"),
+    "a witness of the core": (
+        f"{PACKAGE}/reference/a.py",
+        "import os\nfrom tumble.core import estimate\n",
+        "2: reference may not know core; it may know: no other room",
+    ),
+    "a witness of the extension": (
+        f"{PACKAGE}/reference/a.py",
+        "def f():\n    import _tumble_core\n",
+        "2: reference may not know core",
+    ),
     "a room upwards": (f"{PACKAGE}/core/a.py", "import tumble.cli.main\n", "1: core may not know cli"),
-    "a room in a function": (f"{PACKAGE}/schedule.py", "def f():\n    from tumble.core.binding import lib\n",
-                             "2: (beside the rooms) may not know core"),
+    "a room in a function": (
+        f"{PACKAGE}/schedule.py",
+        "def f():\n    from tumble.core.binding import lib\n",
+        "2: (beside the rooms) may not know core",
+    ),
     "the package's own door": (f"{PACKAGE}/solving/a.py", "import tumble\n", "1: solving may not know (the door)"),
     "an import by name": (f"{PACKAGE}/reference/a.py", "f = __import__(name)\n", "1: only a plain absolute import"),
     "a relative import": (f"{PACKAGE}/solving/a.py", "from .result import write\n", "1: only a plain absolute import"),
     "an unknown Python room": (f"{PACKAGE}/attic/a.py", "import os\n", "1: no such room: attic"),
-    "a circle": (f"{PACKAGE}/solving/result.py", "def write():\n    from tumble.solving.solution import solve\n",
-                 "2: a circle: solving/result.py -> solving/solution.py -> solving/result.py"),
+    "a circle": (
+        f"{PACKAGE}/solving/result.py",
+        "def write():\n    from tumble.solving.solution import solve\n",
+        "2: a circle: solving/result.py -> solving/solution.py -> solving/result.py",
+    ),
     "long file": ("firmware/core/means.c", "int a;\n" * 401, "1: 401 lines; a file may have 400"),
     "long C function": ("firmware/core/means.c", LONG_FUNCTION_C, "2: function of 82 lines"),
     "long Python function": ("tools/demo.py", "def f():\n" + "    pass\n" * 80, "1: function of 81 lines"),

@@ -2,10 +2,9 @@
 import re
 
 import pytest
-from conftest import ROOT, run
-
 import runner
 import stages
+from conftest import ROOT, run
 
 PYTHON = stages.PYTHON
 

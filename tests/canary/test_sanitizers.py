@@ -3,9 +3,8 @@ import subprocess
 import sys
 
 import pytest
-from conftest import ROOT, run
-
 import stages
+from conftest import ROOT, run
 
 PROGRAMS = ROOT / "build/sanitizers/tests/canary/sanitizers"
 CASES = {  # program: (harmful argument, what must be said, harmless argument)

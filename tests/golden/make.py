@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Write the golden files of the store from their numbers, store.json, with the package's encoder (struct).
 
-    make.py [--check]     with PYTHONPATH=host/python/src; --check: exit 1 if a file is not what it would write, or too many
+    make.py [--check]     with PYTHONPATH=host/python/src; --check: exit 1 if a file is not what it would write, or
+                          there is one too many
 
 Each file is one record: what C and Python must both read as the numbers of store.json, and both write.
 """

@@ -1,5 +1,7 @@
 """python-canopen as a guest on the bus of tumble-bench."""
 
+import contextlib
+
 import can
 import canopen
 
@@ -25,9 +27,7 @@ def connected(bus):
 
 def disconnect(network):
     """Leave, whether or not the bench has ended before."""
-    try:
+    with contextlib.suppress(can.CanOperationError):
         network.disconnect()
-    except can.CanOperationError:
-        pass
     if network.bus is not None:
         network.bus.shutdown()

@@ -1,5 +1,6 @@
 """The played table of fixture_table.py as node 1 behind tumble-gateway: gateway_harness.c answers, a thread decides."""
 
+import contextlib
 import struct
 import threading
 
@@ -58,10 +59,8 @@ class PlayedNode(threading.Thread):
 
     def command(self, number):
         self.commands.append(number)
-        try:
+        with contextlib.suppress(Refused):  # to stop a table at rest
             self.table.write("Command: Command", number)
-        except Refused:  # to stop a table at rest
-            pass
         self.show_stand()
 
     def measure(self, count):

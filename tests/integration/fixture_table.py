@@ -9,11 +9,11 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools/fixture"))
 
-from validation.accessor import ABORT, HOME_AXIS, TURN_AXIS, Accessor  # noqa: E402
-from validation.errors import CommunicationError, Refused  # noqa: E402
-from validation.instrument import FAULT, IN_POSITION, MOVING, READY  # noqa: E402
-from validation.limits import read_limits  # noqa: E402
-from validation.samples import Mean  # noqa: E402
+from validation.accessor import ABORT, HOME_AXIS, TURN_AXIS, Accessor
+from validation.errors import CommunicationError, Refused
+from validation.instrument import FAULT, IN_POSITION, MOVING, READY
+from validation.limits import read_limits
+from validation.samples import Mean
 
 LIMITS = ROOT / "tools/fixture/limits.toml"
 K = np.array([[-2.0, 0.03, -0.02], [0.01, -1.98, 0.04], [0.02, -0.03, -2.02]])

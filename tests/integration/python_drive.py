@@ -257,6 +257,6 @@ class PythonDrive:
             return
         entries = [self.get(0x1A01, subindex) for subindex in range(1, self.get(0x1A01, 0) + 1)]
         data = b"".join(self.node.get_data(entry >> 16, entry >> 8 & 0xFF) for entry in entries)
-        if data != self.sent or event_s and time.monotonic() - self.sent_at > event_s:
+        if data != self.sent or (event_s and time.monotonic() - self.sent_at > event_s):
             self.sent, self.sent_at = data, time.monotonic()
             self.network.send_message(cob_id & 0x7FF, data)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from bench_program import bench
+
 from tumble.solving import gain_record
 
 QUIET_V, NOISY_V = 3e-4, 9e-4  # mounting 1, mounting 2

@@ -5,8 +5,7 @@ from fractions import Fraction
 
 import pytest
 from core_averaging import MAX_DEVIATION_COUNTS, Averaging, AveragingConfig
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble.core import MAX_SAMPLES, CoreRefusal
 

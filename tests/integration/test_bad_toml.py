@@ -218,4 +218,6 @@ def test_files_that_are_mixed_up(refused, option, file, message):
 @pytest.mark.parametrize(("file", "row"), [("six_faces.toml", 4), ("paper_stand.toml", 3)])
 def test_a_toml_file_is_no_run(refused, file, row):
     line = refused("solve", EXAMPLES / file)
-    assert line == f"tumble: {EXAMPLES / file}: row {row}: is TOML, such as a stand or a schedule file, and no run file\n"
+    assert (
+        line == f"tumble: {EXAMPLES / file}: row {row}: is TOML, such as a stand or a schedule file, and no run file\n"
+    )

@@ -94,7 +94,7 @@ print(called, interruption.exit_code())
 def test_a_kernel_that_does_not_start_is_a_fault(tmp_path, monkeypatch):
     """It gets too little memory to live on."""
     monkeypatch.setattr(uml, "_BOOT_S", 3.0)
-    with pytest.raises(uml.BenchFault, match="user-mode Linux (does not start|ended without a word)"):
+    with pytest.raises(uml.BenchFault, match=r"user-mode Linux (does not start|ended without a word)"):
         uml.run("exit 0\n", tmp_path, memory_mb=1)
 
 

@@ -8,7 +8,7 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
-import campaign  # noqa: E402
+import campaign
 
 PREDICTED = {"paper_stand": 1.0, "angle_stand": None, "lab_stand": 0.93}
 

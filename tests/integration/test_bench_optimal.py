@@ -11,8 +11,7 @@ from documents import paper_stand
 from tumble import core
 from tumble.core import optimal as core_optimal
 from tumble.reference import optimal
-from tumble.solving import gain_record as record
-from tumble.solving import gains
+from tumble.solving import gain_record as record, gains
 from tumble.stand import PAPER_STAND
 
 SCHEDULE = core.CoreSchedule(core.paper_schedule())

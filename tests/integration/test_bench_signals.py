@@ -149,10 +149,14 @@ def test_a_class_half_made_when_the_interrupt_came(monkeypatch, capsys, received
         except KeyboardInterrupt as interrupt:  # as from 3.12 on
             raise RuntimeError("Error calling __set_name__") from interrupt
 
-    monkeypatch.setattr(main, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command)))
+    monkeypatch.setattr(
+        main, "_parser", lambda: SimpleNamespace(parse_args=lambda _: SimpleNamespace(run_command=command))
+    )
     monkeypatch.setattr(main.interruption, "_received", received)
     assert main.main([]) == code
-    assert capsys.readouterr().err.startswith("tumble: interrupted\n" if received else "tumble: fault in tumble itself: ")
+    assert capsys.readouterr().err.startswith(
+        "tumble: interrupted\n" if received else "tumble: fault in tumble itself: "
+    )
 
 
 @pytest.mark.python

@@ -49,7 +49,9 @@ def test_the_same_bytes_for_any_number_of_processes():
 
 def test_a_life_is_its_seeds_alone():
     """What a life comes to does not hang on where in a campaign it is."""
-    documents = [json.loads(bench("--campaign", n, "--seed", seed).stdout) for n, seed in ((2, 500), (1, 500), (1, 501))]
+    documents = [
+        json.loads(bench("--campaign", n, "--seed", seed).stdout) for n, seed in ((2, 500), (1, 500), (1, 501))
+    ]
     assert documents[0]["frames"] == documents[1]["frames"] + documents[2]["frames"]
     assert documents[0]["steps"] == documents[1]["steps"] + documents[2]["steps"]
 

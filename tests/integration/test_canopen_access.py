@@ -161,7 +161,7 @@ def test_there_is_nothing_beside_what_the_eds_lists(name, start):
     entries = quiet(ours, name)
     listed = {(entry.index, entry.subindex) for entry in entries}
     for index in sorted({index for index, _ in listed}):
-        for subindex in (sub for sub in range(0, 50) if (index, sub) not in listed):
+        for subindex in (sub for sub in range(50) if (index, sub) not in listed):
             assert refusal_of(ours.node.sdo.upload, index, subindex) == NO_SUBINDEX, (hex(index), subindex)
             assert refusal_of(ours.node.sdo.download, index, subindex, b"\0") == NO_SUBINDEX, (hex(index), subindex)
 

@@ -61,7 +61,7 @@ def test_every_object_of_the_eds_is_there_with_its_type_and_default(name, start)
 
 def differs_by_configuration(name, entry):
     """What the navigation computer sets from its own configuration, whatever the table says."""
-    return name == "navcomp" and entry.index in (0x1016,)
+    return name == "navcomp" and entry.index == 0x1016
 
 
 @pytest.mark.parametrize("name", EDS)
@@ -80,8 +80,8 @@ def test_the_eds_lists_all_there_is(name, start):
 
 
 def writable_variables(ours):
-    """Plain variables: what is written is read back, and nothing else happens. Those with rules beyond their limits, the
-    keeper's, are test_canopen_access.py's."""
+    """Plain variables: what is written is read back, and nothing else happens. Those with rules beyond their limits,
+    the keeper's, are test_canopen_access.py's."""
     return [entry for entry in ours.entries()
             if entry.access_type in ("rw", "rww", "rwr") and entry.index >= 0x2000
             and not 0x2100 <= entry.index < 0x2200 and entry.name != "Angle"]
@@ -128,14 +128,14 @@ def test_every_writable_object_keeps_what_is_written_and_refuses_the_rest(name, 
             code = refusal_of(ours.download, entry, encode(entry, value))
             assert code in (0x06090030, 0x06090031, 0x06090032), entry
             assert ours.upload(entry) == raw, entry
-        for length in range(0, 12):
+        for length in range(12):
             check_length(ours, entry, len(raw), bytes(length))
     assert written > 0
 
 
 def check_length(ours, entry, right, data):
     """A number of the wrong length is refused with the code for it."""
-    if entry.data_type not in INTEGERS and entry.data_type not in REALS or len(data) == right:
+    if (entry.data_type not in INTEGERS and entry.data_type not in REALS) or len(data) == right:
         return
     assert refusal_of(ours.download, entry, data) == (0x06070012 if len(data) > right else 0x06070013), entry
 

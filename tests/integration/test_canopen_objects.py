@@ -85,7 +85,14 @@ def test_what_is_saved_follows_from_the_tables(tree, tables):
 
 def compiles(tree):
     """Whether the extension's table is C; and what the compiler says."""
-    command = ["cc", "-std=c11", "-fsyntax-only", f"-I{tree}/firmware", f"-I{ROOT}/firmware", f"-I{ROOT}/firmware/include"]
+    command = [
+        "cc",
+        "-std=c11",
+        "-fsyntax-only",
+        f"-I{tree}/firmware",
+        f"-I{ROOT}/firmware",
+        f"-I{ROOT}/firmware/include",
+    ]
     done = subprocess.run([*command, tree / "firmware/navcomp/keeper_objects.c"], text=True, capture_output=True)
     return done.returncode == 0, done.stderr
 
@@ -141,7 +148,12 @@ def test_a_constant_changed_in_its_header_alone_is_noticed(tree):
     for name, old, new, product in (
         ("firmware/include/tumble/core.h", "POSITIONS 36", "POSITIONS 40", "firmware/navcomp/keeper_objects.c"),
         ("firmware/include/tumble/core.h", "INT64_C(1) << 20", "INT64_C(1) << 19", "firmware/navcomp/objects.c"),
-        ("firmware/include/tumble/core.h", "    ONE(AVERAGED", "    ONE(NEW, new) \\\n    ONE(AVERAGED", "docs/canopen.md"),
+        (
+            "firmware/include/tumble/core.h",
+            "    ONE(AVERAGED",
+            "    ONE(NEW, new) \\\n    ONE(AVERAGED",
+            "docs/canopen.md",
+        ),
     ):
         before = (tree / name).read_text(encoding="utf-8")
         change(tree / name, old, new)
@@ -157,7 +169,8 @@ def test_a_constant_changed_in_its_header_alone_is_noticed(tree):
      "tumble_averaging_config_t: least_lost has no row in TUMBLE_AVERAGING_FIELDS"),
     ("stand/drive402/drive402.h", "    int8_t homing_method;", "    int8_t homing_method, way;",
      "tumble_drive_profile_t: homing_method, way is not one member a line"),
-    ("procedure/config_fields.h", "X(U8, retries,", "X(U16, retries,", "TUMBLE_PROCEDURE_FIELDS: retries is uint8_t, not U16"),
+    ("procedure/config_fields.h", "X(U8, retries,", "X(U16, retries,",
+     "TUMBLE_PROCEDURE_FIELDS: retries is uint8_t, not U16"),
 ])  # fmt: skip
 def test_a_member_without_its_row_is_one_line_and_exit_2(tree, header, old, new, message):
     """The canary of the tables of fields."""
@@ -194,7 +207,7 @@ MISTAKES = [
     ("common.toml", '"$device_type"', '"$divice_type"', "object 1000h:0: no setting divice_type in [node]"),
     ("block.toml", "size = 32\n", "size = 65\n", "block.toml: object 2005h:0: its size is not within 1 to 64 bytes"),
     ("block.toml", 'value = ""\n', f'value = "{33 * "x"}"\n', "block.toml: object 2005h:0: its text is too long"),
-    ("block.toml", 'size = 32\n', 'size = 32\nmap = "transmit"\n', "block.toml: object 2005h:0: cannot be mapped"),
+    ("block.toml", "size = 32\n", 'size = 32\nmap = "transmit"\n', "block.toml: object 2005h:0: cannot be mapped"),
     ("navcomp.toml", "map = [0x2000_00, 0x2001_00, 0x2003_01,", "map = [0x2003_07, 0x2003_07, 0x2000_00,", "8 bytes"),
     ("keeper.toml", "index = 0x2121\n", "index = 0x2050\n", "navcomp.toml: object 2050h is there twice"),
     ("keeper.toml", 'prefix = "tumble_keeper"\n', "", "keeper.toml: [extension]: lacks prefix"),
@@ -202,7 +215,12 @@ MISTAKES = [
     ("keeper.toml", "like = 0x2104", "like = 0x2990", "is like none"),
     ("keeper.toml", "map = [0x2120_02,", "map = [0x2120_01,", "transmit PDO 4: may not map 2120h:1"),
     ("keeper.toml", 'home = "computed"', 'home = "variable"', "an extension has no variables of its own"),
-    ("keeper.toml", 'low = "TUMBLE_SETS_MIN_PAUSE_S",', "low = -1,", "keeper.toml: object 2122h:3: -1 is not UNSIGNED32"),
+    (
+        "keeper.toml",
+        'low = "TUMBLE_SETS_MIN_PAUSE_S",',
+        "low = -1,",
+        "keeper.toml: object 2122h:3: -1 is not UNSIGNED32",
+    ),
     ("keeper.toml", "TUMBLE_SETS_MIN_PAUSE_S", "TUMBLE_SETS_MIN_PAUS_S", "no header of firmware/ has the constant TUM"),
     ("keeper.toml", "TUMBLE_MAX_POSITIONS - 1", "TUMBLE_MAX_POSITIONS -", "cannot be calculated"),
     ("navcomp.toml", '"firmware/procedure/states.h"', '"firmware/procedure/stakes.h"', "No such file"),

@@ -6,7 +6,6 @@ import struct
 import pytest
 from c_compiler import compiled, firmware_sources
 from canopen_bridge import FLAGS, PipeBus, canopen
-
 from recalibration import Computer, entries_of, refusal_of, signature
 
 pytestmark = pytest.mark.real_time

@@ -168,7 +168,7 @@ def server(start):
 
 
 def test_our_client_reads(server):
-    bus, local = server
+    bus, _ = server
     assert bus.transfer(f"!read {SERVER} 2000 0 8") == ("TUMBLE_OK", 0, b"\x01")
     assert bus.transfer(f"!read {SERVER} 2001 0 8") == ("TUMBLE_OK", 0, b"\x02\x00")
     assert bus.transfer(f"!read {SERVER} 2002 0 8") == ("TUMBLE_OK", 0, b"\x03\x00\x00\x00")
@@ -194,7 +194,7 @@ def test_our_client_writes(server):
 
 
 def test_our_client_is_refused(server):
-    bus, local = server
+    bus, _ = server
     assert bus.transfer(f"!read {SERVER} 3000 0 8")[:2] == ("TUMBLE_E_SDO_ABORTED", 0x06020000)
     assert bus.transfer(f"!read {SERVER} 2006 0 8")[:2] == ("TUMBLE_E_SDO_ABORTED", 0x06010001)
     assert bus.transfer(f"!write {SERVER} 2005 0 0100")[:2] == ("TUMBLE_E_SDO_ABORTED", 0x06010002)

@@ -5,8 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble.fixture import distributions
 
@@ -91,7 +90,8 @@ def test_a_quantile_needs_a_probability(p):
 
 
 def test_hardly_any_freedom_is_answered_too():
-    """The freedom of a set angle's error goes to 0 where noise covers it; what is beyond all numbers is huge instead."""
+    """The freedom of a set angle's error goes to 0 where noise covers it;
+    what is beyond all numbers is huge instead."""
     rng = np.random.default_rng(1)
     for _ in range(200):
         freedom, below, p = *10.0 ** rng.uniform(-6, 6, 2), rng.uniform(1e-3, 0.999)

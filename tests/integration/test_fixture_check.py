@@ -141,8 +141,8 @@ def test_runs_of_one_levelling_are_told_from_others():
 @pytest.mark.slow
 @pytest.mark.parametrize("once", [pytest.param(True, marks=pytest.mark.full), False])
 def test_a_combined_result_lies_where_its_uncertainties_say(once):
-    """150 times three runs, one of them noisier: rms of error over u, and the chi-squared of what the runs differ
-    by."""
+    """150 times three runs, one of them noisier: rms of error over u,
+    and the chi-squared of what the runs differ by."""
     rng, stand, scores, squares = np.random.default_rng(97), stand_named("lab"), [], []
     noisy = dataclasses.replace(stand, noise=4 * stand.noise)
     truth = np.concatenate([NOMINAL_K.ravel(), U0])
@@ -329,7 +329,7 @@ def test_the_optimal_estimator_may_be_checked_and_combined(tumble, tmp_path):
 def test_the_page_says_how_many_runs_a_verdict_takes():
     """The table, computed again from the distributions that the verdicts use."""
     page = (ROOT / "docs" / "method.md").read_text()
-    rows = re.findall(r"^\| (\d?\.?\d*) ?(twice|times) (better|worse)[^|]*\| (\d+) \| (\d+) \|$", page, re.M)
+    rows = re.findall(r"^\| (\d?\.?\d*) ?(twice|times) (better|worse)[^|]*\| (\d+) \| (\d+) \|$", page, re.MULTILINE)
     assert len(rows) == 7
     for factor, twice, way, single, sixteen in rows:
         size = 2.0 if twice == "twice" else float(factor)

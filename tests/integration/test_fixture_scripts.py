@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
-from fixture_table import FAULT, K, LIMITS, U0, PlayedTable, PlayedTime, limits, read_limits
+from fixture_table import FAULT, LIMITS, U0, K, PlayedTable, PlayedTime, limits, read_limits
 import validation
 from validation import can_link, harmonic, judge, report, runs, samples, session
 from validation.errors import CommunicationError
@@ -162,7 +162,9 @@ class Shared(can_link.CanLink):
 
 def test_what_another_client_was_told_is_asked_for_again():
     assert Shared(20)._ask(None, "State") == 7
-    with pytest.raises(CommunicationError, match="node 1 answers another SDO client as well, say a gateway: Unexpected"):
+    with pytest.raises(
+        CommunicationError, match="node 1 answers another SDO client as well, say a gateway: Unexpected"
+    ):
         Shared(21)._ask(None, "State")
 
 

@@ -7,7 +7,18 @@ from contextlib import contextmanager
 
 import pytest
 from gateway_bench import (
-    ADDRESS, BUSY, FUNCTION, KEYS, READ_HOLDING, TARGET, VALUE, WRITE_ONE, end_of, gateway_program, register, start,
+    ADDRESS,
+    BUSY,
+    FUNCTION,
+    KEYS,
+    READ_HOLDING,
+    TARGET,
+    VALUE,
+    WRITE_ONE,
+    end_of,
+    gateway_program,
+    register,
+    start,
     wait_until,
 )  # fmt: skip
 from test_gateway_registers import mbpoll

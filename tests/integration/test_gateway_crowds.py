@@ -1,5 +1,5 @@
-"""tumble-gateway and clients that are slow, silent or many, on ASan and UBSan. Further rows of the table of
-test_gateway_abuse.py."""
+"""tumble-gateway and clients that are slow, silent or many, on ASan and UBSan.
+Further rows of the table of test_gateway_abuse.py."""
 
 import socket
 import struct
@@ -8,7 +8,18 @@ import time
 
 import pytest
 from gateway_bench import (
-    FUNCTION, GOOD, GOOD_ANSWER, KEYS, MOST_CLIENTS, READ_INPUT, VALUE, abused, counter, frame, gateway_program, start,
+    FUNCTION,
+    GOOD,
+    GOOD_ANSWER,
+    KEYS,
+    MOST_CLIENTS,
+    READ_INPUT,
+    VALUE,
+    abused,
+    counter,
+    frame,
+    gateway_program,
+    start,
     wait_until,
 )  # fmt: skip
 

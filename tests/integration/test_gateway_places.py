@@ -7,7 +7,13 @@ import time
 
 import pytest
 from gateway_bench import (
-    GOOD, GOOD_ANSWER, MOST_CLIENTS, Gateway, frame, gateway_program, start,
+    GOOD,
+    GOOD_ANSWER,
+    MOST_CLIENTS,
+    Gateway,
+    frame,
+    gateway_program,
+    start,
 )  # fmt: skip
 
 assert start and gateway_program

@@ -10,7 +10,16 @@ import time
 
 import pytest
 from gateway_bench import (
-    READ_HOLDING, READ_INPUT, ROOT, decode, end_of, gateway_program, register, registers, start, wait_until,
+    READ_HOLDING,
+    READ_INPUT,
+    ROOT,
+    decode,
+    end_of,
+    gateway_program,
+    register,
+    registers,
+    start,
+    wait_until,
 )  # fmt: skip
 
 assert gateway_program and start
@@ -290,7 +299,7 @@ def test_pymodbus_reads_numbers_in_its_own_big_endian_order(start):
 def example(gateway, number=0):
     """What an example of docs/gateway.md prints, as it stands there: (exit code, standard output, standard error)."""
     page = (ROOT / "docs" / "gateway.md").read_text(encoding="utf-8")
-    code = re.findall(r"```python\n(.*?)```", page, re.S)[number]
+    code = re.findall(r"```python\n(.*?)```", page, re.DOTALL)[number]
     assert code.count("port=1502") == 1
     code = code.replace("port=1502", f"port={gateway.port}")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20)

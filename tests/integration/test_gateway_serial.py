@@ -1,5 +1,6 @@
 """tumble-gateway on a serial line: pseudo terminals, with mbpoll, pymodbus and raw bytes as the line's master."""
 
+import contextlib
 import os
 import random
 import select
@@ -61,10 +62,8 @@ class Line:
 
     def close(self):
         for fd in (self.master, self.slave):
-            try:
+            with contextlib.suppress(OSError):
                 os.close(fd)
-            except OSError:
-                pass
 
 
 @pytest.fixture

@@ -7,10 +7,32 @@ import time
 
 import pytest
 from gateway_bench import (
-    ADDRESS, BUSY, FUNCTION, KEYS, READ_HOLDING, ROOT, VALUE, gateway_program, register, registers, start, wait_until,
+    ADDRESS,
+    BUSY,
+    FUNCTION,
+    KEYS,
+    READ_HOLDING,
+    ROOT,
+    VALUE,
+    gateway_program,
+    register,
+    registers,
+    start,
+    wait_until,
 )  # fmt: skip
 from test_gateway_commands import (
-    ACCEPTED, ARGUMENT, COMMAND, EXECUTE, OBJECT, REFUSED, UNANSWERED, held, mbpoll_write, opened, result, unlocked,
+    ACCEPTED,
+    ARGUMENT,
+    COMMAND,
+    EXECUTE,
+    OBJECT,
+    REFUSED,
+    UNANSWERED,
+    held,
+    mbpoll_write,
+    opened,
+    result,
+    unlocked,
     written,
 )  # fmt: skip
 from test_gateway_registers import DICTIONARY, example, variable
@@ -26,7 +48,7 @@ UNFIT, NO_SERVICE = 5, 6
 KEY_OF_SERVICE, SERV = NUMBER["Service level: Key"], 0x76726573
 PROTECTED = {number for first, last in
              re.findall(r"^\| (\d+)(?: to (\d+))? \|(?:[^|]*\|){4} service \|$",
-                        (ROOT / "docs/modbus.md").read_text(encoding="utf-8"), re.M)
+                        (ROOT / "docs/modbus.md").read_text(encoding="utf-8"), re.MULTILINE)
              for number in range(int(first), int(last or first) + 1)}
 SAVE = 0x65766173
 PROPOSAL_AT, SERVICE_KEY_AT = (register(name, "holding")["register"] for name in ("Proposal", "Service key"))
@@ -86,7 +108,10 @@ def test_every_setting_is_written_as_its_object_has_it(start):
             data = variable(row).encode_raw(number)
             assert written(gateway, 1) == [f"write {row['index']:04X} {row['subindex']} {data.hex().upper()}"], row
             assert client.read(SETTING, 5, READ_HOLDING) == (0, *words_of(number))
-    assert client.number("Commands sent") == sent == 3 * (len(ROWS) + len(PROTECTED)) and client.number("Values unfit") == 0
+    assert (
+        client.number("Commands sent") == sent == 3 * (len(ROWS) + len(PROTECTED))
+        and client.number("Values unfit") == 0
+    )
     assert gateway.written.empty() and DICTIONARY[0x1010]
 
 
@@ -194,7 +219,11 @@ def test_all_in_one_request(start):
     assert result(client) == (ACCEPTED, 9, 0)
     assert written(gateway, 1) == ["write 2121 1 " + struct.pack("<Q", 1795000000).hex().upper()]
     assert client.write(EXECUTE, *good[EXECUTE:]) is None and result(client)[0] == ACCEPTED
-    for at, words in ((EXECUTE + 1, good[EXECUTE + 1 :]), (EXECUTE, good[EXECUTE : SETTING]), (SETTING, (SERVICE_KEY_AT + 3 - SETTING) * [0])):
+    for at, words in (
+        (EXECUTE + 1, good[EXECUTE + 1 :]),
+        (EXECUTE, good[EXECUTE:SETTING]),
+        (SETTING, (SERVICE_KEY_AT + 3 - SETTING) * [0]),
+    ):
         assert client.write(at, *words) == ADDRESS
 
 
@@ -284,7 +313,7 @@ def test_the_examples_of_the_page(start):
     told = struct.unpack("<Q", bytes.fromhex(line.removeprefix("write 2121 1 ")))[0]
     assert before <= told <= time.time()
     page = (ROOT / "docs/gateway.md").read_text(encoding="utf-8")
-    words = re.search(r"^    mbpoll .* -r 0 127.0.0.1 (20304 .* 12 \d+ \d+ 0 0)$", page, re.M)[1].split()
+    words = re.search(r"^    mbpoll .* -r 0 127.0.0.1 (20304 .* 12 \d+ \d+ 0 0)$", page, re.MULTILINE)[1].split()
     assert mbpoll_write(gateway, 0, *words) == "" and written(gateway, 1) == ["write 2121 2 5802"]
     gateway.tell("refuse 08000022")
     assert example(gateway, 1) == (0, "result 3\n", "")

@@ -23,7 +23,7 @@ def test_the_table_for_scripts_names_every_register_once():
 def test_the_page_names_every_register_of_the_table_for_scripts():
     """In its own row, or in one for all that differ from it in their last part."""
     page = (ROOT / "docs/modbus.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d+)(?:(?:-| to )(\d+))? \| \**([^|*]+?)\** \|", page, re.M)
+    rows = re.findall(r"^\| (\d+)(?:(?:-| to )(\d+))? \| \**([^|*]+?)\** \|", page, re.MULTILINE)
     told = {(number, name) for first, last, name in rows for number in range(int(first), int(last or first) + 1)}
     stems = {(number, re.sub(r"(\d+|[xyz]{1,2})( to \w+)?$", "", name)) for number, name in told}
     for row in registers():
@@ -32,14 +32,14 @@ def test_the_page_names_every_register_of_the_table_for_scripts():
 
 
 def test_the_table_for_scripts_names_every_setting_as_the_dictionary_has_it():
-    """All that the EDS lets an outsider write of node 1, but its communication, its commands and its picture of the
-    drive."""
+    """All that the EDS lets an outsider write of node 1, but its communication,
+    its commands and its picture of the drive."""
     rows = [row for row in registers() if row["table"] == "setting"]
     assert len({row["register"] for row in rows}) == len(rows) and all(0 < row["register"] < 65536 for row in rows)
     writable = {(item.index, item.subindex) for top in DICTIONARY.values()
                 for item in ([top] if isinstance(top, canopen.objectdictionary.ODVariable) else top.values())
                 if item.access_type in ("rw", "wo") and item.subindex
-                and (item.index in (0x1010, 0x1011) or item.index >= 0x2000 and item.index not in (0x2002, 0x2040))}
+                and (item.index in (0x1010, 0x1011) or (item.index >= 0x2000 and item.index not in (0x2002, 0x2040)))}
     assert {key(row) for row in rows} == writable
     for row in rows:
         names = [one["name"] for one in NODE if key(one) == key(row)]

@@ -1,4 +1,5 @@
-"""The commit rules against the same inequalities in exact and 60-digit arithmetic, on cases on both sides of the limits."""
+"""The commit rules against the same inequalities in exact and 60-digit arithmetic,
+on cases on both sides of the limits."""
 
 import random
 import struct

@@ -9,7 +9,7 @@ from tumble.core import CoreRefusal, optimal as core_optimal
 from tumble.estimators import LINEAR
 from tumble.reference import Geometry, optimal
 from tumble.reference.estimators import least_squares, unidentified
-from tumble.solving import gains, gain_record
+from tumble.solving import gain_record, gains
 from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
@@ -44,8 +44,8 @@ def record_for(schedule, k, stand):
 
 
 def difference(rng, schedule):
-    """Largest difference of a coefficient from the witness, of one random block on one random stand: over its u, and over
-    what is allowed."""
+    """Largest difference of a coefficient from the witness, of one random block on one random stand: over its u,
+    and over what is allowed."""
     k, u0 = random_block(rng)
     stand = random_stand(rng, np.abs(k).max())
     if unidentified(schedule.data):  # by a hair: the core judges by pivots, the plan by singular values
@@ -112,7 +112,10 @@ def test_many_runs_at_once_name_the_run_refused():
     means = np.zeros((5, 18, 3))
     means[3, 7, 1] = np.nan
     opened = core_optimal.GainRecord(PAPER, record_for(PAPER.data, NOMINAL_K, PAPER_STAND))
-    for call in (lambda: core_optimal.optimal_runs(opened, means), lambda: core_optimal.estimate_runs(PAPER, means, "refined")):
+    for call in (
+        lambda: core_optimal.optimal_runs(opened, means),
+        lambda: core_optimal.estimate_runs(PAPER, means, "refined"),
+    ):
         with pytest.raises(CoreRefusal) as refused:
             call()
         assert (refused.value.name, refused.value.details) == ("TUMBLE_E_NOT_FINITE", {"run": 3})
@@ -140,7 +143,9 @@ def test_a_wrong_record_is_an_exception_and_no_result(spoil):
     data = record_for(PAPER.data, NOMINAL_K, PAPER_STAND)
     if spoil == "foreign":
         data = record_for(usable_schedule(np.random.default_rng(64)).data, NOMINAL_K, PAPER_STAND)
-    spoilt = {"short": data[:-8], "flipped": data[:1000] + bytes([data[1000] ^ 1]) + data[1001:], "foreign": data}[spoil]
+    spoilt = {"short": data[:-8], "flipped": data[:1000] + bytes([data[1000] ^ 1]) + data[1001:], "foreign": data}[
+        spoil
+    ]
     with pytest.raises(CoreRefusal) as refused:
         core_optimal.optimal(spoilt, PAPER, np.zeros((18, 3)))
     expected = {"short": "TUMBLE_E_GAIN_RECORD", "flipped": "TUMBLE_E_CRC", "foreign": "TUMBLE_E_GAIN_TABLE"}

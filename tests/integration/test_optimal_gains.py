@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, random_schedule, usable_schedule
 from conftest import EXAMPLES
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble import reference
 from tumble.errors import UsageError
@@ -170,7 +169,7 @@ def test_the_converter_sets_the_noise_where_the_stand_has_less():
 def test_what_cannot_be_weighed_is_refused():
     one_mounting = Schedule(PAPER.mountings[:1], PAPER.positions[:9])
     for estimator in ("least_squares", "optimal"):
-        with pytest.raises(UsageError, match="cannot identify K_xy, K_yy, K_zy$"):
+        with pytest.raises(UsageError, match=r"cannot identify K_xy, K_yy, K_zy$"):
             gains.gains(one_mounting, estimator, NOMINAL_K, PAPER_STAND)
     with pytest.raises(UsageError, match="lacks positions that refined needs"):
         gains.gains(one_mounting, "refined", NOMINAL_K, PAPER_STAND)

@@ -14,7 +14,7 @@ from documents import document_of, paper_stand
 
 from tumble import core, reference
 from tumble.core import optimal
-from tumble.solving import gains, gain_record
+from tumble.solving import gain_record, gains
 from tumble.stand import PAPER_STAND
 
 STANDS = ("paper", "angle", "lab")

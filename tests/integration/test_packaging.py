@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tarfile
 import zipfile
+from pathlib import Path
 
 import pytest
 from _tumble_core import ffi, lib
@@ -198,6 +199,11 @@ def test_every_package_has_licence_and_version(packages, kind):
         assert (path.parent / licences / name).read_bytes() == (ROOT / name).read_bytes()
 
 
+@pytest.mark.slow
+def test_a_wheel_says_that_it_is_typed(packages):
+    assert (packages["wheel"] / "tumble/py.typed").is_file()
+
+
 def has_libmodbus(binary):
     """Does it link libmodbus, or hold it? Its functions' names and messages are in whatever does."""
     return b"libmodbus" in binary or b"modbus_" in binary
@@ -219,4 +225,4 @@ def test_the_gateway_links_libmodbus_dynamically():
     path = built("tumble-gateway", "host/gateway")
     done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
     assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
-    assert has_libmodbus(open(path, "rb").read())
+    assert has_libmodbus(Path(path).read_bytes())

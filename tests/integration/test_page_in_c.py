@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
 
-PAGE = re.search(r"```c\n(.*?)```", (ROOT / "docs" / "files.md").read_text(encoding="utf-8"), re.S)[1]
+PAGE = re.search(r"```c\n(.*?)```", (ROOT / "docs" / "files.md").read_text(encoding="utf-8"), re.DOTALL)[1]
 MAIN = """
 #include <stdio.h>
 int main(void)
@@ -48,7 +48,18 @@ def test_the_ten_lines_of_c(tumble, tmp_path):
     flags = "-std=c11 -ffp-contract=off -Wall -Wextra -Wconversion -Wshadow -Werror".split()
     sources = sorted((ROOT / "firmware" / "core").glob("*.c"))
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    command = ["cc", *flags, f"-I{ROOT / 'firmware'}", f"-I{ROOT / 'firmware/include'}", "-I.", "main.c", *sources, "-lm", "-o", "main"]
+    command = [
+        "cc",
+        *flags,
+        f"-I{ROOT / 'firmware'}",
+        f"-I{ROOT / 'firmware/include'}",
+        "-I.",
+        "main.c",
+        *sources,
+        "-lm",
+        "-o",
+        "main",
+    ]
     subprocess.run(command, cwd=tmp_path, check=True, env=environment)
     result = json.loads((tmp_path / "result.json").read_text())
     means = [mean["mean"] for mean in result["means"]]

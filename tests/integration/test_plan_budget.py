@@ -7,8 +7,7 @@ import pytest
 from blocks import random_schedule, usable_schedule
 from conftest import EXAMPLES
 from documents import document_of, paper_stand
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble import reference
 from tumble.files.stand_file import read_stand

@@ -121,7 +121,7 @@ def test_one_source_alone_and_all_together(estimator):
         declared = np.array([case.stand.sigma(n) for n in ("axis_tilt", "level", "remount", "angle", "noise")])
         declared[4] /= case.stand.samples**0.5
 
-        def worst(sizes):
+        def worst(sizes, case=case):
             return np.linalg.norm(worst_terms(case, estimator, sizes), axis=1).max() / (LIMIT_G / 3)
 
         assert worst(room.margin * declared) == pytest.approx(1.0, rel=EXACT)

@@ -7,8 +7,7 @@ import pytest
 from blocks import NOMINAL_K, random_block, random_means, usable_schedule
 from conftest import EXAMPLES
 from documents import paper_stand
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tumble import core, reference
 from tumble.cli.main import main
@@ -44,8 +43,8 @@ def measured_part(schedule, measured):
 
 
 def assert_agreement(found, expected):
-    """To 1e-9 of each of the twelve. Where a source of huge effect cancels out of one, its rounding remains, and adds in
-    quadrature to what is left: a coefficient that is 1e12 times as certain as another one shows it.
+    """To 1e-9 of each of the twelve. Where a source of huge effect cancels out of one, its rounding remains, and adds
+    in quadrature to what is left: a coefficient that is 1e12 times as certain as another one shows it.
     """
     found, expected = (np.concatenate([part.ravel() for part in pair]) for pair in (found, expected))
     apart, largest = np.abs(found - expected), expected.max()

@@ -2,9 +2,9 @@
 
 import dataclasses
 import sys
-import xml.etree.ElementTree as ElementTree
 from fractions import Fraction
 from math import comb
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest

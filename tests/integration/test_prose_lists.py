@@ -32,7 +32,7 @@ def joined(text):
             wrong.append(number)  # an item's further lines are indented
         if re.search(r"\. \d\.$|\S {3,}\S", line):
             wrong.append(number)
-        in_item = bool(item) or in_item and line.startswith(" ")
+        in_item = bool(item) or (in_item and line.startswith(" "))
     return wrong
 
 

@@ -1,4 +1,5 @@
-"""What a user of the firmware includes: every header compiles alone, as C11 and as C++17, and the example in it compiles."""
+"""What a user of the firmware includes: every header compiles alone, as C11 and as C++17,
+and the example in it compiles."""
 
 import re
 import shutil

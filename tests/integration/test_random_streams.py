@@ -9,7 +9,7 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tests/benchmark"))
 
-import campaign  # noqa: E402
+import campaign
 
 TILT, LEVEL, REMOUNT, ANGLE, NOISE = 1, 2, 3, 4, 6  # causes
 STREAMS = [(TILT, 0), (LEVEL, 0), (REMOUNT, 1), (REMOUNT, 2)]

@@ -9,9 +9,9 @@ from conftest import ROOT
 pytestmark = pytest.mark.python
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = [block.replace("\\\n", "") for block in re.findall(r"```console\n(.*?)```", README, re.S)]
+BLOCKS = [block.replace("\\\n", "") for block in re.findall(r"```console\n(.*?)```", README, re.DOTALL)]
 COMMANDS = [line[2:] for block in BLOCKS for line in block.splitlines()]
-TRANSCRIPTS = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", README, re.S)
+TRANSCRIPTS = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", README, re.DOTALL)
 
 
 def test_the_two_commands_are_there():
@@ -53,7 +53,7 @@ def test_another_transcript_is_noticed(shown):
 
 def test_its_commands_fit_the_page():
     assert all(line.startswith("$ ./tools/") for block in BLOCKS for line in block.splitlines())
-    shown = re.findall(r"```console\n(.*?)```", README, re.S)
+    shown = re.findall(r"```console\n(.*?)```", README, re.DOTALL)
     assert max(len(line) for block in shown for line in block.splitlines()) <= 100
 
 

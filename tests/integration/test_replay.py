@@ -5,7 +5,6 @@ import subprocess
 
 import numpy as np
 import pytest
-
 from bench_program import bench, scenario
 
 from tumble.bench import programs

@@ -6,8 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble.errors import BadInput
 from tumble.files import run_file
@@ -55,8 +54,11 @@ LAYOUTS = {
     "units in brackets": (table("Mounting,Position,U_x [V],U_y [V],U_z [V]"), Wishes()),
     "other names": (table("mount,pos,AccX,AccY,AccZ"), Wishes()),
     "bare axes": (table("Mounting,Position,X,Y,Z"), Wishes()),
-    "told names": (table("m,p,a,b,c"), Wishes(dict(mounting="m", position="p", ux="a", uy="b", uz="c"))),
-    "told names, case apart": (table("m,p,A,B,C"), Wishes(dict(mounting="M", position="P", ux="a", uy="b", uz="c"))),
+    "told names": (table("m,p,a,b,c"), Wishes({"mounting": "m", "position": "p", "ux": "a", "uy": "b", "uz": "c"})),
+    "told names, case apart": (
+        table("m,p,A,B,C"),
+        Wishes({"mounting": "M", "position": "P", "ux": "a", "uy": "b", "uz": "c"}),
+    ),
     "own name wins": (table("mounting,position,ux,uy,uz,ax", extra=["junk"]), Wishes()),
     "extra text": (table("mounting,position,ux,uy,uz,note", extra=["at 20 degrees"]), Wishes()),
     "extra text, quoted": (table("mounting,position,ux,uy,uz,note", extra=['"a, b"']), Wishes()),

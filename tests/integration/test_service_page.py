@@ -7,16 +7,18 @@ import struct
 
 import pytest
 from canopen_bridge import ROOT, program, start  # noqa: F401
-from gateway_bench import gateway_program  # noqa: F401
-from gateway_bench import start as start_gateway
+from gateway_bench import (
+    gateway_program,  # noqa: F401
+    start as start_gateway,
+)
 from test_canopen_recalibration import bench  # noqa: F401
 from test_gateway_commands import mbpoll_write, written
 
 pytestmark = pytest.mark.real_time
 
 PAGE = (ROOT / "docs/service-level.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
-MBPOLL = re.findall(r"^    mbpoll .* -r 0 127\.0\.0\.1 ([\d ]+)$", PAGE, re.M)
+BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+MBPOLL = re.findall(r"^    mbpoll .* -r 0 127\.0\.0\.1 ([\d ]+)$", PAGE, re.MULTILINE)
 start_gateway = pytest.fixture(name="serve")(start_gateway.__wrapped__ if hasattr(start_gateway, "__wrapped__")
                                              else start_gateway.__pytest_wrapped__.obj)
 KEY, LOCK = "write 2006 1 73657276", "write 2006 1 00000000"
@@ -26,11 +28,11 @@ LIMIT = "write 2050 5 " + struct.pack("<d", 1e-3).hex().upper()
 def printed(block, **names):
     """What a block of the page prints, run with these names."""
     with contextlib.redirect_stdout(io.StringIO()) as out:
-        exec(compile(block, "docs/service-level.md", "exec"), names)  # noqa: S102
+        exec(compile(block, "docs/service-level.md", "exec"), names)
     return out.getvalue()
 
 
-def test_python_canopen(bench):  # noqa: F811
+def test_python_canopen(bench):
     """Settings changed and saved, a proposal accepted by its name; the proposal that is no longer there is not."""
     computer, node = bench.computer, bench.computer.node
     assert printed(BLOCKS[0], node=node) == "level 0 flags 3\n"
@@ -52,7 +54,7 @@ def test_python_canopen(bench):  # noqa: F811
     assert computer.counter() == 1
 
 
-def test_rules_that_are_not_saved_hold_a_result(bench):  # noqa: F811
+def test_rules_that_are_not_saved_hold_a_result(bench):
     """The row of the page about limits for one run."""
     computer = bench.computer
     computer.set_rules(1e-3, 1e-4)
@@ -66,7 +68,7 @@ def test_rules_that_are_not_saved_hold_a_result(bench):  # noqa: F811
     assert computer["Proposal"]["Flags"].raw & 0x40 and not computer["Active set"]["Flags"].raw & 0x40
 
 
-def test_the_level_in_time_and_over_start(bench):  # noqa: F811
+def test_the_level_in_time_and_over_start(bench):
     computer, limit = bench.computer, bench.computer["Configuration"]["Gravity limit"]
     for _ in range(2):
         with pytest.raises(Exception, match="0x08000022"):
@@ -92,10 +94,10 @@ def test_the_level_in_time_and_over_start(bench):  # noqa: F811
     assert struct.unpack("<BHI", bytes.fromhex(last[4:])) == (0, 0, 1)
 
 
-def test_can_utils(start):  # noqa: F811
+def test_can_utils(start):
     """Frame by frame."""
     ours = start("navcomp")
-    steps = re.findall(r"^(581#\w{16})  <- cansend can0 (601#\w{16}) ", PAGE, re.M)
+    steps = re.findall(r"^(581#\w{16})  <- cansend can0 (601#\w{16}) ", PAGE, re.MULTILINE)
     assert len(steps) == 6
     for answer, request in steps:
         before = len(ours.bus.log)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from blocks import random_block, random_means, usable_schedule
 from documents import paper_stand
 

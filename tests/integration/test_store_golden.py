@@ -1,4 +1,5 @@
-"""The store's records, byte by byte: tests/golden/ by the independent encoder, by the firmware, and back. And the dump."""
+"""The store's records, byte by byte: tests/golden/ by the independent encoder, by the firmware, and back.
+And the dump."""
 
 import importlib.util
 import shutil
@@ -8,8 +9,7 @@ from pathlib import Path
 
 import pytest
 from c_compiler import compiled
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tumble.errors import BadInput
 from tumble.store import codec
@@ -58,8 +58,13 @@ def expected_fields(case):
 
 
 def as_printed(text, like):
-    return text if isinstance(like, str) else float.fromhex(text) if isinstance(like, float) else int(float.fromhex(text)
-                                                                                                 if "x" in text else text)
+    return (
+        text
+        if isinstance(like, str)
+        else float.fromhex(text)
+        if isinstance(like, float)
+        else int(float.fromhex(text) if "x" in text else text)
+    )
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -79,7 +84,7 @@ def test_python_writes_the_golden_files_and_reads_them(name):
     numbers = {key: golden.exact(value) for key, value in case["numbers"].items()}
     assert golden.encode(case) == record
     fingerprint = numbers.pop("fingerprint", None)
-    read = {"set": codec.decode_set, "entry": codec.decode_entry, "run": lambda r: codec.decode_run(r),
+    read = {"set": codec.decode_set, "entry": codec.decode_entry, "run": codec.decode_run,
             "position": lambda r: codec.decode_position(r, fingerprint)}[case["kind"]](record)
     assert read == fingerprint if case["kind"] == "run" else vars(read) == numbers
 
@@ -102,15 +107,34 @@ POSITIVE = st.floats(min_value=0.0, allow_infinity=False).map(abs)
 WORD = st.integers(0, 2**32 - 1)
 
 
-@given(st.builds(
-    codec.CoefficientSet, sequence=WORD, origin=st.integers(1, 5), estimator=st.integers(0, 255),
-    serial=st.text(st.characters(codec="ascii", exclude_characters="\0"), max_size=24),
-    date_utc_s=st.integers(1, 2**64 - 1) | st.none(), temperature_c=FINITE | st.none(), gravity_m_s2=st.just(9.81) | st.none(),
-    k=st.lists(FINITE, min_size=9, max_size=9), u0=st.lists(FINITE, min_size=3, max_size=3),
-    u_k=st.lists(POSITIVE, min_size=9, max_size=9), u_u0=st.lists(POSITIVE, min_size=3, max_size=3),
-    check=st.lists(POSITIVE, min_size=3, max_size=3) | st.none(), closure_v=POSITIVE | st.none(), samples=WORD,
-    fit_positions=st.integers(0, 255), check_positions=st.integers(0, 255), schedule_crc=WORD, stand_crc=WORD,
-    reasons=WORD, restores=WORD, from_crc=WORD, resumed=st.booleans(), other_rules=st.booleans()))
+@given(
+    st.builds(
+        codec.CoefficientSet,
+        sequence=WORD,
+        origin=st.integers(1, 5),
+        estimator=st.integers(0, 255),
+        serial=st.text(st.characters(codec="ascii", exclude_characters="\0"), max_size=24),
+        date_utc_s=st.integers(1, 2**64 - 1) | st.none(),
+        temperature_c=FINITE | st.none(),
+        gravity_m_s2=st.just(9.81) | st.none(),
+        k=st.lists(FINITE, min_size=9, max_size=9),
+        u0=st.lists(FINITE, min_size=3, max_size=3),
+        u_k=st.lists(POSITIVE, min_size=9, max_size=9),
+        u_u0=st.lists(POSITIVE, min_size=3, max_size=3),
+        check=st.lists(POSITIVE, min_size=3, max_size=3) | st.none(),
+        closure_v=POSITIVE | st.none(),
+        samples=WORD,
+        fit_positions=st.integers(0, 255),
+        check_positions=st.integers(0, 255),
+        schedule_crc=WORD,
+        stand_crc=WORD,
+        reasons=WORD,
+        restores=WORD,
+        from_crc=WORD,
+        resumed=st.booleans(),
+        other_rules=st.booleans(),
+    )
+)
 def test_any_set_comes_back(found):
     assert codec.decode_set(codec.encode_set(found)) == found
 
@@ -150,7 +174,11 @@ def test_the_dump_says_what_is_there(tumble, tmp_path, sector):
     assert (done.returncode, done.stderr) == (0, "")
     lines = done.stdout.splitlines()
     assert lines[0].startswith("active (slot B): sequence 2, committed, block 'active', ")
-    assert [line.split(",")[0] for line in lines[1:4]] == ["factory: sequence 0", "slot A: sequence 1", "proposal: sequence 3"]
+    assert [line.split(",")[0] for line in lines[1:4]] == [
+        "factory: sequence 0",
+        "slot A: sequence 1",
+        "proposal: sequence 3",
+    ]
     assert lines[4:] == ["history: 1, the newest of 2026-11-21 00:00 UTC with sequence 17",
                          "checkpoint: run 0xc0ffee42, 1 positions"]
 
@@ -221,7 +249,9 @@ def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
     image = tmp_path / "nv.bin"
     assert image.stat().st_size == 65536  # as tumble-node --nv has it
     done = tumble("store", "dump", image)
-    assert done.stdout.startswith("active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"), done
+    assert done.stdout.startswith(
+        "active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"
+    ), done
 
 
 def test_the_dump_tells_of_other_rules(tumble, tmp_path):

@@ -1,4 +1,5 @@
-"""Power cuts at every operation of the store: all pairs of faults, and planted bugs that the same campaign must find."""
+"""Power cuts at every operation of the store: all pairs of faults,
+and planted bugs that the same campaign must find."""
 
 import os
 import re
@@ -9,8 +10,19 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-STORE = ("store", "store_job", "slots", "set_record", "record", "nv_writer", "regions", "log", "history", "history_entry",
-         "checkpoint")
+STORE = (
+    "store",
+    "store_job",
+    "slots",
+    "set_record",
+    "record",
+    "nv_writer",
+    "regions",
+    "log",
+    "history",
+    "history_entry",
+    "checkpoint",
+)
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra"]
 
 # A bug of the firmware: its files, what stands there, what is planted, and at last what the campaign must say of it.
@@ -37,7 +49,12 @@ BUGS = {
         "must never be found",
     ),
     "no checksum": ("record.c", "return tumble_get_u32(&bytes[size]) ==", "return 0U <=", "must never be found"),
-    "the oldest set is active": ("store_job.c", "a->stamp.sequence > b->", "a->stamp.sequence < b->", "must never be found"),
+    "the oldest set is active": (
+        "store_job.c",
+        "a->stamp.sequence > b->",
+        "a->stamp.sequence < b->",
+        "must never be found",
+    ),
     "cleared before it is accepted": (
         "store.c",
         "accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,",
@@ -89,8 +106,20 @@ def build(firmware, program):
     assert compiler, "no C compiler: set CC"
     sources = [firmware / f"sets/{name}.c" for name in STORE] + [firmware / "core/arith.c", firmware / "core/count.c"]
     subprocess.run(
-        [compiler, *FLAGS, f"-I{firmware}", f"-I{firmware}/include", f"-I{ROOT}/tests/lib", ROOT / "tests/integration/store_power_harness.c",
-         ROOT / "tests/lib/flash.c", ROOT / "tests/lib/store_power.c", *sources, "-lm", "-o", program],
+        [
+            compiler,
+            *FLAGS,
+            f"-I{firmware}",
+            f"-I{firmware}/include",
+            f"-I{ROOT}/tests/lib",
+            ROOT / "tests/integration/store_power_harness.c",
+            ROOT / "tests/lib/flash.c",
+            ROOT / "tests/lib/store_power.c",
+            *sources,
+            "-lm",
+            "-o",
+            program,
+        ],
         check=True,
     )
     return program
@@ -98,14 +127,17 @@ def build(firmware, program):
 
 def part_of(file):
     """The part of the campaign that has to do with it."""
-    return {"record.c": "checkpoint", "history.c": "history", "log.c": "history", "checkpoint.c": "checkpoint"}.get(file, "store")
+    return {"record.c": "checkpoint", "history.c": "history", "log.c": "history", "checkpoint.c": "checkpoint"}.get(
+        file, "store"
+    )
 
 
 def plant(firmware, file, good, bad):
     source = firmware / "sets" / file
-    text = source.read_text(encoding="utf-8")
-    assert text.count(good) == 1, "the planted bug has lost its place"
-    source.write_text(text.replace(good, bad), encoding="utf-8")
+    wherever_broken = r"\s+".join(map(re.escape, good.split()))
+    text, places = re.subn(wherever_broken, lambda _: bad, source.read_text(encoding="utf-8"))
+    assert places == 1, "the planted bug has lost its place"
+    source.write_text(text, encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -148,7 +148,8 @@ print(latest)
 
 
 def latest_wake_up(folder):
-    """How late a process in there wakes up at most, s, that sleeps for 10 ms at a time while the kernel is held up for 1 s."""
+    """How late a process in there wakes up at most, s,
+    that sleeps for 10 ms at a time while the kernel is held up for 1 s."""
     (folder / "sleeper.py").write_text(SLEEPER)
     held = []
 

@@ -10,7 +10,6 @@ import sys
 import time
 
 import pytest
-
 from bench_program import HASTY_STAND
 from conftest import EXAMPLES
 

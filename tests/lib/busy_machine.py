@@ -6,8 +6,9 @@ marked test failed and the machine was busy in its time, the test is run again, 
 machine has come to rest. On a machine that was not busy a failure is a failure at once, and what fails every time has
 failed.
 
-Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one stands
-still while the machine outside holds it up (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is watched.
+Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one
+stands still while the machine outside holds it up (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is
+watched.
 """
 
 import os
@@ -18,7 +19,10 @@ from pathlib import Path
 import pytest
 
 TRIES = 4
-REST_S, REST_MOST_S = 2.0, 30.0  # before the next try: how long the machine must not be busy, and how long to wait for that
+REST_S, REST_MOST_S = (
+    2.0,
+    30.0,
+)  # before the next try: how long the machine must not be busy, and how long to wait for that
 PERIOD_S = 0.05
 LATE_S = 0.1  # a thread that slept came back so much later
 WINDOW_S = 1.0

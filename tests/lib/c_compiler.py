@@ -1,4 +1,5 @@
-"""What tests that compile C of their own need: the machine's compiler, called in the root of the repo, and the firmware."""
+"""What tests that compile C of their own need: the machine's compiler, called in the root of the repo,
+and the firmware."""
 
 import os
 import shutil

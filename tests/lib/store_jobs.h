@@ -128,6 +128,7 @@ static inline void prepare(nv_memory_t *memory, bool factory, unsigned commits, 
     jobs_before = jobs_sets();
 }
 
+/* clang-format off: a line each */
 static inline void with_nothing(nv_memory_t *memory) { prepare(memory, false, 0, false, 0); }
 static inline void with_factory(nv_memory_t *memory) { prepare(memory, true, 0, false, 0); }
 static inline void with_one(nv_memory_t *memory) { prepare(memory, true, 1, false, 0); }
@@ -137,6 +138,7 @@ static inline void with_three(nv_memory_t *memory) { prepare(memory, true, 3, fa
 static inline void with_held(nv_memory_t *memory) { prepare(memory, true, 2, true, 0); }
 static inline void with_held_first(nv_memory_t *memory) { prepare(memory, false, 0, true, 0); }
 static inline void with_rolled_back(nv_memory_t *memory) { prepare(memory, true, 2, false, 1); }
+/* clang-format on */
 
 /* An accepted proposal that has not been cleared. */
 static inline void with_stale(nv_memory_t *memory)

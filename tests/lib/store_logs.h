@@ -95,11 +95,13 @@ static inline void prepare_history(nv_memory_t *memory, uint32_t entries)
     }
 }
 
+/* clang-format off: a line each */
 static inline void with_no_history(nv_memory_t *memory) { prepare_history(memory, 0); }
 static inline void with_five(nv_memory_t *memory) { prepare_history(memory, 5); }
 static inline void with_full_sector(nv_memory_t *memory) { prepare_history(memory, 32); }
 static inline void with_second_sector(nv_memory_t *memory) { prepare_history(memory, 40); }
 static inline void with_both_full(nv_memory_t *memory) { prepare_history(memory, 64); }
+/* clang-format on */
 
 /* Every second entry torn in the sector before the change. */
 static inline void with_torn_entries(nv_memory_t *memory)
@@ -166,9 +168,11 @@ static inline tumble_status_t append_average(uint32_t number)
     return checkpoint_ended(tumble_checkpoint_append(&logs_checkpoint, index, &average));
 }
 
+/* clang-format off: a line each */
 static inline tumble_status_t job_keep(void) { return append_average(logs_kept); }
 static inline tumble_status_t job_begin(void) { return checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, NEW_RUN)); }
 static inline tumble_status_t job_clear(void) { return checkpoint_ended(tumble_checkpoint_clear(&logs_checkpoint)); }
+/* clang-format on */
 
 static inline bool average_is(uint8_t index, uint32_t number)
 {
@@ -266,11 +270,13 @@ static inline void with_no_run(nv_memory_t *memory)
     (void)checkpoint_boot(memory);
 }
 
+/* clang-format off: a line each */
 static inline void with_old_run(nv_memory_t *memory) { prepare_run(memory, OLD_RUN, 80); }
 static inline void with_new_run(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 0); }
 static inline void with_some_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 17); }
 static inline void with_one_again(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 36); }
 static inline void with_sector_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 63); }
+/* clang-format on */
 
 static const scenario_t checkpoint_scenarios[] = {
     {"the first run", with_no_run, checkpoint_boot, job_begin, look_begin},

@@ -54,7 +54,7 @@ def test_a_calibration_over_modbus_as_the_page_shows_it(bus, try_gateway, tmp_pa
     wanted = [[*map(float, kept.k[at : at + 3])] for at in (0, 3, 6)] + [[*map(float, kept.u0)]]
     assert proposal == active and active == [pytest.approx(row, rel=1e-5, abs=1e-8) for row in wanted]
     on_page = re.search(r"^tumble-stand, tumble-node and tumble-gateway run on .*?^checkpoint: [^\n]*$",
-                        PAGE.read_text(encoding="utf-8"), re.M | re.S)[0]
+                        PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[0]
     assert shape(on_page) == shape(done.stdout.replace(str(bus), "vcan0").rstrip())
 
 

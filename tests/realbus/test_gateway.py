@@ -1,6 +1,7 @@
 """tumble-gateway between Modbus clients and tumble-node on a CAN interface: whole recalibrations, and what may happen
 to the bus. Needs libmodbus, pymodbus and mbpoll."""
 
+import itertools
 import json
 import re
 import shutil
@@ -72,7 +73,14 @@ class Served:
         try:
             wait_until(is_there, timeout)
         except AssertionError:
-            told = ("State", "Reason", "Failure: State it failed in", "Failure: Status", "Link state", "Keeper: Verdict")
+            told = (
+                "State",
+                "Reason",
+                "Failure: State it failed in",
+                "Failure: Status",
+                "Link state",
+                "Keeper: Verdict",
+            )
             pytest.fail(f"{name} is not {number}: " + ", ".join(f"{one} {self.number(one)}" for one in told))
 
     def execute(self, *staged):
@@ -115,8 +123,8 @@ def serve(bus, started):
 
 @pytest.fixture
 def calibrating(bus, started, tmp_path):
-    """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands; what it finds
-    waits for them, too."""
+    """tumble-stand with an operator who mounts and confirms, and tumble-node that waits for commands;
+    what it finds waits for them, too."""
     path = scenario(tmp_path, **HASTE, **PATIENCE, keeper__commits="no")
     stand = Stand(bus, path, "--seed", 11)
     node = Node(bus, path, "--nv", tmp_path / "memory", folder=tmp_path)
@@ -248,7 +256,7 @@ def polls_on(log):
     """Numbers of frames of the polls that candump saw: what comes without a break."""
     times = [float(line[1:].split(")")[0]) for line in log.read_text().splitlines()]
     begins = [0] + [at for at in range(1, len(times)) if times[at] - times[at - 1] > 0.4]
-    return [behind - begin for begin, behind in zip(begins, begins[1:])]
+    return [behind - begin for begin, behind in itertools.pairwise(begins)]
 
 
 def test_how_many_frames_a_poll_takes(bus, calibrating, serve, tmp_path):

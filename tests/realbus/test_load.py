@@ -83,8 +83,8 @@ def frames_of(path):
 
 
 def require_nothing_lost_unnoticed(folder, dropped):
-    """What candump has of others' frames, from the first frame of the flood that node 1 took to the last, is what it took
-    and what was dropped. The flood's frames are random, and so none is there twice."""
+    """What candump has of others' frames, from the first frame of the flood that node 1 took to the last, is what it
+    took and what was dropped. The flood's frames are random, and so none is there twice."""
     theirs, ours = frames_of(folder / "candump.log"), frames_of(folder / "run/bus.log")
     flood = [frame for frame in ours if frame[0] == FLOOD_ID]
     seen = []

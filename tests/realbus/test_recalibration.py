@@ -1,5 +1,6 @@
 """python-canopen drives recalibrations of tumble-node with its non-volatile memory in a file, against tumble-stand,
-from the EDS file alone: limits, start, mountings, result, proposal, accept, rollback, saved parameters, and a restart."""
+from the EDS file alone: limits, start, mountings, result, proposal, accept, rollback, saved parameters, and a
+restart."""
 
 import time
 

@@ -1,7 +1,8 @@
 """Do this machine and the target give the same bits?  python identity.py HOST_PROGRAM TARGET_COMMAND...
 
-Runs both, compares their hashes line by line, and prints what was compared. Exit 1 where a block of inputs differs, or where a
-function hardly ever got as far as a result. The sums whose exponents differ by 33 are reported apart: see docs/method.md.
+Runs both, compares their hashes line by line, and prints what was compared. Exit 1 where a block of inputs differs, or
+where a function hardly ever got as far as a result. The sums whose exponents differ by 33 are reported apart: see
+docs/method.md.
 """
 
 import subprocess
@@ -29,7 +30,8 @@ def main(host_program, *target_command):
         said = f"blocks that differ: {', '.join(different) or 'none'}"
         print(f"{'equal' if good else 'FAILED':7}{function:15}{inputs:7} inputs, {results:7} results; {said}")
     (here,), (there,) = wrong
-    print(f"known  misrounded sums among 4096 with exponents 33 apart: here {int(here[0], 16)}, target {int(there[0], 16)}")
+    sums = f"here {int(here[0], 16)}, target {int(there[0], 16)}"
+    print(f"known  misrounded sums among 4096 with exponents 33 apart: {sums}")
     print(f"known  left out of gravity_check for that reason, |a| near 1e-5 g: {int(left_out, 16)} positions of all")
     return 1 if faults or int(here[0], 16) else 0
 
@@ -37,7 +39,9 @@ def main(host_program, *target_command):
 def read(command):
     """The lines that a program prints, by their first word."""
     lines = defaultdict(list)
-    result = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900)
+    result = subprocess.run(
+        command, check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900
+    )
     for line in result.stdout.splitlines():
         name, *words = line.split()
         lines[name].append(tuple(words))

@@ -103,7 +103,7 @@ def _way_to_floating_point(calls, name, seen):
     if FLOATING_POINT.fullmatch(name):
         return [name]
     ways = (_way_to_floating_point(calls, callee, seen) for callee in sorted(calls.get(name, set()) - seen))
-    return next(([name.rsplit(":", 1)[-1]] + way for way in ways if way), [])
+    return next(([name.rsplit(":", 1)[-1], *way] for way in ways if way), [])
 
 
 def functions(symbols_text):

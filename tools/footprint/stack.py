@@ -28,7 +28,7 @@ class Walk:
         """Bytes that the function at `entry` may use with all that it calls, and the chain of names that does."""
         if entry not in self._known:
             if entry in self._open:
-                chain = [self.program.name_at(address) for address in self._open[self._open.index(entry):] + [entry]]
+                chain = [self.program.name_at(address) for address in [*self._open[self._open.index(entry):], entry]]
                 raise Unbounded("recursion: " + " -> ".join(chain))
             self._open.append(entry)
             deepest, chain = 0, []
@@ -37,7 +37,7 @@ class Walk:
                 if depth + below > deepest:
                     deepest, chain = depth + below, names
             self._open.pop()
-            self._known[entry] = deepest, [(self.program.name_at(entry), deepest)] + chain
+            self._known[entry] = deepest, [(self.program.name_at(entry), deepest), *chain]
         return self._known[entry]
 
     def worst_exception(self, label):

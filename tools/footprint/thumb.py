@@ -12,7 +12,7 @@ MADE_IN_CODE = set()  # addresses are held as words alone
 
 CONDITIONS = "eq ne cs hs cc lo mi pl vs vc hi ls ge lt gt le".split()
 BASES = "b bl bx blx push pop ldmia ldm stmdb ldr ldrd str strd add addw sub subw mov".split()
-MNEMONICS = {base + condition: (base, bool(condition)) for base in BASES for condition in [""] + CONDITIONS}
+MNEMONICS = {base + condition: (base, bool(condition)) for base in BASES for condition in ["", *CONDITIONS]}
 
 
 def function_at(value):
@@ -74,7 +74,7 @@ def _growth(base, operands):
         return -int(moved[1] or moved[2]), base == "ldr" and operands.startswith("pc,")
     if base in ("add", "addw", "sub", "subw") and (moved := re.fullmatch(r"sp, (?:sp, )?#(\d+)", operands)):
         return int(moved[1]) * (1 if base.startswith("sub") else -1), False
-    if operands.startswith(("sp,", "sp!")) and base not in ("str", "strd") or "[sp" in operands and "!" in operands:
+    if (operands.startswith(("sp,", "sp!")) and base not in ("str", "strd")) or ("[sp" in operands and "!" in operands):
         return None, False
     return 0, (base == "bx" and operands == "lr") or (base == "mov" and operands == "pc, lr")
 

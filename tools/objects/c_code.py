@@ -22,7 +22,8 @@ def parts(node: Node) -> list[Node]:
     if not node.extension:
         return [node]
     unused = Pdo(PDO_INVALID, 255, 0, 0, [])
-    first = replace(node, objects=mine, transmit=[unused if pdo.further else pdo for pdo in node.transmit], extension={})
+    own = [unused if pdo.further else pdo for pdo in node.transmit]
+    first = replace(node, objects=mine, transmit=own, extension={})
     places = [number for number, pdo in enumerate(node.transmit) if pdo.further]
     settings = node.settings | node.extension | {"saves": [item for item in node.objects if item.saved],
                                                  "first_transmit": places[0] if places else 0}
@@ -173,8 +174,8 @@ class Source:
             self.entry_table(),
             self.table(),
             *([self.further_pdos()] if self.node.extension else
-              [self.pdo_setups("receive", used(self.node.receive)), self.pdo_setups("transmit", used(self.node.transmit)),
-               self.defaults()]),
+              [self.pdo_setups("receive", used(self.node.receive)),
+               self.pdo_setups("transmit", used(self.node.transmit)), self.defaults()]),
             self.saved(),
         ]
         return "\n\n".join("\n".join(part) for part in parts if part) + "\n"

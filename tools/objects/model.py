@@ -11,10 +11,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from headers import headers_of
-from kinds import TYPES, Entry, TableError, Type
+from kinds import TYPES, Entry, TableError
 from rules import (
-    ENTRY_KEYS, EXTENSION_KEYS, KINDS, MAX_CONSUMERS, NODE_KEYS, OBJECT_KEYS, OPTIONAL_ENTRY_KEYS, OPTIONAL_NODE_KEYS,
-    PDO_BYTES, PDO_KEYS, SHARED_KEYS, check, check_entry, check_keys, check_names, text_size,
+    ENTRY_KEYS,
+    EXTENSION_KEYS,
+    KINDS,
+    MAX_CONSUMERS,
+    NODE_KEYS,
+    OBJECT_KEYS,
+    OPTIONAL_ENTRY_KEYS,
+    OPTIONAL_NODE_KEYS,
+    PDO_BYTES,
+    PDO_KEYS,
+    SHARED_KEYS,
+    check,
+    check_entry,
+    check_keys,
+    check_names,
+    text_size,
 )
 from standard import MAX_MAPPED, PDO_INVALID, dummy_objects, pdo_objects
 
@@ -186,7 +200,11 @@ class NodeReader:
         """Some nodes let them be written at service level only."""
         tables = self.common["object"]
         kept = set(self.settings.get("service", []))
-        check(kept <= {table.get("index") for table in tables}, f"{self.path.name}: [node]", "service names no common object")
+        check(
+            kept <= {table.get("index") for table in tables},
+            f"{self.path.name}: [node]",
+            "service names no common object",
+        )
         return [table | {"level": "service"} if table["index"] in kept else table for table in tables]
 
     def with_further_pdos(self, own: list[dict]) -> list[dict]:

@@ -58,8 +58,8 @@ def node_part(node: Node) -> list[str]:
 
 
 def object_table(objects: list[Object], told: dict[tuple, int]) -> list[str]:
-    """The objects, and what those of them that are not every node's mean. `told`: by their rows, the objects that have
-    them already."""
+    """The objects, and what those of them that are not every node's mean. `told`: by their rows,
+    the objects that have them already."""
     lines = ["", "| object | name | type | access | level | power-on | limits | unit |",
              "|---|---|---|---|---|---|---|---|"]
     for item in objects:
@@ -85,7 +85,10 @@ def rows(item: Object, told: dict[tuple, int]) -> list[str]:
         return lines
     first = told.setdefault(tuple(lines), item.index)
     kind = item.kind if first == item.index else f"{item.kind}, as {first:04X}h"
-    return [f"| {item.index:04X}h | **{cell(item.name)}** | {kind} | | | | | |", *(lines if first == item.index else [])]
+    return [
+        f"| {item.index:04X}h | **{cell(item.name)}** | {kind} | | | | | |",
+        *(lines if first == item.index else []),
+    ]
 
 
 def entry_rows(item: Object) -> list[str]:
@@ -169,7 +172,7 @@ def notes(objects: Iterable[Object]) -> list[str]:
             said.append(f"Numbers: see {item.values}_... below.")
         if said:
             lines.append(f"- **{item.index:04X}h {item.name}**: {' '.join(said)}")
-    return lines + [""] if lines else []
+    return [*lines, ""] if lines else []
 
 
 def value_list(name: str, pairs: list[tuple[str, str]]) -> list[str]:

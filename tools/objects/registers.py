@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -211,7 +212,7 @@ def settings(items: list[Object], numbers: dict[int, int], file: str) -> list[Se
         made += [Setting(item.modbus["settings"] + entry.subindex - 1, entry, full_name(item, entry),
                          numbers.get(item.index, ALWAYS)) for entry in writable]
     made.sort(key=lambda setting: setting.number)
-    for before, after in zip(made, made[1:]):
+    for before, after in itertools.pairwise(made):
         check(before.number < after.number, file, f"{before.name!r} and {after.name!r} are setting {after.number}")
     check(not made or 0 < made[0].number <= made[-1].number <= LAST, file, f"settings are not within 1 to {LAST}")
     return made
@@ -219,7 +220,7 @@ def settings(items: list[Object], numbers: dict[int, int], file: str) -> list[Se
 
 def in_order(registers: list[Register]) -> list[Register]:
     ordered = sorted(registers, key=lambda register: register.at)
-    for before, after in zip(ordered, ordered[1:]):
+    for before, after in itertools.pairwise(ordered):
         check(before.end <= after.at, "Modbus map", f"{before.name!r} and {after.name!r} overlap at {after.at}")
     check(ordered[-1].end <= LAST, "Modbus map", f"ends beyond {LAST}")
     return ordered
@@ -300,8 +301,8 @@ def header(registers: Map) -> str:
 VALUE_MACROS = [
     "/* V(register, form, register and bit of its validity, index, subindex, type, bytes, group, key, scale) */",
     "#define V(at, form, validity, bit, index, subindex, type, size, group, key, scale) \\",
-    "    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, group, \\",
-    "     key, scale}",
+    "    {at, WORDS_##form(size), GATEWAY_FORM_##form, validity, bit, index, subindex, TUMBLE_TYPE_##type, size, \\",
+    "     group, key, scale}",
     *(f"#define WORDS_{form}(size) {words}" for form, words in WORDS.items()),
     f"#define WORDS_{TEXT}(size) (((size) + 1) / 2)",
 ]
@@ -309,8 +310,8 @@ VALUE_MACROS = [
 
 def value_cells(register: Register, key: int) -> str:
     entry = register.entry
-    return (f"V({register.at}, {register.form}, {register.validity}, {register.bit}, 0x{entry.index:04X}, {entry.subindex}, "
-            f"{entry.type.name}, {entry.size}, {register.group}, {key}, {register.scale or 0!r}),")
+    return (f"V({register.at}, {register.form}, {register.validity}, {register.bit}, 0x{entry.index:04X}, "
+            f"{entry.subindex}, {entry.type.name}, {entry.size}, {register.group}, {key}, {register.scale or 0!r}),")
 
 
 def filled(cells: Iterable[str]) -> list[str]:
@@ -353,8 +354,8 @@ def source(registers: Map) -> str:
         "};",
         "",
         "const gateway_target_t gateway_targets[GATEWAY_TARGETS] = {",
-        *(f"    {{{one.number}U, {object_cells(one.entry)}, {one.group}U, {str(one.entry.level == 'service').lower()}}},"
-          for one in registers.settings),
+        *(f"    {{{to.number}U, {object_cells(to.entry)}, {to.group}U, {str(to.entry.level == 'service').lower()}}},"
+          for to in registers.settings),
         "};",
         "",
         "const uint16_t gateway_command_objects[GATEWAY_COMMAND_OBJECTS] = {",

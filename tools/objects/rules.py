@@ -85,7 +85,11 @@ def check_entry(entry: Entry, where: str) -> None:
     check(entry.map not in ("transmit", "both") or entry.access != "wo", where, "mapped to transmit, not readable")
     check(entry.level in LEVELS, where, "level is not service")
     check(not entry.level or writable, where, "has a level, and cannot be written")
-    check(not entry.level or entry.map not in ("receive", "both"), where, "has a level that a receive PDO would not ask for")
+    check(
+        not entry.level or entry.map not in ("receive", "both"),
+        where,
+        "has a level that a receive PDO would not ask for",
+    )
     check_range(entry, where)
 
 

@@ -4,7 +4,7 @@ int canary_stack(int seed);
 int canary_stack(int seed)
 {
     volatile int array[160];
-    for (int i = 0; i < 160; ++i) {
+    for (int i = 0; i < 160; i++) {
         array[i] = seed + i;
     }
     return array[seed & 63];

@@ -3,7 +3,7 @@ int canary_shadow(int value);
 
 int canary_shadow(int value)
 {
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3; i++) {
         int value = i;
         (void)value;
     }

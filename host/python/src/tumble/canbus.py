@@ -14,6 +14,7 @@ import socket
 import struct
 import threading
 import time
+from typing import Any
 
 import can
 
@@ -28,7 +29,7 @@ class TumbleBus(can.BusABC):
     Classic data frames with 11-bit identifiers only. Raises can.CanInitializationError, can.CanOperationError.
     """
 
-    def __init__(self, channel: str, patience_s: float = 5.0, **options):
+    def __init__(self, channel: str, patience_s: float = 5.0, **options: Any):
         self._socket = _connect(str(channel), patience_s)
         self._rest = b""
         self._sending = threading.Lock()

@@ -24,7 +24,7 @@ def quoted(text: object) -> str:
     return ascii(text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 3] + "...")
 
 
-def file_name(path: str | os.PathLike) -> str:
+def file_name(path: str | os.PathLike[str]) -> str:
     """A path as it may stand in a one-line message."""
     text = os.fspath(path)
     return text if text.isprintable() else ascii(text)
@@ -43,7 +43,7 @@ class UsageError(TumbleError):
 class BadInput(TumbleError):
     """A file cannot be used. Says which, and where known in which row (line number, from 1) and column or key."""
 
-    def __init__(self, message: str, file: str | os.PathLike, row: int | None = None, column: str | None = None):
+    def __init__(self, message: str, file: str | os.PathLike[str], row: int | None = None, column: str | None = None):
         place = [] if row is None else [f"row {row}"]
         place += [] if column is None else [f"column {column}"]
         self.fault = message

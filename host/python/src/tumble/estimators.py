@@ -1,6 +1,7 @@
 """The estimators and the coefficients that they find, by name, for options, core, gains and reports.
 
-The tuples are written by tools/estimators.py from the table in tumble/core.h: a command line is parsed without the core.
+The tuples are written by tools/estimators.py from the table in tumble/core.h: a command line is parsed without the
+core.
 """
 
 PAPER = ("averaged", "refined")  # closed forms on the paper's positions

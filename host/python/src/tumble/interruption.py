@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable
+from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _watched: list[int] = []
@@ -54,7 +55,7 @@ class Postponed:
         _postponed = True
         self._before = len(_received)
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         global _postponed
         _postponed = False
         if len(_received) > self._before:
@@ -71,12 +72,12 @@ class Instead:
         global _instead
         _instead = self._call
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         global _instead
         _instead = None
 
 
-def _raise_again(unraisable) -> None:
+def _raise_again(unraisable: sys.UnraisableHookArgs) -> None:
     """Where Python cannot raise it, such as at certain moments of an import, it comes once more a moment later."""
     if unraisable.exc_type is not KeyboardInterrupt or not _received:
         sys.__unraisablehook__(unraisable)
@@ -89,7 +90,7 @@ def _raise_again(unraisable) -> None:
     threading.Timer(0.01, again).start()
 
 
-def _stop(number: int, _frame) -> None:
+def _stop(number: int, _frame: FrameType | None) -> None:
     if _received:
         return
     _received.append(number)

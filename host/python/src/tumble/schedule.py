@@ -23,7 +23,7 @@ class Mounting:
     """
 
     number: int
-    matrix: tuple[tuple[float, float, float], ...]
+    matrix: tuple[tuple[float, ...], ...]
     tilt_deg: float = 0.0
 
 

@@ -57,7 +57,8 @@ class Stand:
 
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
-        return getattr(self, source) / _SIGMAS_PER_LIMIT[self.limits]
+        limit: float = getattr(self, source)
+        return limit / _SIGMAS_PER_LIMIT[self.limits]
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def replay(recording: Path, record: Path, gains: Path | None = None) -> dict[str
         raise BenchFault("this log is longer than the emulated board has memory for")
     loaded = [*commissioned(record), *weighted(gains), *_loaded(recording, _RECORDING_ADDRESS)]
     told = _run(command("replay", *loaded))
-    lines = dict((line.split()[0], line.split()[1:]) for line in told.splitlines() if line.strip())
+    lines = {line.split()[0]: line.split()[1:] for line in told.splitlines() if line.strip()}
     if "end" not in lines:
         raise BenchFault(f"the emulated board did not come to its end: {last_words(told)}")
     return lines
@@ -87,8 +87,7 @@ def _run(arguments: list[str]) -> str:
         ended = subprocess.run(
             arguments,
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            capture_output=True,
             timeout=_PATIENCE_S,
             text=True,
             errors="replace",

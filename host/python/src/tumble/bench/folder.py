@@ -6,6 +6,7 @@ bench says of it.
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import os
 import shutil
@@ -84,7 +85,7 @@ class RunFolder:
         self.stage.mkdir()
         self._made = True
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         with interruption.Postponed():
             if self._made:
                 shutil.rmtree(self.stage, ignore_errors=True)
@@ -141,7 +142,5 @@ def _check(path: str) -> None:
 
 
 def _remove_if_empty(folder: Path) -> None:
-    try:
+    with contextlib.suppress(OSError):
         folder.rmdir()
-    except OSError:
-        pass

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bars
+from rich.progress import BarColumn, Progress as Bars, TextColumn, TimeRemainingColumn
 
 from tumble.bench.progress import Progress, in_words, volts
 from tumble.schedule import Schedule
@@ -32,7 +31,7 @@ class LiveProgress(Progress):
         self._bars.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bars.stop()
 
     def on_state(self, event: dict[str, Any]) -> None:

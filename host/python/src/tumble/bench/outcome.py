@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats
 from tumble.bench import gains
 from tumble.bench.progress import in_words
-from tumble.bench.setup import Setup
+from tumble.bench.setup import Setup, step_v
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
@@ -34,7 +35,9 @@ def require_done(document: dict[str, Any]) -> None:
     if document["end"] == "done" and document["K"] is not None:
         return
     if document["end"] == "too long":
-        raise BenchFault(f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}")
+        raise BenchFault(
+            f"no end after {document['virtual_s']:.0f} s of virtual time, in {in_words(document['state'])}"
+        )
     where = f"in state {in_words(document['failed_in'])}, positions finished: {len(document['means'])}"
     code = f", drive error 0x{document['drive_code']:04X}" if document["drive_code"] else ""
     rest = "" if document["table"]["at_rest"] else "; THE TABLE IS NOT AT REST"
@@ -62,7 +65,7 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     try:
         solution = solve(
             *(run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"),
-            step_v=gains.step_v(setup),
+            step_v=step_v(setup),
             known=gains.known(setup),
         )
     except BadInput as error:
@@ -70,7 +73,7 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     _require_same_bits(solution, document)
     _require_same_estimate(solution, recorded, setup)
     _require_same_uncertainties(solution, document, setup)
-    solution = look_for_doubts(solution, setup.schedule, gains.step_v(setup))
+    solution = look_for_doubts(solution, setup.schedule, step_v(setup))
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 
@@ -100,7 +103,7 @@ def _require_same_bits(solution: Solution, document: dict[str, Any]) -> None:
 def _require_same_estimate(solution: Solution, recorded: Run, setup: Setup) -> None:
     schedule, found = setup.schedule.data, solution.found
     if setup.estimator == OPTIMAL:
-        known, step = gains.known(setup), gains.step_v(setup)
+        known, step = gains.known(setup), step_v(setup)
         one = reference.optimal(schedule, recorded.means, setup.stand, recorded.samples, step, known.k, known.samples)
         _require_close("K", found.k, one.k, OPTIMAL_LIMIT_U * one.u_k)
         _require_close("U0", found.u0, one.u0, OPTIMAL_LIMIT_U * one.u_u0)
@@ -116,7 +119,7 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
         raise Disagreement("the firmware states no uncertainties; no result is given")
     schedule, samples = setup.schedule.data, solution.run.samples
     if setup.estimator == OPTIMAL:
-        known, step = gains.known(setup), gains.step_v(setup)
+        known, step = gains.known(setup), step_v(setup)
         witness = reference.optimal_uncertainties(schedule, known.k, setup.stand, samples, step, known.samples)
     else:
         witness = reference.standard_uncertainties(schedule, solution.found.k, setup.stand, samples, setup.estimator)
@@ -124,7 +127,7 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
     compare_uncertainties(stated, witness, setup.estimator == OPTIMAL)
 
 
-def _require_close(name: str, firmware: np.ndarray, witness: np.ndarray, allowed: np.ndarray | float) -> None:
+def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats | float) -> None:
     excess = np.abs(firmware - witness) / allowed
     if not (excess <= 1.0).all():
         raise Disagreement(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import IO, Any
 
 from tumble.bench import programs
 from tumble.errors import BenchFault
@@ -60,12 +61,12 @@ def run(
         except BaseException:
             child.kill()
             raise
-        complaint = child.stderr.read().strip()
+        complaint = "" if child.stderr is None else child.stderr.read().strip()
         code = child.wait()
     return Ended(code, complaint, interrupted)
 
 
-def _start(command: list[str], progress: int, interactive: bool) -> subprocess.Popen:
+def _start(command: list[str], progress: int, interactive: bool) -> subprocess.Popen[str]:
     return subprocess.Popen(
         command,
         stdin=subprocess.PIPE if interactive else subprocess.DEVNULL,
@@ -78,7 +79,7 @@ def _start(command: list[str], progress: int, interactive: bool) -> subprocess.P
     )
 
 
-def _watch(child: subprocess.Popen, lines, on_event: Callable[[Event], str | None]) -> bool:
+def _watch(child: subprocess.Popen[str], lines: Iterable[str], on_event: Callable[[Event], str | None]) -> bool:
     """Until the program has nothing more to tell. True: the user interrupted it."""
     try:
         for line in lines:
@@ -96,7 +97,7 @@ def _watch(child: subprocess.Popen, lines, on_event: Callable[[Event], str | Non
         return True
 
 
-def _tell(child: subprocess.Popen, answer: str) -> None:
+def _tell(child: subprocess.Popen[str], answer: str) -> None:
     if child.stdin is None:
         child.send_signal(signal.SIGUSR1)
         return
@@ -107,9 +108,7 @@ def _tell(child: subprocess.Popen, answer: str) -> None:
         pass  # it has ended, and will say why
 
 
-def _close(stream) -> None:
+def _close(stream: IO[str] | None) -> None:
     if stream is not None:
-        try:
+        with contextlib.suppress(BrokenPipeError):
             stream.close()
-        except BrokenPipeError:
-            pass

@@ -40,7 +40,7 @@ OnEvent = Callable[[program.Event], str | None]
 def require_bus(text: str) -> str:
     """A value of --bus, as it is. Raises UsageError."""
     interface = text.removeprefix(SOCKETCAN) if text.startswith(SOCKETCAN) else None
-    if text in (INPROCESS, UML) or interface is not None and _INTERFACE.fullmatch(interface):
+    if text in (INPROCESS, UML) or (interface is not None and _INTERFACE.fullmatch(interface)):
         return text
     raise UsageError(f"--bus: {quoted(text)} is not inprocess, uml, or socketcan: and the name of an interface")
 
@@ -146,7 +146,7 @@ class _Stand:
             raise UsageError(f"this cannot be simulated: {complaint}")
         raise BenchFault(f"tumble-stand failed ({self._process.returncode}): {complaint or 'it says nothing'}")
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self._process.kill()
         self._process.wait()
 
@@ -154,6 +154,7 @@ class _Stand:
         """Have it done there. Returns what is not for the stand, but for the program itself."""
         if answer is not None and answer != program.LEAVE:
             try:
+                assert self._process.stdin is not None  # it is a pipe
                 self._process.stdin.write(answer + "\n")
                 self._process.stdin.flush()
             except BrokenPipeError:

@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from tumble.bench.programs import built, last_words
@@ -89,9 +89,10 @@ def run(
     """Run the shell script `job` in there. Returns its exit code.
 
     `folder`: the run's own (its working folder, writable); files appear outside when they are closed inside. `on_tick`
-    is called all the while. `terminals`: descriptors, input or None and output, of what is tty1, tty2 and so on in there
-    (character devices 4:1, 4:2); bytes go through them at once. Raises Skipped where it is not installed, BenchFault where it does not start, falls silent
-    or takes longer than `timeout_s`; whatever on_tick raises, and an interrupt, ends it at once.
+    is called all the while. `terminals`: descriptors, input or None and output, of what is tty1, tty2 and so on in
+    there (character devices 4:1, 4:2); bytes go through them at once. Raises Skipped where it is not installed,
+    BenchFault where it does not start, falls silent or takes longer than `timeout_s`; whatever on_tick raises, and an
+    interrupt, ends it at once.
     """
     require_there()
     _write_scripts(job, folder)
@@ -118,7 +119,7 @@ def stop(folder: Path) -> None:
     (folder / "stop").touch()
 
 
-def work_folder() -> tempfile.TemporaryDirectory:
+def work_folder() -> tempfile.TemporaryDirectory[str]:
     """A folder to run in: its path can stand in the command line of a kernel."""
     parent = tempfile.gettempdir()
     plain = re.fullmatch(r"[\w./-]+", parent, re.ASCII)
@@ -142,6 +143,7 @@ def _write_scripts(job: str, folder: Path) -> None:
 
 def _command(folder: Path, memory_mb: int) -> list[str]:
     kernel = shutil.which(_KERNEL, path=f"{os.environ.get('PATH', '')}:{_PATH}")
+    assert kernel is not None  # require_there has looked
     return [
         kernel,
         f"mem={memory_mb}M",
@@ -195,7 +197,7 @@ def _watching(folder: Path) -> Iterator[None]:
         thread.join()
 
 
-def _watch(process: subprocess.Popen, folder: Path, on_tick: Callable[[], None], timeout_s: float) -> None:
+def _watch(process: subprocess.Popen[bytes], folder: Path, on_tick: Callable[[], None], timeout_s: float) -> None:
     """Until it has ended."""
     began = time.monotonic()
     while process.poll() is None:
@@ -216,12 +218,10 @@ def _require_life(folder: Path, began: float) -> None:
         raise BenchFault(f"user-mode Linux does not start: {_last_words(folder)}")
 
 
-def _end(process: subprocess.Popen) -> None:
+def _end(process: subprocess.Popen[bytes]) -> None:
     if process.poll() is None:
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
     process.wait()
 
 

@@ -133,7 +133,7 @@ class _Relay:
         self._thread.start()
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         os.close(self.end)
         self._thread.join()
         os.close(self._source)

@@ -8,6 +8,8 @@ import os
 import re
 import sys
 import traceback
+from collections.abc import Sequence
+from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli.commands import bench, export, fixture, plan, replay, solve, store, uml
@@ -22,18 +24,20 @@ _NEGATIVE = re.compile(r"-\.?\d")
 class _Parser(argparse.ArgumentParser):
     """argparse, but an error is one line, and no option may be shortened."""
 
-    def __init__(self, *args, **options):
+    def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{**options, "allow_abbrev": False})
         self._negative_number_matcher = _NEGATIVE  # argparse's own, before Python 3.14, takes -1e-4 for an option
 
-    def parse_known_args(self, args=None, namespace=None):
+    def parse_known_args(  # type: ignore[override] # argparse declares it by overloads; this takes what they take
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[Any, list[str]]:
         """As argparse's, but a command complains itself of what it does not know, so that its own help is named."""
         found, unknown = super().parse_known_args(args, namespace)
         if unknown and self._subparsers is None:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
         return found, unknown
 
-    def error(self, message: str):
+    def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (see {self.prog} --help)")
 
 
@@ -78,7 +82,7 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
             interruption.watch()
         _prepare_output()
         arguments = _parser().parse_args(argv)
-        code = arguments.run_command(arguments)
+        code: int = arguments.run_command(arguments)
         sys.stdout.flush()
         return code
     except Interrupted as error:
@@ -111,7 +115,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
 
 
 def _is_of_an_interrupt(error: Exception) -> bool:
-    """What an import makes of one: numpy an ImportError, Python 3.11 a RuntimeError that a class half made has caused."""
+    """What an import makes of one: numpy an ImportError,
+    Python 3.11 a RuntimeError that a class half made has caused."""
     causes: list[BaseException] = [error]
     while (cause := causes[-1].__cause__ or causes[-1].__context__) is not None and cause not in causes:
         causes.append(cause)

@@ -5,16 +5,19 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from typing import TypeAlias
 
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
+
+Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
 FIRMWARES = ("host", "zcu102")
 DEFAULT_LIMIT_G = 3e-4
 LARGEST_SEED = 2**64 - 1
 
 
-def add_subjects(subparsers, name: str, about: str, description: str = ""):
+def add_subjects(subparsers: Subparsers, name: str, about: str, description: str = "") -> Subparsers:
     """A command that is nothing without a subject. Returns the subparsers of these. `description`: if it is not what
     `about` says."""
     said = description or f"{about[0].upper()}{about[1:]}."

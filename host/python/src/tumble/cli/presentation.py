@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.estimators import PAPER
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
 from tumble.solving.solution import Solution
-from tumble.solving.stand_seen import NAMES
+from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
@@ -55,7 +56,8 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     angle that it is, in urad, of U0 in ug.
     """
     unit, rows = solution.run.unit, []
-    errors = None if solution.truth is None else _errors_over_u(solution)
+    truth = solution.truth
+    errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
@@ -63,24 +65,26 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
-            known = () if solution.truth is None else _known(solution.truth.k[i, j], errors[0][i, j], decimals)
+            known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
             rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if solution.u_u0 is None else solution.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
-        known = () if solution.truth is None else _known(solution.truth.u0[i], errors[1][i], decimals)
+        known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
         rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
     return rows
 
 
-def _errors_over_u(solution: Solution) -> tuple[np.ndarray, np.ndarray]:
+def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
     """Estimate less truth over the standard uncertainty: (3, 3) and (3,). A stand without errors leaves none: NaN."""
+    truth, u_k, u_u0 = solution.truth, solution.u_k, solution.u_u0
+    assert truth is not None and u_k is not None and u_u0 is not None  # who simulates a run declares its stand
     with np.errstate(divide="ignore", invalid="ignore"):
-        of_k = (solution.found.k - solution.truth.k) / solution.u_k
-        of_u0 = (solution.found.u0 - solution.truth.u0) / solution.u_u0
-    return np.where(solution.u_k > 0, of_k, np.nan), np.where(solution.u_u0 > 0, of_u0, np.nan)
+        of_k = (solution.found.k - truth.k) / u_k
+        of_u0 = (solution.found.u0 - truth.u0) / u_u0
+    return np.where(u_k > 0, of_k, np.nan), np.where(u_u0 > 0, of_u0, np.nan)
 
 
 def _known(truth: float, error: float, decimals: int) -> tuple[str, str]:
@@ -144,7 +148,7 @@ def _stand_remarks(solution: Solution) -> list[str]:
     told |= {"alpha4_rad": seen.alpha4, "noise_v": seen.noise}
     mountings = len(solution.measured_schedule.fitted_mountings)
     declared = {} if stand is None else Limits.declared(stand, mountings).sigma
-    lines = []
+    lines: list[str] = []
     for source, one in told.items():
         if one is not None:
             its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
@@ -176,11 +180,11 @@ def _fit_and_check(solution: Solution) -> list[str]:
     return [f"Largest gravity error: fitted {gravity.max_abs_fit:.2g} g, {where}", ""]
 
 
-def _three(values: np.ndarray) -> str:
+def _three(values: Floats) -> str:
     return "  ".join(f"{axis} {value:+.2e}" for axis, value in zip("xyz", values))
 
 
-def _measured(seen, has_u: bool, factor: float, sign: str) -> str:
+def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
     return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
 
 

@@ -9,11 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble.arrays import Flags, Floats, Integers
 from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+
+if TYPE_CHECKING:
+    from _tumble_core import CData
 
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
 MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
@@ -34,7 +39,7 @@ class CoreRefusal(Exception):
     `where` (index of a mounting or position), `missing` (labels of positions), `unidentified` (names of coefficients).
     """
 
-    def __init__(self, status: int, **details):
+    def __init__(self, status: int, **details: Any):
         self.status = status
         self.name = ffi.string(lib.tumble_status_name(status)).decode()
         self.sentence = ffi.string(lib.tumble_status_sentence(status)).decode()
@@ -47,7 +52,7 @@ class GravityCheck:
     """Formula (8) at every position. `delta_g` (positions,) in g, NaN where not measured; maxima None if none of that
     kind was judged."""
 
-    delta_g: np.ndarray
+    delta_g: Floats
     max_abs_fit: float | None
     max_abs_check: float | None
     passed: bool
@@ -58,17 +63,17 @@ class Intrinsic:
     """What does not depend on how the block sits on the stand: `scale` (3,) V/g, cosines of the angles between the
     sensitive axes xy, xz, yz (3,), `bias` (3,) in g."""
 
-    scale: np.ndarray
-    cosines: np.ndarray
-    bias: np.ndarray
+    scale: Floats
+    cosines: Floats
+    bias: Floats
 
     @property
-    def angles(self) -> np.ndarray:
+    def angles(self) -> Floats:
         """The angles (3,) in radians: the core has no arc cosine."""
         return np.arccos(np.clip(self.cosines, -1.0, 1.0))
 
 
-def require_ok(status: int, **details) -> None:
+def require_ok(status: int, **details: Any) -> None:
     """Raise CoreRefusal unless `status` is TUMBLE_OK."""
     if status != lib.TUMBLE_OK:
         raise CoreRefusal(status, **details)
@@ -103,7 +108,7 @@ def _sine_cosine_within_45(rest_deg: float) -> tuple[float, float]:
     return math.sin(math.radians(rest_deg)), math.cos(math.radians(rest_deg))
 
 
-def _angle(angle_deg: float) -> dict:
+def _angle(angle_deg: float) -> dict[str, Any]:
     sine, cosine = sine_cosine(angle_deg)
     return {"deg": angle_deg, "sine": sine, "cosine": cosine}
 
@@ -133,7 +138,7 @@ class CoreSchedule:
         require_ok(lib.tumble_schedule_validate(self.struct, where), where=where[0])
 
     @staticmethod
-    def _position(position: Position) -> dict:
+    def _position(position: Position) -> dict[str, Any]:
         use = lib.TUMBLE_USE_FIT if position.use == FIT else lib.TUMBLE_USE_CHECK
         angle = _angle(position.angle_deg)
         return {"mounting": position.mounting, "number": position.number, "use": use, "angle": angle}
@@ -141,24 +146,24 @@ class CoreSchedule:
     def __len__(self) -> int:
         return len(self.data.positions)
 
-    def part(self, measured: np.ndarray) -> CoreSchedule:
+    def part(self, measured: Flags) -> CoreSchedule:
         """The schedule without the positions that a run does not have."""
         return self if measured.all() else CoreSchedule(self.data.part(measured))
 
-    def attitudes(self) -> np.ndarray:
+    def attitudes(self) -> Floats:
         """Specific force (g) on the block axes at every position of the ideal stand: (positions, 3)."""
         attitudes = np.empty((len(self), 3))
         for index, row in enumerate(attitudes):
             lib.tumble_schedule_attitude(self.struct, index, ffi.from_buffer("double[]", row))
         return attitudes
 
-    def identify(self, measured: np.ndarray | None = None) -> None:
+    def identify(self, measured: Flags | None = None) -> None:
         """Raise CoreRefusal(unidentified=names) unless the (measured) fit positions identify all coefficients."""
         bits = ffi.new("uint8_t *")
         status = lib.tumble_schedule_identify(self.struct, self.flags(measured), bits)
         require_ok(status, unidentified=_coefficient_names(bits[0]))
 
-    def harmonic(self, measured: np.ndarray | None = None) -> np.ndarray:
+    def harmonic(self, measured: Flags | None = None) -> Integers:
         """Where the paper's positions are: indices (2, 9). Raises CoreRefusal(missing=labels in paper's numbers)."""
         harmonic_map, bits = ffi.new("tumble_harmonic_map_t *"), ffi.new("uint32_t *")
         status = lib.tumble_schedule_harmonic(self.struct, self.flags(measured), harmonic_map, bits)
@@ -173,7 +178,7 @@ class CoreSchedule:
             return [f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits)]
         return [self.data.positions[indices[slot]].label for slot in _set_bits(bits)]
 
-    def flags(self, measured: np.ndarray | None):
+    def flags(self, measured: Flags | None) -> CData:
         """One flag per position as the core has them; null for None. Raises ValueError for another number of them."""
         if measured is None:
             return ffi.NULL
@@ -182,7 +187,7 @@ class CoreSchedule:
             raise ValueError(f"measured must have shape ({len(self)},), not {flags.shape}")
         return ffi.from_buffer("bool[]", flags)
 
-    def means(self, means: np.ndarray, measured: np.ndarray | None = None):
+    def means(self, means: Floats, measured: Flags | None = None) -> CData:
         """The core's structure of means, filled. Raises ValueError for arrays of another shape."""
         values = np.ascontiguousarray(means, dtype=float)
         if values.shape != (len(self), 3):
@@ -209,7 +214,7 @@ def paper_schedule() -> Schedule:
     )
 
 
-def pack(k: np.ndarray, u0: np.ndarray):
+def pack(k: Floats, u0: Floats) -> CData:
     """K and U0 as the core has them."""
     values = np.concatenate([np.asarray(k, dtype=float).ravel(), np.asarray(u0, dtype=float).ravel()])
     if values.shape != (lib.TUMBLE_COEFFICIENTS,):
@@ -219,15 +224,15 @@ def pack(k: np.ndarray, u0: np.ndarray):
     return struct
 
 
-def unpack(struct) -> tuple[np.ndarray, np.ndarray]:
+def unpack(struct: CData) -> tuple[Floats, Floats]:
     """K and U0 of a tumble_coefficients_t."""
     values = np.frombuffer(ffi.buffer(struct)).copy()
     return values[:9].reshape(3, 3), values[9:]
 
 
 def estimate(
-    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None = None, estimator: str = "refined"
-) -> tuple[np.ndarray, np.ndarray]:
+    schedule: CoreSchedule, means: Floats, measured: Flags | None = None, estimator: str = "refined"
+) -> tuple[Floats, Floats]:
     """K and U0 by one of estimators.LINEAR. Raises CoreRefusal(missing=..., unidentified=...)."""
     coefficients, refusal = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_refusal_t *")
     status = LINEAR_ESTIMATORS[estimator](schedule.struct, schedule.means(means, measured), coefficients, refusal)
@@ -235,7 +240,7 @@ def estimate(
     return unpack(coefficients)
 
 
-def require_estimable(schedule: CoreSchedule, status: int, refusal) -> None:
+def require_estimable(schedule: CoreSchedule, status: int, refusal: CData) -> None:
     """Raise CoreRefusal(missing=..., unidentified=...) unless `status` is TUMBLE_OK; `refusal`: a tumble_refusal_t."""
     if status != lib.TUMBLE_OK:
         missing, unidentified = schedule.missing_labels(refusal.missing), _coefficient_names(refusal.unidentified)
@@ -243,8 +248,8 @@ def require_estimable(schedule: CoreSchedule, status: int, refusal) -> None:
 
 
 def estimate_gains(
-    schedule: CoreSchedule, gains: np.ndarray, means: np.ndarray, measured: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
+    schedule: CoreSchedule, gains: Floats, means: Floats, measured: Flags | None = None
+) -> tuple[Floats, Floats]:
     """K and U0 from a constant gain table (12, 3 x fit positions): rows K row by row, then U0; channel fastest."""
     table = np.ascontiguousarray(gains, dtype=float)
     if table.ndim != 2 or table.shape[0] != lib.TUMBLE_COEFFICIENTS or table.shape[1] % 3:
@@ -258,26 +263,26 @@ def estimate_gains(
 class Calibration:
     """Coefficients turned round: a = K^-1 (U - U0). Raises CoreRefusal when K is singular or not finite."""
 
-    def __init__(self, k: np.ndarray, u0: np.ndarray):
+    def __init__(self, k: Floats, u0: Floats):
         self.struct = ffi.new("tumble_calibration_t *")
         require_ok(lib.tumble_calibration_invert(pack(k, u0), self.struct))
 
-    def apply(self, outputs: np.ndarray) -> np.ndarray:
+    def apply(self, outputs: Floats) -> Floats:
         """Specific force (g) from outputs (V), both (3,)."""
         outputs, force = np.ascontiguousarray(outputs, dtype=float).reshape(3), np.empty(3)
         pointers = ffi.from_buffer("double[]", outputs), ffi.from_buffer("double[]", force)
         lib.tumble_calibration_apply(self.struct, *pointers)
         return force
 
-    def apply_counts(self, v_per_count: float, counts: np.ndarray) -> np.ndarray:
+    def apply_counts(self, v_per_count: float, counts: Integers) -> Floats:
         """Specific force (g) from raw counts (3,) of `v_per_count` volts each."""
-        counts, force = np.ascontiguousarray(counts, dtype=np.int32).reshape(3), np.empty(3)
-        pointers = ffi.from_buffer("int32_t[]", counts), ffi.from_buffer("double[]", force)
+        whole, force = np.ascontiguousarray(counts, dtype=np.int32).reshape(3), np.empty(3)
+        pointers = ffi.from_buffer("int32_t[]", whole), ffi.from_buffer("double[]", force)
         lib.tumble_calibration_apply_counts(self.struct, v_per_count, *pointers)
         return force
 
 
-def intrinsic(k: np.ndarray, u0: np.ndarray) -> Intrinsic:
+def intrinsic(k: Floats, u0: Floats) -> Intrinsic:
     """Scales, cosines between the axes and biases. Raises CoreRefusal for a row of K that is (nearly) zero."""
     found = ffi.new("tumble_intrinsic_t *")
     require_ok(lib.tumble_calibration_intrinsic(pack(k, u0), found))
@@ -286,7 +291,7 @@ def intrinsic(k: np.ndarray, u0: np.ndarray) -> Intrinsic:
 
 
 def gravity_check(
-    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, calibration: Calibration, limit_g: float
+    schedule: CoreSchedule, means: Floats, measured: Flags | None, calibration: Calibration, limit_g: float
 ) -> GravityCheck:
     """Judge every measured position by formula (8). `limit_g` finite and above 0. Raises CoreRefusal."""
     check, struct = ffi.new("tumble_gravity_check_t *"), schedule.means(means, measured)
@@ -298,7 +303,7 @@ def gravity_check(
     return GravityCheck(delta_g, max_abs_fit, max_abs_check, getattr(check, "pass"))
 
 
-def closure(schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, mounting: int) -> np.ndarray | None:
+def closure(schedule: CoreSchedule, means: Floats, measured: Flags | None, mounting: int) -> Floats | None:
     """Outputs (3,) at the last measured position of a mounting less those at an earlier one of the same attitude;
     None when the mounting has no such pair."""
     difference = np.empty(3)
@@ -310,9 +315,7 @@ def closure(schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | No
     return difference
 
 
-def residual_rms(
-    schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None, k: np.ndarray, u0: np.ndarray
-) -> np.ndarray | None:
+def residual_rms(schedule: CoreSchedule, means: Floats, measured: Flags | None, k: Floats, u0: Floats) -> Floats | None:
     """Root mean square (3,) of the residuals of the fit positions; None with fewer than five of them."""
     rms, struct = np.empty(3), schedule.means(means, measured)
     status = lib.tumble_residual_rms(schedule.struct, struct, pack(k, u0), ffi.from_buffer("double[]", rms))

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble.arrays import Flags, Floats
 from tumble.core.binding import LINEAR_ESTIMATORS, CoreSchedule, require_ok, unpack
+
+if TYPE_CHECKING:
+    from _tumble_core import CData
 
 
 @dataclass(frozen=True)
 class OptimalEstimate:
     """K (3, 3), U0 (3,), and the errors of the stand (rad): `alpha1`, `alpha2`, `alpha3` (mountings,)."""
 
-    k: np.ndarray
-    u0: np.ndarray
+    k: Floats
+    u0: Floats
     alpha1: float
     alpha2: float
-    alpha3: np.ndarray
+    alpha3: Floats
 
 
 class GainRecord:
@@ -33,28 +38,27 @@ class GainRecord:
         self.struct = opened[0]
 
     @property
-    def gains(self) -> np.ndarray:
+    def gains(self) -> Floats:
         """The rows of the coefficients (12, 3 x fit positions), K row by row, then U0."""
         return self._table(lib.tumble_gain_record_gains(self.struct), lib.TUMBLE_COEFFICIENTS)
 
     @property
-    def stand_gains(self) -> np.ndarray:
+    def stand_gains(self) -> Floats:
         """The rows of alpha1, alpha2 and the yaws: (2 + yaws, 3 x fit positions)."""
         return self._table(lib.tumble_gain_record_stand_gains(self.struct), 2 + self.struct.yaws)
 
-    def _table(self, numbers, rows: int) -> np.ndarray:
-        shape = rows, 3 * self.struct.fit_positions
+    def _table(self, numbers: CData, rows: int) -> Floats:
+        shape = rows, 3 * int(self.struct.fit_positions)
         return np.frombuffer(ffi.buffer(numbers, 8 * rows * shape[1])).reshape(shape).copy()
 
 
 def schedule_crc(schedule: CoreSchedule) -> int:
     """The fingerprint that a record for this schedule must carry."""
-    return lib.tumble_gain_record_schedule_crc(schedule.struct)
+    crc: int = lib.tumble_gain_record_schedule_crc(schedule.struct)
+    return crc
 
 
-def optimal(
-    record: bytes, schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray | None = None
-) -> OptimalEstimate:
+def optimal(record: bytes, schedule: CoreSchedule, means: Floats, measured: Flags | None = None) -> OptimalEstimate:
     """Coefficients and the stand's errors from one run's means (positions, 3). Raises CoreRefusal."""
     opened = GainRecord(schedule, record)
     found, work = ffi.new("tumble_coefficients_t *"), ffi.new("tumble_optimal_t *")
@@ -65,7 +69,7 @@ def optimal(
     return OptimalEstimate(*unpack(found), stand.alpha1_rad, stand.alpha2_rad, alpha3)
 
 
-def estimate_runs(schedule: CoreSchedule, means: np.ndarray, estimator: str) -> np.ndarray:
+def estimate_runs(schedule: CoreSchedule, means: Floats, estimator: str) -> Floats:
     """Coefficients (runs, 12), K row by row, then U0, of means (runs, positions, 3), all measured, by one of
     estimators.LINEAR. Raises CoreRefusal(run=index) at the first run refused."""
     means, found, where = _arrays(schedule, means)
@@ -75,7 +79,7 @@ def estimate_runs(schedule: CoreSchedule, means: np.ndarray, estimator: str) -> 
     return found
 
 
-def optimal_runs(record: GainRecord, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def optimal_runs(record: GainRecord, means: Floats) -> tuple[Floats, Floats]:
     """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1,
     alpha2, alpha3 by mounting, rad."""
     means, found, where = _arrays(record.schedule, means)
@@ -86,7 +90,7 @@ def optimal_runs(record: GainRecord, means: np.ndarray) -> tuple[np.ndarray, np.
     return found, stand[:, : 2 + record.struct.mountings]
 
 
-def _arrays(schedule: CoreSchedule, means: np.ndarray):
+def _arrays(schedule: CoreSchedule, means: Floats) -> tuple[Floats, Floats, CData]:
     means = np.ascontiguousarray(means, dtype=float)
     if means.ndim != 3 or means.shape[1:] != (len(schedule), 3):
         raise ValueError(f"means must have shape (runs, {len(schedule)}, 3), not {means.shape}")

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import Calibration, CoreRefusal, CoreSchedule, pack, require_ok
+
+if TYPE_CHECKING:
+    from _tumble_core import CData
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
 
@@ -28,15 +33,15 @@ class AngleError:
     freedom: float
 
 
-def _seen(struct) -> Seen | None:
+def _seen(struct: CData) -> Seen | None:
     return Seen(struct.value, struct.u) if struct.known else None
 
 
-def _angles(struct) -> dict[str, Seen | None]:
+def _angles(struct: CData) -> dict[str, Seen | None]:
     return {name: _seen(getattr(struct, name)) for name in ANGLES}
 
 
-def _errors(alpha4: float, variance: np.ndarray):
+def _errors(alpha4: float, variance: Floats) -> CData:
     """`alpha4` standard deviation, rad; `variance` (positions,) of a mean by its noise."""
     struct = ffi.new("tumble_random_errors_t *", {"angle_rad": alpha4})
     values = np.ascontiguousarray(variance, dtype=float)
@@ -44,7 +49,7 @@ def _errors(alpha4: float, variance: np.ndarray):
     return struct
 
 
-def noise(samples: np.ndarray, scatter: np.ndarray) -> Seen | None:
+def noise(samples: Integers, scatter: Floats) -> Seen | None:
     """Standard deviation of one sample, pooled; None where no position has two. `samples` (positions,), `scatter`
     (positions, 3)."""
     counts, rows = np.ascontiguousarray(samples, dtype=np.uint32), np.ascontiguousarray(scatter, dtype=float)
@@ -56,16 +61,14 @@ class RunSeen:
     """What one run shows of the stand: `schedule`, its `means`, which of them are `measured`, and coefficients `k`,
     `u0` found from them. `alpha4` and `variance` as given are those that the uncertainties come from."""
 
-    def __init__(
-        self, schedule: CoreSchedule, means: np.ndarray, measured: np.ndarray, k: np.ndarray, u0: np.ndarray
-    ):
+    def __init__(self, schedule: CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats):
         self._schedule = schedule
         self._means = schedule.means(means, measured)
         self._calibration = Calibration(k, u0)
         self._coefficients = pack(k, u0)
         self._work = ffi.new("tumble_fit_work_t *")
 
-    def angles(self, alpha4: float | None, variance: np.ndarray) -> dict[str, Seen | None]:
+    def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Seen | None]:
         """The angles by the closed form, each None where the run lacks positions of the paper. Without an `alpha4` the
         uncertainties are 0."""
         found = ffi.new("tumble_seen_angles_t *")
@@ -78,25 +81,25 @@ class RunSeen:
                 raise
         return _angles(found)
 
-    def fit(self, alpha4: float, variance: np.ndarray) -> dict[str, Seen | None]:
+    def fit(self, alpha4: float, variance: Floats) -> dict[str, Seen | None]:
         """The angles by generalised least squares; None where the positions cannot tell."""
         found = ffi.new("tumble_seen_angles_t *")
         require_ok(lib.tumble_seen_fit(*self._fit_arguments(alpha4, variance), found))
         return _angles(found)
 
-    def angle_error(self, variance: np.ndarray) -> AngleError:
+    def angle_error(self, variance: Floats) -> AngleError:
         """alpha4 from the residuals beyond the noise."""
         found, freedom = ffi.new("tumble_seen_t *"), ffi.new("double *")
         require_ok(lib.tumble_seen_angle_error(*self._fit_arguments(0.0, variance), found, freedom))
         return AngleError(_seen(found), freedom[0])
 
-    def angle_chi_squared(self, alpha4: float, variance: np.ndarray) -> tuple[float, int]:
+    def angle_chi_squared(self, alpha4: float, variance: Floats) -> tuple[float, int]:
         """How large the residuals are that errors of set angles move, if these had the standard deviation `alpha4`:
         chi-squared, and its degrees of freedom."""
         square, freedom = ffi.new("double *"), ffi.new("uint8_t *")
         require_ok(lib.tumble_seen_angle_chi_squared(*self._fit_arguments(alpha4, variance), square, freedom))
         return square[0], freedom[0]
 
-    def _fit_arguments(self, alpha4: float, variance: np.ndarray):
+    def _fit_arguments(self, alpha4: float, variance: Floats) -> tuple[CData, ...]:
         errors = _errors(alpha4, variance)
         return self._schedule.struct, self._means, self._coefficients, errors, self._work

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from _tumble_core import ffi, lib
 
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import ESTIMATOR_ROWS, CoreSchedule, pack, require_estimable, require_ok, unpack
 from tumble.stand import COMMON, Stand
 
@@ -15,10 +16,10 @@ class _JudgedRun:
     def __init__(
         self,
         schedule: CoreSchedule,
-        k: np.ndarray,
+        k: Floats,
         stand: Stand,
-        samples: np.ndarray,
-        measured: np.ndarray | None,
+        samples: Integers,
+        measured: Flags | None,
         least_noise: float = 0.0,
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
@@ -34,12 +35,12 @@ class _JudgedRun:
 
 def uncertainties(
     schedule: CoreSchedule,
-    k: np.ndarray,
+    k: Floats,
     stand: Stand,
-    samples: np.ndarray,
+    samples: Integers,
     estimator: str,
-    measured: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+    measured: Flags | None = None,
+) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
 
     `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, a lone one being a mean of the
@@ -53,13 +54,13 @@ def uncertainties(
 
 def uncertainties_of_gains(
     schedule: CoreSchedule,
-    k: np.ndarray,
+    k: Floats,
     stand: Stand,
-    samples: np.ndarray,
-    gains: np.ndarray,
-    measured: np.ndarray | None = None,
+    samples: Integers,
+    gains: Floats,
+    measured: Flags | None = None,
     least_noise: float = 0.0,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Floats, Floats]:
     """The same for an estimate by constant gains (12, 3 x fit positions). The noise of a mean never counts as less than
     `least_noise`. Raises CoreRefusal."""
     table = np.ascontiguousarray(gains, dtype=float)

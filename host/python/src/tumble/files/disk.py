@@ -76,4 +76,4 @@ def _replace(target: str, data: bytes) -> None:
 
 def reason(error: OSError) -> str:
     """Why the system refused, in a few words."""
-    return _REASONS.get(error.errno, (error.strerror or "cannot be read").lower())
+    return _REASONS.get(error.errno or 0, (error.strerror or "cannot be read").lower())

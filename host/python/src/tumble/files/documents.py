@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Callable
 from typing import Any
 
 from tumble.errors import BadInput, quoted
@@ -15,6 +16,8 @@ from tumble.files.disk import read_bytes
 from tumble.units import UNIT
 
 RESULT = "tumble.result/1"
+
+Check = Callable[[Any], bool]
 
 
 def to_json(result: dict[str, Any]) -> str:
@@ -51,7 +54,7 @@ def read_coefficients(file: str) -> dict[str, Any]:
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
     for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
-        _require(result, key, lambda value: value is None or isinstance(value, kind), file, default=None)
+        _require(result, key, _null_or(kind), file, default=None)
     return result
 
 
@@ -70,7 +73,7 @@ def _parse(file: str) -> dict[str, Any]:
     return result
 
 
-def _require(table: dict[str, Any], key: str, is_valid, file: str, prefix: str = "", **otherwise: Any) -> None:
+def _require(table: dict[str, Any], key: str, is_valid: Check, file: str, prefix: str = "", **otherwise: Any) -> None:
     """`default`, if given, is what a key that is not there comes to."""
     if key not in table and "default" in otherwise:
         table[key] = otherwise["default"]
@@ -78,6 +81,10 @@ def _require(table: dict[str, Any], key: str, is_valid, file: str, prefix: str =
         raise BadInput(f"not a result of schema {RESULT}: no {prefix}{key}", file)
     if not is_valid(table[key]):
         raise BadInput(f"not a result of schema {RESULT}: {prefix}{key} is {quoted(table[key])}", file)
+
+
+def _null_or(kind: type) -> Check:
+    return lambda value: value is None or isinstance(value, kind)
 
 
 def _is_number(value: Any) -> bool:
@@ -88,5 +95,5 @@ def _is_uncertainty(value: Any) -> bool:
     return _is_number(value) and value >= 0
 
 
-def _is_array(value: Any, length: int, is_item) -> bool:
+def _is_array(value: Any, length: int, is_item: Check) -> bool:
     return isinstance(value, list) and len(value) == length and all(map(is_item, value))

@@ -1,10 +1,10 @@
 """Run files: recorded samples in, one mean per position and channel out.
 
-A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is plain,
-carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of delimiters
-and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it leaves to the
-careful way, which reads line by line and is the one that complains: so both accept the same files, and every complaint
-knows its row.
+A file goes one way: its bytes, its layout, its rows as numbers, their means. Rows are read fast where the file is
+plain, carefully where it is not. The fast way hands plain files to numpy's parser after proving, from the places of
+delimiters and line ends, that every row has as many fields as the header. Whatever it does not take for certain, it
+leaves to the careful way, which reads line by line and is the one that complains: so both accept the same files, and
+every complaint knows its row.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
@@ -44,14 +45,14 @@ class Run:
     deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file.
     """
 
-    samples: np.ndarray
-    means: np.ndarray
-    scatter: np.ndarray
+    samples: Integers
+    means: Floats
+    scatter: Floats
     unit: str
     counters: dict[str, int]
 
     @property
-    def measured(self) -> np.ndarray:
+    def measured(self) -> Flags:
         """Which positions have a mean: (positions,) bool."""
         return self.samples > 0
 
@@ -89,8 +90,8 @@ def _require_text(data: bytes, file: str) -> None:
 class RunTable:
     """`index` (rows,): each row's position in the schedule; `outputs` (rows, 3); lines that were passed over."""
 
-    index: np.ndarray
-    outputs: np.ndarray
+    index: Integers
+    outputs: Floats
     blanks: int
     comments: int
 
@@ -104,7 +105,7 @@ class PositionIndex:
         for index, position in enumerate(schedule.positions):
             self._table[position.mounting, position.number] = index
 
-    def of_arrays(self, mountings: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    def of_arrays(self, mountings: Floats, positions: Floats) -> Integers:
         """Indices of many rows; -1 where a number is not whole or the schedule does not have it."""
         known = (mountings >= 0) & (mountings <= 255) & (positions >= 0) & (positions <= 255)
         known &= (mountings == np.floor(mountings)) & (positions == np.floor(positions))
@@ -248,7 +249,7 @@ def _number(text: str, column: str, layout: Layout) -> float:
     return value
 
 
-def _average(table: RunTable, positions: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats]:
     """Samples, means and scatter per position. Sums are exact (fsum), so their order does not matter."""
     samples = np.bincount(table.index, minlength=positions)
     means, scatter = np.full((2, positions, 3), np.nan)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
@@ -87,7 +88,9 @@ def detect(data: bytes, wishes: Wishes, file: str) -> Layout:
     head = data[:_HEAD_BYTES]
     if len(data) > len(head):
         head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
-    return _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
+    found = _detect(head, wishes, file) or _detect(data, wishes, file, whole=True)
+    assert found is not None  # of a whole file it complains instead
+    return found
 
 
 def _detect(head: bytes, wishes: Wishes, file: str, whole: bool = False) -> Layout | None:
@@ -132,7 +135,7 @@ def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int:
     """Index of a column: by the user's name for it, else by its own, else by one that means the same."""
     asked = renamed.get(wanted)
     bare = [_bare(name) for name in names]
-    tests = (
+    tests: list[Callable[[int], bool]] = (
         [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
         if asked
         else [lambda i: bare[i] == wanted, lambda i: bare[i] in _ALIASES[wanted]]

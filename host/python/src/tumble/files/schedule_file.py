@@ -69,4 +69,5 @@ def _table_at_fault(refusal: CoreRefusal, schedule: Schedule, mountings: list[Ta
     numbers = [mounting.number for mounting in schedule.mountings]
     same_mounting = refusal.name == "TUMBLE_E_SCHEDULE_DUPLICATE" and len(set(numbers)) < len(numbers)
     tables = mountings if same_mounting or refusal.name == "TUMBLE_E_SCHEDULE_ROTATION" else positions
-    return tables[refusal.details["where"]]
+    where: int = refusal.details["where"]
+    return tables[where]

@@ -115,7 +115,7 @@ def _stand(table: Table) -> Stand:
 
 def _block(table: Table) -> dict[str, Any]:
     table.only("scale_v_per_g", "misalignment_rad", "serial", "converter_bits", "range_v", "sample_rate_hz", "true")
-    block = {
+    block: dict[str, Any] = {
         "scale_v_per_g": table.number("scale_v_per_g"),
         "misalignment_rad": table.number("misalignment_rad", 0.0, _LARGEST_ANGLE_RAD),
         "serial": table.text("serial", default=None),

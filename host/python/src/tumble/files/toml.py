@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -15,6 +16,8 @@ _KEY = re.compile(r"^\s*([\w.\"'-]+(?:\s*\.\s*[\w\"'-]+)*)\s*=")
 _PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)")
 _REQUIRED: Any = object()
 
+Path = tuple[str | int, ...]
+
 
 def read_toml(file: str, data: bytes | None = None) -> Table:
     """The top-level table of a TOML file; `data`: what is in it, if that has been read. Raises BadInput."""
@@ -24,7 +27,7 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
     except UnicodeDecodeError as error:
         raise BadInput("not UTF-8 text", file, data.count(b"\n", 0, error.start) + 1) from None
     try:
-        values = _parser().loads(text)
+        values = _loads(text)
     except ValueError as error:
         place = _PLACE.search(str(error))
         row, column = place.groups() if place else (text.count("\n") + 1, None)
@@ -35,18 +38,18 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
     return Table(file, values, (), _rows(text))
 
 
-def _parser():
-    try:
-        import tomllib
-    except ModuleNotFoundError:  # Python 3.10
-        import tomli as tomllib
-    return tomllib
+def _loads(text: str) -> dict[str, Any]:
+    if sys.version_info >= (3, 11):
+        from tomllib import loads
+    else:
+        from tomli import loads
+    return loads(text)
 
 
-def _rows(text: str) -> dict[tuple, int]:
+def _rows(text: str) -> dict[Path, int]:
     """The row of every table and key, by path: a table's name, an index in an array of tables, a key."""
-    rows: dict[tuple, int] = {}
-    path: tuple = ()
+    rows: dict[Path, int] = {}
+    path: Path = ()
     counts: dict[str, int] = {}
     for row, line in enumerate(text.splitlines(), start=1):
         if header := _HEADER.match(line):
@@ -67,7 +70,7 @@ def _path(dotted: str) -> tuple[str, ...]:
 class Table:
     """One table of a file. `only` refuses unknown keys, each getter checks one value. All raise BadInput."""
 
-    def __init__(self, file: str, values: dict[str, Any], path: tuple, rows: dict[tuple, int]):
+    def __init__(self, file: str, values: dict[str, Any], path: Path, rows: dict[Path, int]):
         self.file = file
         self._values = values
         self._path = path
@@ -116,28 +119,28 @@ class Table:
 
     def number(self, key: str, low: float = -math.inf, high: float = math.inf, default: Any = _REQUIRED) -> float:
         """A finite number within low..high."""
-        value = self._get(key, default, "a number", _is_number)
-        if value is default:
-            return value
-        if not (math.isfinite(value) and low <= value <= high):
+        value: float = self._get(key, default, "a number", _is_number)
+        if value is not default and not (math.isfinite(value) and low <= value <= high):
             raise self.refuse(f"must be {_range(low, high)}, not {quoted(value)}", key)
-        return float(value)
+        return value if value is default else float(value)
 
     def integer(self, key: str, low: int, high: int, default: Any = _REQUIRED) -> int:
         """A whole number within low..high."""
-        value = self._get(key, default, "a whole number", lambda v: type(v) is int)
+        value: int = self._get(key, default, "a whole number", lambda v: type(v) is int)
         if value is not default and not low <= value <= high:
             raise self.refuse(f"must be {_range(low, high)}, not {quoted(value)}", key)
         return value
 
     def text(self, key: str, default: Any = _REQUIRED) -> str:
         """A text of one line."""
-        return self._get(key, default, "a text of one line", lambda v: isinstance(v, str) and v.isprintable())
+        value: str = self._get(key, default, "a text of one line", lambda v: isinstance(v, str) and v.isprintable())
+        return value
 
     def choice(self, key: str, options: Iterable[str], default: Any = _REQUIRED) -> str:
         """One of several words."""
         listed = " or ".join(f'"{option}"' for option in options)
-        return self._get(key, default, listed, lambda v: isinstance(v, str) and v in options)
+        value: str = self._get(key, default, listed, lambda v: isinstance(v, str) and v in options)
+        return value
 
     def vector(self, key: str, length: int) -> tuple[float, ...]:
         """Finite numbers, so many of them."""
@@ -161,7 +164,8 @@ class Table:
             return is_finite or isinstance(value, str) or hasattr(value, "isoformat")
 
         value = self._get(key, _REQUIRED, "a text, a number or a date", is_label)
-        return value.isoformat() if hasattr(value, "isoformat") else value
+        label: str | int | float = value.isoformat() if hasattr(value, "isoformat") else value
+        return label
 
     def labels(self) -> dict[str, str | int | float]:
         """Every key as a label."""

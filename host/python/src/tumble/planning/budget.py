@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.published import NAMES
@@ -27,14 +28,15 @@ class Budget:
 
     weights: str
     estimator: str
-    sizes: np.ndarray
-    terms: np.ndarray
-    reference: np.ndarray
+    sizes: Floats
+    terms: Floats
+    reference: Floats
 
     @property
-    def total(self) -> np.ndarray:
+    def total(self) -> Floats:
         """All five in quadrature."""
-        return np.sqrt((self.terms**2).sum(axis=1))
+        total: Floats = np.sqrt((self.terms**2).sum(axis=1))
+        return total
 
     @property
     def second_order(self) -> SecondOrder:
@@ -43,10 +45,11 @@ class Budget:
         return SecondOrder.of(self.sizes[:3], np.ones(3), relative, self.estimator)
 
 
-def sizes(case: Case, published: bool) -> np.ndarray:
+def sizes(case: Case, published: bool) -> Floats:
     """Sizes (5,) of the sources: as declared, or as standard deviations; the noise is that of a mean."""
     of = [getattr(case.stand, name) if published else case.stand.sigma(name) for name in _ATTRIBUTES]
-    return np.array(of) / np.array([1.0, 1.0, 1.0, 1.0, case.stand.samples**0.5])
+    found: Floats = np.array(of) / np.array([1.0, 1.0, 1.0, 1.0, case.stand.samples**0.5])
+    return found
 
 
 def budget(case: Case, which: str, estimator: str) -> Budget:

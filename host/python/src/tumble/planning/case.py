@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
@@ -34,10 +35,11 @@ class Case:
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:
         """From files, or the paper's stand, block and schedule for None. Raises BadInput for a file without [block]."""
         if stand_file is None:
-            return cls(PAPER_STAND, *PAPER_BLOCK.values(), 0.0, schedule, DEFAULT_LIMIT_G)
+            scale, misalignment = PAPER_BLOCK.values()
+            return cls(PAPER_STAND, scale, misalignment, 0.0, schedule, DEFAULT_LIMIT_G)
         block = stand_file.block
         if block is None:
-            raise BadInput("no table [block]: a plan needs scale_v_per_g and misalignment_rad", name)
+            raise BadInput("no table [block]: a plan needs scale_v_per_g and misalignment_rad", name or "")
         limit_g = DEFAULT_LIMIT_G if stand_file.delta_g_limit_g is None else stand_file.delta_g_limit_g
         nominal = block["scale_v_per_g"], block["misalignment_rad"]
         step_v = stand_file.step_v
@@ -54,7 +56,7 @@ class Case:
         whole = self.schedule
         return Schedule(whole.mountings, tuple(position for position in whole.positions if position.use == FIT))
 
-    def nominal_k(self, signs: np.ndarray | None = None) -> np.ndarray:
+    def nominal_k(self, signs: Floats | None = None) -> Floats:
         """K (3, 3) of the nominal block. `signs` (3, 3): of the misalignments, the diagonal unused; default all +."""
         misaligned = self.misalignment * (np.ones((3, 3)) if signs is None else np.array(signs, dtype=float))
         np.fill_diagonal(misaligned, 1.0)

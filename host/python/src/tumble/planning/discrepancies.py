@@ -9,10 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.planning import paper, weights
 from tumble.planning.published import GROUP_SAMPLES, LIMIT_20_G, NAMES, SOURCES, TABLE_2, TABLE_3, TABLE_5_REQUIRED
 from tumble.planning.require import samples_for
 from tumble.solving.gains import linear_gains
+
+_Found = tuple[int, str, str, str, str]
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,13 @@ def discrepancies() -> list[Discrepancy]:
     return sorted((Discrepancy(*one) for one in found), key=lambda one: one.number)
 
 
-def _row(gamma: np.ndarray, name: str, grouped: bool = False) -> np.ndarray:
+def _row(gamma: Floats, name: str, grouped: bool = False) -> Floats:
     """Terms (5,) of one coefficient."""
-    return gamma[NAMES.index(name)] * paper.sizes(grouped)
+    terms: Floats = gamma[NAMES.index(name)] * paper.sizes(grouped)
+    return terms
 
 
-def _of_the_tables() -> list[tuple]:
+def _of_the_tables() -> list[_Found]:
     case = paper.paper_case()
     averaged = weights.published(case, "averaged")
     worst = weights.published(case, "averaged", weights.WORST)
@@ -83,11 +87,11 @@ def _of_the_tables() -> list[tuple]:
     ]
 
 
-def _ppm(terms: np.ndarray) -> float:
+def _ppm(terms: Floats) -> float:
     return 1e6 * float(np.linalg.norm(terms))
 
 
-def _of_the_requirements() -> list[tuple]:
+def _of_the_requirements() -> list[_Found]:
     case, limit_g = paper.paper_case(), float(LIMIT_20_G)
     general, rule = paper.general_requirements(), paper.rule_requirements().limits
     noise = paper.sizes(False)[SOURCES.index("noise")]
@@ -143,7 +147,7 @@ def _of_the_requirements() -> list[tuple]:
     ]
 
 
-def _of_the_weights() -> list[tuple]:
+def _of_the_weights() -> list[_Found]:
     squares = np.linalg.norm(linear_gains(paper.paper_case().fitted, "averaged"), axis=1)
     k_yy, k_xy, k_xx, k_yx, bias = (squares[NAMES.index(name)] for name in ("K_yy", "K_xy", "K_xx", "K_yx", "a0_x"))
     lines = {(line.table, line.row, line.column): line for line in paper.lines()}
@@ -196,7 +200,7 @@ def _of_the_weights() -> list[tuple]:
     ]
 
 
-def _of_the_words() -> list[tuple]:
+def _of_the_words() -> list[_Found]:
     averaged = weights.published(paper.paper_case(), "averaged")
     refined = weights.published(paper.paper_case(), "refined")
     k_yx = _row(averaged, "K_yx")

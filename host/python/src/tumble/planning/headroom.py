@@ -6,10 +6,13 @@ together. The optimal estimator is made anew for every stand that is tried.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.planning import weights
@@ -27,7 +30,7 @@ class Headroom:
     """`alone` (5,): infinite where nothing limits, 0 where the others take all; `margin`: below 1 on a stand that
     fails; infinite for a stand without errors."""
 
-    alone: np.ndarray
+    alone: Floats
     margin: float
 
 
@@ -47,41 +50,40 @@ def margins(case: Case, limit_g: float) -> dict[str, float]:
     """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
     sizes, found = declared_sizes(case, False), {}
     for estimator in ESTIMATORS:
-        try:
+        with suppress(UsageError):  # the schedule lacks positions that it needs
             found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
-        except UsageError:
-            pass  # the schedule lacks positions that it needs
     return found
 
 
-def _weights(case: Case, which: str, estimator: str, sizes: np.ndarray) -> np.ndarray:
+def _weights(case: Case, which: str, estimator: str, sizes: Floats) -> Floats:
     """Weights (patterns, 7, 5)."""
     if which == "published":
         return with_noise_row(case, weights.published(case, estimator, weights.WORST))[None]
     return weights_by_pattern(stand_of(case, sizes), estimator, sign_patterns())
 
 
-def _margin(gamma: np.ndarray, sizes: np.ndarray, row_limit: float) -> float:
+def _margin(gamma: Floats, sizes: Floats, row_limit: float) -> float:
     largest = np.linalg.norm(gamma * sizes, axis=2).max()
     return float(row_limit / largest) if largest > 0.0 else np.inf
 
 
-def _closed_form(gamma: np.ndarray, sizes: np.ndarray, row_limit: float) -> np.ndarray:
+def _closed_form(gamma: Floats, sizes: Floats, row_limit: float) -> Floats:
     """What each source may be where the weights (patterns, 7, 5) do not depend on the stand."""
     terms = (gamma * sizes) ** 2
     left = row_limit**2 - (terms.sum(axis=2, keepdims=True) - terms)
     rest = np.sqrt(np.maximum(left, 0.0))
     allowed = np.divide(rest, gamma, out=np.where(left >= 0.0, np.inf, 0.0), where=gamma > 0.0)
-    return allowed.min(axis=(0, 1))
+    smallest: Floats = allowed.min(axis=(0, 1))
+    return smallest
 
 
-def _bisect(case: Case, sizes: np.ndarray, source: int, row_limit: float) -> float:
+def _bisect(case: Case, sizes: Floats, source: int, row_limit: float) -> float:
     """The same for the optimal estimator, whose uncertainties grow with every source. Signs that are worst at the size
     found are added until none is worse."""
     every = sign_patterns()
     chosen: list[int] = []
 
-    def worst(size: float, patterns: np.ndarray) -> tuple[float, int]:
+    def worst(size: float, patterns: Floats) -> tuple[float, int]:
         tried = np.where(np.arange(len(sizes)) == source, size, sizes)
         gamma = weights_by_pattern(stand_of(case, tried), "optimal", patterns)
         totals = np.linalg.norm(gamma * tried, axis=2).max(axis=1)
@@ -96,7 +98,7 @@ def _bisect(case: Case, sizes: np.ndarray, source: int, row_limit: float) -> flo
         chosen.append(pattern)
 
 
-def _largest(fits, ceiling: float) -> float:
+def _largest(fits: Callable[[float], bool], ceiling: float) -> float:
     """The largest size that fits, found in logarithms: 0 if none does, the ceiling if all do."""
     low, high = 1e-9 * ceiling, ceiling
     if fits(high):

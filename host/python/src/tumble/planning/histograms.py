@@ -7,6 +7,7 @@ from html import escape
 
 import numpy as np
 
+from tumble.arrays import Integers
 from tumble.estimators import COEFFICIENTS
 from tumble.planning.validate import HISTOGRAM, Validated
 
@@ -36,7 +37,7 @@ def render(found: list[Validated], title: str) -> str:
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _cell(left: float, top: float, counts: np.ndarray, runs: int) -> str:
+def _cell(left: float, top: float, counts: Integers, runs: int) -> str:
     low, high, bins = HISTOGRAM
     step = (high - low) / bins
     density = counts / (runs * step)

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
+from tumble.reference.estimators import paper_slots
 from tumble.solving.gain_record import Record, record_of
-from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, paper_slots, standard_deviations
+from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
 from tumble.stand import SecondOrder
 
 
@@ -22,12 +24,12 @@ class Optimized:
     case: Case
     table: OptimalTable
     record: Record
-    u: np.ndarray
-    u_refined: np.ndarray | None
-    u_least_squares: np.ndarray
+    u: Floats
+    u_refined: Floats | None
+    u_least_squares: Floats
 
     @property
-    def efficiency(self) -> np.ndarray:
+    def efficiency(self) -> Floats:
         """The least possible standard deviations, from the QR factors, over those of the gains as they are."""
         return self.table.u / self.u
 
@@ -37,12 +39,12 @@ class Optimized:
         return SecondOrder.of(self.case.stand.shared_angles, np.diag(self.table.k), self.u[[0, 4, 8]], OPTIMAL)
 
 
-def optimize(case: Case, k: np.ndarray | None = None, serial: str | None = None) -> Optimized:
+def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
     """Weights for a block of sensitivity `k` (V/g), the nominal one unless given. Raises UsageError."""
     k = case.nominal_k() if k is None else k
     table = optimal_table(case.fitted, k, case.stand, case.step_v)
 
-    def spread(weights: np.ndarray) -> np.ndarray:
+    def spread(weights: Floats) -> Floats:
         return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
 
     harmonic = paper_slots(case.fitted) is not None

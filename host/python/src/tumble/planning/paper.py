@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.published import (
@@ -55,7 +57,7 @@ class Line:
 
 def rounds_to(printed: str, value: float) -> bool:
     """Is this the value, rounded to the digits printed? Zeros at the end of a whole number are not digits."""
-    quantum = Decimal(printed).normalize().as_tuple().exponent
+    quantum = int(Decimal(printed).normalize().as_tuple().exponent)
     return abs(value - float(printed)) <= 0.5 * 10.0**quantum * (1.0 + 1e-9)
 
 
@@ -65,7 +67,7 @@ def lines() -> list[Line]:
     return [line for part in in_order for line in part()]
 
 
-def sizes(grouped: bool) -> np.ndarray:
+def sizes(grouped: bool) -> Floats:
     """Sizes (5,) of the sources by (5); the noise of one sample, or divided by the paper's 7."""
     return _GROUPED if grouped else _SIZES
 
@@ -76,7 +78,7 @@ def paper_case() -> Case:
     return replace(case, stand=replace(case.stand, remounting="common"))
 
 
-def signed_weights(gain_rows: np.ndarray, k: np.ndarray) -> np.ndarray:
+def signed_weights(gain_rows: Floats, k: Floats) -> Floats:
     """Weights (rows, 5) in V/g with the signs of alpha1 to alpha3; those of the random sources are positive."""
     model = linearise(paper_case().fitted)
     forces = (model.alpha1, model.delta, model.alpha3)
@@ -85,7 +87,7 @@ def signed_weights(gain_rows: np.ndarray, k: np.ndarray) -> np.ndarray:
     return np.column_stack([np.where(sizes[:, :3] > 0.0, signed, 0.0), sizes[:, 3:]])
 
 
-def single_mounting_gains() -> dict[str, np.ndarray]:
+def single_mounting_gains() -> dict[str, Floats]:
     """Gain rows (54,) of K_yx and K_zx from one mounting alone, named as in Table 4."""
     averaged = linear_gains(paper_case().fitted, "averaged").reshape(12, 2, 27)
     rows = {}
@@ -96,7 +98,12 @@ def single_mounting_gains() -> dict[str, np.ndarray]:
     return {name: row.ravel() for name, row in rows.items()}
 
 
-def _weight_lines(table: str, formulas: dict[str, tuple[str, ...]], derived: np.ndarray, notes_of) -> list[Line]:
+def _weight_lines(
+    table: str,
+    formulas: Mapping[str, tuple[str, ...]],
+    derived: Floats,
+    notes_of: Callable[[str, str], tuple[int, ...]],
+) -> list[Line]:
     """Weights: a printed formula against the geometry, both for AUDIT_K."""
     values, found = weights.symbols(AUDIT_K), []
     for name, printed, row in zip(formulas, formulas.values(), derived):

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import ast
 import operator
+from collections.abc import Callable
 
 SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
-NAMES = tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz") + ("a0_x", "a0_y", "a0_z")
+NAMES = (*tuple(f"K_{i}{j}" for i in "xyz" for j in "xyz"), "a0_x", "a0_y", "a0_z")
 
 # Equation (5) and the text around it. The noise is that of one sample; grouping 50 divides it "by 7".
 STAND_5 = {"alpha1": "2e-5", "alpha2": "2e-5", "alpha3": "4e-4", "alpha4": "4e-5", "noise": "3e-4"}
@@ -83,12 +84,11 @@ LIMIT_20_G = "3e-4"
 TABLE_5_REQUIRED = {"alpha1": "1.5e-4", "alpha2": "3e-3", "alpha3": "15e-3", "alpha4": "4e-4", "noise": "2e-4"}
 TABLE_5_USED = {"alpha1": "2e-5", "alpha2": "2e-5", "alpha3": "4e-4", "alpha4": "4e-5", "noise": "3e-4"}
 
-_OPERATIONS = {
+_OPERATIONS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
-    ast.USub: operator.neg,
 }
 
 
@@ -96,13 +96,16 @@ def evaluate(formula: str, values: dict[str, float]) -> float:
     """A printed formula's value: numbers, the names in `values`, + - * / and brackets. A division by zero gives NaN."""
 
     def value_of(node: ast.expr) -> float:
-        if isinstance(node, ast.Constant):
-            return float(node.value)
-        if isinstance(node, ast.Name):
-            return values[node.id]
-        if isinstance(node, ast.UnaryOp):
-            return _OPERATIONS[type(node.op)](value_of(node.operand))
-        return _OPERATIONS[type(node.op)](value_of(node.left), value_of(node.right))
+        match node:
+            case ast.Constant(int() | float() as number):
+                return float(number)
+            case ast.Name(name):
+                return values[name]
+            case ast.UnaryOp(ast.USub(), operand):
+                return -value_of(operand)
+            case ast.BinOp(left, operation, right):
+                return _OPERATIONS[type(operation)](value_of(left), value_of(right))
+        raise ValueError(f"{formula}: {ast.unparse(node)} is no part of a printed formula")
 
     try:
         return value_of(ast.parse(formula, mode="eval").body)

@@ -14,6 +14,7 @@ from itertools import product
 
 import numpy as np
 
+from tumble.arrays import Flags, Floats
 from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.planning import weights
@@ -37,14 +38,14 @@ class Requirements:
     """Per source (5,): `limits`, infinite where nothing limits; `set_by`, the row that does, or None. Per row (7, 5):
     `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its limit."""
 
-    limits: np.ndarray
+    limits: Floats
     set_by: tuple[str | None, ...]
     samples: int
-    weights: np.ndarray
-    shares: np.ndarray
+    weights: Floats
+    shares: Floats
 
 
-def requirements(case: Case, which: str, estimator: str, limit_g: float, split: np.ndarray) -> Requirements:
+def requirements(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
     """What a limit in g asks of the stand. `split` (5,): how the sources of a row share it, as parts of its square.
 
     Raises UsageError where weights do not exist or no number of samples suffices.
@@ -54,7 +55,7 @@ def requirements(case: Case, which: str, estimator: str, limit_g: float, split: 
     return replace(found, samples=samples_for(noise, found.limits[_NOISE]))
 
 
-def allowed(case: Case, which: str, estimator: str, limit_g: float, split: np.ndarray) -> Requirements:
+def allowed(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
     """The same, without asking how many samples it takes. Raises UsageError where weights do not exist."""
     share_of = _Shares(limit_g / 3.0, split)
     if which == "published":
@@ -77,12 +78,13 @@ def samples_for(noise_v: float, limit_v: float) -> int:
     return max(1, math.ceil(wanted * (1.0 - _TIE)))
 
 
-def worst_weights(case: Case, estimator: str) -> np.ndarray:
+def worst_weights(case: Case, estimator: str) -> Floats:
     """Weights (7, 5) of ROWS, each under the signs of the misalignments that are worst for it."""
-    return weights_by_pattern(case, estimator, sign_patterns()).max(axis=0)
+    worst: Floats = weights_by_pattern(case, estimator, sign_patterns()).max(axis=0)
+    return worst
 
 
-def weights_by_pattern(case: Case, estimator: str, patterns: np.ndarray) -> np.ndarray:
+def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     """Weights (n, 7, 5) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
     model, common = linearise(case.fitted), case.stand.remounting == COMMON
     fixed = None if estimator == "optimal" else weights.estimator_gains(case, estimator, case.nominal_k())
@@ -95,14 +97,14 @@ def weights_by_pattern(case: Case, estimator: str, patterns: np.ndarray) -> np.n
     return np.array(found)
 
 
-def sign_patterns() -> np.ndarray:
+def sign_patterns() -> Floats:
     """All 64 choices of signs of the misalignments: (64, 3, 3), ones on the diagonal."""
     patterns = np.ones((64, 3, 3))
     patterns[:, ~np.eye(3, dtype=bool)] = list(product((1.0, -1.0), repeat=6))
     return patterns
 
 
-def with_noise_row(case: Case, gamma: np.ndarray) -> np.ndarray:
+def with_noise_row(case: Case, gamma: Floats) -> Floats:
     """Weights (12, 5) of all coefficients to those (7, 5) of ROWS."""
     noise_alone = np.zeros(len(SOURCES))
     noise_alone[_NOISE] = 1.0 / abs(case.scale)
@@ -114,14 +116,15 @@ class _Shares:
     """How the sources share a row of size `row_limit` (g, or relative): `split` (5,) as proportions of its square."""
 
     row_limit: float
-    split: np.ndarray
+    split: Floats
 
-    def shares(self, counted: np.ndarray) -> np.ndarray:
+    def shares(self, counted: Flags) -> Floats:
         """What each source may take of each row (7, 5); 0 where it is not counted."""
         proportions = np.where(counted, self.split, 0.0)
-        return self.row_limit * np.sqrt(proportions / proportions.sum(axis=1, keepdims=True))
+        sizes: Floats = self.row_limit * np.sqrt(proportions / proportions.sum(axis=1, keepdims=True))
+        return sizes
 
-    def requirements(self, gamma: np.ndarray, counted: np.ndarray) -> Requirements:
+    def requirements(self, gamma: Floats, counted: Flags) -> Requirements:
         """The strictest row for every source."""
         shares = self.shares(counted)
         with np.errstate(divide="ignore"):
@@ -132,9 +135,10 @@ class _Shares:
         return Requirements(limits, set_by, 1, gamma, shares)
 
 
-def stand_of(case: Case, sizes: np.ndarray) -> Case:
+def stand_of(case: Case, sizes: Floats) -> Case:
     """The case on a stand with these standard deviations; the noise is that of a mean."""
-    stand = Stand(*map(float, sizes), samples=1, limits="sigma1", remounting=case.stand.remounting)
+    axis_tilt, level, remount, angle, noise = map(float, sizes)
+    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting)
     return replace(case, stand=stand, step_v=0.0)
 
 
@@ -176,31 +180,32 @@ class _Rows:
     case: Case
     row_limit: float
 
-    def by_pattern(self, sizes: np.ndarray, patterns: np.ndarray) -> np.ndarray:
+    def by_pattern(self, sizes: Floats, patterns: Floats) -> Floats:
         """Terms (n, 7, 5) for choices of the misalignments' signs."""
         return weights_by_pattern(stand_of(self.case, sizes), "optimal", patterns) * sizes
 
-    def terms(self, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def terms(self, sizes: Floats) -> tuple[Floats, Floats]:
         """Terms (7, 5) and total (7,) of every row, under the signs that are worst for its total."""
         found = self.by_pattern(sizes, sign_patterns())
         totals = np.linalg.norm(found, axis=2)
         worst, rows = totals.argmax(axis=0), np.arange(len(ROWS))
         return found[worst, rows], totals[worst, rows]
 
-    def fit(self, sizes: np.ndarray) -> bool:
+    def fit(self, sizes: Floats) -> bool:
         """Whether no row is more than full."""
         return bool(self.terms(sizes)[1].max() <= self.row_limit * (1.0 + _FULL))
 
-    def grow(self, sizes: np.ndarray, growing: np.ndarray, ceiling: np.ndarray) -> np.ndarray:
+    def grow(self, sizes: Floats, growing: Flags, ceiling: Floats) -> Floats:
         """The same with some larger by one factor, up to the ceiling, such that a row is full if any can be. Signs that
         are worst at what was found are added until none is worse."""
-        every, chosen = sign_patterns(), []
+        every = sign_patterns()
+        chosen: list[int] = []
         most = float((ceiling / sizes)[growing].max())
 
-        def grown(factor: float) -> np.ndarray:
+        def grown(factor: float) -> Floats:
             return np.where(growing, np.minimum(sizes * factor, ceiling), sizes)
 
-        def worst(factor: float, patterns: np.ndarray) -> tuple[float, int]:
+        def worst(factor: float, patterns: Floats) -> tuple[float, int]:
             totals = np.linalg.norm(self.by_pattern(grown(factor), patterns), axis=2).max(axis=1)
             return float(totals.max()), int(totals.argmax())
 

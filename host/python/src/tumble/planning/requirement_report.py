@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.planning.budget import SIZE_KEYS, numbers_are, sizes
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.headroom import Headroom
@@ -32,7 +33,7 @@ def document(
     which: str,
     estimator: str,
     limit_g: float,
-    split: np.ndarray,
+    split: Floats,
 ) -> dict[str, Any]:
     """The requirements for JSON, schema tumble.plan/1. `published` has (19) as printed, and beside it what
     the rule gives."""
@@ -44,7 +45,7 @@ def document(
     head = {"schema": SCHEMA, "plan": "require", "weights": which, "estimator": estimator, "limit_g": limit_g}
     if which == "published":
         general, of_k_yy = (printed(case, formulas, limit_g) for formulas in (EQUATION_19, EQUATION_18))
-        main = {key: finite(general[source]) for key, source in zip(SIZE_KEYS, SOURCES)}
+        main: dict[str, Any] = {key: finite(general[source]) for key, source in zip(SIZE_KEYS, SOURCES)}
         main.update({"samples": found.samples, "set_by": _PRINTED_FROM, "rule": rule})
         keys = dict(zip(SOURCES, SIZE_KEYS))
         main["equation_18"] = {keys[source]: finite(limit) for source, limit in of_k_yy.items()}

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats
 from tumble.planning.case import Case
 from tumble.solving.gains import mean_sigma, shared_sigmas
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
 
-def position_means(case: Case, k: np.ndarray, runs: int, rng: np.random.Generator) -> np.ndarray:
+def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -> Floats:
     """Means (runs, fit positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
 
     The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
@@ -23,12 +24,12 @@ def position_means(case: Case, k: np.ndarray, runs: int, rng: np.random.Generato
     shared = _draws(stand.limits, rng, (runs, len(sigma))) * sigma
     yaws = np.broadcast_to(shared[:, 2:], (runs, mountings))
     delta = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")
-    outputs = geometry.outputs(k, U0_V, alpha1=shared[:, :1], alpha2=shared[:, 1:2], alpha3=yaws, delta=delta)
+    outputs = geometry.outputs(k, np.array(U0_V), alpha1=shared[:, :1], alpha2=shared[:, 1:2], alpha3=yaws, delta=delta)
     noise = mean_sigma(k, stand, case.step_v, stand.samples)[0]
     return outputs + noise * rng.standard_normal(outputs.shape)
 
 
-def _draws(limits: str, rng: np.random.Generator, shape: tuple[int, int]) -> np.ndarray:
+def _draws(limits: str, rng: np.random.Generator, shape: tuple[int, int]) -> Floats:
     """Numbers of mean 0 and variance 1."""
     if limits == "uniform":
         return rng.uniform(-(3.0**0.5), 3.0**0.5, shape)

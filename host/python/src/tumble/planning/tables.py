@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 from rich import box
@@ -36,9 +37,9 @@ def heading(text: str) -> Text:
 
 def number(value: float | None, digits: int = 3) -> str:
     """So many digits; a dash for what does not exist."""
-    return "-" if value is None or value != value else f"{value:.{digits}g}"
+    return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
 def scientific(value: float | None, digits: int = 2) -> str:
     """As 1.15e-04; a dash for what does not exist."""
-    return "-" if value is None or value != value else f"{value:.{digits}e}"
+    return "-" if value is None or math.isnan(value) else f"{value:.{digits}e}"

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tumble import core
+from tumble.arrays import Floats, Integers
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
 from tumble.estimators import LINEAR
@@ -42,28 +43,29 @@ class Tally:
     within k u (3, 12), and histograms (12, bins) of error over u."""
 
     runs: int = 0
-    total: np.ndarray = field(default_factory=lambda: np.zeros(12))
-    squares: np.ndarray = field(default_factory=lambda: np.zeros(12))
-    within: np.ndarray = field(default_factory=lambda: np.zeros((len(COVERAGE_FACTORS), 12), dtype=int))
-    histograms: np.ndarray = field(default_factory=lambda: np.zeros((12, HISTOGRAM[2]), dtype=int))
+    total: Floats = field(default_factory=lambda: np.zeros(12))
+    squares: Floats = field(default_factory=lambda: np.zeros(12))
+    within: Integers = field(default_factory=lambda: np.zeros((len(COVERAGE_FACTORS), 12), dtype=int))
+    histograms: Integers = field(default_factory=lambda: np.zeros((12, HISTOGRAM[2]), dtype=int))
 
-    def add(self, errors: np.ndarray, u: np.ndarray) -> None:
+    def add(self, errors: Floats, u: Floats) -> None:
         """Errors and stated standard uncertainties (runs, 12)."""
         low, high, bins = HISTOGRAM
         self.runs += len(errors)
         self.total += errors.sum(axis=0)
         self.squares += (errors**2).sum(axis=0)
-        self.within += np.array([(np.abs(errors) <= factor * u).sum(axis=0) for factor in COVERAGE_FACTORS])
+        within = [(np.abs(errors) <= factor * u).sum(axis=0) for factor in COVERAGE_FACTORS]
+        self.within = self.within + np.array(within)
         scores = np.clip(errors / u, low, np.nextafter(high, low))
-        self.histograms += np.array([np.histogram(score, bins, (low, high))[0] for score in scores.T])
+        self.histograms = self.histograms + np.array([np.histogram(score, bins, (low, high))[0] for score in scores.T])
 
     @property
-    def bias(self) -> np.ndarray:
+    def bias(self) -> Floats:
         """Mean error (12,)."""
         return self.total / self.runs
 
     @property
-    def spread(self) -> np.ndarray:
+    def spread(self) -> Floats:
         """Standard deviation of the errors (12,)."""
         return np.sqrt((self.squares - self.runs * self.bias**2) / (self.runs - 1))
 
@@ -74,8 +76,8 @@ class Validated:
 
     estimator: str
     tally: Tally
-    u: np.ndarray
-    bound: np.ndarray
+    u: Floats
+    bound: Floats
 
 
 def validate(
@@ -107,16 +109,16 @@ def validate(
     return [Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound) for estimator in estimators]
 
 
-def _planned(case: Case, estimator: str, k: np.ndarray) -> np.ndarray:
+def _planned(case: Case, estimator: str, k: Floats) -> Floats:
     weights = gains(case.fitted, estimator, k, case.stand, case.step_v)
     sigma_mean = mean_sigma(k, case.stand, case.step_v, case.stand.samples)[0]
     return standard_deviations(case.fitted, weights, k, case.stand, sigma_mean)
 
 
-Solver = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+Solver = Callable[[Floats], tuple[Floats, Floats]]
 
 
-def _solver(case: Case, estimator: str, k: np.ndarray, table: str) -> Solver:
+def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
     """From means (runs, positions, 3) to coefficients and stated uncertainties, (runs, 12) each, by the core."""
     schedule = core.CoreSchedule(case.fitted)
     if estimator in LINEAR:
@@ -129,11 +131,11 @@ def _solver(case: Case, estimator: str, k: np.ndarray, table: str) -> Solver:
     return lambda means: (optimal_runs(record, means)[0], np.broadcast_to(found.u, (len(means), 12)))
 
 
-def _with(state: Callable[[np.ndarray], np.ndarray], found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _with(state: Callable[[Floats], Floats], found: Floats) -> tuple[Floats, Floats]:
     return found, state(found[:, :9])
 
 
-def _stated(case: Case, weights: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     """The uncertainties (runs, 12) that runs state at their own K (runs, 9), for fixed gains.
 
     What an error of the stand brings to a coefficient is linear in K.
@@ -147,7 +149,7 @@ def _stated(case: Case, weights: np.ndarray) -> Callable[[np.ndarray], np.ndarra
     return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + noise)
 
 
-def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: Floats) -> tuple[Floats, Floats]:
     """As a solve: weights for each run's own K."""
     all_measured, lone = np.ones(len(schedule), dtype=bool), np.ones(len(schedule), dtype=int)
     weighting = optimal_run.Weighting(case.stand, lone, case.step_v)

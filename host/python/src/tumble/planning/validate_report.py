@@ -10,7 +10,6 @@ from tumble.planning.case import SCHEMA, Case
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
 from tumble.planning.verdict import CHANCE_SIGMAS, COVERAGE_LIMITS, Judged, bias_limit, tolerance
 
-
 _HONEST = (
     "PASS: the stated uncertainties are honest: every figure within its limits.\n"
     "Whether the stand is good enough for a limit is another question: tumble plan require"

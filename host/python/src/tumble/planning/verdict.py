@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.validate import COVERAGE_FACTORS, Validated
 
@@ -20,12 +21,12 @@ COVERAGE_LIMITS = {1: (0.6727, 0.6927), 2: (0.945, 0.965), 3: (0.9953, 0.9993)}
 class Judged:
     """Figures by coefficient (12,), `covered`, `low` and `high` by coverage factor too (3, 12); `outside`: in words."""
 
-    bias_over_u: np.ndarray
-    spread_over_u: np.ndarray
-    efficiency: np.ndarray
-    covered: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
+    bias_over_u: Floats
+    spread_over_u: Floats
+    efficiency: Floats
+    covered: Floats
+    low: Floats
+    high: Floats
     outside: list[str]
 
 
@@ -39,7 +40,7 @@ def bias_limit(runs: int) -> float:
     return LARGEST_BIAS_U + CHANCE_SIGMAS / math.sqrt(runs)
 
 
-def binomial_limits(count: np.ndarray, runs: int) -> tuple[np.ndarray, np.ndarray]:
+def binomial_limits(count: Integers, runs: int) -> tuple[Floats, Floats]:
     """Wilson's interval for a probability of which `count` of `runs` were seen, CHANCE_SIGMAS wide to each side."""
     seen, z = np.asarray(count) / runs, CHANCE_SIGMAS
     middle = seen + z**2 / (2 * runs)

@@ -11,6 +11,7 @@ from itertools import product
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.errors import UsageError
 from tumble.estimators import PAPER
 from tumble.planning.case import Case
@@ -24,12 +25,12 @@ QUADRATURE = "quadrature"
 _ROUNDING = 1e-13
 
 
-def estimator_gains(case: Case, estimator: str, k: np.ndarray) -> np.ndarray:
+def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
     """Gains (12, 3 x fit positions) of an estimator; those of optimal are for the case's stand and this K."""
     return gains(case.fitted, estimator, k, case.stand, case.step_v)
 
 
-def absolute_weights(model: Linearised, common_yaw: bool, k: np.ndarray, gain_rows: np.ndarray) -> np.ndarray:
+def absolute_weights(model: Linearised, common_yaw: bool, k: Floats, gain_rows: Floats) -> Floats:
     """Weights (rows, 5) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the fit positions.
 
     Draws of one kind are independent: yaws of several mountings, set angles and noise add in quadrature. What cancels
@@ -39,11 +40,12 @@ def absolute_weights(model: Linearised, common_yaw: bool, k: np.ndarray, gain_ro
     mountings = np.unique(model.mounting)[:, None] == model.mounting
     yaws = np.ones((1, len(model.mounting)), dtype=bool) if common_yaw else mountings
 
-    def of(force: np.ndarray, draws: np.ndarray) -> np.ndarray:
+    def of(force: Floats, draws: Floats) -> Floats:
         parts = rows[:, None] * np.where(draws[:, :, None], force @ k.T, 0.0)
         sums, largest = parts.sum(axis=(2, 3)), np.abs(parts).sum(axis=(2, 3))
         rounded = np.abs(sums) <= _ROUNDING * largest.max(axis=1, keepdims=True)
-        return np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
+        sizes: Floats = np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
+        return sizes
 
     together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
     return np.stack(
@@ -58,13 +60,13 @@ def absolute_weights(model: Linearised, common_yaw: bool, k: np.ndarray, gain_ro
     )
 
 
-def reference_values(k: np.ndarray) -> np.ndarray:
+def reference_values(k: Floats) -> Floats:
     """What each of the twelve is related to (12,): a coefficient of K to itself, a bias to K_ii; NaN for zero."""
     values = np.abs(np.concatenate([k.ravel(), np.diag(k)]))
     return np.where(values > 0.0, values, np.nan)
 
 
-def derived(case: Case, estimator: str, k: np.ndarray) -> np.ndarray:
+def derived(case: Case, estimator: str, k: Floats) -> Floats:
     """The weights of an estimator on the exact geometry, to first order, for a block of sensitivity `k`."""
     model, common = linearise(case.fitted), case.stand.remounting == COMMON
     return absolute_weights(model, common, k, estimator_gains(case, estimator, k)) / reference_values(k)[:, None]
@@ -85,7 +87,7 @@ def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
     return {name: tuple(formulas) for name, formulas in rows.items()}
 
 
-def published(case: Case, estimator: str, signs: str = QUADRATURE) -> np.ndarray:
+def published(case: Case, estimator: str, signs: str = QUADRATURE) -> Floats:
     """The paper's weights. Of the misalignments' signs, which are unknown, either the WORST counts, or all of them do:
     QUADRATURE, as Table 2 has it.
 
@@ -95,10 +97,11 @@ def published(case: Case, estimator: str, signs: str = QUADRATURE) -> np.ndarray
     if len(case.fitted.positions) != 18 or paper_slots(case.fitted) is None:
         raise UsageError("--weights published: the paper's weights are for its own 2 x 9 positions")
     values = np.array([_evaluated(case, formulas, pattern) for pattern in product((1.0, -1.0), repeat=6)])
-    return np.abs(values).max(axis=0) if signs == WORST else np.sqrt((values**2).mean(axis=0))
+    found: Floats = np.abs(values).max(axis=0) if signs == WORST else np.sqrt((values**2).mean(axis=0))
+    return found
 
 
-def _evaluated(case: Case, formulas: dict[str, tuple[str, ...]], signs: tuple[float, ...]) -> np.ndarray:
+def _evaluated(case: Case, formulas: dict[str, tuple[str, ...]], signs: tuple[float, ...]) -> Floats:
     """Weights (12, 5) for one choice of the misalignments' signs."""
     pattern = np.eye(3)
     pattern[~np.eye(3, dtype=bool)] = signs
@@ -108,7 +111,7 @@ def _evaluated(case: Case, formulas: dict[str, tuple[str, ...]], signs: tuple[fl
     return rows
 
 
-def symbols(k: np.ndarray) -> dict[str, float]:
+def symbols(k: Floats) -> dict[str, float]:
     """The paper's symbols for a block: K_ij, and the misalignment a_ji = K_ij/K_ii (an element over its row's own)."""
     axes = "xyz"
     values = {f"K_{axes[i]}{axes[j]}": float(k[i, j]) for i in range(3) for j in range(3)}

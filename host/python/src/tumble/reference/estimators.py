@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.reference.geometry import Geometry, paper_schedule
 from tumble.schedule import FIT, Mounting, Schedule
 
@@ -22,7 +23,7 @@ def fit_indices(schedule: Schedule) -> list[int]:
     return [index for index, position in enumerate(schedule.positions) if position.use == FIT]
 
 
-def paper_slots(schedule: Schedule) -> np.ndarray | None:
+def paper_slots(schedule: Schedule) -> Integers | None:
     """Indices (2, 9) of the paper's positions in a schedule, found by mounting and angle; None if one is not there.
 
     The attitude alone would not do: a block yawed about the vertical feels the same force at 0 and 180 degrees.
@@ -30,6 +31,13 @@ def paper_slots(schedule: Schedule) -> np.ndarray | None:
     paper = paper_schedule()
     slots = [_slot(schedule, paper.mountings[place.mounting - 1], place.angle_deg) for place in paper.positions]
     return None if None in slots else np.array(slots).reshape(2, 9)
+
+
+def _slots(schedule: Schedule) -> Integers:
+    """The same, where whoever asks for this estimator has seen to it that they are there."""
+    slots = paper_slots(schedule)
+    assert slots is not None
+    return slots
 
 
 def _slot(schedule: Schedule, mounting: Mounting, angle_deg: float) -> int | None:
@@ -44,7 +52,7 @@ def _slot(schedule: Schedule, mounting: Mounting, angle_deg: float) -> int | Non
     return next((i for i in found if abs(positions[i].angle_deg - angle_deg) < _SAME), None)
 
 
-def functionals(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def functionals(u: Floats) -> tuple[Floats, Floats, Floats]:
     """c, s, b of one mounting: amplitudes of cos phi (formula 3) and sin phi, mean. u (..., 9, 3) -> (..., 3)."""
     u1, u2, u3, u4, u5, u6, u7, u8, u9 = np.moveaxis(u, -2, 0)
     c = (u1 + u9 - 2 * u5 + _SQRT2 * (u2 + u8 - u4 - u6)) / 8
@@ -53,32 +61,32 @@ def functionals(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return c, s, b
 
 
-def averaged(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def averaged(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
     """The earlier formulas: what both mountings tell is averaged."""
-    slots = paper_slots(schedule)
+    slots = _slots(schedule)
     c1, s1, b1 = functionals(means[..., slots[0], :])
     c2, s2, b2 = functionals(means[..., slots[1], :])
     k1_x, k2_x = s1, -s2
     return np.stack([(k1_x + k2_x) / 2, c2, c1], axis=-1), (b1 + b2) / 2
 
 
-def refined(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def refined(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
     """Formula (7): as averaged, but K_yx from mounting 2 alone and K_zx from mounting 1 alone."""
-    slots = paper_slots(schedule)
+    slots = _slots(schedule)
     k, u0 = averaged(schedule, means)
     k[..., 1, 0] = -functionals(means[..., slots[1], :])[1][..., 1]
     k[..., 2, 0] = functionals(means[..., slots[0], :])[1][..., 2]
     return k, u0
 
 
-def dense_design(schedule: Schedule) -> np.ndarray:
+def dense_design(schedule: Schedule) -> Floats:
     """The design of all channels at once, (3 x fit positions, 12): K column by column, then U0."""
     force = Geometry(schedule).force()[fit_indices(schedule)]
     with_bias = np.column_stack([force, np.ones(len(force))])
-    return np.kron(with_bias, np.eye(3))
+    return np.kron(with_bias, np.eye(3)).astype(float, copy=False)
 
 
-def least_squares(schedule: Schedule, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def least_squares(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
     """Ordinary least squares on the ideal geometry, from the dense design by singular values.
 
     Refined once from residuals in the longest floating-point format there is: a witness must be better than what it
@@ -107,7 +115,7 @@ def magnification(schedule: Schedule) -> float:
 _ESTIMATORS = {"averaged": averaged, "refined": refined, "least_squares": least_squares}
 
 
-def estimate(schedule: Schedule, means: np.ndarray, estimator: str) -> tuple[np.ndarray, np.ndarray]:
+def estimate(schedule: Schedule, means: Floats, estimator: str) -> tuple[Floats, Floats]:
     """K (..., 3, 3) and U0 (..., 3) from means (..., positions, 3) of all positions of the schedule."""
     return _ESTIMATORS[estimator](schedule, np.asarray(means, dtype=float))
 

@@ -12,8 +12,12 @@ with t the known tilt of the axis; a yaw about v and the mounting's rotation bri
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tumble.arrays import Floats
 from tumble.schedule import Mounting, Position, Schedule
+
+Error = complex | Floats | NDArray[np.complex128]
 
 
 def paper_schedule() -> Schedule:
@@ -40,7 +44,7 @@ class Geometry:
         self._tilt = np.deg2rad([schedule.mountings[index].tilt_deg for index in self.mounting_index])
         self._phi = np.deg2rad([position.angle_deg for position in schedule.positions])
 
-    def force(self, alpha1=0.0, alpha2=0.0, alpha3=0.0, delta=0.0) -> np.ndarray:
+    def force(self, alpha1: Error = 0.0, alpha2: Error = 0.0, alpha3: Error = 0.0, delta: Error = 0.0) -> Floats:
         """Specific force (g) on the block axes x, y, z: (positions, 3).
 
         alpha1, alpha2: scalars; alpha3: one yaw, or one per mounting; delta: one error, or one per position. Radians,
@@ -53,8 +57,9 @@ class Geometry:
         yaw = yaws[..., self.mounting_index]
         h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)
         yawed = np.stack([h * np.cos(yaw) + n * np.sin(yaw), n * np.cos(yaw) - h * np.sin(yaw), v + 0 * yaw], axis=-1)
-        return np.einsum("pij,...pj->...pi", self._rotation, yawed)
+        force: Floats = np.einsum("pij,...pj->...pi", self._rotation, yawed)
+        return force
 
-    def outputs(self, k: np.ndarray, u0: np.ndarray, **errors) -> np.ndarray:
+    def outputs(self, k: Floats, u0: Floats, **errors: Error) -> Floats:
         """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""
         return self.force(**errors) @ np.asarray(k).T + u0

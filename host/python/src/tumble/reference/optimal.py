@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.geometry import Geometry
 from tumble.reference.uncertainty import contributions, sources
@@ -31,24 +32,24 @@ class OptimalEstimate:
     coefficient; `misfit`: rms of the residuals over what the stand declares for as many samples as each mean has, about
     1 where that is true."""
 
-    k: np.ndarray
-    u0: np.ndarray
-    u_k: np.ndarray
-    u_u0: np.ndarray
+    k: Floats
+    u0: Floats
+    u_k: Floats
+    u_u0: Floats
     alpha1: float
     alpha2: float
-    alpha3: np.ndarray
+    alpha3: Floats
     magnification: float
     misfit: float
 
 
 def optimal(
     schedule: Schedule,
-    means: np.ndarray,
+    means: Floats,
     stand: Stand,
-    samples: np.ndarray,
+    samples: Integers,
     step: float = 0.0,
-    known_k: np.ndarray | None = None,
+    known_k: Floats | None = None,
     known_samples: float | None = None,
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
@@ -59,8 +60,8 @@ def optimal(
 
 
 def optimal_uncertainties(
-    schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray, step: float, known_samples: int
-) -> tuple[np.ndarray, np.ndarray]:
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, known_samples: float
+) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as
     of `optimal`."""
     u = _Whitened(schedule, k, stand, samples, step, known_samples).standard_uncertainties()
@@ -73,9 +74,9 @@ class _Whitened:
     def __init__(
         self,
         schedule: Schedule,
-        k: np.ndarray,
+        k: Floats,
         stand: Stand,
-        samples: np.ndarray,
+        samples: Integers,
         step: float,
         known_samples: float | None = None,
     ):
@@ -96,16 +97,17 @@ class _Whitened:
         prior = np.eye(len(self.sigma), self.model.shape[1], 12)
         self.system = np.vstack([self.model / self.noise, prior])
 
-    def unknowns(self, outputs: np.ndarray) -> np.ndarray:
+    def unknowns(self, outputs: Floats) -> Floats:
         """Best estimate of all unknowns, for outputs (3 x fit positions, any number of columns)."""
         right = np.vstack([outputs / self.noise, np.zeros((len(self.sigma), outputs.shape[1]))])
         length = np.sqrt((self.system**2).sum(axis=0))
         solution = np.linalg.lstsq(self.system / length, right, rcond=None)[0] / length[:, None]
         residual = right - self.system.astype(np.longdouble) @ solution
         correction = np.linalg.lstsq(self.system / length, residual.astype(float), rcond=None)[0]
-        return solution + correction / length[:, None]
+        solved: Floats = solution + correction / length[:, None]
+        return solved
 
-    def solve(self, means: np.ndarray) -> OptimalEstimate:
+    def solve(self, means: Floats) -> OptimalEstimate:
         """Apply the linear solution, and again to what the second order leaves of the outputs."""
         measured = means[self.fit].reshape(-1, 1)
         x = self.unknowns(measured)
@@ -118,27 +120,28 @@ class _Whitened:
         misfit = self._misfit(measured - self._exact(x), x)
         return OptimalEstimate(k, u0, u[:9].reshape(3, 3), u[9:], alpha1, alpha2, alpha3, largest, misfit)
 
-    def _misfit(self, residuals: np.ndarray, x: np.ndarray) -> float:
+    def _misfit(self, residuals: Floats, x: Floats) -> float:
         """With each position's own noise, whatever the weights took it for."""
         noise = np.repeat(self._noise_of_means()[self.fit], 3)[:, None]
         freedom = max(1, len(residuals) - 12)
         return float(np.sqrt(((residuals / noise) ** 2).sum() + (x[12:] ** 2).sum()) / np.sqrt(freedom))
 
-    def _noise_of_means(self) -> np.ndarray:
-        return np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
+    def _noise_of_means(self) -> Floats:
+        noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
+        return noise
 
-    def standard_uncertainties(self) -> np.ndarray:
+    def standard_uncertainties(self) -> Floats:
         """Of an estimate (12,), K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
         return np.sqrt(sum(part**2 for part in contributions(self._linear, errors).values()))
 
-    def _linear(self, means: np.ndarray) -> np.ndarray:
+    def _linear(self, means: Floats) -> Floats:
         """Coefficients, K row by row, of (draws, positions, 3)."""
         x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[:12].T
         return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
 
-    def _stand(self, x: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
+    def _stand(self, x: Floats) -> tuple[float, float, Floats, Floats]:
         """alpha1, alpha2, alpha3 per mounting, delta per position of the schedule."""
         errors = self.sigma * x[12:, 0]
         positions, mountings = len(self.schedule.positions), len(self.schedule.mountings)
@@ -146,7 +149,7 @@ class _Whitened:
         alpha3 = np.repeat(yaws, mountings) if self.stand.remounting == COMMON else yaws
         return float(errors[0]), float(errors[1]), alpha3, errors[-positions:]
 
-    def _exact(self, x: np.ndarray) -> np.ndarray:
+    def _exact(self, x: Floats) -> Floats:
         """Outputs (3 x fit positions, 1) on the exact geometry."""
         alpha1, alpha2, alpha3, delta = self._stand(x)
         k, u0 = _coefficients(x[:12, 0])
@@ -154,5 +157,5 @@ class _Whitened:
         return outputs[self.fit].reshape(-1, 1)
 
 
-def _coefficients(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _coefficients(x: Floats) -> tuple[Floats, Floats]:
     return x[:9].reshape(3, 3).T, x[9:]

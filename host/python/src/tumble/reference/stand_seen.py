@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, functionals, paper_slots
 from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
@@ -44,7 +45,7 @@ class AngleError:
     freedom: float
 
 
-def pooled_noise(samples: np.ndarray, scatter: np.ndarray) -> tuple[float | None, float | None]:
+def pooled_noise(samples: Integers, scatter: Floats) -> tuple[float | None, float | None]:
     """Standard deviation of one sample, pooled over positions and channels, and its standard uncertainty.
 
     `samples` (positions,), `scatter` (positions, 3), read where samples > 1. None, None when a run holds only means.
@@ -57,7 +58,7 @@ def pooled_noise(samples: np.ndarray, scatter: np.ndarray) -> tuple[float | None
     return float(np.sqrt(variance)), float(np.sqrt(variance / (2 * freedom)))
 
 
-def closed_form(slots: np.ndarray, k: np.ndarray, means: np.ndarray) -> np.ndarray:
+def closed_form(slots: Integers, k: Floats, means: Floats) -> Floats:
     """The three of ANGLES, alpha3 as mean and as first mounting less second: means (..., P, 3) -> (..., 3)."""
     _, s1, b1 = functionals(means[..., slots[0], :])
     _, s2, b2 = functionals(means[..., slots[1], :])
@@ -70,7 +71,7 @@ class Model:
     """The outputs of all positions, linear in everything: `design` (3P, 14 + mountings) for coefficients, alpha1,
     alpha2, alpha3 by mounting; `by_set_angle` (P, 3P), their derivative with respect to each set angle; P positions."""
 
-    def __init__(self, schedule: Schedule, k: np.ndarray):
+    def __init__(self, schedule: Schedule, k: Floats):
         self._geometry, self._k = Geometry(schedule), k
         positions, mountings = len(schedule.positions), len(schedule.mountings)
         by_angle = [self._derivative(alpha1=1.0), self._derivative(alpha2=1.0)]
@@ -87,7 +88,7 @@ class Model:
             "alpha3_difference": np.array([0.0, 0.0, *pair]) if len(used) > 1 else None,
         }
 
-    def _derivative(self, **draw) -> np.ndarray:
+    def _derivative(self, **draw: float | Floats) -> Floats:
         force = self._geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
         return (np.imag(force) / _STEP @ self._k.T).ravel()
 
@@ -96,7 +97,7 @@ class RunSeen:
     """What one run shows of the stand: `means` (positions, 3) of a schedule, and the `k` found from them. Every
     `variance` (positions,) is that of each mean by its noise, every `alpha4` the standard deviation of a set angle."""
 
-    def __init__(self, schedule: Schedule, means: np.ndarray, k: np.ndarray):
+    def __init__(self, schedule: Schedule, means: Floats, k: Floats):
         self._fit = fit_indices(schedule)
         self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))
         self._scale = np.abs(k).max()
@@ -108,7 +109,7 @@ class RunSeen:
         """The largest output, as a specific force in g."""
         return float(np.abs(np.linalg.solve(self._k, self._means.T)).max())
 
-    def angles(self, alpha4: float | None, variance: np.ndarray) -> dict[str, Estimate | None]:
+    def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Estimate | None]:
         """The angles by the closed form: all None where the paper's positions are not all there. Without an `alpha4`
         the uncertainties are 0.
 
@@ -127,7 +128,7 @@ class RunSeen:
         values = closed_form(slots, self._k, self._means)
         return {name: Estimate(*pair) for name, pair in zip(ANGLES, zip(values.tolist(), u.tolist()))}
 
-    def fit(self, alpha4: float, variance: np.ndarray) -> dict[str, Estimate | None]:
+    def fit(self, alpha4: float, variance: Floats) -> dict[str, Estimate | None]:
         """The angles by least squares for everything at once, each None where these positions cannot tell it."""
         design, by_set_angle, right = self._whitened(variance)
         count, unknowns = by_set_angle.shape[1], design.shape[1]
@@ -146,7 +147,7 @@ class RunSeen:
                     found[name] = Estimate(float(gains[: len(right)] @ right), float(np.linalg.norm(gains)))
         return found
 
-    def angle_error(self, variance: np.ndarray) -> AngleError:
+    def angle_error(self, variance: Floats) -> AngleError:
         """alpha4 such that chi-squared is what it should be (Paule and Mandel). None where there is no excess."""
         values, gains = self._components(variance)
         count = len(values)
@@ -160,12 +161,12 @@ class RunSeen:
         freedom, alpha4 = float(share**2 / count), float(np.sqrt(high))
         return AngleError(Estimate(alpha4, float(alpha4 / np.sqrt(2 * freedom))), freedom)
 
-    def angle_chi_squared(self, alpha4: float, variance: np.ndarray) -> tuple[float, int]:
+    def angle_chi_squared(self, alpha4: float, variance: Floats) -> tuple[float, int]:
         """Chi-squared of the residuals that errors of set angles move, and its degrees of freedom."""
         values, gains = self._components(variance)
         return float((values**2 / (1 + alpha4**2 * gains)).sum()), len(values)
 
-    def misfit(self, variance: np.ndarray) -> float:
+    def misfit(self, variance: Floats) -> float:
         """Rms of what no coefficient and no angle explains, in units of the noise: about 1 where that is the truth."""
         design, by_set_angle, right = self._whitened(variance)
         left, singular, _ = np.linalg.svd(np.hstack([design, by_set_angle]), full_matrices=False)
@@ -173,7 +174,7 @@ class RunSeen:
         rest = right - explaining @ (explaining.T @ right)
         return float(np.linalg.norm(rest) / np.sqrt(max(1, len(right) - explaining.shape[1])))
 
-    def _whitened(self, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _whitened(self, variance: Floats) -> tuple[Floats, Floats, Floats]:
         """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the
         noise."""
         noise = np.maximum(np.sqrt(np.repeat(variance[self._fit], 3)) / self._scale, _SMALLEST_NOISE)
@@ -181,7 +182,7 @@ class RunSeen:
         left = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
         return self._model.design / noise[:, None], self._model.by_set_angle.T / noise[:, None], left / noise
 
-    def _components(self, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _components(self, variance: Floats) -> tuple[Floats, Floats]:
         """The residuals that errors of set angles move, as independent components: their values, in units of the noise,
         and the variance that a set angle of standard deviation 1 rad gives each."""
         design, by_set_angle, right = self._whitened(variance)

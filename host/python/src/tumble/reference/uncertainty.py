@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import estimate
 from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
@@ -25,11 +26,11 @@ class Source:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
     outputs with respect to each draw."""
 
-    sigma: np.ndarray
-    derivative: np.ndarray
+    sigma: Floats
+    derivative: Floats
 
 
-def sources(schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray) -> dict[str, Source]:
+def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
     """Every source of error, by name as in SOURCES.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
@@ -40,8 +41,10 @@ def sources(schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
     averaged_over = np.where(samples > 1, samples, stand.samples)
 
-    def angles(source: str, draws: list[dict]) -> Source:
-        steps = [geometry.force(**{name: 1j * _STEP * value for name, value in draw.items()}) for draw in draws]
+    def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
+        steps = [
+            geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()}) for draw in draws
+        ]
         return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T)
 
     return {
@@ -56,7 +59,7 @@ def sources(schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray
     }
 
 
-def contributions(of: Callable[[np.ndarray], np.ndarray], errors: dict[str, Source]) -> dict[str, np.ndarray]:
+def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> dict[str, Floats]:
     """Standard uncertainty that each source brings to a linear function of the means.
 
     `of` maps (draws, positions, 3) to (draws, n); the result has an array (n,) for every source.
@@ -68,11 +71,11 @@ def contributions(of: Callable[[np.ndarray], np.ndarray], errors: dict[str, Sour
 
 
 def standard_uncertainties(
-    schedule: Schedule, k: np.ndarray, stand: Stand, samples: np.ndarray, estimator: str
-) -> tuple[np.ndarray, np.ndarray]:
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
+) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units. Arguments as of `sources`; `k` is the solved K."""
 
-    def coefficients(means: np.ndarray) -> np.ndarray:
+    def coefficients(means: Floats) -> Floats:
         found_k, found_u0 = estimate(schedule, means, estimator)
         return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
 

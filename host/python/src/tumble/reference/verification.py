@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.reference.estimators import fit_indices
 from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
@@ -11,13 +12,14 @@ from tumble.schedule import Schedule
 _SAME_ATTITUDE = 1e-12
 
 
-def gravity_errors(means: np.ndarray, k: np.ndarray, u0: np.ndarray) -> np.ndarray:
+def gravity_errors(means: Floats, k: Floats, u0: Floats) -> Floats:
     """Formula (8) in g at every position: (|a|^2 - 1)/2 with K a = U - U0 solved. means (positions, 3)."""
     force = np.linalg.solve(k, (means - u0).T)
-    return ((force**2).sum(axis=0) - 1.0) / 2.0
+    errors: Floats = ((force**2).sum(axis=0) - 1.0) / 2.0
+    return errors
 
 
-def intrinsic(k: np.ndarray, u0: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def intrinsic(k: Floats, u0: Floats) -> tuple[Floats, Floats, Floats]:
     """Lengths of the rows of K (3,), angles between the rows xy, xz, yz in radians (3,), biases over lengths (3,)."""
     scale = np.linalg.norm(k, axis=1)
     pairs = [(0, 1), (0, 2), (1, 2)]
@@ -25,7 +27,7 @@ def intrinsic(k: np.ndarray, u0: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
     return scale, np.array(angles), u0 / scale
 
 
-def closure(schedule: Schedule, means: np.ndarray, mounting: int) -> np.ndarray | None:
+def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
     """Output at the last position of a mounting whose attitude came before, less the first such one's; None if none."""
     own = [index for index, position in enumerate(schedule.positions) if position.mounting == mounting]
     force = Geometry(schedule).force()
@@ -39,13 +41,15 @@ def closure(schedule: Schedule, means: np.ndarray, mounting: int) -> np.ndarray 
         return None
     late = max(late for late, _ in pairs)
     early = min(early for other, early in pairs if other == late)
-    return means[late] - means[early]
+    difference: Floats = means[late] - means[early]
+    return difference
 
 
-def residual_rms(schedule: Schedule, means: np.ndarray, k: np.ndarray, u0: np.ndarray) -> np.ndarray | None:
+def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats) -> Floats | None:
     """Root mean square of U - U0 - K a over the fit positions, less four degrees of freedom: (3,); None below five."""
     fit = fit_indices(schedule)
     if len(fit) < 5:
         return None
     residuals = (means - Geometry(schedule).outputs(k, u0))[fit]
-    return np.sqrt((residuals**2).sum(axis=0) / (len(fit) - 4))
+    rms: Floats = np.sqrt((residuals**2).sum(axis=0) / (len(fit) - 4))
+    return rms

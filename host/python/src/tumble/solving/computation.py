@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import core
+from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
 from tumble.solving import optimal_run
 
@@ -20,18 +21,18 @@ class Computation:
     """
 
     estimator: str
-    k: np.ndarray
-    u0: np.ndarray
+    k: Floats
+    u0: Floats
     gravity: core.GravityCheck
     intrinsic: core.Intrinsic
-    closure: dict[int, np.ndarray]
-    residual_rms: np.ndarray | None
+    closure: dict[int, Floats]
+    residual_rms: Floats | None
 
 
 def compute(
     schedule: core.CoreSchedule,
-    means: np.ndarray,
-    measured: np.ndarray,
+    means: Floats,
+    measured: Flags,
     estimator: str,
     limit_g: float,
     weighting: optimal_run.Weighting | None = None,
@@ -41,6 +42,7 @@ def compute(
     Raises CoreRefusal; DeadChannels where a channel does not feel gravity.
     """
     if estimator == OPTIMAL:
+        assert weighting is not None
         found = optimal_run.estimate(schedule, means, measured, weighting)
         k, u0 = found.k, found.u0
     else:
@@ -67,14 +69,14 @@ class DeadChannels(Exception):
 _ROUNDING = 1e-13  # of the outputs: a response below it is what summing them leaves, whatever the core makes of it
 
 
-def _require_response(k: np.ndarray, outputs: np.ndarray) -> None:
+def _require_response(k: Floats, outputs: Floats) -> None:
     response = np.linalg.norm(k, axis=1)
     dead = response <= np.maximum(core.MIN_ROW_RATIO * response.max(), _ROUNDING * np.abs(outputs).max(axis=0))
     if dead.any():
         raise DeadChannels([f"u{axis}" for axis, is_dead in zip(core.AXES, dead) if is_dead])
 
 
-def _closures(schedule: core.CoreSchedule, means: np.ndarray, measured: np.ndarray) -> dict[int, np.ndarray]:
+def _closures(schedule: core.CoreSchedule, means: Floats, measured: Flags) -> dict[int, Floats]:
     numbers = [mounting.number for mounting in schedule.data.mountings]
     differences = {number: core.closure(schedule, means, measured, number) for number in numbers}
     return {number: difference for number, difference in differences.items() if difference is not None}

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats, Integers
 from tumble.errors import Disagreement
 from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
-from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
+from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen, look, own_variance
 from tumble.stand import Stand
 
 RELATIVE_LIMIT = 1e-12
@@ -31,15 +32,15 @@ _DERIVED = 10.0
 class Comparison:
     """Core less witness: `k` (3, 3), `u0` (3,), in the unit of the outputs (per g)."""
 
-    k: np.ndarray
-    u0: np.ndarray
+    k: Floats
+    u0: Floats
 
 
 def compare(
     found: Computation,
     schedule: Schedule,
-    means: np.ndarray,
-    delta_g: np.ndarray,
+    means: Floats,
+    delta_g: Floats,
     optimal: OptimalEstimate | None = None,
 ) -> Comparison:
     """Compute all of it again and compare. Raises Disagreement, naming the quantity that differs.
@@ -80,7 +81,11 @@ def compare(
 
 
 def compare_seen(
-    found: StandSeen, run: reference.RunSeen, samples: np.ndarray, scatter: np.ndarray, stand: Stand | None,
+    found: StandSeen,
+    run: reference.RunSeen,
+    samples: Integers,
+    scatter: Floats,
+    stand: Stand | None,
     trust_stand: bool = True,
 ) -> None:
     """Look at the stand again, through the witness. Raises Disagreement.
@@ -91,7 +96,7 @@ def compare_seen(
     """
     noise, u_noise = reference.pooled_noise(samples, scatter)
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
-    seen = None if noise is None else Estimate(noise, u_noise)
+    seen = None if noise is None or u_noise is None else Estimate(noise, u_noise)
     witness = look(run, seen, samples, stand, trust_stand)
     variances = [own_variance(one, samples, stand) for one in (seen, None)]  # by the run and by the stand
     misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
@@ -102,9 +107,7 @@ def compare_seen(
         _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
 
 
-def compare_uncertainties(
-    stated: tuple[np.ndarray, np.ndarray], witness: tuple[np.ndarray, np.ndarray], optimal: bool
-) -> None:
+def compare_uncertainties(stated: tuple[Floats, Floats], witness: tuple[Floats, Floats], optimal: bool) -> None:
     """Standard uncertainties of K and U0 by the core and by numpy. Raises Disagreement.
 
     They may differ by 1e-9, relative; those of the optimal estimator, whose weights both make on their own, by 1e-6.
@@ -115,33 +118,39 @@ def compare_uncertainties(
         _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
 
 
-def _require_seen(name: str, core, witness, rounded: float, misfit: float = 1.0) -> None:
+def _require_seen(
+    name: str, core: Quantity | None, witness: Quantity | None, rounded: float, misfit: float = 1.0
+) -> None:
     if core is None or witness is None:
-        _require_same(f"{name} of the stand seen", core, witness, 0.0)
+        _require_both(f"{name} of the stand seen", core, witness)
         return
     allowed = max(SEEN_LIMIT_U * misfit * witness.u, rounded)
     _require(f"{name} of the stand seen", core.value, witness.value, allowed)
     _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
 
 
-def _allowed(schedule: Schedule, means: np.ndarray, largest_k: float) -> float:
+def _allowed(schedule: Schedule, means: Floats, largest_k: float) -> float:
     bits = max(_LAST_BITS, _MAGNIFIED_BITS * reference.magnification(schedule))
-    return max(RELATIVE_LIMIT * largest_k, bits * np.abs(means).max())
+    return max(RELATIVE_LIMIT * largest_k, bits * float(np.abs(means).max()))
 
 
-def _allowed_of_optimal(optimal: OptimalEstimate, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats]:
     bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification) * np.abs(means).max()
     return np.maximum(OPTIMAL_LIMIT_U * optimal.u_k, bits), np.maximum(OPTIMAL_LIMIT_U * optimal.u_u0, bits)
 
 
-def _require_same(name: str, core: np.ndarray | None, witness: np.ndarray | None, limit: float) -> None:
-    if (core is None) != (witness is None):
-        raise Disagreement(f"the C core and numpy disagree: only one of them gives {name}; no result is given")
-    if core is not None:
+def _require_same(name: str, core: Floats | None, witness: Floats | None, limit: float) -> None:
+    _require_both(name, core, witness)
+    if core is not None and witness is not None:
         _require(name, core, witness, limit)
 
 
-def _require(name: str, core: np.ndarray, witness: np.ndarray, limit: np.ndarray | float) -> None:
+def _require_both(name: str, core: object, witness: object) -> None:
+    if (core is None) != (witness is None):
+        raise Disagreement(f"the C core and numpy disagree: only one of them gives {name}; no result is given")
+
+
+def _require(name: str, core: Floats | float, witness: Floats | float, limit: Floats | float) -> None:
     difference, limit = np.broadcast_arrays(np.abs(core - witness), limit)
     if not (difference <= limit).all():
         worst = int(np.argmin(limit - difference))  # the first that is not a number, if there is one

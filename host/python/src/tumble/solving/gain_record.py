@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.schedule import FIT, Schedule
 from tumble.solving.gains import OptimalTable
 
@@ -34,12 +35,12 @@ class Record:
     yaws: int
     schedule_crc: int
     block_crc: int
-    k: np.ndarray
-    sigma: np.ndarray
+    k: Floats
+    sigma: Floats
     sigma_mean: float
-    u: np.ndarray
-    gains: np.ndarray
-    nuisance_gains: np.ndarray
+    u: Floats
+    gains: Floats
+    nuisance_gains: Floats
 
 
 def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None) -> Record:
@@ -75,7 +76,8 @@ def fingerprint(schedule: Schedule) -> int:
 def to_bytes(record: Record) -> bytes:
     """The record, CRC and all."""
     head = np.concatenate([record.k.ravel(), record.sigma, [record.sigma_mean], record.u])
-    numbers = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel()]).astype("<f8").tobytes()
+    values = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel()])
+    numbers: bytes = values.astype("<f8").tobytes()
     size = _HEAD.size + len(numbers) + _TAIL.size
     counts = record.fit_positions, record.mountings, record.yaws
     body = _HEAD.pack(MAGIC, size, SCHEMA, *counts, record.schedule_crc, record.block_crc) + numbers + bytes(4)
@@ -187,7 +189,7 @@ def to_c_header(record: Record, title: str = "") -> str:
     )
 
 
-def _c_array(values: np.ndarray) -> str:
+def _c_array(values: Floats) -> str:
     """Braces and numbers that read back as the same bits, a few to a line."""
     if values.ndim > 1:
         return "{\n        " + ",\n        ".join(map(_c_array, values)) + "}"

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL, PAPER
 from tumble.reference.estimators import fit_indices, paper_slots, unidentified
@@ -40,11 +41,11 @@ class Linearised:
     index of each position's mounting.
     """
 
-    force: np.ndarray
-    alpha1: np.ndarray
-    alpha3: np.ndarray
-    delta: np.ndarray
-    mounting: np.ndarray
+    force: Floats
+    alpha1: Floats
+    alpha3: Floats
+    delta: Floats
+    mounting: Integers
 
 
 @dataclass(frozen=True)
@@ -56,22 +57,22 @@ class OptimalTable:
     which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
     """
 
-    k: np.ndarray
-    gains: np.ndarray
-    nuisance_gains: np.ndarray
-    sigma_shared: np.ndarray
+    k: Floats
+    gains: Floats
+    nuisance_gains: Floats
+    sigma_shared: Floats
     sigma_angle: float
     sigma_mean: float
-    u: np.ndarray
+    u: Floats
     floored: bool
 
 
-def gains(schedule: Schedule, estimator: str, k: np.ndarray, stand: Stand, step: float = 0.0) -> np.ndarray:
+def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: float = 0.0) -> Floats:
     """Gains (12, 3P) of an estimator; `k`, `stand` and `step` (see `optimal_table`) matter to optimal alone."""
     return optimal_table(schedule, k, stand, step).gains if estimator == OPTIMAL else linear_gains(schedule, estimator)
 
 
-def linear_gains(schedule: Schedule, estimator: str) -> np.ndarray:
+def linear_gains(schedule: Schedule, estimator: str) -> Floats:
     """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
     if estimator in PAPER and paper_slots(schedule) is None:
         raise UsageError(f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule")
@@ -83,7 +84,7 @@ def linear_gains(schedule: Schedule, estimator: str) -> np.ndarray:
 
 
 def optimal_table(
-    schedule: Schedule, k: np.ndarray, stand: Stand, step: float = 0.0, samples: float | None = None
+    schedule: Schedule, k: Floats, stand: Stand, step: float = 0.0, samples: float | None = None
 ) -> OptimalTable:
     """The optimal estimator. `step`: of the converter, in the outputs' unit, 0 if unknown; `samples`: in a mean, the
     stand's unless given.
@@ -110,23 +111,23 @@ def optimal_table(
     return OptimalTable(k, beta, shared[:, None] * prior[: len(shared)], shared, angle, sigma_mean, u, floored)
 
 
-def standard_deviations(
-    schedule: Schedule, weights: np.ndarray, k: np.ndarray, stand: Stand, sigma_mean: float
-) -> np.ndarray:
+def standard_deviations(schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float) -> Floats:
     """Standard deviations (12,) of an estimate with gains `weights` (12, 3P), for a block of sensitivity `k`."""
     model, shared = linearise(schedule), shared_sigmas(schedule, stand)
     by_shared = weights @ (shared_derivatives(model, k, len(shared)) * shared)
     by_angle = np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ k.T) * stand.sigma("angle")
-    return np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + (weights**2).sum(axis=1) * sigma_mean**2)
+    by_noise = (weights**2).sum(axis=1) * sigma_mean**2
+    sigmas: Floats = np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + by_noise)
+    return sigmas
 
 
-def shared_sigmas(schedule: Schedule, stand: Stand) -> np.ndarray:
+def shared_sigmas(schedule: Schedule, stand: Stand) -> Floats:
     """Standard deviations of what positions share: alpha1, alpha2, then alpha3 of each mounting or of all."""
     yaws = 1 if stand.remounting == COMMON else len(schedule.mountings)
     return np.array([stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws])
 
 
-def mean_sigma(k: np.ndarray, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
+def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
     """Standard deviation of a position's mean, and whether that is only the floor, NOISE_FLOOR_G of max|K|."""
     floor = NOISE_FLOOR_G * float(np.abs(k).max())
     sigma = max(stand.sigma("noise"), abs(step) / 12**0.5) / samples**0.5
@@ -145,8 +146,9 @@ def linearise(schedule: Schedule) -> Linearised:
     phi = np.deg2rad([position.angle_deg for position in fit])
     s, c, sine, cosine, zero = np.sin(phi), np.cos(phi), np.sin(tilt), np.cos(tilt), np.zeros(len(fit))
 
-    def on_block(*table_axes: np.ndarray) -> np.ndarray:
-        return np.einsum("pij,pj->pi", rotation, np.stack(table_axes, axis=-1))
+    def on_block(*table_axes: Floats) -> Floats:
+        forces: Floats = np.einsum("pij,pj->pi", rotation, np.stack(table_axes, axis=-1))
+        return forces
 
     return Linearised(
         force=on_block(cosine * s, sine, cosine * c),
@@ -157,21 +159,21 @@ def linearise(schedule: Schedule) -> Linearised:
     )
 
 
-def design(model: Linearised) -> np.ndarray:
+def design(model: Linearised) -> Floats:
     """A (3P, 12): outputs by coefficients."""
     with_bias = np.column_stack([model.force, np.ones(len(model.force))])
     by_channel = np.einsum("pj,ic->picj", with_bias, np.eye(3))
     return np.concatenate([by_channel[..., :3].reshape(-1, 9), by_channel[..., 3].reshape(-1, 3)], axis=1)
 
 
-def shared_derivatives(model: Linearised, k: np.ndarray, shared: int) -> np.ndarray:
+def shared_derivatives(model: Linearised, k: Floats, shared: int) -> Floats:
     """J (3P, shared): outputs by alpha1, alpha2 and each alpha3, `shared` of them in all."""
     yaws = np.eye(shared - 2)[model.mounting] if shared > 3 else np.ones((len(model.force), shared - 2))
     force = np.concatenate([model.alpha1[:, None], model.delta[:, None], yaws[..., None] * model.alpha3[:, None]], 1)
     return np.swapaxes(force @ k.T, 1, 2).reshape(-1, shared)
 
 
-def _augmented(model: Linearised, k: np.ndarray, shared: np.ndarray, angle: float, sigma_mean: float) -> np.ndarray:
+def _augmented(model: Linearised, k: Floats, shared: Floats, angle: float, sigma_mean: float) -> Floats:
     """[J S, D sigma4, A] over the prior's rows, all times the noise: unknowns of the prior have unit variance."""
     positions = len(model.force)
     by_angle = np.zeros((positions, 3, positions))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import core
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core.optimal import OptimalEstimate, optimal
 from tumble.schedule import CHECK, Schedule
 from tumble.solving.gain_record import record_of, to_bytes
@@ -22,7 +23,7 @@ class Known:
     """What a table was made for that existed before the run: the block's `k` (3, 3), `samples` expected in every mean,
     not necessarily a whole number."""
 
-    k: np.ndarray
+    k: Floats
     samples: float
 
 
@@ -33,22 +34,18 @@ class Weighting:
     if one did."""
 
     stand: Stand
-    samples: np.ndarray
+    samples: Integers
     step: float = 0.0
     known: Known | None = None
 
 
-def estimate(
-    schedule: core.CoreSchedule, means: np.ndarray, measured: np.ndarray, weighting: Weighting
-) -> OptimalEstimate:
+def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalEstimate:
     """Coefficients and the stand's errors by the core. Raises CoreRefusal; UsageError where weights cannot be made."""
     table = make_table(schedule, means, measured, weighting)
     return apply_table(table, schedule.part(measured), means[measured])
 
 
-def make_table(
-    schedule: core.CoreSchedule, means: np.ndarray, measured: np.ndarray, weighting: Weighting
-) -> OptimalTable:
+def make_table(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalTable:
     """The weights for a run. Raises CoreRefusal, UsageError."""
     first = core.estimate(schedule, means, measured, "least_squares")[0]
     k = first if weighting.known is None else weighting.known.k
@@ -56,12 +53,12 @@ def make_table(
     return optimal_table(schedule.data.part(measured), k, weighting.stand, weighting.step, samples)
 
 
-def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: np.ndarray) -> OptimalEstimate:
+def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:
     """Let the core evaluate a table made for this very schedule, all of it measured. Raises CoreRefusal."""
     return optimal(to_bytes(record_of(table, schedule.data)), schedule, means)
 
 
-def samples_in_a_mean(schedule: Schedule, measured: np.ndarray, weighting: Weighting) -> float:
+def samples_in_a_mean(schedule: Schedule, measured: Flags, weighting: Weighting) -> float:
     """As many samples in every mean as give the same noise on the average. A lone row is a mean of the stand's."""
     if weighting.known is not None:
         return float(weighting.known.samples)

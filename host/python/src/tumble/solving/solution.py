@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from tumble import core, reference
+from tumble.arrays import Floats, Integers
 from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
@@ -19,21 +21,27 @@ from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import SecondOrder, Stand
 from tumble.units import volts_per
 
-
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3` by mounting and
-    `alpha4` by position."""
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians,
+    `alpha3` by mounting and `alpha4` by position."""
 
-    k: np.ndarray
-    u0: np.ndarray
+    k: Floats
+    u0: Floats
     alpha1: float
     alpha2: float
     alpha3: tuple[float, ...]
     alpha4: tuple[float, ...]
+
+
+class Doubt(Protocol):
+    """That of fixture.stand_doubts."""
+
+    @property
+    def source(self) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -52,13 +60,13 @@ class Solution:
     limit_g: float
     found: Computation
     comparison: Comparison
-    u_k: np.ndarray | None
-    u_u0: np.ndarray | None
+    u_k: Floats | None
+    u_u0: Floats | None
     stand: Stand | None
     stand_seen: StandSeen
     misfit: float | None = None
     truth: Truth | None = None
-    doubts: tuple | None = None
+    doubts: tuple[Doubt, ...] | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -66,9 +74,15 @@ class Solution:
         return self.schedule.part(self.run.measured)
 
     @property
+    def declared(self) -> Stand:
+        """The declared stand, in the unit of the run; for whoever knows that there is one."""
+        assert self.stand is not None
+        return self.stand.in_unit(self.run.unit)
+
+    @property
     def second_order(self) -> SecondOrder | None:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
-        if self.stand is None:
+        if self.stand is None or self.u_k is None:
             return None
         claimed = np.diag(self.found.k), np.diag(self.u_k)
         return SecondOrder.of(self.stand.shared_angles, *claimed, self.found.estimator)
@@ -101,6 +115,7 @@ def solve(
     core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
     weighting = None
     if estimator == OPTIMAL:
+        assert declared is not None  # as documented
         weighting = optimal_run.Weighting(declared, run.samples, step, known)
     try:
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
@@ -109,7 +124,7 @@ def solve(
     except DeadChannels as error:
         raise BadInput(str(error), file) from None
     witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
-    means, samples, scatter = (rows[run.measured] for rows in (run.means, run.samples, run.scatter))
+    means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     u_k, u_u0, misfit = None, None, None
@@ -127,8 +142,8 @@ def solve(
 
 
 def _uncertainties(
-    schedule: core.CoreSchedule, run: Run, k: np.ndarray, stand: Stand, estimator: str, step: float, file: str
-) -> tuple[np.ndarray, np.ndarray]:
+    schedule: core.CoreSchedule, run: Run, k: Floats, stand: Stand, estimator: str, step: float, file: str
+) -> tuple[Floats, Floats]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
     try:
         return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
@@ -136,7 +151,9 @@ def _uncertainties(
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
-def _witness(schedule: Schedule, means: np.ndarray, samples: np.ndarray, weighting: optimal_run.Weighting, file: str):
+def _witness(
+    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, file: str
+) -> reference.OptimalEstimate:
     """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
     for errors that are not there would mislead."""
     known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)

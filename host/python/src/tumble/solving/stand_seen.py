@@ -6,11 +6,13 @@ once.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from tumble.arrays import Floats, Integers
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
@@ -23,6 +25,32 @@ NAMES = {  # of what is seen, for people
 }
 
 
+class Quantity(Protocol):
+    """With its standard uncertainty."""
+
+    @property
+    def value(self) -> float: ...
+    @property
+    def u(self) -> float: ...
+
+
+class AngleError(Protocol):
+    """Of set angles; `seen` None where the run cannot tell."""
+
+    @property
+    def seen(self) -> Quantity | None: ...
+    @property
+    def freedom(self) -> float: ...
+
+
+class RunSeen(Protocol):
+    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen."""
+
+    def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
+    def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
+    def angle_error(self, variance: Floats, /) -> AngleError: ...
+
+
 @dataclass(frozen=True)
 class StandSeen:
     """Angles in rad, noise of one sample in the unit of the outputs; an entry None is what the run cannot tell. Each
@@ -33,11 +61,11 @@ class StandSeen:
     degrees of freedom; None: unknown, and u is 0). `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
     """
 
-    noise: Any
-    alpha4: Any
+    noise: Quantity | None
+    alpha4: Quantity | None
     alpha4_freedom: float
-    angles: dict[str, Any]
-    augmented: dict[str, Any]
+    angles: Mapping[str, Quantity | None]
+    augmented: Mapping[str, Quantity | None]
     source: str | None
 
     @property
@@ -46,37 +74,40 @@ class StandSeen:
         return self.alpha4_freedom if self.source == "run" else None
 
 
-def look(run, noise, samples: np.ndarray, stand: Stand | None, trust_stand: bool = True) -> StandSeen:
+def look(
+    run: RunSeen, noise: Quantity | None, samples: Integers, stand: Stand | None, trust_stand: bool = True
+) -> StandSeen:
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
     A lone row is taken for a mean of the stand's `samples`. A stand that is not to be trusted gives no uncertainties,
     except where the run itself has none to give.
     """
-    declared = None if stand is None else stand.sigma("noise") ** 2 / averaged_over(samples, stand)
     own = own_variance(noise, samples, stand)
     error = None if own is None else run.angle_error(own)
     alpha4 = None if error is None else error.seen
-    unknown = dict.fromkeys(ANGLES)
     if stand is not None and (trust_stand or alpha4 is None):
-        source, sigma, variance = "stand", stand.sigma("angle"), declared
-    elif alpha4 is not None:
+        source, sigma = "stand", stand.sigma("angle")
+        variance = stand.sigma("noise") ** 2 / averaged_over(samples, stand)
+    elif alpha4 is not None and own is not None:
         source, sigma, variance = "run", alpha4.value, own
     else:
-        return StandSeen(noise, None, 0.0, run.angles(None, np.zeros(len(samples))), unknown, None)
-    freedom = 0.0 if alpha4 is None else error.freedom
+        angles = run.angles(None, np.zeros(len(samples)))
+        return StandSeen(noise, None, 0.0, angles, dict.fromkeys(ANGLES), None)
+    freedom = 0.0 if error is None or alpha4 is None else error.freedom
     return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), run.fit(sigma, variance), source)
 
 
-def averaged_over(samples: np.ndarray, stand: Stand | None) -> np.ndarray:
+def averaged_over(samples: Integers, stand: Stand | None) -> Floats:
     """How many samples each mean has."""
     return np.where(samples > 1, samples, 1 if stand is None else stand.samples)
 
 
-def own_variance(noise, samples: np.ndarray, stand: Stand | None) -> np.ndarray | None:
+def own_variance(noise: Quantity | None, samples: Integers, stand: Stand | None) -> Floats | None:
     """Variance of each mean by the noise that the run shows, else by the declared one; None where neither is known."""
     if noise is not None:
-        return noise.value**2 / averaged_over(samples, stand)
+        variance: Floats = noise.value**2 / averaged_over(samples, stand)
+        return variance
     return None if stand is None else stand.sigma("noise") ** 2 / averaged_over(samples, stand)
 
 
@@ -95,6 +126,6 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
     }
 
 
-def _pair(name: str, seen, has_u: bool = True, factor: float = 1.0) -> dict[str, float | None]:
+def _pair(name: str, seen: Quantity | None, has_u: bool = True, factor: float = 1.0) -> dict[str, float | None]:
     value, u = (None, None) if seen is None else (seen.value * factor, seen.u * factor)
     return {name: value, f"u_{name}": u if has_u else None}

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tumble import core
+from tumble.arrays import Flags, Floats, Integers
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
 from tumble.solving import optimal_run
@@ -16,13 +17,13 @@ from tumble.stand import Stand
 
 def standard_uncertainties(
     schedule: core.CoreSchedule,
-    measured: np.ndarray,
-    k: np.ndarray,
+    measured: Flags,
+    k: Floats,
     stand: Stand,
-    samples: np.ndarray,
+    samples: Integers,
     estimator: str,
     step: float = 0.0,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units; `stand` and the converter's `step` in the outputs' unit.
 
     `samples` and `measured` (positions,). Those of the optimal estimator are for weights made at the solved `k`: the
@@ -34,8 +35,15 @@ def standard_uncertainties(
     weighting = optimal_run.Weighting(stand, samples, step)
     averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
     gains = optimal_table(part.data, k, stand, step, averaged_over).gains
-    angles = {name: stand.sigma(name) for name in ("axis_tilt", "level", "remount", "angle")}
     one_sample = max(stand.sigma("noise"), abs(step) / 12**0.5)
-    used = replace(stand, **angles, noise=one_sample, limits="sigma1")
+    used = replace(
+        stand,
+        axis_tilt=stand.sigma("axis_tilt"),
+        level=stand.sigma("level"),
+        remount=stand.sigma("remount"),
+        angle=stand.sigma("angle"),
+        noise=one_sample,
+        limits="sigma1",
+    )
     least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it
     return uncertainties_of_gains(part, k, used, samples[measured], gains, least_noise=least_noise)

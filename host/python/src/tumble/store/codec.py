@@ -6,6 +6,7 @@ import math
 import struct
 import zlib
 from dataclasses import dataclass
+from typing import Any
 
 SET_BYTES = 320
 MARK_BYTES = 32
@@ -15,7 +16,8 @@ CELL_BYTES = 64
 
 ORIGINS = {1: "factory", 2: "committed", 3: "accepted", 4: "rolled back", 5: "held"}
 HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED, OTHER_RULES = (
-    1 << bit for bit in range(7))
+    1 << bit for bit in range(7)
+)
 
 _SET_HEAD = struct.pack("<4sHH", b"TSET", 1, SET_BYTES)
 _SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2x5I")
@@ -93,18 +95,45 @@ def _check_seal(bytes_: bytes, before: int = 0) -> None:
 
 def encode_set(s: CoefficientSet) -> bytes:
     """The 320 bytes of a set."""
-    known = ((HAS_TEMPERATURE, s.temperature_c), (HAS_GRAVITY, s.gravity_m_s2), (HAS_UNCERTAINTY, s.u_k),
-             (HAS_CHECK, s.check), (HAS_CLOSURE, s.closure_v))
+    known = (
+        (HAS_TEMPERATURE, s.temperature_c),
+        (HAS_GRAVITY, s.gravity_m_s2),
+        (HAS_UNCERTAINTY, s.u_k),
+        (HAS_CHECK, s.check),
+        (HAS_CLOSURE, s.closure_v),
+    )
     flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
     flags |= OTHER_RULES if s.other_rules else 0
     serial = s.serial.encode()
     if len(serial) > 24 or b"\0" in serial:
         raise ValueError("a serial has at most 24 bytes of UTF-8, none of them zero")
-    return _sealed(_SET.pack(
-        _SET_HEAD, s.sequence, s.origin, s.estimator, flags, serial, s.date_utc_s or 0, s.temperature_c or 0.0,
-        s.gravity_m_s2 or 0.0, *s.k, *s.u0, *(s.u_k or [0.0] * 9), *(s.u_u0 or [0.0] * 3), *(s.check or [0.0] * 3),
-        s.closure_v or 0.0, s.samples, s.fit_positions, s.check_positions, s.schedule_crc, s.stand_crc, s.reasons,
-        s.restores, s.from_crc))
+    return _sealed(
+        _SET.pack(
+            _SET_HEAD,
+            s.sequence,
+            s.origin,
+            s.estimator,
+            flags,
+            serial,
+            s.date_utc_s or 0,
+            s.temperature_c or 0.0,
+            s.gravity_m_s2 or 0.0,
+            *s.k,
+            *s.u0,
+            *(s.u_k or [0.0] * 9),
+            *(s.u_u0 or [0.0] * 3),
+            *(s.check or [0.0] * 3),
+            s.closure_v or 0.0,
+            s.samples,
+            s.fit_positions,
+            s.check_positions,
+            s.schedule_crc,
+            s.stand_crc,
+            s.reasons,
+            s.restores,
+            s.from_crc,
+        )
+    )
 
 
 def decode_set(bytes_: bytes) -> CoefficientSet:
@@ -116,13 +145,35 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
     doubles, (samples, fit, check, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
     if origin not in ORIGINS or flags >> 7 or not all(map(math.isfinite, [temperature, gravity, *doubles])):
         raise NotARecord("a field is out of its range")
-    known = lambda bit, value: value if flags & bit else None  # noqa: E731
+
+    def known(bit: int, value: Any) -> Any:
+        return value if flags & bit else None
+
     return CoefficientSet(
-        sequence, origin, estimator, serial.rstrip(b"\0").decode("utf-8", "backslashreplace"), date or None,
-        known(HAS_TEMPERATURE, temperature), known(HAS_GRAVITY, gravity), doubles[:9], doubles[9:12],
-        known(HAS_UNCERTAINTY, doubles[12:21]), known(HAS_UNCERTAINTY, doubles[21:24]), known(HAS_CHECK, doubles[24:27]),
-        known(HAS_CLOSURE, doubles[27]), samples, fit, check, schedule, stand, reasons, restores, from_crc,
-        bool(flags & RESUMED), bool(flags & OTHER_RULES))
+        sequence,
+        origin,
+        estimator,
+        serial.rstrip(b"\0").decode("utf-8", "backslashreplace"),
+        date or None,
+        known(HAS_TEMPERATURE, temperature),
+        known(HAS_GRAVITY, gravity),
+        doubles[:9],
+        doubles[9:12],
+        known(HAS_UNCERTAINTY, doubles[12:21]),
+        known(HAS_UNCERTAINTY, doubles[21:24]),
+        known(HAS_CHECK, doubles[24:27]),
+        known(HAS_CLOSURE, doubles[27]),
+        samples,
+        fit,
+        check,
+        schedule,
+        stand,
+        reasons,
+        restores,
+        from_crc,
+        bool(flags & RESUMED),
+        bool(flags & OTHER_RULES),
+    )
 
 
 def mark_of(record: bytes) -> bytes:
@@ -141,8 +192,20 @@ def decode_place(bytes_: bytes) -> CoefficientSet:
 
 def encode_entry(e: HistoryEntry) -> bytes:
     """The 128 bytes of an entry of the history."""
-    return _sealed(_ENTRY.pack(b"THS1", e.number, e.sequence, e.origin, e.estimator, e.flags, e.date_utc_s or 0,
-                               e.temperature_c, *e.values, *e.u))
+    return _sealed(
+        _ENTRY.pack(
+            b"THS1",
+            e.number,
+            e.sequence,
+            e.origin,
+            e.estimator,
+            e.flags,
+            e.date_utc_s or 0,
+            e.temperature_c,
+            *e.values,
+            *e.u,
+        )
+    )
 
 
 def decode_entry(bytes_: bytes) -> HistoryEntry:
@@ -151,7 +214,9 @@ def decode_entry(bytes_: bytes) -> HistoryEntry:
         raise NotARecord("there is no entry of a history")
     _check_seal(bytes_)
     _, number, sequence, origin, estimator, flags, date, temperature, *numbers = _ENTRY.unpack(bytes_[:-4])
-    return HistoryEntry(number, sequence, origin, estimator, flags, date or None, temperature, numbers[:12], numbers[12:])
+    return HistoryEntry(
+        number, sequence, origin, estimator, flags, date or None, temperature, numbers[:12], numbers[12:]
+    )
 
 
 def encode_run(fingerprint: int) -> bytes:
@@ -164,7 +229,8 @@ def decode_run(bytes_: bytes) -> int:
     if bytes_[:8] != _RUN_HEAD:
         raise NotARecord("no run is kept")
     _check_seal(bytes_)
-    return struct.unpack_from("<I", bytes_, 8)[0]
+    fingerprint: int = struct.unpack_from("<I", bytes_, 8)[0]
+    return fingerprint
 
 
 def encode_position(p: Position, fingerprint: int) -> bytes:

@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
+from typing import TypeVar
 
 from tumble.errors import BadInput
 from tumble.store.codec import (
-    CELL_BYTES, ENTRY_BYTES, ORIGINS, PLACE_BYTES, SET_BYTES, CoefficientSet, HistoryEntry, NotARecord, Position, decode_entry,
-    decode_place, decode_position, decode_run,
+    CELL_BYTES,
+    ENTRY_BYTES,
+    ORIGINS,
+    PLACE_BYTES,
+    SET_BYTES,
+    CoefficientSet,
+    HistoryEntry,
+    NotARecord,
+    Position,
+    decode_entry,
+    decode_place,
+    decode_position,
+    decode_run,
 )
 
 SECTORS = 8
 MIN_SECTOR = 4096
 FACTORY_PLACES, FACTORY_PITCH = 4, 512
+
+_T = TypeVar("_T")
 
 
 @dataclass
@@ -34,7 +50,8 @@ class Image:
 
     @property
     def active(self) -> CoefficientSet | None:
-        return self.slots[self.active_slot] if self.slots else self.factory
+        slot = self.active_slot
+        return self.factory if slot is None else self.slots[slot]
 
 
 def read_image(image: bytes, sector: int = MIN_SECTOR, name: str = "image") -> Image:
@@ -51,7 +68,7 @@ def read_image(image: bytes, sector: int = MIN_SECTOR, name: str = "image") -> I
     return found
 
 
-def _read(decode, bytes_: bytes, where: str, found: Image):
+def _read(decode: Callable[[bytes], _T], bytes_: bytes, where: str, found: Image) -> _T | None:
     """What is decoded; None where there is nothing, or something torn, which is noted."""
     if bytes_.count(0xFF) == len(bytes_):
         return None
@@ -63,11 +80,11 @@ def _read(decode, bytes_: bytes, where: str, found: Image):
 
 
 def _read_sets(image: bytes, sector: int, found: Image) -> None:
-    def place(offset, where):
+    def place(offset: int, where: str) -> CoefficientSet | None:
         return _read(decode_place, image[offset : offset + PLACE_BYTES], where, found)
 
     for number in range(FACTORY_PLACES):
-        found.factory = place(number * FACTORY_PITCH, f"factory place {number + 1}") if not found.factory else found.factory
+        found.factory = found.factory or place(number * FACTORY_PITCH, f"factory place {number + 1}")
     for number, name in ((1, "A"), (2, "B")):
         if (slot := place(number * sector, f"slot {name}")) is not None:
             found.slots[name] = slot
@@ -76,7 +93,8 @@ def _read_sets(image: bytes, sector: int, found: Image) -> None:
 
 def _drop_stale(found: Image, proposal: bytes) -> None:
     """A proposal that has become active, and only has not been cleared, is none."""
-    if found.slots and found.proposal and found.active.from_crc == int.from_bytes(proposal[-4:], "little"):
+    active = found.active
+    if found.slots and found.proposal and active and active.from_crc == int.from_bytes(proposal[-4:], "little"):
         found.proposal = None
 
 
@@ -91,13 +109,17 @@ def _read_history(image: bytes, sector: int, found: Image) -> None:
 
 
 def _read_run(image: bytes, sector: int, found: Image) -> None:
-    cells = [image[start : start + CELL_BYTES] for base in (6 * sector, 7 * sector)
-             for start in range(base, base + MIN_SECTOR, CELL_BYTES)]
+    cells = [
+        image[start : start + CELL_BYTES]
+        for base in (6 * sector, 7 * sector)
+        for start in range(base, base + MIN_SECTOR, CELL_BYTES)
+    ]
     found.run = _read(decode_run, cells[0], "checkpoint", found)
     for number, cell in enumerate(cells[1:], 1):
-        if found.run is not None:
+        if (run := found.run) is not None:
             where = f"checkpoint, position entry {number}"
-            if (position := _read(lambda bytes_: decode_position(bytes_, found.run), cell, where, found)) is not None:
+            decode = functools.partial(decode_position, fingerprint=run)
+            if (position := _read(decode, cell, where, found)) is not None:
                 found.positions[position.index] = position
 
 
@@ -114,8 +136,14 @@ def _set_line(name: str, found: CoefficientSet | None) -> str:
     if found is None:
         return f"{name}: none"
     diagonal = ", ".join(f"{found.k[i]:.9g}" for i in (0, 4, 8))
-    parts = [f"sequence {found.sequence}", ORIGINS[found.origin], f"block {ascii(found.serial)}", _date(found.date_utc_s),
-             f"K_xx, K_yy, K_zz {diagonal} V/g", f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V"]
+    parts = [
+        f"sequence {found.sequence}",
+        ORIGINS[found.origin],
+        f"block {found.serial!a}",
+        _date(found.date_utc_s),
+        f"K_xx, K_yy, K_zz {diagonal} V/g",
+        f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V",
+    ]
     parts += [f"gravity check {max(found.check[:2]):.2g} of {found.check[2]:.2g} g"] if found.check else []
     parts += [f"reasons {found.reasons:#06x}"] if found.reasons else []
     parts += ["under other rules than the board's"] if found.other_rules else []
@@ -130,7 +158,13 @@ def _history_line(history: list[HistoryEntry]) -> str:
 
 def describe(found: Image) -> list[str]:
     """What is in an image, in a few lines."""
-    where = f"active (slot {found.active_slot})" if found.slots else "active (the factory set)" if found.factory else "active"
+    where = (
+        f"active (slot {found.active_slot})"
+        if found.slots
+        else "active (the factory set)"
+        if found.factory
+        else "active"
+    )
     lines = [_set_line(where, found.active), _set_line("factory", found.factory)]
     lines += [_set_line(f"slot {name}", found.slots[name]) for name in found.slots if name != found.active_slot]
     lines += [_set_line("proposal", found.proposal)]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
 from tumble.errors import (
@@ -19,8 +21,18 @@ from tumble.errors import (
 from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
 
+if TYPE_CHECKING:
+    from tumble.bench.folder import RunFolder
+    from tumble.bench.program import Ended
+    from tumble.bench.progress import Progress
+    from tumble.bench.setup import Setup
+    from tumble.core import CoreSchedule
+    from tumble.files.stand_file import StandFile
+    from tumble.schedule import Schedule
+    from tumble.solving.solution import Solution
 
-def add_to(subparsers) -> None:
+
+def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
@@ -99,14 +111,13 @@ def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
     return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
 
 
-def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]):
+def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple[Setup, StandFile | None]:
     """Everything that the files and options say: the setup, and the stand file or None."""
     seed = options.parse_seed(arguments.seed)
     limit_g = options.parse_limit(arguments.limit)
 
     from dataclasses import replace
 
-    from tumble.bench import realbus
     from tumble.bench.setup import Setup
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
@@ -149,7 +160,7 @@ def _parse_budget(text: str | None) -> float:
     return budget
 
 
-def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
+def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> CoreSchedule:
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.schedule_file import read_schedule
@@ -159,7 +170,7 @@ def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]):
     return read_schedule(arguments.schedule, given[arguments.schedule], arguments.estimator)
 
 
-def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dict:
+def _simulate(arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder) -> dict[str, Any]:
     """Run the program. Returns its document; raises where there is none, or the user did not want to wait for it."""
     from tumble.bench import board, folder, outcome, program, realbus
 
@@ -172,9 +183,7 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
         elif arguments.firmware == board.FIRMWARE:
             ended = board.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, wanted.schedule.data)
         else:
-            ended = realbus.run(
-                arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive
-            )
+            ended = realbus.run(arguments.bus, scenario_path, wanted.seed, made.stage, progress, arguments.interactive)
     document = outcome.read_document(made.stage / "bench")
     if ended.interrupted or ended.code == Interrupted.exit_code:
         never_began = ended.code == -signal.SIGTERM  # it did not get so far as to listen to signals
@@ -192,7 +201,7 @@ def _simulate(arguments: argparse.Namespace, wanted, scenario_path, made) -> dic
     return document
 
 
-def _require_written(ended, made) -> None:
+def _require_written(ended: Ended, made: RunFolder) -> None:
     """Raise BadInput if the program could not write what it had to."""
     _name, _, said = ended.complaint.partition(": ")
     at_fault, _, why = said.partition(f"{made.stage / 'bench'}: ")
@@ -200,7 +209,7 @@ def _require_written(ended, made) -> None:
         raise BadInput(why, made.path)
 
 
-def _progress(schedule, interactive: bool):
+def _progress(schedule: Schedule, interactive: bool) -> Progress:
     if on_terminal():
         from tumble.bench.live import LiveProgress
 
@@ -210,7 +219,7 @@ def _progress(schedule, interactive: bool):
     return Progress(schedule, interactive)
 
 
-def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) -> str:
+def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
     from tumble.files.documents import to_json
     from tumble.solving import result
 
@@ -218,4 +227,5 @@ def _result_text(solution, wanted, arguments: argparse.Namespace, stand_file) ->
     serial = None if wanted.block is None else wanted.block.get("serial")
     document = result.document(solution, item, environment, serial, "run.csv")
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
+    assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})

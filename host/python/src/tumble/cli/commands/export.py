@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, file_name
 from tumble.messages import tell
 
 FORMATS = ("c", "csv")
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "export",

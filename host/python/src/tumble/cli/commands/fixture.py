@@ -6,9 +6,11 @@ import argparse
 import math
 import os
 import sys
+from typing import TYPE_CHECKING
 
 from tumble.cli.options import (
     DEFAULT_LIMIT_G,
+    Subparsers,
     add_estimator,
     add_limit,
     add_schedule,
@@ -18,12 +20,18 @@ from tumble.cli.options import (
 )
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
 
+if TYPE_CHECKING:
+    from tumble.core import CoreSchedule
+    from tumble.files.stand_file import StandFile
+    from tumble.fixture.combination import Combination
+    from tumble.fixture.judge import Limits, RunView
+
 LEVELLED = ("once", "anew")
 AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     subjects = add_subjects(subparsers, "fixture", "judge a stand by the runs made on it")
     parser = subjects.add_parser(
@@ -111,7 +119,9 @@ def _refuse_repetition(runs: list[str]) -> None:
         seen.add(path)
 
 
-def _combined(arguments: argparse.Namespace, views: list, confidence: float, step_v: float):
+def _combined(
+    arguments: argparse.Namespace, views: list[RunView], confidence: float, step_v: float
+) -> tuple[bool, Combination | None]:
     """Was the stand levelled once for all runs, and several runs in one: None of one run.
 
     Where nobody says, and runs that show the same axis tilt only agree if they were levelled anew, they were: the zero
@@ -120,7 +130,7 @@ def _combined(arguments: argparse.Namespace, views: list, confidence: float, ste
     from tumble.fixture.combination import combine
     from tumble.fixture.judge import levelled_once
 
-    def combined(once: bool):
+    def combined(once: bool) -> Combination:
         return combine([view.solution for view in views], once, confidence, step_v)
 
     once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
@@ -133,7 +143,9 @@ def _combined(arguments: argparse.Namespace, views: list, confidence: float, ste
     return once, found
 
 
-def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) -> list:
+def _views(
+    arguments: argparse.Namespace, stand_file: StandFile, schedule: CoreSchedule | None, limit_g: float
+) -> list[RunView]:
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.run_file import read_run
@@ -141,7 +153,7 @@ def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) 
     from tumble.solving.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())
-    views = []
+    views: list[RunView] = []
     for file in arguments.runs:
         run = read_run(file, core_schedule.data)
         if views and run.unit != views[0].solution.run.unit:
@@ -151,7 +163,9 @@ def _views(arguments: argparse.Namespace, stand_file, schedule, limit_g: float) 
     return views
 
 
-def _needed(arguments: argparse.Namespace, stand_file, schedule, limit_g: float, mountings: int):
+def _needed(
+    arguments: argparse.Namespace, stand_file: StandFile, schedule: CoreSchedule | None, limit_g: float, mountings: int
+) -> Limits | None:
     """What the acceptance limit needs of the stand; None where the stand file does not describe the block,
     or nothing can be said.
 

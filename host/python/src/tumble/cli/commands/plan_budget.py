@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, add_weights_option, read_case, write_json
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS
 
+if TYPE_CHECKING:
+    from tumble.planning.budget import Budget
+    from tumble.planning.case import Case
 
-def add_to(subparsers) -> None:
+
+def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
     parser = add_subject(
         subparsers,
@@ -34,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _show(found, case) -> None:
+def _show(found: Budget, case: Case) -> None:
     from tumble.planning import tables
     from tumble.planning.budget import numbers_are
     from tumble.planning.published import NAMES

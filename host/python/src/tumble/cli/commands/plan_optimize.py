@@ -7,13 +7,19 @@ checks it, as the firmware does not know which block is mounted.
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING, Any
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
 
+if TYPE_CHECKING:
+    from tumble.arrays import Floats
+    from tumble.planning.optimize import Optimized
 
-def add_to(subparsers) -> None:
+
+def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
     parser = add_subject(
         subparsers,
@@ -56,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _show(found) -> None:
+def _show(found: Optimized) -> None:
     from tumble.planning import tables
 
     out, record = tables.console(), found.record
@@ -86,7 +92,7 @@ def _kind(out: str | None) -> str | None:
     return kind
 
 
-def _content(kind: str, found, document: dict) -> bytes:
+def _content(kind: str, found: Optimized, document: dict[str, Any]) -> bytes:
     from tumble.files.documents import to_json
     from tumble.solving import gain_record
 
@@ -96,7 +102,7 @@ def _content(kind: str, found, document: dict) -> bytes:
     return text.encode("utf-8")
 
 
-def _last_known_k(file: str):
+def _last_known_k(file: str) -> Floats:
     """K (3, 3) in V/g of a result file."""
     import numpy as np
 
@@ -116,4 +122,7 @@ def _serial(stand: str | None) -> str | None:
         return None
     from tumble.files.stand_file import read_stand
 
-    return read_stand(stand).block["serial"]
+    block = read_stand(stand).block
+    assert block is not None  # read_case has asked for it
+    serial: str | None = block["serial"]
+    return serial

@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import add_estimator, add_schedule, parse_number
+from tumble.cli.options import Subparsers, add_estimator, add_schedule, parse_number
 from tumble.errors import UsageError, quoted
+
+if TYPE_CHECKING:
+    from tumble.planning.case import Case
 
 PUBLISHED = "published"
 DERIVED = "derived"
 EXIT_CODES = "Exit codes: 0 done, 2 bad input, 130 interrupted."
 
 
-def add_subject(subparsers, name: str, run, **texts: str) -> argparse.ArgumentParser:
+def add_subject(
+    subparsers: Subparsers, name: str, run: Callable[[argparse.Namespace], int], **texts: Any
+) -> argparse.ArgumentParser:
     """A subject's parser, with the options that all have."""
     parser = subparsers.add_parser(name, **{"epilog": EXIT_CODES, **texts})
     parser.add_argument("--json", action="store_true", help="print one JSON document, schema tumble.plan/1")
@@ -39,7 +46,7 @@ def add_weights_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def read_case(arguments: argparse.Namespace):
+def read_case(arguments: argparse.Namespace) -> Case:
     """The planning.case.Case that the options describe. Raises TumbleError."""
     from tumble.planning.case import Case
 
@@ -65,7 +72,7 @@ def parse_positive(text: str, option: str) -> float:
     return value
 
 
-def write_json(document: dict) -> None:
+def write_json(document: dict[str, Any]) -> None:
     """Print a plan as JSON."""
     import sys
 

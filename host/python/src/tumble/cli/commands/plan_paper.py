@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 
 from tumble.cli.commands.plan_options import add_subject, write_json
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
     add_subject(
         subparsers,

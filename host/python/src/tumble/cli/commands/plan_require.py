@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import (
     add_case_options,
@@ -12,11 +13,14 @@ from tumble.cli.commands.plan_options import (
     read_case,
     write_json,
 )
-from tumble.cli.options import add_limit, parse_limit
+from tumble.cli.options import Subparsers, add_limit, parse_limit
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
+if TYPE_CHECKING:
+    from tumble.arrays import Floats
 
-def add_to(subparsers) -> None:
+
+def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
     parser = add_subject(
         subparsers,
@@ -57,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _split(text: str | None):
+def _split(text: str | None) -> Floats:
     """Parts by source, in the order of SOURCES."""
     import numpy as np
 

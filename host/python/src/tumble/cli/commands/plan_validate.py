@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
-from tumble.cli.options import add_seed, parse_seed, parse_whole
+from tumble.cli.options import Subparsers, add_seed, parse_seed, parse_whole
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import ESTIMATORS, PAPER
 from tumble.messages import on_terminal
+
+if TYPE_CHECKING:
+    from tumble.planning.case import Case
 
 DEFAULT_RUNS = 20_000
 FEWEST_RUNS, MOST_RUNS = 100, 10_000_000
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
     parser = add_subject(
         subparsers,
@@ -69,9 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_LIMITS_FAILED if any(one.outside for _, one in judged) else EXIT_PASS
 
 
-def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
+def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
-    from tumble.solving.gains import paper_slots
+    from tumble.reference.estimators import paper_slots
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
@@ -80,7 +85,7 @@ def _estimators(arguments: argparse.Namespace, case) -> tuple[str, ...]:
 
 
 @contextmanager
-def _progress(runs: int):
+def _progress(runs: int) -> Iterator[Callable[[int], None]]:
     """A function that is told of runs done; on a terminal it moves a bar."""
     if not on_terminal():
         yield lambda done: None

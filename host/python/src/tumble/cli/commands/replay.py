@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import Any
 
-from tumble.cli.options import add_firmware, add_json
+from tumble.cli.options import Subparsers, add_firmware, add_json
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BenchFault
 from tumble.estimators import COEFFICIENTS
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "replay",
@@ -49,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
 
 
-def _print(document) -> None:
+def _print(document: dict[str, Any]) -> None:
     verdict = "passes" if document["pass"] else "FAILS"
     counters = document["counters"]
     print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
+from typing import TYPE_CHECKING
 
 from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import OPTIMAL
 
+if TYPE_CHECKING:
+    from tumble.files.run_layout import Wishes
+
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "solve",
@@ -74,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         step_v,
     )
     solution = look_for_doubts(solution, schedule or core.CoreSchedule(core.paper_schedule()), step_v)
-    text = None
+    text = ""
     if arguments.json or arguments.out is not None:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
@@ -87,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
 
-def _wishes(arguments: argparse.Namespace):
+def _wishes(arguments: argparse.Namespace) -> Wishes:
     """What the options say about the layout of the run file. Raises UsageError."""
     from tumble.files.run_layout import Wishes
 

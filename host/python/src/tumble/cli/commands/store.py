@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from tumble.cli.options import add_subjects, parse_whole
+from tumble.cli.options import Subparsers, add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24
 
 
-def add_to(subparsers) -> None:
+def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     subjects = add_subjects(subparsers, "store", "look into the non-volatile memory of a navigation computer")
     parser = subjects.add_parser(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 
+from tumble.cli.options import Subparsers
 
-def add_to(subparsers) -> None:
+
+def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "uml",
