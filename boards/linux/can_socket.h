@@ -32,11 +32,11 @@ typedef enum {
 typedef struct {
     uint64_t received;
     uint64_t sent;
-    uint64_t dropped;  /* by the kernel: the receive buffer was full */
-    uint64_t busy;     /* attempts to send that found no room */
-    uint64_t errors;   /* error frames of the controller */
+    uint64_t dropped; /* by the kernel: the receive buffer was full */
+    uint64_t busy;    /* attempts to send that found no room */
+    uint64_t errors;  /* error frames of the controller */
     uint64_t bus_offs;
-    uint64_t downs;    /* times that the interface went down or away */
+    uint64_t downs; /* times that the interface went down or away */
 } can_socket_counters_t;
 
 typedef struct {
@@ -50,7 +50,7 @@ typedef struct {
     uint64_t stamps_us[CAN_SOCKET_BATCH];
     uint32_t first; /* of the batch that is not taken yet */
     uint32_t count;
-    bool drained;   /* the kernel had no more than the last batch */
+    bool drained; /* the kernel had no more than the last batch */
     can_socket_counters_t counters;
 } can_socket_t;
 

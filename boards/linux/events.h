@@ -7,8 +7,8 @@
 
 typedef struct {
     int epoll;
-    int timer;   /* of the monotonic clock */
-    int signals; /* SIGINT, SIGTERM, SIGUSR1 */
+    int timer;         /* of the monotonic clock */
+    int signals;       /* SIGINT, SIGTERM, SIGUSR1 */
     uint64_t armed_us; /* for when the timer is set */
     int signal;        /* that has come, not yet taken */
 } events_t;

@@ -20,21 +20,21 @@ typedef struct {
      * its progress and the time are in use, no simulation. */
     bench_world_t world;
     port_linux_t port;
-    nv_file_t nv;           /* in use if the options name a file; and so are these four */
+    nv_file_t nv; /* in use if the options name a file; and so are these four */
     tumble_keeper_t keeper;
     tumble_keeper_config_t keeper_config;
     tumble_stand_memory_t stand_memory;
     events_t events;
     bench_folder_t folder;
-    FILE *progress;         /* null: nobody wants to know */
-    uint64_t epoch_us;      /* UTC at the port's time 0: bus.log */
+    FILE *progress;          /* null: nobody wants to know */
+    uint64_t epoch_us;       /* UTC at the port's time 0: bus.log */
     tumble_progress_t fault; /* that the run has or had; TUMBLE_REASON_NONE: none, or it has gone on since */
-    uint64_t faulted_us;    /* since when it is in FAULT; SIM_NEVER: it is not */
-    uint64_t ending_us;     /* since when it waits for the table to rest; SIM_NEVER: not yet */
-    uint64_t latest_us;     /* the longest that a step came after its time */
-    uint32_t refused;       /* commands, as last counted */
-    bool reported;          /* the run that has ended */
-    bool left;              /* nobody will give a command after a fault */
+    uint64_t faulted_us;     /* since when it is in FAULT; SIM_NEVER: it is not */
+    uint64_t ending_us;      /* since when it waits for the table to rest; SIM_NEVER: not yet */
+    uint64_t latest_us;      /* the longest that a step came after its time */
+    uint32_t refused;        /* commands, as last counted */
+    bool reported;           /* the run that has ended */
+    bool left;               /* nobody will give a command after a fault */
 } node_t;
 
 /* Serve until the end; the exit code of the program. Documents go to `out`. */

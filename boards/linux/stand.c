@@ -14,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#define RETRY_US 1000U     /* after the interface had no room */
-#define REST_US 5000000U   /* for the table to come to rest in the end */
+#define RETRY_US 1000U   /* after the interface had no room */
+#define REST_US 5000000U /* for the table to come to rest in the end */
 #define LONG_WAIT_US 500000U
 
 typedef struct {
@@ -30,7 +30,7 @@ typedef struct {
     uint64_t epoch_us; /* UTC at that moment */
     uint64_t ending_us;
     uint64_t latest_us; /* the longest that it came after its time */
-    bool sending; /* frames wait for room */
+    bool sending;       /* frames wait for room */
 } stand_t;
 
 static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumble_can_frame_t *frame)

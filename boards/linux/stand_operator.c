@@ -59,8 +59,7 @@ static void tell_simulation(bench_world_t *world)
 }
 
 /* How long he takes; below 0: he does nothing by himself. */
-static double time_for(const stand_operator_t *operator, const bench_world_t *world,
-                       const bench_question_t *question)
+static double time_for(const stand_operator_t *operator, const bench_world_t *world, const bench_question_t *question)
 {
     const sim_operator_config_t *const config = &world->config->scenario.person;
     const bool mends = question->kind == BENCH_QUESTION_FAULT && world->person.mended < config->mends;
@@ -122,8 +121,7 @@ static void request(const stand_operator_t *operator, bench_world_t *world)
 {
     const uint8_t subindex = operator->argued ? COMMAND : ARGUMENT;
     const uint8_t value = operator->argued ? operator->command : operator->argument;
-    const tumble_can_frame_t frame = {
-        REQUEST, 8U, {0x2FU, COMMAND_INDEX & 0xFFU, COMMAND_INDEX >> 8, subindex, value}};
+    const tumble_can_frame_t frame = {REQUEST, 8U, {0x2FU, COMMAND_INDEX & 0xFFU, COMMAND_INDEX >> 8, subindex, value}};
     (void)sim_bus_send(&world->bus, STAND_BUS_OPERATOR, &frame);
 }
 

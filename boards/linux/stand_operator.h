@@ -31,10 +31,10 @@ typedef struct {
     uint64_t act_us;           /* when he does something about it; SIM_NEVER: not at all */
     uint8_t command;           /* under way by SDO; 0: none */
     uint8_t argument;
-    bool argued;               /* the argument has been taken */
-    uint64_t patience_us;      /* until then he waits for the answer to an SDO request */
-    uint64_t early_us;         /* until then a "done" counts that came before its question was heard */
-    uint32_t answers;          /* commands accepted */
+    bool argued;          /* the argument has been taken */
+    uint64_t patience_us; /* until then he waits for the answer to an SDO request */
+    uint64_t early_us;    /* until then a "done" counts that came before its question was heard */
+    uint32_t answers;     /* commands accepted */
     uint32_t refusals;
 } stand_operator_t;
 

@@ -4,8 +4,8 @@
 
 #define MAGIC "TUMBLELG"
 #define MAGIC_BYTES 8U
-#define MOST_STEPS 1000U   /* at one moment: more would be a firmware that never waits */
-#define AFTER_US 1000000U  /* what it gets after the last frame */
+#define MOST_STEPS 1000U  /* at one moment: more would be a firmware that never waits */
+#define AFTER_US 1000000U /* what it gets after the last frame */
 
 static void put(uint8_t *bytes, uint64_t value, uint32_t count)
 {

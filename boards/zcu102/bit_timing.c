@@ -23,8 +23,8 @@ static uint64_t divide(uint32_t quanta, zcu102_bit_timing_t *timing)
     for (uint32_t segment2 = 1; segment2 <= MAX_SEGMENT2; segment2++) {
         const uint32_t segment1 = quanta - 1U - segment2; /* at least 8 quanta: not below 0 ... */
         const bool fits = (quanta > (segment2 + 1U)) && (segment1 <= MAX_SEGMENT1);
-        const uint64_t off = distance((uint64_t)(quanta - segment2) * 1000U,
-                                      (uint64_t)quanta * ZCU102_SAMPLE_POINT_PERMILLE);
+        const uint64_t off =
+            distance((uint64_t)(quanta - segment2) * 1000U, (uint64_t)quanta * ZCU102_SAMPLE_POINT_PERMILLE);
         if (fits && (off < least)) {
             least = off;
             timing->segment1 = segment1;

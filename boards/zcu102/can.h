@@ -48,7 +48,7 @@ typedef struct {
 
 /* Monotonic since init; they stop at UINT32_MAX. */
 typedef struct {
-    uint32_t sent;        /* handed to the controller */
+    uint32_t sent; /* handed to the controller */
     uint32_t received;
     uint32_t busy;        /* found the transmit queue full */
     uint32_t rx_overflow; /* moments in which frames were lost because the receive queue was full */

@@ -13,7 +13,7 @@
 
 /* One walk over the fields serves both directions, so that they cannot differ. */
 typedef struct {
-    uint8_t *out;      /* writing; null: reading */
+    uint8_t *out; /* writing; null: reading */
     const uint8_t *in;
     size_t at;
     size_t end;
@@ -293,8 +293,7 @@ static bool is_blank(const uint8_t record[ZCU102_COMMISSIONING_BYTES])
     return blank;
 }
 
-tumble_status_t zcu102_commissioning_read(zcu102_commissioned_t *to,
-                                          const uint8_t record[ZCU102_COMMISSIONING_BYTES])
+tumble_status_t zcu102_commissioning_read(zcu102_commissioned_t *to, const uint8_t record[ZCU102_COMMISSIONING_BYTES])
 {
     if (is_blank(record)) {
         return TUMBLE_E_PORT_EMPTY;

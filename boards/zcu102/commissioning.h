@@ -41,7 +41,6 @@ size_t zcu102_commissioning_write(zcu102_commissioned_t *from, uint8_t record[ZC
 
 /* Read a record; all pointers are set within `to`, which must not be moved. Returns TUMBLE_OK; TUMBLE_E_PORT_EMPTY:
  * there is none; TUMBLE_E_CRC: it is spoilt. Whether the numbers make sense is asked when the firmware starts. */
-tumble_status_t zcu102_commissioning_read(zcu102_commissioned_t *to,
-                                          const uint8_t record[ZCU102_COMMISSIONING_BYTES]);
+tumble_status_t zcu102_commissioning_read(zcu102_commissioned_t *to, const uint8_t record[ZCU102_COMMISSIONING_BYTES]);
 
 #endif

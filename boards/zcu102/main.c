@@ -85,8 +85,8 @@ static void tell(void)
         return;
     }
     told = run.state;
-    const bool ends = (run.state == TUMBLE_STATE_DONE) || (run.state == TUMBLE_STATE_FAULT) ||
-                      (run.state == TUMBLE_STATE_ABORT);
+    const bool ends =
+        (run.state == TUMBLE_STATE_DONE) || (run.state == TUMBLE_STATE_FAULT) || (run.state == TUMBLE_STATE_ABORT);
     if (ends || (run.state == TUMBLE_STATE_PREFLIGHT) || (run.state == TUMBLE_STATE_WAIT_MOUNTING)) {
         log_state(&run);
     }

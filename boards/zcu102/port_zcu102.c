@@ -22,7 +22,6 @@ static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
 
 tumble_status_t zcu102_port_init(zcu102_port_t *port, const zcu102_can_config_t *config)
 {
-    port->port =
-        (tumble_port_t){.context = port, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
+    port->port = (tumble_port_t){.context = port, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
     return zcu102_can_init(&port->can, config);
 }

@@ -37,24 +37,24 @@
 #define TUMBLE_402_CONTROL_SHUTDOWN 0x0006U
 #define TUMBLE_402_CONTROL_SWITCH_ON 0x0007U
 #define TUMBLE_402_CONTROL_ENABLE 0x000FU
-#define TUMBLE_402_CONTROL_FAULT_RESET 0x0080U /* acts on its rising edge */
-#define TUMBLE_402_CONTROL_NEW_SET_POINT 0x0010U    /* profile position; rising edge */
-#define TUMBLE_402_CONTROL_CHANGE_AT_ONCE 0x0020U   /* profile position */
-#define TUMBLE_402_CONTROL_RELATIVE 0x0040U         /* profile position */
-#define TUMBLE_402_CONTROL_START_HOMING 0x0010U     /* homing */
+#define TUMBLE_402_CONTROL_FAULT_RESET 0x0080U    /* acts on its rising edge */
+#define TUMBLE_402_CONTROL_NEW_SET_POINT 0x0010U  /* profile position; rising edge */
+#define TUMBLE_402_CONTROL_CHANGE_AT_ONCE 0x0020U /* profile position */
+#define TUMBLE_402_CONTROL_RELATIVE 0x0040U       /* profile position */
+#define TUMBLE_402_CONTROL_START_HOMING 0x0010U   /* homing */
 #define TUMBLE_402_CONTROL_HALT 0x0100U
 
 /* 6041h: the state, as `statusword & STATE_MASK`. Bit 5 does not count in the first, second and last ones. */
 #define TUMBLE_402_STATE_MASK 0x006FU
 #define TUMBLE_402_STATE_MASK_SHORT 0x004FU
-#define TUMBLE_402_STATE_NOT_READY 0x0000U         /* mask SHORT */
+#define TUMBLE_402_STATE_NOT_READY 0x0000U          /* mask SHORT */
 #define TUMBLE_402_STATE_SWITCH_ON_DISABLED 0x0040U /* mask SHORT */
 #define TUMBLE_402_STATE_READY_TO_SWITCH_ON 0x0021U
 #define TUMBLE_402_STATE_SWITCHED_ON 0x0023U
 #define TUMBLE_402_STATE_OPERATION_ENABLED 0x0027U
 #define TUMBLE_402_STATE_QUICK_STOP_ACTIVE 0x0007U
-#define TUMBLE_402_STATE_FAULT_REACTION 0x000FU    /* mask SHORT */
-#define TUMBLE_402_STATE_FAULT 0x0008U             /* mask SHORT */
+#define TUMBLE_402_STATE_FAULT_REACTION 0x000FU /* mask SHORT */
+#define TUMBLE_402_STATE_FAULT 0x0008U          /* mask SHORT */
 #define TUMBLE_402_STATUS_VOLTAGE 0x0010U
 #define TUMBLE_402_STATUS_WARNING 0x0080U
 #define TUMBLE_402_STATUS_REMOTE 0x0200U

@@ -280,8 +280,7 @@ static tumble_abort_t write_by_hook(const tumble_dictionary_t *dictionary, const
                                     const uint8_t *bytes, uint8_t size)
 {
     const tumble_object_owner_t owner = owner_of(dictionary, entry);
-    bool computed = (entry->home == TUMBLE_HOME_COMPUTED) ||
-                    (entry->home == TUMBLE_HOME_COMMUNICATION);
+    bool computed = (entry->home == TUMBLE_HOME_COMPUTED) || (entry->home == TUMBLE_HOME_COMMUNICATION);
     tumble_abort_t refusal = computed ? TUMBLE_ABORT_ACCESS : TUMBLE_ABORT_NONE;
 
     if ((owner.hooks != NULL) && (owner.hooks->write != NULL)) {

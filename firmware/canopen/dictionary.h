@@ -115,7 +115,7 @@ typedef struct {
     void *variables;                            /* may be null when no entry lives there; likewise `other` */
     void *other;
     tumble_object_owner_t application;
-    tumble_object_owner_t communication;        /* set by the node */
+    tumble_object_owner_t communication; /* set by the node */
 } tumble_dictionary_t;
 
 /* The row of a table at a place that was found. */

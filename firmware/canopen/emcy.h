@@ -44,7 +44,7 @@ typedef struct {
 typedef struct {
     uint8_t node;
     uint8_t error_register;
-    uint8_t recorded;                      /* entries of the history */
+    uint8_t recorded; /* entries of the history */
     uint8_t queued;
     uint16_t overflow;                     /* messages that found the queue full */
     uint32_t history[TUMBLE_EMCY_HISTORY]; /* newest first: code, and the first two info bytes above it */

@@ -53,8 +53,8 @@ typedef struct {
 
 typedef struct {
     uint8_t node;
-    uint8_t state;         /* tumble_nmt_state_t */
-    uint8_t next_state;    /* entered when the boot-up message is out */
+    uint8_t state;      /* tumble_nmt_state_t */
+    uint8_t next_state; /* entered when the boot-up message is out */
     uint8_t queued;
     uint16_t producer_ms;  /* 1017h */
     uint16_t ignored;      /* NMT commands malformed or unknown, master commands that found the queue full */

@@ -59,7 +59,7 @@ typedef struct {
     uint8_t transmit_count; /* and TUMBLE_MAX_TRANSMIT_PDOS */
     uint16_t heartbeat_ms;
     uint32_t consumers[TUMBLE_MAX_CONSUMERS]; /* as in 1016h: node << 16 | ms; 0: none */
-    uint8_t on_error;       /* TUMBLE_ON_ERROR_... */
+    uint8_t on_error;                         /* TUMBLE_ON_ERROR_... */
 } tumble_node_defaults_t;
 
 /* What some computers have besides: objects, and transmit PDOs, in place of those that the defaults leave unused, or
@@ -76,9 +76,9 @@ typedef struct {
     const tumble_object_table_t *table;
     const tumble_node_extension_t *extension; /* null: none */
     const tumble_node_defaults_t *defaults;
-    const tumble_object_hooks_t *hooks;  /* may be null */
-    const tumble_node_events_t *events;  /* may be null */
-    uint8_t node;                        /* 1 to 127 */
+    const tumble_object_hooks_t *hooks; /* may be null */
+    const tumble_node_events_t *events; /* may be null */
+    uint8_t node;                       /* 1 to 127 */
 } tumble_node_config_t;
 
 /* What a node is bound to; copied by init. */

@@ -111,8 +111,8 @@ static void pack(const tumble_pdo_t *pdo, const tumble_dictionary_t *dictionary,
     }
 }
 
-static tumble_status_t send(tumble_transmit_pdo_t *transmit, const tumble_dictionary_t *dictionary,
-                            tumble_link_t *link, uint64_t now_us)
+static tumble_status_t send(tumble_transmit_pdo_t *transmit, const tumble_dictionary_t *dictionary, tumble_link_t *link,
+                            uint64_t now_us)
 {
     tumble_can_frame_t frame;
     tumble_status_t status;

@@ -31,11 +31,11 @@
 /* All that is to be known about one PDO: the defaults of a node, or a drive profile's wishes. In a node's defaults an
  * identifier in use whose low seven bits are zero gets the node's number added (180h, 200h, ... predefined). */
 typedef struct {
-    uint32_t cob_id;         /* with the bits above */
-    uint8_t type;            /* transmission type */
-    uint8_t count;           /* mapped objects, 0 to TUMBLE_MAX_MAPPED */
-    uint16_t inhibit_100us;  /* transmit only */
-    uint16_t event_ms;       /* transmit only; 0: no event timer */
+    uint32_t cob_id;        /* with the bits above */
+    uint8_t type;           /* transmission type */
+    uint8_t count;          /* mapped objects, 0 to TUMBLE_MAX_MAPPED */
+    uint16_t inhibit_100us; /* transmit only */
+    uint16_t event_ms;      /* transmit only; 0: no event timer */
     uint32_t map[TUMBLE_MAX_MAPPED];
 } tumble_pdo_setup_t;
 

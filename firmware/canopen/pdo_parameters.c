@@ -274,11 +274,11 @@ static bool is_taken(const tumble_pdos_t *pdos, const tumble_pdo_t *pdo, uint32_
     bool taken = false;
 
     for (unsigned i = 0; i < (TUMBLE_MAX_TRANSMIT_PDOS + TUMBLE_MAX_RECEIVE_PDOS); i++) {
-        const tumble_pdo_t *other = (i < TUMBLE_MAX_TRANSMIT_PDOS) ? &pdos->transmit[i].pdo
-                                                                   : &pdos->receive[i - TUMBLE_MAX_TRANSMIT_PDOS];
+        const tumble_pdo_t *other =
+            (i < TUMBLE_MAX_TRANSMIT_PDOS) ? &pdos->transmit[i].pdo : &pdos->receive[i - TUMBLE_MAX_TRANSMIT_PDOS];
 
-        taken = taken || ((other != pdo) && tumble_pdo_is_valid(other) &&
-                          (((other->cob_id ^ value) & TUMBLE_CAN_MAX_ID) == 0U));
+        taken = taken ||
+                ((other != pdo) && tumble_pdo_is_valid(other) && (((other->cob_id ^ value) & TUMBLE_CAN_MAX_ID) == 0U));
     }
     return taken && ((value & TUMBLE_PDO_INVALID) == 0U);
 }
@@ -348,8 +348,7 @@ static void setup_mapping(const tumble_pdo_setup_t *setup, uint8_t step, tumble_
     }
 }
 
-void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step,
-                            tumble_object_write_t *write)
+void tumble_pdo_setup_write(const tumble_pdo_setup_t *setup, uint16_t index, uint8_t step, tumble_object_write_t *write)
 {
     write->index = index;
     if ((step >= STEP_EMPTY) && (step <= STEP_COUNT)) {

@@ -13,8 +13,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define TUMBLE_SDO_REQUEST_ID 0x600U  /* + node: client to server */
-#define TUMBLE_SDO_RESPONSE_ID 0x580U /* + node: server to client */
+#define TUMBLE_SDO_REQUEST_ID 0x600U          /* + node: client to server */
+#define TUMBLE_SDO_RESPONSE_ID 0x580U         /* + node: server to client */
 #define TUMBLE_SDO_SERVER_TIMEOUT_US 1000000U /* of a client that falls silent within a segmented transfer */
 #define TUMBLE_SDO_CLIENT_TIMEOUT_US 500000U  /* of one answer of a server */
 
@@ -29,19 +29,19 @@ typedef enum {
  * torn. While an answer waits for the port, a further request (which no correct client sends) is dropped, counted. */
 typedef struct {
     uint8_t subindex;
-    uint8_t transfer;         /* tumble_sdo_transfer_t */
-    uint8_t size;             /* upload: bytes in all; download: bytes announced, 0 if none were */
-    uint8_t done;             /* bytes moved so far */
-    uint8_t toggle;           /* 0x00 or 0x10: what the next segment must carry */
-    uint8_t node;             /* 1 to 127 */
+    uint8_t transfer; /* tumble_sdo_transfer_t */
+    uint8_t size;     /* upload: bytes in all; download: bytes announced, 0 if none were */
+    uint8_t done;     /* bytes moved so far */
+    uint8_t toggle;   /* 0x00 or 0x10: what the next segment must carry */
+    uint8_t node;     /* 1 to 127 */
     bool answer_due;
-    bool held;                /* the owner's to set: writes to what carries process data are refused; see receive */
-    uint16_t dropped;         /* requests dropped: not eight bytes long, or sent before the last one was answered */
-    uint16_t aborted;         /* transfers refused or ended by an abort, either side's */
-    uint16_t index;           /* of the transfer, for aborts */
-    bool service;             /* the owner's to set: TUMBLE_ACCESS_SERVICE may be written */
-    uint64_t deadline_us;     /* TUMBLE_NEVER: no transfer under way */
-    tumble_entry_t entry;     /* download: of the object */
+    bool held;            /* the owner's to set: writes to what carries process data are refused; see receive */
+    uint16_t dropped;     /* requests dropped: not eight bytes long, or sent before the last one was answered */
+    uint16_t aborted;     /* transfers refused or ended by an abort, either side's */
+    uint16_t index;       /* of the transfer, for aborts */
+    bool service;         /* the owner's to set: TUMBLE_ACCESS_SERVICE may be written */
+    uint64_t deadline_us; /* TUMBLE_NEVER: no transfer under way */
+    tumble_entry_t entry; /* download: of the object */
     uint8_t answer[TUMBLE_CAN_MAX_BYTES];
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
 } tumble_sdo_server_t;
@@ -73,20 +73,20 @@ uint64_t tumble_sdo_server_next_us(const tumble_sdo_server_t *server);
 typedef struct {
     tumble_status_t result;
     uint8_t subindex;
-    uint8_t node;             /* the server's */
-    uint8_t transfer;         /* tumble_sdo_transfer_t */
-    uint8_t phase;            /* private */
-    uint8_t capacity;         /* upload: room for it */
-    uint8_t size;             /* bytes to move; upload: as the server announced, 0 if it did not */
-    uint8_t done;             /* bytes moved */
+    uint8_t node;     /* the server's */
+    uint8_t transfer; /* tumble_sdo_transfer_t */
+    uint8_t phase;    /* private */
+    uint8_t capacity; /* upload: room for it */
+    uint8_t size;     /* bytes to move; upload: as the server announced, 0 if it did not */
+    uint8_t done;     /* bytes moved */
     uint8_t toggle;
     bool request_due;
-    uint16_t ignored;         /* answers that belong to no request: late, from before a timeout, malformed */
+    uint16_t ignored; /* answers that belong to no request: late, from before a timeout, malformed */
     uint16_t index;
-    uint8_t *sink;            /* upload: the caller's memory; null: `value` below */
-    const uint8_t *source;    /* download: likewise */
-    uint32_t abort;           /* why the last transfer failed: the server's code or this end's; 0: it did not */
-    uint64_t deadline_us;     /* TUMBLE_NEVER: not waiting */
+    uint8_t *sink;         /* upload: the caller's memory; null: `value` below */
+    const uint8_t *source; /* download: likewise */
+    uint32_t abort;        /* why the last transfer failed: the server's code or this end's; 0: it did not */
+    uint64_t deadline_us;  /* TUMBLE_NEVER: not waiting */
     uint8_t request[TUMBLE_CAN_MAX_BYTES];
     uint8_t value[8];
 } tumble_sdo_client_t;
@@ -99,8 +99,8 @@ tumble_status_t tumble_sdo_client_read(tumble_sdo_client_t *client, uint8_t node
 
 /* The same into `data`, which must live until the end of the transfer. A value that does not fit is aborted with
  * TUMBLE_ABORT_MEMORY. Capacity 1 to 255. */
-tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
-                                            uint8_t subindex, uint8_t *data, uint8_t capacity);
+tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
+                                            uint8_t *data, uint8_t capacity);
 
 /* Start to write a number: the low `size` bytes (1, 2 or 4) of `value`; a negative one as two's complement. */
 tumble_status_t tumble_sdo_client_write(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,

@@ -1,6 +1,6 @@
-#include "core/bytes.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
+#include "core/bytes.h"
 #include "core/one_copy.h"
 
 #include <string.h>
@@ -48,7 +48,8 @@ static void abort_transfer(tumble_sdo_client_t *client, tumble_status_t result, 
     tumble_put_u32(&client->request[4], (uint32_t)reason);
 }
 
-TUMBLE_ONE_COPY static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex)
+TUMBLE_ONE_COPY static tumble_status_t begin(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
+                                             uint8_t subindex)
 {
     tumble_status_t status = TUMBLE_OK;
 
@@ -110,8 +111,8 @@ tumble_status_t tumble_sdo_client_read(tumble_sdo_client_t *client, uint8_t node
     return status;
 }
 
-tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index,
-                                            uint8_t subindex, uint8_t *data, uint8_t capacity)
+tumble_status_t tumble_sdo_client_read_into(tumble_sdo_client_t *client, uint8_t node, uint16_t index, uint8_t subindex,
+                                            uint8_t *data, uint8_t capacity)
 {
     tumble_status_t status = TUMBLE_E_ARGUMENT;
 
@@ -331,8 +332,8 @@ static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint6
 {
     bool busy = client->result == TUMBLE_E_SDO_BUSY;
 
-    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node,
-                                                 client->request, sizeof client->request) != TUMBLE_OK;
+    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node, client->request,
+                                                 sizeof client->request) != TUMBLE_OK;
     if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
         client->deadline_us = now_us + TUMBLE_SDO_CLIENT_TIMEOUT_US;
     }

@@ -1,6 +1,6 @@
-#include "core/bytes.h"
 #include "canopen/sdo.h"
 #include "canopen/sdo_frame.h"
+#include "core/bytes.h"
 #include "core/one_copy.h"
 
 #include <string.h>
@@ -190,8 +190,7 @@ static void begin_segmented_download(tumble_sdo_server_t *server, const tumble_c
 static void begin_download(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
                            const tumble_can_frame_t *frame)
 {
-    const tumble_abort_t refusal =
-        tumble_dictionary_find(dictionary, server->index, server->subindex, &server->entry);
+    const tumble_abort_t refusal = tumble_dictionary_find(dictionary, server->index, server->subindex, &server->entry);
 
     if (refusal != TUMBLE_ABORT_NONE) {
         refuse(server, refusal);
@@ -233,8 +232,8 @@ static void take_segment(tumble_sdo_server_t *server, const tumble_dictionary_t 
 }
 
 /* A request for, or with, one segment of the transfer under way. */
-static void segment(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary,
-                    const tumble_can_frame_t *frame, tumble_sdo_transfer_t transfer)
+static void segment(tumble_sdo_server_t *server, const tumble_dictionary_t *dictionary, const tumble_can_frame_t *frame,
+                    tumble_sdo_transfer_t transfer)
 {
     if (server->transfer == (uint8_t)TUMBLE_SDO_IDLE) {
         server->index = 0;

@@ -117,7 +117,8 @@ static inline void tumble_accumulator_add_up(tumble_accumulator_t into, const in
  * TUMBLE_E_UNHEALTHY a caller that goes on must put that sample through the gate of the counter itself. Returns as
  * tumble_averaging_add for an open position that is not full: TUMBLE_OK, TUMBLE_E_UNHEALTHY, TUMBLE_E_REPEATED,
  * TUMBLE_E_REORDERED, TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION. */
-static inline tumble_status_t tumble_accumulator_take(tumble_accumulator_t into, const tumble_averaging_config_t *config,
+static inline tumble_status_t tumble_accumulator_take(tumble_accumulator_t into,
+                                                      const tumble_averaging_config_t *config,
                                                       const tumble_sample_t *sample)
 {
     const int32_t *const counts = sample->counts;

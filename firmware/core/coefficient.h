@@ -13,7 +13,8 @@
 
 static_assert((sizeof(tumble_coefficients_t) == (TUMBLE_COEFFICIENTS * sizeof(double))) &&
                   (sizeof(tumble_uncertainty_t) == sizeof(tumble_coefficients_t)) &&
-                  (offsetof(tumble_coefficients_t, k_v_per_g) == 0U) && (offsetof(tumble_uncertainty_t, k_v_per_g) == 0U),
+                  (offsetof(tumble_coefficients_t, k_v_per_g) == 0U) &&
+                  (offsetof(tumble_uncertainty_t, k_v_per_g) == 0U),
               "the members lie in the order of the numbers");
 
 /* One of a tumble_coefficients_t, or of a tumble_uncertainty_t. */

@@ -85,7 +85,8 @@ static bool is_well_formed(const tumble_gain_record_t *record)
 
 static bool is_for(const tumble_gain_record_t *record, const tumble_schedule_t *schedule)
 {
-    return (record->fit_positions == tumble_means_fit_positions(schedule)) && (record->mountings == schedule->mounting_count) &&
+    return (record->fit_positions == tumble_means_fit_positions(schedule)) &&
+           (record->mountings == schedule->mounting_count) &&
            (record->schedule_crc == tumble_gain_record_schedule_crc(schedule));
 }
 

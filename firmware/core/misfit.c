@@ -6,10 +6,10 @@
 
 #include <stddef.h>
 
-#define BASIS 3                 /* 1, sin phi, cos phi */
-#define RANK 1e-9               /* a pivot this small a part of its diagonal element is rounding: too few attitudes */
-#define SMALLEST_NOISE 1e-7     /* of a mean, relative to the largest element of K, so that all have weights */
-#define HALF_STEP 0.5           /* less noise than that, in counts: samples round alike */
+#define BASIS 3             /* 1, sin phi, cos phi */
+#define RANK 1e-9           /* a pivot this small a part of its diagonal element is rounding: too few attitudes */
+#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
+#define HALF_STEP 0.5       /* less noise than that, in counts: samples round alike */
 
 /* A position as the fit sees it. */
 typedef struct {
@@ -108,8 +108,7 @@ static void look_at(const tumble_misfit_work_t *work, const tumble_misfit_run_t 
     turn_to_block(mounting, cosine, -sine, by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = run->coefficients->k_v_per_g[i];
-        place->residual_v[i] =
-            (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - tumble_dot(k, force);
+        place->residual_v[i] = (mean_counts[i] * run->v_per_count) - run->coefficients->u0_v[i] - tumble_dot(k, force);
         place->by_angle_v[i] = is_in(work, i) ? tumble_dot(k, by_angle) : 0.0;
     }
 }
@@ -210,8 +209,7 @@ TUMBLE_ONE_COPY static bool end_test(tumble_misfit_work_t *work, const tumble_mi
         work->all_freedom = (uint8_t)freedom;
         work->misfit = work->misfit || is_large(work->square, freedom);
     } else {
-        work->misfit =
-            work->misfit || is_large(work->all_square - work->square, (int)work->all_freedom - freedom);
+        work->misfit = work->misfit || is_large(work->all_square - work->square, (int)work->all_freedom - freedom);
     }
     work->test++;
     if (work->test == (uint8_t)TUMBLE_MISFIT_TESTS) {
@@ -225,8 +223,7 @@ TUMBLE_ONE_COPY static bool end_test(tumble_misfit_work_t *work, const tumble_mi
 static bool belongs(const tumble_misfit_work_t *work, const tumble_misfit_run_t *run, uint8_t p)
 {
     const uint8_t mounting = run->schedule->positions[p].mounting;
-    return (mounting == run->schedule->mountings[work->mounting].number) &&
-           (run->averaging->averages[p].samples != 0U);
+    return (mounting == run->schedule->mountings[work->mounting].number) && (run->averaging->averages[p].samples != 0U);
 }
 
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run)

@@ -175,8 +175,7 @@ void tumble_normal_fit(const tumble_normal_t *normal, const tumble_schedule_t *s
     }
 }
 
-tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured,
-                                         uint8_t *unidentified)
+tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, const bool *measured, uint8_t *unidentified)
 {
     if (schedule == NULL) {
         return TUMBLE_E_ARGUMENT;

@@ -36,7 +36,7 @@ static pose_t pose_of(const work_t *work, uint8_t p)
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(work->schedule, p);
     return (pose_t){mounting, &work->schedule->positions[p].angle,
-                     &work->stand->alpha3_rad[mounting - work->schedule->mountings]};
+                    &work->stand->alpha3_rad[mounting - work->schedule->mountings]};
 }
 
 static double dot(const double a[3], const double b[3])
@@ -88,7 +88,8 @@ static void linear_change(const pose_t *at, const tumble_stand_errors_t *stand, 
 static void turn(double x, double *sine, double *cosine)
 {
     const double q = x * x;
-    const double s = x * (1.0 + (q * ((-1.0 / 6.0) + (q * ((1.0 / 120.0) + (q * ((-1.0 / 5040.0) + (q * (1.0 / 362880.0)))))))));
+    const double s =
+        x * (1.0 + (q * ((-1.0 / 6.0) + (q * ((1.0 / 120.0) + (q * ((-1.0 / 5040.0) + (q * (1.0 / 362880.0)))))))));
     const double c_less_1 = q * (-0.5 + (q * ((1.0 / 24.0) + (q * ((-1.0 / 720.0) + (q * (1.0 / 40320.0)))))));
     const double before = *sine;
     *sine += (before * c_less_1) + (*cosine * s);
@@ -239,7 +240,10 @@ tumble_status_t tumble_estimate_optimal(const tumble_gain_record_t *record, cons
         return status;
     }
     *optimal = (tumble_optimal_t){0};
-    work_t work = {.record = record, .schedule = schedule, .block = coefficients, .stand = &optimal->stand,
+    work_t work = {.record = record,
+                   .schedule = schedule,
+                   .block = coefficients,
+                   .stand = &optimal->stand,
                    .curvature_rad = optimal->curvature_rad};
     for (int n = 0; (n < PASSES) && (status == TUMBLE_OK); n++) {
         status = pass(&work, means, n == 0);

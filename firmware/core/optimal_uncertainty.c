@@ -1,6 +1,5 @@
 #include "tumble/core.h"
 
-
 #include <stddef.h>
 
 tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judged_run_t *run,

@@ -144,7 +144,8 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(schedule, index);
     const tumble_angle_t *angle = &schedule->positions[index].angle;
-    const double f[3] = {mounting->tilt.cosine * angle->sine, mounting->tilt.sine, mounting->tilt.cosine * angle->cosine};
+    const double f[3] = {mounting->tilt.cosine * angle->sine, mounting->tilt.sine,
+                         mounting->tilt.cosine * angle->cosine};
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         a_g[i] = tumble_dot(mounting->matrix[i], f);
     }
@@ -165,7 +166,8 @@ static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b
 static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 {
     uint8_t m = 0;
-    while ((m < tumble_schedule_paper.mounting_count) && !same_mounting(mounting, &tumble_schedule_paper.mountings[m])) {
+    while ((m < tumble_schedule_paper.mounting_count) &&
+           !same_mounting(mounting, &tumble_schedule_paper.mountings[m])) {
         m++;
     }
     return m;
@@ -175,7 +177,8 @@ static uint8_t paper_mounting(const tumble_mounting_t *mounting)
 static uint8_t paper_position(const tumble_angle_t *angle)
 {
     const double above_deg = angle->deg + 0.5;
-    const uint32_t nearest_deg = tumble_is_positive(above_deg) ? (uint32_t)tumble_whole(above_deg) : 1U; /* 1 is no position */
+    const uint32_t nearest_deg =
+        tumble_is_positive(above_deg) ? (uint32_t)tumble_whole(above_deg) : 1U; /* 1 is no position */
     const bool there = (nearest_deg <= 360U) && ((nearest_deg % 45U) == 0U) &&
                        tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
     return there ? (uint8_t)(nearest_deg / 45U) : 9U;

@@ -10,12 +10,12 @@
 #define ALPHA3 (ALPHA1 + 1)
 #define ALPHA2(work) ((work)->unknowns - 1)
 
-#define TINY 1e-12              /* of a row: an entry below it is rounding */
-#define INESTIMABLE 1e-6        /* of a combination: what the data do not determine */
-#define SMALLEST_NOISE 1e-7     /* of a mean, relative to the largest element of K, so that all have weights */
+#define TINY 1e-12          /* of a row: an entry below it is rounding */
+#define INESTIMABLE 1e-6    /* of a combination: what the data do not determine */
+#define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 #define BISECTIONS 44
 #define LARGEST_ANGLE_SQUARE 1.0
-#define FREE (-1.0)             /* for a variance of set angles without bound */
+#define FREE (-1.0) /* for a variance of set angles without bound */
 
 typedef struct {
     const tumble_schedule_t *schedule;
@@ -359,9 +359,8 @@ static double solve_angle_square(const run_t *run, tumble_fit_work_t *work, doub
 }
 
 tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *schedule, const tumble_means_t *means,
-                                        const tumble_coefficients_t *coefficients,
-                                        const tumble_random_errors_t *errors, tumble_fit_work_t *work,
-                                        tumble_seen_t *alpha4, double *freedom)
+                                        const tumble_coefficients_t *coefficients, const tumble_random_errors_t *errors,
+                                        tumble_fit_work_t *work, tumble_seen_t *alpha4, double *freedom)
 {
     const run_t run = {schedule, means, coefficients, errors};
     if (!is_valid(&run, work) || (alpha4 == NULL) || (freedom == NULL) || !size_up(&run, work)) {

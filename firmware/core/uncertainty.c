@@ -257,8 +257,7 @@ static bool stand_is_valid(const tumble_stand_record_t *stand)
            is_sigma(stand->level_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
-           is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
-           (stand->samples >= 1U);
+           is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) && (stand->samples >= 1U);
 }
 
 static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)

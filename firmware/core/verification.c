@@ -17,8 +17,7 @@ static double gravity_error_g(const tumble_calibration_t *calibration, const dou
 }
 
 static tumble_status_t judge_position(const tumble_schedule_t *schedule, const tumble_means_t *means,
-                                      const tumble_calibration_t *calibration, uint8_t p,
-                                      tumble_gravity_check_t *found)
+                                      const tumble_calibration_t *calibration, uint8_t p, tumble_gravity_check_t *found)
 {
     const double delta_g = gravity_error_g(calibration, means->u_v[p]);
     if (!tumble_is_finite(delta_g)) {
@@ -52,7 +51,8 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
         }
     }
     const bool judged = (check->fit_positions > 0U) || (check->check_positions > 0U);
-    check->pass = judged && tumble_within(check->max_abs_fit_g, limit_g) && tumble_within(check->max_abs_check_g, limit_g);
+    check->pass =
+        judged && tumble_within(check->max_abs_fit_g, limit_g) && tumble_within(check->max_abs_check_g, limit_g);
     return TUMBLE_OK;
 }
 

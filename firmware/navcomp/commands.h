@@ -25,7 +25,7 @@ typedef enum {
 #define TUMBLE_COMMAND_ENUM(name, sentence) name,
     TUMBLE_COMMAND_LIST(TUMBLE_COMMAND_ENUM)
 #undef TUMBLE_COMMAND_ENUM
-    TUMBLE_COMMAND_COUNT
+        TUMBLE_COMMAND_COUNT
 } tumble_command_t;
 
 /* Name ("TUMBLE_COMMAND_START") and sentence; safe for values outside the list, never null. */

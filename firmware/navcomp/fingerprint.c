@@ -39,8 +39,9 @@ uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
     uint32_t crc = 0;
     if (config->declared != NULL) {
         const tumble_stand_record_t *stand = config->declared->stand;
-        const double numbers[] = {stand->axis_tilt_rad, stand->level_rad,     stand->remount_rad, stand->angle_rad,
-                                  stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
+        const double numbers[] = {
+            stand->axis_tilt_rad, stand->level_rad,     stand->remount_rad,           stand->angle_rad,
+            stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
         crc = ADD(crc, numbers);
     }
     double numbers[TUMBLE_STAND_NUMBERS] = {0};

@@ -14,9 +14,9 @@
 #define TUMBLE_NAVCOMP_KEEPER_H
 
 #include "navcomp/keeping.h"
-#include "tumble/navcomp.h"
 #include "navcomp/parameters.h"
 #include "sample/at_rest.h"
+#include "tumble/navcomp.h"
 #include "tumble/sets.h"
 
 #include <assert.h>
@@ -36,8 +36,7 @@ typedef struct {
                                    tumble_uncertainty_t *uncertainty);
 
     /* tumble_stand_view and its memory (navcomp/stand_view.h); null: the dictionary tells nothing of the stand. */
-    const struct tumble_stand_view *(*stand_view)(const tumble_navcomp_t *navcomp,
-                                                  struct tumble_stand_memory *memory);
+    const struct tumble_stand_view *(*stand_view)(const tumble_navcomp_t *navcomp, struct tumble_stand_memory *memory);
     struct tumble_stand_memory *stand_memory;
 } tumble_keeper_config_t;
 

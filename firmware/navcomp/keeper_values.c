@@ -196,7 +196,8 @@ static tumble_abort_t read_history(tumble_keeper_t *keeper, const tumble_entry_t
 static tumble_abort_t read_trend(tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes)
 {
     tumble_trend_t trend;
-    const tumble_abort_t refusal = refusal_of(tumble_sets_trend(&keeper->sets, (uint8_t)(entry->subindex - 1U), &trend));
+    const tumble_abort_t refusal =
+        refusal_of(tumble_sets_trend(&keeper->sets, (uint8_t)(entry->subindex - 1U), &trend));
     if (refusal == TUMBLE_ABORT_NONE) {
         tumble_put_f64(bytes, (entry->index == TUMBLE_KEEPER_INDEX_TREND) ? trend.per_month : trend.u_per_month);
     }
@@ -240,9 +241,8 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         refusal = read_stand(keeper, entry, bytes, size);
         break;
     case GROUP_OF(TUMBLE_KEEPER_INDEX_POSITION):
-        refusal = (entry->index == TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST)
-                      ? read_at_rest(keeper, entry, bytes, size)
-                      : read_position(keeper, entry, bytes, size);
+        refusal = (entry->index == TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST) ? read_at_rest(keeper, entry, bytes, size)
+                                                                            : read_position(keeper, entry, bytes, size);
         break;
     case GROUP_OF(TUMBLE_KEEPER_INDEX_HISTORY):
         refusal = (entry->index >= TUMBLE_KEEPER_INDEX_TREND) ? read_trend(keeper, entry, bytes)

@@ -6,9 +6,9 @@
 #define TUMBLE_NAVCOMP_KEEPER_VALUES_H
 
 #include "canopen/dictionary.h"
-#include "tumble/core.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
+#include "tumble/core.h"
 
 /* A position of the schedule, and its mean. */
 typedef struct {

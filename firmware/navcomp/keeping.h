@@ -7,9 +7,9 @@
 #define TUMBLE_NAVCOMP_KEEPING_H
 
 #include "canopen/node.h"
-#include "tumble/status.h"
 #include "navcomp/commands.h"
 #include "procedure/procedure.h"
+#include "tumble/status.h"
 
 #include <stdbool.h>
 #include <stdint.h>

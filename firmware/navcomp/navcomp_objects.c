@@ -29,8 +29,8 @@ static tumble_abort_t read_progress(const tumble_navcomp_t *navcomp, const tumbl
 {
     tumble_navcomp_progress_t progress;
     tumble_navcomp_progress(navcomp, &progress);
-    const bool mean = (entry->index == TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN) ||
-                      (entry->index == TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR);
+    const bool mean =
+        (entry->index == TUMBLE_NAVCOMP_INDEX_RUNNING_MEAN) || (entry->index == TUMBLE_NAVCOMP_INDEX_STANDARD_ERROR);
     if (mean && !progress.has_mean) {
         return TUMBLE_ABORT_NO_DATA;
     }

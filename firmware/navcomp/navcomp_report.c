@@ -138,8 +138,8 @@ void tumble_navcomp_progress(const tumble_navcomp_t *navcomp, tumble_navcomp_pro
 {
     *progress = (tumble_navcomp_progress_t){0};
     tumble_procedure_progress(&navcomp->procedure, &progress->run);
-    progress->has_mean = tumble_procedure_running(&navcomp->procedure, progress->mean_v,
-                                                  progress->standard_error_v) == TUMBLE_OK;
+    progress->has_mean =
+        tumble_procedure_running(&navcomp->procedure, progress->mean_v, progress->standard_error_v) == TUMBLE_OK;
     progress->stand = navcomp->stand.kind->state(navcomp->stand.self);
     progress->angle_deg = navcomp->stand.kind->angle_deg(navcomp->stand.self);
     progress->temperature_half_c = navcomp->temperature_half_c;

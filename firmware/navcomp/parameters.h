@@ -19,9 +19,9 @@
 #define TUMBLE_NAVCOMP_PARAMETERS_H
 
 #include "canopen/node.h"
-#include "tumble/status.h"
 #include "tumble/port.h"
 #include "tumble/sets.h"
+#include "tumble/status.h"
 
 #include <assert.h>
 #include <stdbool.h>
@@ -48,10 +48,10 @@ enum {
 typedef struct {
     uint8_t event;
     uint8_t phase;
-    uint8_t slot; /* 0 or 1: where the record in force is */
-    bool unread;  /* a record could not be read, and may be the one in force: nothing is written beside it */
-    bool failed;  /* a job: it is being looked what that left behind */
-    bool again;   /* to be restored when that is done which is under way */
+    uint8_t slot;          /* 0 or 1: where the record in force is */
+    bool unread;           /* a record could not be read, and may be the one in force: nothing is written beside it */
+    bool failed;           /* a job: it is being looked what that left behind */
+    bool again;            /* to be restored when that is done which is under way */
     const tumble_nv_t *nv; /* null: there is no room for parameters */
     tumble_node_t *node;
     tumble_store_t *store; /* its `bytes` hold the record */

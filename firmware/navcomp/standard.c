@@ -6,13 +6,10 @@
 
 #define STANDARD(type, member, standard, signs, result, part, key, low, high, about) .member = (standard),
 
-const tumble_averaging_config_t tumble_standard_averaging = {
-    TUMBLE_AVERAGING_FIELDS(STANDARD)
-};
+const tumble_averaging_config_t tumble_standard_averaging = {TUMBLE_AVERAGING_FIELDS(STANDARD)};
 
 const tumble_procedure_config_t tumble_standard_procedure = {
-    TUMBLE_PROCEDURE_FIELDS(STANDARD)
-    .schedule = &tumble_schedule_paper,
+    TUMBLE_PROCEDURE_FIELDS(STANDARD).schedule = &tumble_schedule_paper,
     .averaging = &tumble_standard_averaging,
 };
 
@@ -35,8 +32,7 @@ static const tumble_drive_pdo_t TRANSMIT[] = {
 };
 
 const tumble_drive_profile_t tumble_standard_drive = {
-    TUMBLE_DRIVE_FIELDS(STANDARD)
-    .receive = RECEIVE,
+    TUMBLE_DRIVE_FIELDS(STANDARD).receive = RECEIVE,
     .transmit = TRANSMIT,
     .receive_count = 1,
     .transmit_count = 1,

@@ -134,7 +134,7 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
         status = init_procedure(navcomp);
     }
     return ((status == TUMBLE_OK) && (config->keeping != NULL)) ? config->keeping->init(config->keeper, navcomp)
-                                                                 : status;
+                                                                : status;
 }
 
 /* After an NMT reset, which has ended the run, bring the axis up again from the start. The reason of the run stays

@@ -45,7 +45,7 @@ bool tumble_is_supervised(const tumble_navcomp_t *navcomp)
 void tumble_tell_block_alive(tumble_navcomp_t *navcomp)
 {
     const uint8_t block_node = navcomp->config->block_node;
-    const bool alive = !tumble_has_block(navcomp) ||
-                       (tumble_nmt_state_of(&navcomp->node.nmt, block_node) == TUMBLE_NMT_OPERATIONAL);
+    const bool alive =
+        !tumble_has_block(navcomp) || (tumble_nmt_state_of(&navcomp->node.nmt, block_node) == TUMBLE_NMT_OPERATIONAL);
     tumble_procedure_set_block_alive(&navcomp->procedure, alive);
 }

@@ -15,8 +15,7 @@ typedef struct tumble_declared {
     const tumble_stand_record_t *stand; /* its `samples` are not looked at: the run knows them */
 
     /* Of TUMBLE_ESTIMATE_OPTIMAL: tumble_optimal_uncertainty of tumble/core.h; else may be null. */
-    tumble_status_t (*weighted)(const void *source, const tumble_judged_run_t *run,
-                                tumble_uncertainty_t *uncertainty);
+    tumble_status_t (*weighted)(const void *source, const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty);
 } tumble_declared_t;
 
 #define TUMBLE_ALL_COEFFICIENTS 0x0FFFU

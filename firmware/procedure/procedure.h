@@ -14,9 +14,9 @@
 #ifndef TUMBLE_PROCEDURE_PROCEDURE_H
 #define TUMBLE_PROCEDURE_PROCEDURE_H
 
-#include "tumble/core.h"
 #include "procedure/states.h"
 #include "sample/block_sample.h"
+#include "tumble/core.h"
 #include "tumble/stand.h"
 
 #include <stdbool.h>
@@ -40,32 +40,32 @@ typedef struct {
     const tumble_averaging_config_t *averaging; /* min_samples there is the smallest; samples below the largest */
     tumble_estimate_t estimate;
     const tumble_weighted_t *weighted; /* of TUMBLE_ESTIMATE_OPTIMAL; else not looked at */
-    uint32_t samples;               /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES. With the stuck gate on, a
+    uint32_t samples;      /* per position; averaging->min_samples to TUMBLE_MAX_SAMPLES. With the stuck gate on, a
                                        position must have averaging->stuck_run, or as many as honest noise leaves equal in
                                        one case of 100,000: 3 with noise of 127 counts, 4 from 19, 7 from 2.8, 14 from 1 or less */
-    double error_budget_v;          /* a position is finished before that once the standard error of every channel's
+    double error_budget_v; /* a position is finished before that once the standard error of every channel's
                                        mean is at most this, V; if it never is, that is a fault; 0: always `samples` */
-    double v_per_count;             /* size of one count, V; finite, not 0 */
-    double nominal_scale_v_per_g;   /* signed, not 0; good to a tenth: for the checks of direction and closure */
-    double gravity_limit_g;         /* limit of the gravity check; above 0 */
-    double closure_limit_g;         /* |U9 - U1| over the nominal scale that calls a slip; above 0 */
-    double position_tolerance_deg;  /* actual against commanded angle that calls a slip; above 0 */
-    double approach_deg;            /* every angle is approached upwards, from at least this far below; 0: no matter */
-    double cable_min_deg;           /* the table may turn from here ... */
-    double cable_max_deg;           /* ... to here; the procedure turns back rather than go beyond */
-    uint16_t settle_ms;             /* by the block's timestamps, after the stand is in position; below 4096 */
-    uint16_t max_corrupted;         /* corrupted frames allowed per position */
-    uint8_t retries;                /* times that one position is repeated by itself before it is a fault */
-    int8_t warm_up_band_half_c;     /* temperature must stay within this band; 0 or more ... */
-    uint16_t warm_up_samples;       /* ... for so many samples in a row; 0: no warm-up */
-    uint32_t preflight_timeout_ms;  /* all timeouts: above 0 */
+    double v_per_count;    /* size of one count, V; finite, not 0 */
+    double nominal_scale_v_per_g;  /* signed, not 0; good to a tenth: for the checks of direction and closure */
+    double gravity_limit_g;        /* limit of the gravity check; above 0 */
+    double closure_limit_g;        /* |U9 - U1| over the nominal scale that calls a slip; above 0 */
+    double position_tolerance_deg; /* actual against commanded angle that calls a slip; above 0 */
+    double approach_deg;           /* every angle is approached upwards, from at least this far below; 0: no matter */
+    double cable_min_deg;          /* the table may turn from here ... */
+    double cable_max_deg;          /* ... to here; the procedure turns back rather than go beyond */
+    uint16_t settle_ms;            /* by the block's timestamps, after the stand is in position; below 4096 */
+    uint16_t max_corrupted;        /* corrupted frames allowed per position */
+    uint8_t retries;               /* times that one position is repeated by itself before it is a fault */
+    int8_t warm_up_band_half_c;    /* temperature must stay within this band; 0 or more ... */
+    uint16_t warm_up_samples;      /* ... for so many samples in a row; 0: no warm-up */
+    uint32_t preflight_timeout_ms; /* all timeouts: above 0 */
     uint32_t warm_up_timeout_ms;
     uint32_t mounting_timeout_ms;
     uint32_t home_timeout_ms;
-    uint32_t move_timeout_ms;       /* of one move; reaching an angle from below may take two */
-    uint32_t settle_timeout_ms;     /* above settle_ms */
+    uint32_t move_timeout_ms;   /* of one move; reaching an angle from below may take two */
+    uint32_t settle_timeout_ms; /* above settle_ms */
     uint32_t average_timeout_ms;
-    uint32_t sample_timeout_ms;     /* silence of the block that is a fault, in states that need samples */
+    uint32_t sample_timeout_ms; /* silence of the block that is a fault, in states that need samples */
 } tumble_procedure_config_t;
 
 /* Monotonic since init, over all runs; they stop at UINT32_MAX. */
@@ -78,10 +78,10 @@ typedef struct {
     uint32_t refused;   /* positions refused by a gate or a check */
     uint32_t retries;   /* of those, repeated without asking */
     uint32_t timeouts;
-    uint32_t moves;     /* commands given to the stand */
-    uint32_t unwinds;   /* angles replaced by an equivalent one for the cable's sake */
+    uint32_t moves;   /* commands given to the stand */
+    uint32_t unwinds; /* angles replaced by an equivalent one for the cable's sake */
     uint32_t homings;
-    uint32_t faults;    /* entries into FAULT */
+    uint32_t faults; /* entries into FAULT */
     uint32_t resumes;
     uint32_t commands_refused;
 } tumble_procedure_counters_t;
@@ -96,24 +96,24 @@ typedef struct {
     tumble_status_t status;
     uint8_t index;
     uint8_t attempt;
-    uint8_t mounted; /* index of the mounting that is confirmed */
+    uint8_t mounted;      /* index of the mounting that is confirmed */
     uint8_t block_status; /* what keeps the block from passing PREFLIGHT */
-    bool restart_run;   /* the next step sets the start of the run, */
-    bool restart_timer; /* that of the state, */
-    bool heard;         /* and the time of the last sample */
-    bool marked;        /* the first sample of this state has come */
-    bool leading_in;    /* on the way to the point below the angle */
-    bool begun;         /* averaging is initialised for this run */
+    bool restart_run;     /* the next step sets the start of the run, */
+    bool restart_timer;   /* that of the state, */
+    bool heard;           /* and the time of the last sample */
+    bool marked;          /* the first sample of this state has come */
+    bool leading_in;      /* on the way to the point below the angle */
+    bool begun;           /* averaging is initialised for this run */
     bool warm;
     bool homed;
     bool restored; /* means of a run that lost power are in, and no mounting has been confirmed since */
-    bool solved; /* there is a result */
+    bool solved;   /* there is a result */
     bool block_alive;
     bool bus_up;
     bool supervised;
-    bool clearing; /* PREFLIGHT: the stand's fault is still to be cleared */
-    uint16_t corrupted;  /* frames at this position */
-    uint16_t warm_run;   /* samples within the band */
+    bool clearing;      /* PREFLIGHT: the stand's fault is still to be cleared */
+    uint16_t corrupted; /* frames at this position */
+    uint16_t warm_run;  /* samples within the band */
     uint16_t last_counter;
     uint16_t last_timestamp_ms;
     uint16_t drive_code;
@@ -124,11 +124,11 @@ typedef struct {
     uint64_t started_us;
     uint64_t entered_us;
     uint64_t heard_us;
-    double target_deg;   /* where the position is measured */
+    double target_deg; /* where the position is measured */
     tumble_refusal_t refusal;
     tumble_averaging_t averaging;
     union {
-        tumble_means_t means;         /* while a closure is checked, in SOLVE and in VERIFY */
+        tumble_means_t means; /* while a closure is checked, in SOLVE and in VERIFY */
         struct {
             tumble_gravity_check_t check; /* from PROPOSE on */
             tumble_misfit_work_t misfit;  /* lent to whoever judges what is proposed, while it must stay */
@@ -170,8 +170,7 @@ typedef struct {
 
 /* Hand in one sample, in the order of arrival. True: it went into a mean, and `taken` (may be null) tells which. A
  * sample that is refused or not wanted is counted; the caller need do nothing. */
-bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
-                             tumble_taken_t *taken);
+bool tumble_procedure_sample(tumble_procedure_t *procedure, const tumble_block_sample_t *sample, tumble_taken_t *taken);
 
 /* Tell of what the sample source could not hand in, in the order of arrival with the samples: frames refused as
  * corrupted and samples missing since the last call. Corrupted frames are judged per position; missing samples are only
@@ -216,8 +215,7 @@ tumble_status_t tumble_procedure_resume(tumble_procedure_t *procedure);
  * closure again. If it is refused, the position counts as not measured.
  * Returns TUMBLE_OK, TUMBLE_E_STATE, TUMBLE_E_ARGUMENT (index; a mean that this run would not have kept),
  * TUMBLE_E_TOO_FEW, TUMBLE_E_STUCK, TUMBLE_E_NOT_STILL. */
-tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index,
-                                         const tumble_average_t *average);
+tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index, const tumble_average_t *average);
 
 /* Measure one position anew. It must be of the mounting that is on the table, because every mounting sits a little
  * differently: TUMBLE_E_STATE otherwise. WAIT_MOUNTING, SETTLE, AVERAGE, FAULT, DONE. */
@@ -251,11 +249,11 @@ typedef struct {
     uint8_t finished;         /* of those, with a mean */
     uint8_t mounting;         /* numbers of that position's mounting (in WAIT_MOUNTING the one asked for) and its own */
     uint8_t position;
-    uint8_t attempt;          /* 0 at the first, 1 at the first repetition, ... */
-    uint32_t samples;         /* in the open mean */
+    uint8_t attempt;  /* 0 at the first, 1 at the first repetition, ... */
+    uint32_t samples; /* in the open mean */
     uint32_t samples_wanted;
-    double target_deg;        /* table angle of the position; may be a whole number of turns off the schedule's */
-    uint64_t elapsed_us;      /* local clock since the run started; for display only */
+    double target_deg;   /* table angle of the position; may be a whole number of turns off the schedule's */
+    uint64_t elapsed_us; /* local clock since the run started; for display only */
 } tumble_progress_t;
 
 void tumble_procedure_progress(const tumble_procedure_t *procedure, tumble_progress_t *progress);

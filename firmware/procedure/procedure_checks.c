@@ -46,8 +46,8 @@ typedef struct {
 #define I8_WHOLE(signs, member) signs##_WHOLE(member)
 #define ENUM_WHOLE(signs, member)
 #define ANY_WHOLE(member)
-#define POSITIVE_WHOLE(member) && (config->member > 0)
-#define NOT_NEGATIVE_WHOLE(member) && (config->member >= 0)
+#define POSITIVE_WHOLE(member) &&(config->member > 0)
+#define NOT_NEGATIVE_WHOLE(member) &&(config->member >= 0)
 
 /* Of a finite number. */
 static unsigned sign_of(double x)
@@ -69,8 +69,8 @@ static bool numbers_are_valid(const tumble_procedure_config_t *config)
 
 static bool whole_numbers_are_valid(const tumble_procedure_config_t *config)
 {
-    return (config->settle_timeout_ms > config->settle_ms) &&
-           (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS) TUMBLE_PROCEDURE_FIELDS(WHOLE);
+    return (config->settle_timeout_ms > config->settle_ms) && (config->settle_ms < TUMBLE_TIMESTAMP_PERIOD_MS)
+                                                                  TUMBLE_PROCEDURE_FIELDS(WHOLE);
 }
 
 /* So many equal samples that noise makes them by chance in one of 100,000 at most. With noise of s counts no

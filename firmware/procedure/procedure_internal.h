@@ -37,13 +37,7 @@ enum {
 };
 
 /* tumble_row_t.commands */
-enum {
-    COMMAND_START = 1,
-    COMMAND_ABORT = 2,
-    COMMAND_CONFIRM = 4,
-    COMMAND_RESUME = 8,
-    COMMAND_REPEAT = 16
-};
+enum { COMMAND_START = 1, COMMAND_ABORT = 2, COMMAND_CONFIRM = 4, COMMAND_RESUME = 8, COMMAND_REPEAT = 16 };
 
 typedef outcome_t (*tumble_action_t)(tumble_procedure_t *procedure);
 typedef outcome_t (*tumble_sample_action_t)(tumble_procedure_t *procedure, const tumble_block_sample_t *sample,
@@ -60,7 +54,7 @@ typedef struct {
     uint8_t other;
     uint8_t watch;
     uint8_t commands;
-    bool pauses;                   /* its work waits for the next step, so that no step does two such works */
+    bool pauses; /* its work waits for the next step, so that no step does two such works */
 } tumble_row_t;
 
 extern const tumble_row_t tumble_procedure_rows[TUMBLE_STATE_COUNT];

@@ -45,14 +45,10 @@ typedef struct {
 outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t status)
 {
     static const refusal_row_t refusals[] = {
-        REFUSAL(LOST, SAMPLES_LOST, true),
-        REFUSAL(TOO_FEW, SAMPLES_LOST, true),
-        REFUSAL(CRC, SAMPLES_CORRUPTED, true),
-        REFUSAL(NOT_STILL, NOT_STILL, true),
-        REFUSAL(DEVIATION, NOT_STILL, true),
-        REFUSAL(SATURATED, SATURATED, false),
-        REFUSAL(UNCERTAIN, UNCERTAIN, true),
-        REFUSAL(STUCK, STUCK, false),
+        REFUSAL(LOST, SAMPLES_LOST, true),     REFUSAL(TOO_FEW, SAMPLES_LOST, true),
+        REFUSAL(CRC, SAMPLES_CORRUPTED, true), REFUSAL(NOT_STILL, NOT_STILL, true),
+        REFUSAL(DEVIATION, NOT_STILL, true),   REFUSAL(SATURATED, SATURATED, false),
+        REFUSAL(UNCERTAIN, UNCERTAIN, true),   REFUSAL(STUCK, STUCK, false),
     };
     const size_t last = (sizeof refusals / sizeof refusals[0]) - 1U;
     size_t row = 0;

@@ -11,8 +11,7 @@ static tumble_status_t begin(tumble_procedure_t *procedure)
     return status;
 }
 
-tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index,
-                                         const tumble_average_t *average)
+tumble_status_t tumble_procedure_restore(tumble_procedure_t *procedure, uint8_t index, const tumble_average_t *average)
 {
     if (procedure->state != TUMBLE_STATE_IDLE) {
         return TUMBLE_E_STATE;

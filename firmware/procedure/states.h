@@ -62,14 +62,14 @@ typedef enum {
 #define TUMBLE_STATE_ENUM(name, sentence) name,
     TUMBLE_STATE_LIST(TUMBLE_STATE_ENUM)
 #undef TUMBLE_STATE_ENUM
-    TUMBLE_STATE_COUNT
+        TUMBLE_STATE_COUNT
 } tumble_state_t;
 
 typedef enum {
 #define TUMBLE_REASON_ENUM(name, sentence) name,
     TUMBLE_REASON_LIST(TUMBLE_REASON_ENUM)
 #undef TUMBLE_REASON_ENUM
-    TUMBLE_REASON_COUNT
+        TUMBLE_REASON_COUNT
 } tumble_reason_t;
 
 /* Name and sentence, as in tumble/status.h; safe for values outside the lists, never null. */

@@ -13,8 +13,8 @@
 #ifndef TUMBLE_SAMPLE_AT_REST_H
 #define TUMBLE_SAMPLE_AT_REST_H
 
-#include "tumble/core.h"
 #include "sample/block_sample.h"
+#include "tumble/core.h"
 
 #include <assert.h>
 #include <stdbool.h>

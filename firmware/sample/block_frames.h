@@ -17,8 +17,8 @@
 #ifndef TUMBLE_SAMPLE_BLOCK_FRAMES_H
 #define TUMBLE_SAMPLE_BLOCK_FRAMES_H
 
-#include "tumble/port.h"
 #include "sample/block_sample.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -57,14 +57,14 @@ typedef enum {
 /* Monotonic; they stop at UINT32_MAX. A sample spoilt by a refused half is also counted as lost, once a
  * later sample shows the gap. */
 typedef struct {
-    uint32_t samples;       /* complete, in order, handed on */
-    uint32_t lost;          /* missing in the sample counter between two samples handed on */
+    uint32_t samples; /* complete, in order, handed on */
+    uint32_t lost;    /* missing in the sample counter between two samples handed on */
     uint32_t repeated;
     uint32_t reordered;
-    uint32_t wrong_length;  /* corrupted: not eight bytes */
-    uint32_t wrong_crc;     /* corrupted: the checksum disagrees */
-    uint32_t wrong_pair;    /* corrupted: counters of the two halves contradict each other */
-    uint32_t lone_halves;   /* halves whose partner never came */
+    uint32_t wrong_length; /* corrupted: not eight bytes */
+    uint32_t wrong_crc;    /* corrupted: the checksum disagrees */
+    uint32_t wrong_pair;   /* corrupted: counters of the two halves contradict each other */
+    uint32_t lone_halves;  /* halves whose partner never came */
 } tumble_block_counters_t;
 
 /* All zero: nothing has come yet. */

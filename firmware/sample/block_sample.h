@@ -8,10 +8,10 @@
 
 /* Status bits of a raw sample; 0: healthy. */
 enum {
-    TUMBLE_SAMPLE_SATURATED = 1,   /* a channel is at the end of its range */
-    TUMBLE_SAMPLE_SELF_TEST = 2,   /* the block's self-test failed */
-    TUMBLE_SAMPLE_CONVERTER = 4,   /* its converter is faulty */
-    TUMBLE_SAMPLE_TEMPERATURE = 8  /* it is too cold or too hot */
+    TUMBLE_SAMPLE_SATURATED = 1,  /* a channel is at the end of its range */
+    TUMBLE_SAMPLE_SELF_TEST = 2,  /* the block's self-test failed */
+    TUMBLE_SAMPLE_CONVERTER = 4,  /* its converter is faulty */
+    TUMBLE_SAMPLE_TEMPERATURE = 8 /* it is too cold or too hot */
 };
 
 /* The block's timestamp counts milliseconds and wraps here. */

@@ -8,8 +8,8 @@
 #ifndef TUMBLE_SAMPLE_SOURCE_H
 #define TUMBLE_SAMPLE_SOURCE_H
 
-#include "tumble/status.h"
 #include "sample/block_sample.h"
+#include "tumble/status.h"
 
 typedef struct {
     void *context; /* handed to the function */

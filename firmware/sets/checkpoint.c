@@ -22,10 +22,12 @@ static_assert(TUMBLE_CHECKPOINT_CELLS <= UINT8_MAX, "a cell is one byte");
 static_assert(TUMBLE_CHECKPOINT_CELLS > TUMBLE_MAX_POSITIONS, "every position must find a cell");
 
 static const uint8_t run_head[RUN_HEAD_BYTES] = {0x54, 0x52, 0x55, 0x4E, 1, 0, TUMBLE_CHECKPOINT_BYTES, 0}; /* TRUN */
-static const uint8_t entry_head[AT_INDEX] = {0x54, 0x50};                                                     /* TP */
+static const uint8_t entry_head[AT_INDEX] = {0x54, 0x50};                                                   /* TP */
 static const tumble_field_t run_fields[] = {{(uint16_t)offsetof(tumble_checkpoint_t, fingerprint), 4, 1}};
 static const tumble_field_t entry_fields[] = {
-    {TUMBLE_FIELD_NONE, 1, 2}, FIELD(samples, 4, 1), FIELD(sum_counts, 8, TUMBLE_CHANNELS),
+    {TUMBLE_FIELD_NONE, 1, 2},
+    FIELD(samples, 4, 1),
+    FIELD(sum_counts, 8, TUMBLE_CHANNELS),
     FIELD(scatter_counts, 4, TUMBLE_CHANNELS)}; /* the first of the two bytes is the index */
 static const tumble_record_t run_record = {run_head, run_fields, AT_CRC, sizeof run_head, COUNT_OF(run_fields)};
 static const tumble_record_t entry_record = {entry_head, entry_fields, AT_CRC, sizeof entry_head,
@@ -42,8 +44,8 @@ static uint32_t crc_of_run(uint32_t fingerprint)
 static tumble_status_t check_average(uint8_t index, const tumble_average_t *average)
 {
     bool finite = true;
-    bool in_range = (index < TUMBLE_MAX_POSITIONS) && (average->samples > 0U) &&
-                    ((int64_t)average->samples <= TUMBLE_MAX_SAMPLES);
+    bool in_range =
+        (index < TUMBLE_MAX_POSITIONS) && (average->samples > 0U) && ((int64_t)average->samples <= TUMBLE_MAX_SAMPLES);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double scatter = (double)average->scatter_counts[i];
         finite = finite && tumble_is_finite(scatter);
@@ -232,7 +234,8 @@ bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index)
     return !tumble_checkpoint_busy(checkpoint) && (index < TUMBLE_MAX_POSITIONS) && (checkpoint->place[index] != 0U);
 }
 
-TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average)
+TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index,
+                                                       tumble_average_t *average)
 {
     if (tumble_checkpoint_busy(checkpoint)) {
         return TUMBLE_E_PORT_BUSY;

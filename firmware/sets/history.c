@@ -1,5 +1,5 @@
-#include "sets/history_entry.h"
 #include "core/one_copy.h"
+#include "sets/history_entry.h"
 #include "sets/log.h"
 
 #include <stddef.h>

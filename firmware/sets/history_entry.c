@@ -16,9 +16,15 @@
 
 static const uint8_t magic[AT_FIELDS] = {0x54, 0x48, 0x53, 0x31}; /* THS1 */
 static const tumble_field_t fields[] = {
-    FIELD(number, 4, 1),     FIELD(sequence, 4, 1),      FIELD(origin, 1, 1),
-    FIELD(estimator, 1, 1),  FIELD(flags, 2, 1),         FIELD(date_utc_s, 8, 1),
-    FIELD(temperature_c, 4, 1), FIELD(value, 4, TUMBLE_COEFFICIENTS), FIELD(u, 4, TUMBLE_COEFFICIENTS),
+    FIELD(number, 4, 1),
+    FIELD(sequence, 4, 1),
+    FIELD(origin, 1, 1),
+    FIELD(estimator, 1, 1),
+    FIELD(flags, 2, 1),
+    FIELD(date_utc_s, 8, 1),
+    FIELD(temperature_c, 4, 1),
+    FIELD(value, 4, TUMBLE_COEFFICIENTS),
+    FIELD(u, 4, TUMBLE_COEFFICIENTS),
 };
 
 static const tumble_record_t record = {magic, fields, AT_CRC, sizeof magic, COUNT_OF(fields)};
@@ -86,8 +92,11 @@ tumble_status_t tumble_history_from_set(const tumble_set_t *set, tumble_history_
     if ((set == NULL) || (entry == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    tumble_history_entry_t made = {.sequence = set->sequence, .date_utc_s = set->date_utc_s, .origin = set->origin,
-                                   .estimator = set->estimator, .flags = set->flags};
+    tumble_history_entry_t made = {.sequence = set->sequence,
+                                   .date_utc_s = set->date_utc_s,
+                                   .origin = set->origin,
+                                   .estimator = set->estimator,
+                                   .flags = set->flags};
     bool fits = shorten(&set->coefficients, made.value);
     if ((set->flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) {
         fits = shorten(&set->uncertainty, made.u) && fits;

@@ -88,8 +88,7 @@ static tumble_status_t check(tumble_nv_writer_t *writer)
 {
     const uint32_t left = writer->size - writer->checked;
     const uint32_t size = (left < TUMBLE_NV_CHUNK) ? left : TUMBLE_NV_CHUNK;
-    const tumble_status_t status =
-        tumble_nv_read(writer->nv, writer->offset + writer->checked, writer->chunk, size);
+    const tumble_status_t status = tumble_nv_read(writer->nv, writer->offset + writer->checked, writer->chunk, size);
     if (status != TUMBLE_OK) {
         return status;
     }

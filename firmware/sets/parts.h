@@ -28,15 +28,11 @@ enum {
     TASK_COMPARE_SETS,    /* is the result one of the sets that the store holds? `at`: which */
     TASK_COMPARE_HISTORY, /* or of those it held? `at`: age */
     TASK_DECIDE,
-    TASK_RESTORE          /* take the means out of the checkpoint; `at`: position */
+    TASK_RESTORE /* take the means out of the checkpoint; `at`: position */
 };
 
 /* tumble_sets_t.trying: what the checkpoint is doing besides keeping a position. */
-enum {
-    TRYING_NOTHING = 0,
-    TRYING_TO_BEGIN = UINT8_MAX - 1,
-    TRYING_TO_CLEAR = UINT8_MAX
-};
+enum { TRYING_NOTHING = 0, TRYING_TO_BEGIN = UINT8_MAX - 1, TRYING_TO_CLEAR = UINT8_MAX };
 static_assert(TUMBLE_MAX_POSITIONS < TRYING_TO_BEGIN, "what is tried is one byte");
 
 /* tumble_sets_t.wants */
@@ -45,9 +41,9 @@ enum {
     WANT_DISCARD = 2,
     WANT_ROLLBACK = 4,
     WANT_COMMANDS = WANT_ACCEPT | WANT_DISCARD | WANT_ROLLBACK,
-    WANT_BEGIN = 8, /* a new checkpoint */
-    WANT_CLEAR = 16, /* none */
-    WANT_APPEND = 32, /* there is a mean that is not in it */
+    WANT_BEGIN = 8,        /* a new checkpoint */
+    WANT_CLEAR = 16,       /* none */
+    WANT_APPEND = 32,      /* there is a mean that is not in it */
     WANT_RECORD_DECAY = 64 /* in the history */
 };
 

@@ -115,7 +115,7 @@ static double kelvin_between(const tumble_set_t *candidate, const tumble_set_t *
 {
     const unsigned both = (unsigned)candidate->flags & active->flags;
     return ((both & TUMBLE_SET_HAS_TEMPERATURE) != 0U) ? tumble_abs(candidate->temperature_c - active->temperature_c)
-                                                        : 0.0;
+                                                       : 0.0;
 }
 
 static bool is_plausible(const tumble_set_t *candidate, const tumble_set_t *active,

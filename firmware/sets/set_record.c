@@ -28,19 +28,35 @@
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
 
 /* "TSET", schema, size */
-static const uint8_t head[AT_FIELDS] = {0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0,
-                                        TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
+static const uint8_t head[AT_FIELDS] = {
+    0x54, 0x53, 0x45, 0x54, TUMBLE_SET_SCHEMA, 0, TUMBLE_SET_BYTES & 0xFFU, TUMBLE_SET_BYTES >> 8};
 
 static const tumble_field_t fields[] = {
-    FIELD(sequence, 4, 1),        FIELD(origin, 1, 1),           FIELD(estimator, 1, 1),
-    FIELD(flags, 2, 1),           FIELD(block_serial, 1, 24),    FIELD(date_utc_s, 8, 1),
-    FIELD(temperature_c, 8, 1),   FIELD(gravity_m_s2, 8, 1),     FIELD(coefficients.k_v_per_g, 8, 9),
-    FIELD(coefficients.u0_v, 8, 3), FIELD(uncertainty.k_v_per_g, 8, 9), FIELD(uncertainty.u0_v, 8, 3),
-    FIELD(max_abs_fit_g, 8, 1),   FIELD(max_abs_check_g, 8, 1),  FIELD(limit_g, 8, 1),
-    FIELD(closure_v, 8, 1),       FIELD(samples, 4, 1),          FIELD(fit_positions, 1, 1),
-    FIELD(check_positions, 1, 1), {TUMBLE_FIELD_NONE, 1, 2},
-    FIELD(schedule_crc, 4, 1), FIELD(stand_crc, 4, 1), FIELD(reasons, 4, 1),
-    FIELD(restores, 4, 1),     FIELD(from_crc, 4, 1),
+    FIELD(sequence, 4, 1),
+    FIELD(origin, 1, 1),
+    FIELD(estimator, 1, 1),
+    FIELD(flags, 2, 1),
+    FIELD(block_serial, 1, 24),
+    FIELD(date_utc_s, 8, 1),
+    FIELD(temperature_c, 8, 1),
+    FIELD(gravity_m_s2, 8, 1),
+    FIELD(coefficients.k_v_per_g, 8, 9),
+    FIELD(coefficients.u0_v, 8, 3),
+    FIELD(uncertainty.k_v_per_g, 8, 9),
+    FIELD(uncertainty.u0_v, 8, 3),
+    FIELD(max_abs_fit_g, 8, 1),
+    FIELD(max_abs_check_g, 8, 1),
+    FIELD(limit_g, 8, 1),
+    FIELD(closure_v, 8, 1),
+    FIELD(samples, 4, 1),
+    FIELD(fit_positions, 1, 1),
+    FIELD(check_positions, 1, 1),
+    {TUMBLE_FIELD_NONE, 1, 2},
+    FIELD(schedule_crc, 4, 1),
+    FIELD(stand_crc, 4, 1),
+    FIELD(reasons, 4, 1),
+    FIELD(restores, 4, 1),
+    FIELD(from_crc, 4, 1),
 };
 static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_OF(fields)};
 
@@ -82,7 +98,8 @@ static tumble_status_t check_number(const uint8_t *bytes, range_t range)
     if (!tumble_is_finite(x)) {
         return TUMBLE_E_NOT_FINITE;
     }
-    const bool too_low = (range == POSITIVE) ? !tumble_is_positive(x) : ((range == NOT_NEGATIVE) && tumble_is_positive(-x));
+    const bool too_low =
+        (range == POSITIVE) ? !tumble_is_positive(x) : ((range == NOT_NEGATIVE) && tumble_is_positive(-x));
     return too_low ? TUMBLE_E_ARGUMENT : TUMBLE_OK;
 }
 

@@ -157,11 +157,15 @@ tumble_status_t tumble_store_hold(tumble_store_t *store, const tumble_set_t *set
 /* Go on from the proposal. A copy that a rollback has staged is finished as a rollback. */
 static tumble_status_t take_proposal(tumble_store_t *store)
 {
-    static const uint8_t accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET, SLOT_BODY | IN_TARGET,
-                                     SLOT_MARK | IN_TARGET, SLOT_ERASE | IN_PROPOSAL, SLOT_END};
-    static const uint8_t end_rollback[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,
-                                           SLOT_BODY | IN_TARGET, SLOT_MARK | IN_TARGET,
-                                           SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_OTHER, SLOT_END};
+    static const uint8_t accept[] = {PLAN_LOAD | IN_PROPOSAL, SLOT_ERASE | IN_TARGET,   SLOT_BODY | IN_TARGET,
+                                     SLOT_MARK | IN_TARGET,   SLOT_ERASE | IN_PROPOSAL, SLOT_END};
+    static const uint8_t end_rollback[] = {PLAN_LOAD | IN_PROPOSAL,
+                                           SLOT_ERASE | IN_TARGET,
+                                           SLOT_BODY | IN_TARGET,
+                                           SLOT_MARK | IN_TARGET,
+                                           SLOT_ERASE | IN_PROPOSAL,
+                                           SLOT_ERASE | IN_OTHER,
+                                           SLOT_END};
     const tumble_store_place_t *proposal = &store->places[TUMBLE_REGION_PROPOSAL];
     const bool staged = proposal->stamp.origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK;
     store->stamp.from_crc = proposal->crc;
@@ -202,17 +206,23 @@ tumble_status_t tumble_store_discard(tumble_store_t *store)
 
 TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
 {
-    static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE, SLOT_ERASE | IN_PROPOSAL, SLOT_BODY | IN_PROPOSAL,
-                                   SLOT_MARK | IN_PROPOSAL, PLAN_STAMP, SLOT_ERASE | IN_TARGET,
-                                   SLOT_BODY | IN_TARGET, SLOT_MARK | IN_TARGET, SLOT_ERASE | IN_PROPOSAL,
-                                   SLOT_ERASE | IN_OTHER, SLOT_END};
+    static const uint8_t plan[] = {PLAN_LOAD | IN_SOURCE,
+                                   SLOT_ERASE | IN_PROPOSAL,
+                                   SLOT_BODY | IN_PROPOSAL,
+                                   SLOT_MARK | IN_PROPOSAL,
+                                   PLAN_STAMP,
+                                   SLOT_ERASE | IN_TARGET,
+                                   SLOT_BODY | IN_TARGET,
+                                   SLOT_MARK | IN_TARGET,
+                                   SLOT_ERASE | IN_PROPOSAL,
+                                   SLOT_ERASE | IN_OTHER,
+                                   SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK);
     if (status != TUMBLE_OK) {
         return status;
     }
     if (tumble_store_has(store, TUMBLE_SET_PROPOSAL)) {
-        const bool staged =
-            store->places[TUMBLE_REGION_PROPOSAL].stamp.origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK;
+        const bool staged = store->places[TUMBLE_REGION_PROPOSAL].stamp.origin == (uint8_t)TUMBLE_ORIGIN_ROLLED_BACK;
         return staged ? take_proposal(store) : TUMBLE_E_STATE;
     }
     const uint8_t previous = tumble_store_previous(store);
@@ -227,13 +237,11 @@ TUMBLE_ONE_COPY tumble_status_t tumble_store_rollback(tumble_store_t *store)
 
 tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_set_t *set)
 {
-    static const uint8_t plan[] = {SLOT_BLANK | IN_FACTORY, SLOT_BODY | IN_FACTORY, SLOT_MARK | IN_FACTORY,
-                                   SLOT_END};
+    static const uint8_t plan[] = {SLOT_BLANK | IN_FACTORY, SLOT_BODY | IN_FACTORY, SLOT_MARK | IN_FACTORY, SLOT_END};
     const tumble_status_t status = prepare(store, (uint8_t)TUMBLE_ORIGIN_FACTORY);
     if (status != TUMBLE_OK) {
         return status;
     }
-    const bool possible =
-        !store->places[TUMBLE_REGION_FACTORY].valid && (store->factory_place < TUMBLE_FACTORY_PLACES);
+    const bool possible = !store->places[TUMBLE_REGION_FACTORY].valid && (store->factory_place < TUMBLE_FACTORY_PLACES);
     return possible ? take(store, set, plan) : TUMBLE_E_STATE;
 }

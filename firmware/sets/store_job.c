@@ -63,7 +63,8 @@ uint8_t tumble_store_previous(const tumble_store_t *store)
         return other;
     }
     const bool is_factory_copy = was_rolled_back(place) && (place->stamp.restores == 0U);
-    return (store->places[TUMBLE_REGION_FACTORY].valid && !is_factory_copy) ? (uint8_t)TUMBLE_REGION_FACTORY : NO_REGION;
+    return (store->places[TUMBLE_REGION_FACTORY].valid && !is_factory_copy) ? (uint8_t)TUMBLE_REGION_FACTORY
+                                                                            : NO_REGION;
 }
 
 bool tumble_store_is_stale(const tumble_store_t *store)
@@ -96,8 +97,7 @@ void tumble_store_set_mark(uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 bool tumble_store_is_marked(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
 {
     const uint8_t *mark = &bytes[TUMBLE_SET_BYTES];
-    return (memcmp(mark, done, sizeof done) == 0) &&
-           (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
+    return (memcmp(mark, done, sizeof done) == 0) && (tumble_get_u32(&mark[MARK_CRC]) == tumble_set_crc(bytes));
 }
 
 static bool is_valid(const uint8_t bytes[TUMBLE_SET_PLACE_BYTES])
@@ -142,8 +142,8 @@ TUMBLE_ONE_COPY static void clear_leftovers(tumble_store_t *store)
     static const uint8_t clear_both[] = {SLOT_ERASE | IN_PROPOSAL, SLOT_ERASE | IN_OTHER, SLOT_END};
     const uint8_t active = tumble_store_active(store);
     const bool slot = tumble_store_is_slot(active);
-    const bool rejected = slot && was_rolled_back(&store->places[active]) &&
-                          store->places[tumble_store_other_slot(active)].valid;
+    const bool rejected =
+        slot && was_rolled_back(&store->places[active]) && store->places[tumble_store_other_slot(active)].valid;
     store->target = active;
     if (tumble_store_is_stale(store)) {
         tumble_slots_begin(&store->slots, rejected ? clear_both : clear_proposal);
@@ -175,15 +175,13 @@ static tumble_status_t scan(tumble_store_t *store)
     const uint32_t offset = (place < TUMBLE_FACTORY_PLACES)
                                 ? factory_offset(place)
                                 : ((place - TUMBLE_FACTORY_PLACES + 1U) * store->slots.writer.nv->sector_bytes);
-    const tumble_status_t status =
-        tumble_slots_read(&store->slots, offset, store->bytes, &store->counters.nv_errors);
+    const tumble_status_t status = tumble_slots_read(&store->slots, offset, store->bytes, &store->counters.nv_errors);
     if (status == TUMBLE_E_PORT_BUSY) {
         return status;
     }
     const bool read = (status == TUMBLE_OK);
     store->unread = store->unread || !read;
-    note_place(store, read && is_valid(store->bytes),
-               read && tumble_nv_is_blank(store->bytes, TUMBLE_SET_PLACE_BYTES));
+    note_place(store, read && is_valid(store->bytes), read && tumble_nv_is_blank(store->bytes, TUMBLE_SET_PLACE_BYTES));
     store->scanned++;
     if (store->scanned == SCAN_DONE) {
         end_scan(store);
@@ -222,8 +220,7 @@ static tumble_status_t load(tumble_store_t *store, uint8_t region)
 
 static tumble_status_t write_on(tumble_store_t *store, uint8_t region)
 {
-    const tumble_status_t status =
-        tumble_slots_step(&store->slots, tumble_store_place(store, region), store->bytes);
+    const tumble_status_t status = tumble_slots_step(&store->slots, tumble_store_place(store, region), store->bytes);
     if ((status == TUMBLE_E_NV) && store->slots.writer.failed_to_hold) {
         tumble_count(&store->counters.verify);
     }

@@ -160,7 +160,7 @@ bool arguments_read(int count, char *arguments[], const argument_t known[], size
 
 bool bench_tell(const char *program, bench_asks_t asks, const char *help)
 {
-    const bool written = (asks == BENCH_ASKS_HELP) ? fputs(help, stdout) >= 0
-                                                   : printf("%s %s\n", program, TUMBLE_VERSION) >= 0;
+    const bool written =
+        (asks == BENCH_ASKS_HELP) ? fputs(help, stdout) >= 0 : printf("%s %s\n", program, TUMBLE_VERSION) >= 0;
     return fflush(stdout) == 0 && written;
 }

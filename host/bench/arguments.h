@@ -60,10 +60,14 @@ typedef struct {
 #define ARGUMENT_FLAG(text, type, member) ARGUMENT_CONSTANT(text, type, member, true)
 #define ARGUMENT_LETTER(sign, type, member) {.letter = (sign), ARGUMENT_AT(type, member), .low = true}
 #define ARGUMENT_ANY_TEXT(text, type, member) {.name = (text), .kind = ARGUMENT_IS_TEXT, ARGUMENT_AT(type, member)}
-#define ARGUMENT_TEXT(text, type, member) \
+#define ARGUMENT_TEXT(text, type, member)                                                                              \
     {.name = (text), .kind = ARGUMENT_IS_TEXT, ARGUMENT_AT(type, member), .low = 1}
-#define ARGUMENT_UNITS(text, type, member, least, most, factor) \
-    {.name = (text), .kind = ARGUMENT_IS_WHOLE, ARGUMENT_AT(type, member), .low = (least), .high = (most), \
+#define ARGUMENT_UNITS(text, type, member, least, most, factor)                                                        \
+    {.name = (text),                                                                                                   \
+     .kind = ARGUMENT_IS_WHOLE,                                                                                        \
+     ARGUMENT_AT(type, member),                                                                                        \
+     .low = (least),                                                                                                   \
+     .high = (most),                                                                                                   \
      .unit = (factor)}
 #define ARGUMENT_WHOLE(text, type, member, least, most) ARGUMENT_UNITS(text, type, member, least, most, 1)
 #define ARGUMENT_TAKE(text, function) {.name = (text), .kind = ARGUMENT_IS_TAKEN, .take = (function)}

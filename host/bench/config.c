@@ -1,11 +1,11 @@
 #include "bench/config.h"
 
-#include "tumble/core.h"
 #include "bench/arguments.h"
 #include "bench/config_file.h"
 #include "bench/gain_file.h"
 #include "navcomp/standard.h"
 #include "simulation/sensor.h"
+#include "tumble/core.h"
 
 #include <errno.h>
 #include <math.h>

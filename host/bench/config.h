@@ -8,13 +8,13 @@
 #define TUMBLE_BENCH_CONFIG_H
 
 #include "bench/keeping.h"
-#include "tumble/core.h"
-#include "tumble/navcomp.h"
 #include "navcomp/uncertainty.h"
-#include "stand/drive402/drive402.h"
-#include "stand/operator/operator.h"
 #include "simulation/frame_bits.h"
 #include "simulation/scenario.h"
+#include "stand/drive402/drive402.h"
+#include "stand/operator/operator.h"
+#include "tumble/core.h"
+#include "tumble/navcomp.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -47,7 +47,7 @@ typedef struct {
     tumble_procedure_config_t procedure;
     tumble_optimal_source_t gains; /* of the estimator `optimal`; record null: none */
     tumble_weighted_t weighted;
-    tumble_optimal_t optimal; /* its working memory */
+    tumble_optimal_t optimal;     /* its working memory */
     tumble_stand_record_t record; /* what the firmware is told of the stand */
     tumble_declared_t declared;
     tumble_drive_profile_t profile;

@@ -91,8 +91,9 @@ static bool read_object(char *text, uint32_t *object)
 
 static const char *read_pdo(const bench_words_t *words, bool transmit, tumble_drive_pdo_t *pdo)
 {
-    static const char WRONG[] = "a PDO is its number (0 to 511), COB-ID, for a transmit PDO inhibit time (100 us) and "
-                                "event timer (ms), and up to eight objects INDEX:SUBINDEX:BITS";
+    static const char WRONG[] =
+        "a PDO is its number (0 to 511), COB-ID, for a transmit PDO inhibit time (100 us) and "
+        "event timer (ms), and up to eight objects INDEX:SUBINDEX:BITS";
     const unsigned first = transmit ? 4U : 2U;
     int64_t value[4] = {0};
     if (words->count <= first || words->count > first + TUMBLE_MAX_MAPPED) {

@@ -217,10 +217,17 @@ int bench_choice(const char *text, const char *words)
 static size_t size_of(bench_type_t type)
 {
     static const size_t SIZES[] = {
-        [BENCH_F64] = sizeof(double),  [BENCH_F32] = sizeof(float),   [BENCH_U8] = sizeof(uint8_t),
-        [BENCH_U16] = sizeof(uint16_t), [BENCH_U32] = sizeof(uint32_t), [BENCH_I8] = sizeof(int8_t),
-        [BENCH_I32] = sizeof(int32_t), [BENCH_BOOL] = sizeof(bool),   [BENCH_ENUM] = sizeof(int),
-        [BENCH_ENUM8] = sizeof(uint8_t), [BENCH_TEXT] = 1,
+        [BENCH_F64] = sizeof(double),
+        [BENCH_F32] = sizeof(float),
+        [BENCH_U8] = sizeof(uint8_t),
+        [BENCH_U16] = sizeof(uint16_t),
+        [BENCH_U32] = sizeof(uint32_t),
+        [BENCH_I8] = sizeof(int8_t),
+        [BENCH_I32] = sizeof(int32_t),
+        [BENCH_BOOL] = sizeof(bool),
+        [BENCH_ENUM] = sizeof(int),
+        [BENCH_ENUM8] = sizeof(uint8_t),
+        [BENCH_TEXT] = 1,
     };
     return SIZES[type];
 }
@@ -325,15 +332,16 @@ void bench_config_print_keys(FILE *out)
         (void)fprintf(out, "%-34s %s%s%s\n", key->name, range, is_choice(key) ? "" : "; ",
                       is_choice(key) ? "" : key->about);
     }
-    (void)fprintf(out, "\nLines that may repeat:\n"
-                       "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
-                       "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
-                       "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
-                       "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
-                       "profile.write = INDEX SUBINDEX SIZE VALUE\n"
-                       "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
-                       "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
-                       "        [probability=P]\n\nKinds of faults:\n");
+    (void)fprintf(out,
+                  "\nLines that may repeat:\n"
+                  "mounting = NUMBER  TILT_DEG SINE COSINE  M11 M12 M13 M21 M22 M23 M31 M32 M33\n"
+                  "position = MOUNTING NUMBER fit|check  ANGLE_DEG SINE COSINE\n"
+                  "profile.receive_pdo = NUMBER COB_ID INDEX:SUBINDEX:BITS ...\n"
+                  "profile.transmit_pdo = NUMBER COB_ID INHIBIT_100US EVENT_MS INDEX:SUBINDEX:BITS ...\n"
+                  "profile.write = INDEX SUBINDEX SIZE VALUE\n"
+                  "fault = KIND at=MOUNTING.POSITION [phase=mount|home|move|settle|average] | time=SECONDS\n"
+                  "        [delay=S] [duration=S] [times=N] [channels=xyz] [value=X] [count=N] [id=N] [mask=N]\n"
+                  "        [probability=P]\n\nKinds of faults:\n");
 #define PRINT_FAULT(name, word, sentence) (void)fprintf(out, "%-20s %s\n", word, sentence);
     SIM_FAULT_LIST(PRINT_FAULT)
 #undef PRINT_FAULT

@@ -12,8 +12,8 @@
 #define TUMBLE_BENCH_FOLDER_H
 
 #include "bench/world.h"
-#include "tumble/core.h"
 #include "procedure/procedure.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,8 +3,8 @@
 #define TUMBLE_BENCH_HOSTILE_EVENT_H
 
 #include "navcomp/commands.h"
-#include "tumble/port.h"
 #include "simulation/scenario.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,7 +32,7 @@ typedef enum {
 #define BENCH_HOSTILE_ENUM(name, word) name,
     BENCH_HOSTILE_LIST(BENCH_HOSTILE_ENUM)
 #undef BENCH_HOSTILE_ENUM
-    BENCH_HOSTILE_KINDS
+        BENCH_HOSTILE_KINDS
 } bench_hostile_t;
 
 /* A moment: a time, or the first one from that time on at which the firmware is in one of these states or the memory
@@ -51,8 +51,8 @@ typedef struct {
     sim_fault_t fault; /* of BENCH_HOSTILE_FAULT, which has its moment in here */
     tumble_command_t command;
     uint8_t argument;
-    double angle_deg;         /* of a turn; of a set-point: where to; of positions: how far each is off the one before */
-    bool by_host;             /* the command comes from the board itself, not over CAN */
+    double angle_deg; /* of a turn; of a set-point: where to; of positions: how far each is off the one before */
+    bool by_host;     /* the command comes from the board itself, not over CAN */
     tumble_can_frame_t frame; /* as it is sent, where neither position, set-point nor sample is forged */
     uint32_t count;           /* forged positions; flipped bits */
     int32_t counts;           /* added to a forged sample */

@@ -65,8 +65,8 @@ static void note_answer(bench_life_t *life, const tumble_can_frame_t *frame)
 {
     const uint16_t index = (uint16_t)(frame->data[1] | frame->data[2] << 8);
     const bool taken = frame->data[0] == 0x60U;
-    const uint32_t code = (uint32_t)(frame->data[4] | frame->data[5] << 8 | frame->data[6] << 16) |
-                          (uint32_t)frame->data[7] << 24;
+    const uint32_t code =
+        (uint32_t)(frame->data[4] | frame->data[5] << 8 | frame->data[6] << 16) | (uint32_t)frame->data[7] << 24;
     if (index == COMMAND_OBJECT && frame->data[3] == 2U && life->abort_asked) {
         life->abort_asked = false;
         if (taken || (frame->data[0] == 0x80U && code == ABORT_WAS_REFUSED)) {

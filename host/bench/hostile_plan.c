@@ -17,8 +17,7 @@ static void draw_drive(bench_config_t *config, sim_random_t *stream)
     drive->report_us = (uint32_t)bench_draw(stream, 5000.0, 50000.0);
     drive->speed_deg_s = SPEEDS[bench_pick(stream, 4)];
     drive->axis.settling_s = 0.1;
-    config->profile.stop =
-        (uint8_t)(bench_chance(stream, 0.3) ? TUMBLE_STOP_BY_HALT : TUMBLE_STOP_BY_QUICK_STOP);
+    config->profile.stop = (uint8_t)(bench_chance(stream, 0.3) ? TUMBLE_STOP_BY_HALT : TUMBLE_STOP_BY_QUICK_STOP);
 }
 
 static void draw_measuring(bench_config_t *config, sim_random_t *stream)
@@ -83,16 +82,23 @@ static void draw_world(bench_plan_t *plan)
 
 static void draw_command(bench_plan_t *plan, sim_random_t *stream)
 {
-    static const tumble_command_t COMMANDS[] = {
-        TUMBLE_COMMAND_START,           TUMBLE_COMMAND_ABORT,           TUMBLE_COMMAND_ABORT,
-        TUMBLE_COMMAND_HOME_AXIS,       TUMBLE_COMMAND_TURN_AXIS,       TUMBLE_COMMAND_TURN_AXIS,
-        TUMBLE_COMMAND_RESUME,          TUMBLE_COMMAND_CLEAR_FAULT,     TUMBLE_COMMAND_REPEAT_POSITION,
-        TUMBLE_COMMAND_REPEAT_MOUNTING, TUMBLE_COMMAND_CONFIRM_MOUNTING, TUMBLE_COMMAND_ACCEPT,
-        TUMBLE_COMMAND_DISCARD,         TUMBLE_COMMAND_ROLLBACK};
+    static const tumble_command_t COMMANDS[] = {TUMBLE_COMMAND_START,
+                                                TUMBLE_COMMAND_ABORT,
+                                                TUMBLE_COMMAND_ABORT,
+                                                TUMBLE_COMMAND_HOME_AXIS,
+                                                TUMBLE_COMMAND_TURN_AXIS,
+                                                TUMBLE_COMMAND_TURN_AXIS,
+                                                TUMBLE_COMMAND_RESUME,
+                                                TUMBLE_COMMAND_CLEAR_FAULT,
+                                                TUMBLE_COMMAND_REPEAT_POSITION,
+                                                TUMBLE_COMMAND_REPEAT_MOUNTING,
+                                                TUMBLE_COMMAND_CONFIRM_MOUNTING,
+                                                TUMBLE_COMMAND_ACCEPT,
+                                                TUMBLE_COMMAND_DISCARD,
+                                                TUMBLE_COMMAND_ROLLBACK};
     const double at_s = bench_draw(stream, 0.0, 1e-6 * (double)plan->lasts_us);
     const tumble_command_t command = COMMANDS[bench_pick(stream, sizeof COMMANDS / sizeof COMMANDS[0])];
-    const bool of_a_mounting =
-        command == TUMBLE_COMMAND_REPEAT_MOUNTING || command == TUMBLE_COMMAND_CONFIRM_MOUNTING;
+    const bool of_a_mounting = command == TUMBLE_COMMAND_REPEAT_MOUNTING || command == TUMBLE_COMMAND_CONFIRM_MOUNTING;
     bench_event_t *const event =
         bench_plan_add_command(plan, at_s, command, (uint8_t)(of_a_mounting ? 1U + bench_pick(stream, 2) : 0U));
     event->by_host = bench_chance(stream, 0.3);

@@ -22,8 +22,8 @@ static sim_fault_t *add_fault(bench_plan_t *plan, sim_fault_kind_t kind, double 
 
 static uint16_t draw_identifier(sim_random_t *stream)
 {
-    static const uint16_t IDS[] = {0x000, 0x082, 0x083, 0x181, 0x182, 0x182, 0x202, 0x202, 0x582, 0x602, 0x581,
-                                   0x601, 0x683, 0x683, 0x693, 0x701, 0x702, 0x703};
+    static const uint16_t IDS[] = {0x000, 0x082, 0x083, 0x181, 0x182, 0x182, 0x202, 0x202, 0x582,
+                                   0x602, 0x581, 0x601, 0x683, 0x683, 0x693, 0x701, 0x702, 0x703};
     return IDS[bench_pick(stream, sizeof IDS / sizeof IDS[0])];
 }
 
@@ -112,7 +112,8 @@ static void void_the_stop(bench_plan_t *plan, sim_random_t *stream)
     plan->count = 0; /* a run would be in the way */
     bench_plan_add_command(plan, at_s, TUMBLE_COMMAND_HOME_AXIS, 0);
     if (turns) {
-        bench_plan_add_command(plan, moves_s, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg = bench_draw(stream, 200.0, 399.0);
+        bench_plan_add_command(plan, moves_s, TUMBLE_COMMAND_TURN_AXIS, 0)->angle_deg =
+            bench_draw(stream, 200.0, 399.0);
     } else if (bench_chance(stream, 0.8)) {
         (void)add_fault(plan, SIM_FAULT_HOMING_ENDLESS, bench_draw(stream, 0.0, 2.0), FOR_GOOD);
     }
@@ -149,8 +150,8 @@ static void garble_the_count(bench_plan_t *plan, sim_random_t *stream)
     event->count = 1U + bench_pick(stream, 3);
     plan->attendant.errs = false;
     if (event->moment.states == 1U << TUMBLE_STATE_DONE) {
-        bench_event_t *const turn = bench_plan_add_command(plan, 1e-6 * (double)event->moment.at_us,
-                                                           TUMBLE_COMMAND_TURN_AXIS, 0);
+        bench_event_t *const turn =
+            bench_plan_add_command(plan, 1e-6 * (double)event->moment.at_us, TUMBLE_COMMAND_TURN_AXIS, 0);
         turn->moment.states = event->moment.states;
         turn->moment.delay_us = event->moment.delay_us + (uint32_t)bench_draw(stream, 1e5, 2e6);
         turn->angle_deg = bench_draw(stream, -30.0, 400.0);
@@ -169,7 +170,7 @@ static void command_the_drive(bench_plan_t *plan, sim_random_t *stream)
 
 void bench_plan_scenes(bench_plan_t *plan)
 {
-    static void (*const SCENES[])(bench_plan_t * plan, sim_random_t * stream) = {
+    static void (*const SCENES[])(bench_plan_t *plan, sim_random_t *stream) = {
         void_the_stop, lose_the_mark, garble_the_count, garble_the_count, command_the_drive};
     sim_random_t stream;
     sim_random_open(&stream, plan->seed, SIM_CAUSE_LIFE, BENCH_STREAM_SCENES);

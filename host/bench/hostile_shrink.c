@@ -4,8 +4,7 @@
 
 static void take_out(bench_plan_t *plan, uint32_t first, uint32_t count)
 {
-    memmove(&plan->events[first], &plan->events[first + count],
-            (plan->count - first - count) * sizeof plan->events[0]);
+    memmove(&plan->events[first], &plan->events[first + count], (plan->count - first - count) * sizeof plan->events[0]);
     plan->count -= count;
 }
 

@@ -66,8 +66,8 @@ static void add_fault(bench_text_t *text, const sim_fault_t *fault)
     } else {
         add(text, "at %u.%u %s, plus %.3f s: ", fault->mounting, fault->position, PHASES[fault->phase], fault->delay_s);
     }
-    add(text, "fault %s, value %g, count %d, channels %u, ", sim_fault_word(fault->kind), fault->value, (int)fault->count,
-        fault->channels);
+    add(text, "fault %s, value %g, count %d, channels %u, ", sim_fault_word(fault->kind), fault->value,
+        (int)fault->count, fault->channels);
     if (fault->kind >= SIM_FAULT_FRAME_DROP) {
         add(text, "id %03Xh, mask %03Xh, probability %.3f, ", fault->id, fault->mask, fault->probability);
     }

@@ -33,16 +33,17 @@ typedef enum {
 #define BENCH_VIOLATION_ENUM(name, word, sentence) name,
     BENCH_VIOLATION_LIST(BENCH_VIOLATION_ENUM)
 #undef BENCH_VIOLATION_ENUM
-    BENCH_VIOLATION_KINDS
+        BENCH_VIOLATION_KINDS
 } bench_broken_t;
 
 #define BENCH_EXCUSE_LIST(X)                                                                                           \
     X(BENCH_EXCUSE_COMMANDED, "commanded")                                                                             \
     X(BENCH_EXCUSE_REWRITTEN, "rewritten")                                                                             \
-    X(BENCH_EXCUSE_STEP, "step")     /* fault `step`: a bias changes within a run */                                   \
-    X(BENCH_EXCUSE_SLIP, "slip")     /* fault `slip`, below what closure and position tolerance see */                 \
-    X(BENCH_EXCUSE_SHORT, "short")   /* fault `never_reached`, by less than the position tolerance */                  \
-    X(BENCH_EXCUSE_CHANNEL, "channel") /* faults `swapped`, `inverted`: for a while, where outputs are alike or small */    \
+    X(BENCH_EXCUSE_STEP, "step")   /* fault `step`: a bias changes within a run */                                     \
+    X(BENCH_EXCUSE_SLIP, "slip")   /* fault `slip`, below what closure and position tolerance see */                   \
+    X(BENCH_EXCUSE_SHORT, "short") /* fault `never_reached`, by less than the position tolerance */                    \
+    X(BENCH_EXCUSE_CHANNEL,                                                                                            \
+      "channel")                     /* faults `swapped`, `inverted`: for a while, where outputs are alike or small */ \
     X(BENCH_EXCUSE_SAMPLE, "sample") /* a forged sample with a good checksum */                                        \
     X(BENCH_EXCUSE_RULES, "rules")   /* an accepted write to 2050h or 2122h to 2126h */                                \
     X(BENCH_EXCUSE_FLIPPED, "flipped")
@@ -51,7 +52,7 @@ typedef enum {
 #define BENCH_EXCUSE_ENUM(name, word) name,
     BENCH_EXCUSE_LIST(BENCH_EXCUSE_ENUM)
 #undef BENCH_EXCUSE_ENUM
-    BENCH_EXCUSES
+        BENCH_EXCUSES
 } bench_excuse_t;
 
 typedef struct {
@@ -63,9 +64,9 @@ typedef struct {
 
 typedef struct {
     bench_violation_t violation;
-    uint32_t excuses; /* bit per bench_excuse_t */
-    uint64_t rest_us; /* the table must rest by then; SIM_NEVER: no end is pending */
-    bool peace;       /* it rests, and nobody has commanded anything */
+    uint32_t excuses;      /* bit per bench_excuse_t */
+    uint64_t rest_us;      /* the table must rest by then; SIM_NEVER: no end is pending */
+    bool peace;            /* it rests, and nobody has commanded anything */
     uint64_t still_us;     /* since when it stands; SIM_NEVER: it moves */
     uint64_t commanded_us; /* when a stranger commanded the drive last */
     double last_deg;

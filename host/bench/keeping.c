@@ -18,7 +18,7 @@ void bench_keeping_defaults(bench_keeping_t *keeping)
 void bench_keeping_complete(bench_keeping_t *keeping)
 {
     tumble_sets_settings_t *const settings = &keeping->settings;
-    settings->limits.flags = (uint8_t)((keeping->commits ? TUMBLE_COMMIT_BY_ITSELF : 0) |
-                                       (keeping->first ? TUMBLE_COMMIT_FIRST : 0));
+    settings->limits.flags =
+        (uint8_t)((keeping->commits ? TUMBLE_COMMIT_BY_ITSELF : 0) | (keeping->first ? TUMBLE_COMMIT_FIRST : 0));
     settings->flags = keeping->starts ? TUMBLE_SETS_STARTS : 0U;
 }

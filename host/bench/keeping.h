@@ -9,9 +9,9 @@
 /* A configuration to be read from lines; `flags` within the settings are made of the three switches. */
 typedef struct {
     char serial[TUMBLE_SET_SERIAL_BYTES + 1U]; /* of the block; empty: not told */
-    bool commits; /* good sets by themselves */
-    bool first;   /* the first one, too */
-    bool starts;  /* runs that are due */
+    bool commits;                              /* good sets by themselves */
+    bool first;                                /* the first one, too */
+    bool starts;                               /* runs that are due */
     tumble_sets_settings_t settings;
 } bench_keeping_t;
 

@@ -10,12 +10,12 @@
 #define BENCH_MAX_JOBS 64
 
 typedef struct {
-    const char *scenario; /* file, "-" for standard input, null for the defaults */
-    const char *out;      /* run folder, or null */
-    const char *listen;   /* path of a socket for guests, or null */
+    const char *scenario;    /* file, "-" for standard input, null for the defaults */
+    const char *out;         /* run folder, or null */
+    const char *listen;      /* path of a socket for guests, or null */
     const char *gain_record; /* file, or null */
     uint64_t seed;
-    uint64_t runs; /* 0: one run with its document; else a campaign */
+    uint64_t runs;  /* 0: one run with its document; else a campaign */
     uint64_t lives; /* 0: none; else a campaign of hostile lives */
     uint32_t jobs;
     uint32_t guests; /* wait for so many before time begins */

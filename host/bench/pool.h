@@ -10,12 +10,12 @@
 #include <stdio.h>
 
 typedef struct {
-    void *context;    /* handed to both */
-    uint64_t count;   /* runs, numbered from 0 */
-    uint32_t jobs;    /* processes, 1 to BENCH_MAX_JOBS; 1: all in this one */
-    void *record;     /* room for one, */
-    uint32_t bytes;   /* of this size */
-    void (*run)(void *context, uint64_t number, void *record);        /* in some process */
+    void *context;                                             /* handed to both */
+    uint64_t count;                                            /* runs, numbered from 0 */
+    uint32_t jobs;                                             /* processes, 1 to BENCH_MAX_JOBS; 1: all in this one */
+    void *record;                                              /* room for one, */
+    uint32_t bytes;                                            /* of this size */
+    void (*run)(void *context, uint64_t number, void *record); /* in some process */
     void (*take)(void *context, uint64_t number, const void *record); /* in this one, in order */
 } bench_pool_t;
 

@@ -24,8 +24,8 @@
 #ifndef TUMBLE_BENCH_REPORT_H
 #define TUMBLE_BENCH_REPORT_H
 
-#include "bench/json.h"
 #include "bench/arguments.h"
+#include "bench/json.h"
 #include "bench/world.h"
 
 #include <stdbool.h>

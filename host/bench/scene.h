@@ -5,13 +5,13 @@
 #define TUMBLE_BENCH_SCENE_H
 
 #include "bench/config.h"
-#include "tumble/navcomp.h"
 #include "simulation/angle_error.h"
 #include "simulation/block.h"
 #include "simulation/bus.h"
 #include "simulation/clock.h"
 #include "simulation/drive.h"
 #include "simulation/truth.h"
+#include "tumble/navcomp.h"
 
 #include <stdbool.h>
 #include <stdint.h>

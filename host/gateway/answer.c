@@ -29,8 +29,7 @@ bool gateway_replies_open(gateway_replies_t *replies)
     *replies = (gateway_replies_t){.ends = {-1, -1}};
     replies->tcp = modbus_new_tcp(NOWHERE, NO_PORT);
     replies->serial = modbus_new_rtu(NO_DEVICE, SOME_BAUD, 'N', 8, 1);
-    if (replies->tcp == NULL || replies->serial == NULL ||
-        socketpair(AF_UNIX, SOCK_DGRAM, 0, replies->ends) != 0) {
+    if (replies->tcp == NULL || replies->serial == NULL || socketpair(AF_UNIX, SOCK_DGRAM, 0, replies->ends) != 0) {
         gateway_replies_close(replies);
         return false;
     }
@@ -55,8 +54,10 @@ static size_t reply(const gateway_replies_t *replies, bool is_serial, const uint
 {
     uint16_t inputs[GATEWAY_INPUT_END];
     uint16_t holdings[GATEWAY_HOLDING_END]; /* libmodbus stores what is written: into these, which nobody keeps */
-    modbus_mapping_t mapping = {.nb_input_registers = (int)GATEWAY_INPUT_END, .tab_input_registers = inputs,
-                                .nb_registers = (int)GATEWAY_HOLDING_END, .tab_registers = holdings};
+    modbus_mapping_t mapping = {.nb_input_registers = (int)GATEWAY_INPUT_END,
+                                .tab_input_registers = inputs,
+                                .nb_registers = (int)GATEWAY_HOLDING_END,
+                                .tab_registers = holdings};
     memcpy(inputs, input, sizeof inputs);
     memcpy(holdings, holding, sizeof holdings);
     return take(replies, modbus_reply(maker(replies, is_serial), frame, (int)size, &mapping), answer);
@@ -129,8 +130,7 @@ size_t gateway_answer(gateway_t *gateway, const gateway_replies_t *replies, gate
         gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_FUNCTION);
         return 0;
     }
-    const gateway_exception_t wrong =
-        is_ours ? carry_out(gateway, session, &request, now_us) : GATEWAY_NO_PATH;
+    const gateway_exception_t wrong = is_ours ? carry_out(gateway, session, &request, now_us) : GATEWAY_NO_PATH;
     if (wrong != GATEWAY_OK) {
         return refuse(gateway, replies, is_serial, frame, wrong, answer);
     }

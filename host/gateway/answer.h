@@ -18,7 +18,7 @@
 #define GATEWAY_ANY_UNIT 0xFFU
 
 typedef struct {
-    modbus_t *tcp;    /* of each framing one that is connected to nobody */
+    modbus_t *tcp; /* of each framing one that is connected to nobody */
     modbus_t *serial;
     int ends[2];
 } gateway_replies_t;

@@ -73,8 +73,7 @@ static void take_frame(gateway_client_t *client, gateway_t *gateway, const gatew
 }
 
 /* All whole frames for whose answers there is room. False: what follows cannot be read. */
-static bool take_frames(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies,
-                        uint64_t now_us)
+static bool take_frames(gateway_client_t *client, gateway_t *gateway, const gateway_replies_t *replies, uint64_t now_us)
 {
     size_t done = 0;
     gateway_frame_t frame = GATEWAY_FRAME_WHOLE;

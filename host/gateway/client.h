@@ -20,7 +20,7 @@ typedef struct {
     int fd; /* -1: this place is free */
     gateway_address_t address;
     bool has_asked;
-    bool has_ended; /* it sends no more; what it has asked is answered */
+    bool has_ended;    /* it sends no more; what it has asked is answered */
     uint64_t asked_us; /* when it came, or the last whole frame did */
     uint64_t begun_us; /* when the first byte of a frame came that is not whole */
     size_t in_count;

@@ -23,7 +23,7 @@ typedef struct {
     gateway_settings_t settings;
     gateway_counters_t counters;
     gateway_poller_t poller;
-    uint16_t clients; /* TCP connections now open */
+    uint16_t clients;                      /* TCP connections now open */
     const struct gateway_session *service; /* who opened the service level last; null: nobody, or it is over */
     uint64_t service_until_us;
 } gateway_t;

@@ -1,7 +1,7 @@
 #include "image.h"
 
-#include "core/bytes.h"
 #include "canopen/dictionary.h"
+#include "core/bytes.h"
 
 #include <float.h>
 #include <math.h>

@@ -100,8 +100,11 @@ static const argument_t OPTIONS[] = {
 
 bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])
 {
-    *options = (gateway_options_t){.settings = {.unit = 1, .node = 1, .unlock_us = 60U * US_PER_S,
-                                                .idle_us = 60U * US_PER_S, .poll_us = 1000U * US_PER_MS}};
+    *options = (gateway_options_t){.settings = {.unit = 1,
+                                                .node = 1,
+                                                .unlock_us = 60U * US_PER_S,
+                                                .idle_us = 60U * US_PER_S,
+                                                .poll_us = 1000U * US_PER_MS}};
     (void)take_tcp(options, DEFAULT_TCP);
     if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;

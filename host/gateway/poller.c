@@ -127,8 +127,7 @@ static void skip_kept(gateway_poller_t *poller)
 
 static void begin_values(gateway_poller_t *poller)
 {
-    poller->is_fresh =
-        poller->must_be_fresh || poller->kept >= GATEWAY_KEPT_POLLS || !marks_are_as_published(poller);
+    poller->is_fresh = poller->must_be_fresh || poller->kept >= GATEWAY_KEPT_POLLS || !marks_are_as_published(poller);
     poller->must_be_fresh = poller->is_fresh; /* until it is published */
     poller->dirty = poller->is_fresh ? UINT32_MAX : poller->stale;
     poller->phase = PHASE_VALUES;

@@ -24,8 +24,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define GATEWAY_MAX_TORN 3U /* polls torn one after the other; then the rest of the period is waited for */
-#define GATEWAY_MAX_ANEW 8U /* times that a poll begins anew because of what is written meanwhile; then it goes on */
+#define GATEWAY_MAX_TORN 3U    /* polls torn one after the other; then the rest of the period is waited for */
+#define GATEWAY_MAX_ANEW 8U    /* times that a poll begins anew because of what is written meanwhile; then it goes on */
 #define GATEWAY_KEPT_POLLS 60U /* after so many all is read anew, whatever the marks say */
 #define GATEWAY_MARK_BYTES 8U
 
@@ -51,7 +51,7 @@ typedef struct {
     uint64_t period_us;
     uint64_t next_us; /* of the next poll */
     uint8_t node;
-    uint8_t phase;    /* private; likewise `doing`, what the transfer under way is for, and `part` of a command */
+    uint8_t phase; /* private; likewise `doing`, what the transfer under way is for, and `part` of a command */
     uint8_t doing;
     uint8_t part;
     uint8_t link_state; /* gateway_link_t */

@@ -25,11 +25,11 @@ typedef struct {
     uint8_t bit;
     uint16_t index;
     uint8_t subindex;
-    uint8_t type; /* TUMBLE_TYPE_... */
-    uint8_t size; /* bytes of the object; of a text the most it may have */
+    uint8_t type;  /* TUMBLE_TYPE_... */
+    uint8_t size;  /* bytes of the object; of a text the most it may have */
     uint8_t group; /* GATEWAY_GROUP_..., or one of those that have keys */
     uint8_t key;   /* its place among the keys, which are read in every poll; GATEWAY_KEYS: it is none */
-    double scale; /* of GATEWAY_FORM_SCALED */
+    double scale;  /* of GATEWAY_FORM_SCALED */
 } gateway_value_t;
 
 typedef struct {

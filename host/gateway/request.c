@@ -30,8 +30,10 @@ gateway_frame_t gateway_tcp_frame(const uint8_t *bytes, size_t count, size_t *si
 
 gateway_request_t gateway_tcp_request(const uint8_t *frame, size_t size)
 {
-    return (gateway_request_t){.unit = frame[BEFORE_UNIT], .function = frame[GATEWAY_MBAP],
-                               .data = &frame[GATEWAY_MBAP + 1U], .size = size - GATEWAY_MBAP - 1U};
+    return (gateway_request_t){.unit = frame[BEFORE_UNIT],
+                               .function = frame[GATEWAY_MBAP],
+                               .data = &frame[GATEWAY_MBAP + 1U],
+                               .size = size - GATEWAY_MBAP - 1U};
 }
 
 /* The serial line. */
@@ -76,8 +78,8 @@ static size_t answer_size(const uint8_t *bytes)
     if (function >= 1U && function <= GATEWAY_READ_INPUT) {
         return 5U + (size_t)bytes[2];
     }
-    const bool writes = function == 0x05U || function == GATEWAY_WRITE_ONE || function == 0x0FU ||
-                        function == GATEWAY_WRITE_SEVERAL;
+    const bool writes =
+        function == 0x05U || function == GATEWAY_WRITE_ONE || function == 0x0FU || function == GATEWAY_WRITE_SEVERAL;
     return writes ? 8U : 0U;
 }
 

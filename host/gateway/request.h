@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define GATEWAY_MBAP 7U        /* bytes of the header, the unit included */
-#define GATEWAY_MAX_ADU 260U   /* TCP: header and 253 bytes; serial frames are shorter */
+#define GATEWAY_MBAP 7U      /* bytes of the header, the unit included */
+#define GATEWAY_MAX_ADU 260U /* TCP: header and 253 bytes; serial frames are shorter */
 #define GATEWAY_MAX_SERIAL 256U
 
 #define GATEWAY_READ_HOLDING 0x03U
@@ -24,7 +24,7 @@ typedef struct {
     uint8_t function;
     const uint8_t *data; /* behind the function */
     size_t size;
-    uint16_t at;         /* set by gateway_request_check; likewise `count` */
+    uint16_t at; /* set by gateway_request_check; likewise `count` */
     uint16_t count;
 } gateway_request_t;
 

@@ -27,8 +27,8 @@ static bool connect_line(gateway_serial_t *serial)
 
 bool gateway_serial_open(gateway_serial_t *serial, const gateway_serial_settings_t *settings)
 {
-    const uint64_t gap_us = (uint64_t)GAP_HALF_CHARACTERS * BITS_OF_A_CHARACTER * US_PER_S / 2U /
-                            (uint64_t)settings->baud;
+    const uint64_t gap_us =
+        (uint64_t)GAP_HALF_CHARACTERS * BITS_OF_A_CHARACTER * US_PER_S / 2U / (uint64_t)settings->baud;
     *serial = (gateway_serial_t){.fd = -1, .gap_us = (gap_us > LEAST_GAP_US) ? gap_us : LEAST_GAP_US};
     gateway_session_open(&serial->session);
     serial->line = modbus_new_rtu(settings->device, settings->baud, settings->parity, 8, 1);
@@ -95,8 +95,7 @@ static void drop(gateway_serial_t *serial, size_t size)
 static void answer(gateway_serial_t *serial, gateway_t *gateway, const gateway_replies_t *replies, size_t size,
                    uint64_t now_us)
 {
-    serial->out_count =
-        gateway_answer(gateway, replies, &serial->session, true, serial->in, size, now_us, serial->out);
+    serial->out_count = gateway_answer(gateway, replies, &serial->session, true, serial->in, size, now_us, serial->out);
     drop(serial, size);
 }
 
@@ -123,8 +122,8 @@ static void take_frames(gateway_serial_t *serial, gateway_t *gateway, const gate
     }
 }
 
-void gateway_serial_step(gateway_serial_t *serial, gateway_t *gateway, const gateway_replies_t *replies,
-                         bool hung_up, uint64_t now_us)
+void gateway_serial_step(gateway_serial_t *serial, gateway_t *gateway, const gateway_replies_t *replies, bool hung_up,
+                         uint64_t now_us)
 {
     if (serial->fd < 0 && (now_us < serial->reopen_us || !connect_line(serial))) {
         serial->reopen_us = (now_us < serial->reopen_us) ? serial->reopen_us : now_us + REOPEN_US;

@@ -17,10 +17,10 @@ typedef struct {
 
 typedef struct {
     modbus_t *line;
-    int fd;               /* -1: not open */
-    uint64_t gap_us;      /* silence that ends whatever has come */
-    uint64_t heard_us;    /* the last byte */
-    uint64_t reopen_us;   /* after a fault */
+    int fd;             /* -1: not open */
+    uint64_t gap_us;    /* silence that ends whatever has come */
+    uint64_t heard_us;  /* the last byte */
+    uint64_t reopen_us; /* after a fault */
     size_t in_count;
     size_t out_count;
     uint8_t in[2U * GATEWAY_MAX_SERIAL];

@@ -279,8 +279,7 @@ static void announce(const server_t *server, const gateway_options_t *options)
     }
     const char *const between = (server->listener >= 0 && server->has_serial) ? " and " : "";
     (void)fprintf(stderr, "tumble-gateway: node %u on %s, unit %u at %s%s%s, %s\n", options->settings.node,
-                  options->can, options->settings.unit, name, between,
-                  server->has_serial ? options->serial.device : "",
+                  options->can, options->settings.unit, name, between, server->has_serial ? options->serial.device : "",
                   options->settings.allow_commands ? "commands allowed" : "read only");
     notify_manager("READY=1");
 }
@@ -319,6 +318,7 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
         notify_manager("STOPPING=1");
     }
     close_all(&server);
-    gateway_poller_step(&server.gateway.poller); /* the end of a service level, unless the bus is busy: else it ends itself */
+    gateway_poller_step(
+        &server.gateway.poller); /* the end of a service level, unless the bus is busy: else it ends itself */
     return code;
 }

@@ -182,10 +182,10 @@ static gateway_command_t command_of(gateway_session_t *session)
 {
     const double angle = angle_deg(session);
     const uint32_t proposal = staged_u32(session, GATEWAY_HOLDING_PROPOSAL);
-    const gateway_command_t made = gateway_command(
-        gateway_command_objects[session->staged[GATEWAY_HOLDING_COMMAND_OBJECT]],
-        (uint8_t)session->staged[GATEWAY_HOLDING_ARGUMENT], session->has_angle ? &angle : NULL,
-        session->has_proposal ? &proposal : NULL, (uint8_t)session->staged[GATEWAY_HOLDING_COMMAND]);
+    const gateway_command_t made =
+        gateway_command(gateway_command_objects[session->staged[GATEWAY_HOLDING_COMMAND_OBJECT]],
+                        (uint8_t)session->staged[GATEWAY_HOLDING_ARGUMENT], session->has_angle ? &angle : NULL,
+                        session->has_proposal ? &proposal : NULL, (uint8_t)session->staged[GATEWAY_HOLDING_COMMAND]);
     session->has_angle = false;
     session->has_proposal = false;
     return made;
@@ -323,9 +323,9 @@ static gateway_exception_t write_keys(gateway_session_t *session, gateway_t *gat
     if (wrong != GATEWAY_OK || count == KEYS) {
         return wrong;
     }
-    wrong = (words[KEYS] != 0U) ? GATEWAY_ILLEGAL_VALUE
-                                : write_staged(session, gateway, KEYS + 1U, (uint16_t)(count - KEYS - 1U),
-                                               &words[KEYS + 1U], now_us);
+    wrong = (words[KEYS] != 0U)
+                ? GATEWAY_ILLEGAL_VALUE
+                : write_staged(session, gateway, KEYS + 1U, (uint16_t)(count - KEYS - 1U), &words[KEYS + 1U], now_us);
     if (wrong != GATEWAY_OK) {
         session->unlocked_until_us = before_us;
     }

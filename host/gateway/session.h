@@ -34,12 +34,12 @@ typedef enum {
 typedef struct gateway_session {
     gateway_snapshot_t snapshot;
     uint64_t renewed_us;
-    uint16_t last_at;           /* of input registers, the first one of the last request */
-    uint64_t unlocked_until_us; /* 0: locked */
+    uint16_t last_at;                     /* of input registers, the first one of the last request */
+    uint64_t unlocked_until_us;           /* 0: locked */
     uint16_t staged[GATEWAY_HOLDING_END]; /* the holding registers as they were written; Execute: as it was last */
-    bool has_angle;             /* written since the last execution; likewise `has_proposal` */
+    bool has_angle;                       /* written since the last execution; likewise `has_proposal` */
     bool has_proposal;
-    bool is_setting_done;       /* a setting was executed, and nothing has been staged since */
+    bool is_setting_done; /* a setting was executed, and nothing has been staged since */
     gateway_command_t sent;
     bool sent_key; /* it is the service level's */
 } gateway_session_t;

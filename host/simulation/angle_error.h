@@ -6,8 +6,8 @@
 #ifndef TUMBLE_SIMULATION_ANGLE_ERROR_H
 #define TUMBLE_SIMULATION_ANGLE_ERROR_H
 
-#include "tumble/core.h"
 #include "simulation/random.h"
+#include "tumble/core.h"
 
 #include <stdint.h>
 

@@ -37,7 +37,7 @@ typedef struct {
     uint64_t swing_us; /* when the table last came to a stop: start of the oscillation */
     double from_deg;   /* where the motion started ... */
     double from_error_deg;
-    double from_play_deg; /* how far the table was above the motor then, 0 to the backlash */
+    double from_play_deg;    /* how far the table was above the motor then, 0 to the backlash */
     double to_error_deg;     /* angle error at its end */
     double error_rad;        /* the same, as drawn */
     double slip_deg;         /* table against encoder, so far */

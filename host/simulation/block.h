@@ -35,7 +35,7 @@ typedef struct {
     bool still; /* `force_g` holds as long as the axis does not move */
     double force_g[TUMBLE_CHANNELS];
     sim_fault_effects_t faults; /* in force */
-    sim_block_frames_t kept; /* a sample that is to come behind the next */
+    sim_block_frames_t kept;    /* a sample that is to come behind the next */
     bool keeps;
 } sim_block_t;
 

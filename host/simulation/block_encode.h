@@ -6,8 +6,8 @@
 #ifndef TUMBLE_SIMULATION_BLOCK_ENCODE_H
 #define TUMBLE_SIMULATION_BLOCK_ENCODE_H
 
-#include "tumble/port.h"
 #include "sample/block_sample.h"
+#include "tumble/port.h"
 
 /* One sample on its way to the bus. */
 typedef struct {

@@ -9,10 +9,10 @@
 #ifndef TUMBLE_SIMULATION_BUS_H
 #define TUMBLE_SIMULATION_BUS_H
 
-#include "tumble/port.h"
 #include "simulation/clock.h"
 #include "simulation/frame_bits.h"
 #include "simulation/random.h"
+#include "tumble/port.h"
 
 #include <assert.h>
 #include <stdbool.h>

@@ -55,20 +55,20 @@ typedef struct {
     bool acknowledged; /* bit 12: a set-point was taken, bit 4 has not fallen since, or the buffer is full */
     bool buffered;     /* one more set-point waits */
     bool halted;
-    bool limited;      /* the target was beyond the software limits (607Dh) and has been cut to them */
+    bool limited;        /* the target was beyond the software limits (607Dh) and has been cut to them */
     bool reached;        /* the last target, to the end of the window time */
     double target_deg;   /* of the motion under way, in degrees of the table */
     int32_t next_target; /* of the buffered set-point */
     bool next_relative;
     int32_t last_target; /* counts; what relative set-points start from */
     sim_homing_t homing;
-    double zero_deg;     /* table angle at position 0 */
-    uint64_t settled_us; /* when the motion under way will have been within its window for the window time */
-    uint64_t quiet_us;   /* and when nothing is left to be seen of it */
-    uint64_t follow_us;  /* since when the following error is too large; SIM_NEVER: it is not */
-    uint64_t cycle_us;   /* next look at the axis while it moves; SIM_NEVER: it rests */
-    bool looked;         /* it has been looked at, and what is there is to be shown */
-    bool broken; /* with an error that a reset cannot clear yet */
+    double zero_deg;            /* table angle at position 0 */
+    uint64_t settled_us;        /* when the motion under way will have been within its window for the window time */
+    uint64_t quiet_us;          /* and when nothing is left to be seen of it */
+    uint64_t follow_us;         /* since when the following error is too large; SIM_NEVER: it is not */
+    uint64_t cycle_us;          /* next look at the axis while it moves; SIM_NEVER: it rests */
+    bool looked;                /* it has been looked at, and what is there is to be shown */
+    bool broken;                /* with an error that a reset cannot clear yet */
     sim_fault_effects_t faults; /* in force */
 } sim_drive_t;
 

@@ -19,7 +19,7 @@ void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounti
     };
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
-            const double(*const m)[3] = mounting->matrix;
+            const double (*const m)[3] = mounting->matrix;
             geometry->a[i][j] = m[i][0] * turned[0][j] + m[i][1] * turned[1][j] + m[i][2] * turned[2][j];
         }
     }

@@ -7,8 +7,8 @@
 #ifndef TUMBLE_SIMULATION_NV_H
 #define TUMBLE_SIMULATION_NV_H
 
-#include "tumble/port.h"
 #include "simulation/clock.h"
+#include "tumble/port.h"
 
 #include <stdbool.h>
 #include <stdint.h>

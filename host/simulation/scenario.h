@@ -6,11 +6,11 @@
 #ifndef TUMBLE_SIMULATION_SCENARIO_H
 #define TUMBLE_SIMULATION_SCENARIO_H
 
-#include "tumble/core.h"
 #include "simulation/axis.h"
 #include "simulation/fault.h"
 #include "simulation/random.h"
 #include "simulation/sensor.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 #include <stdint.h>

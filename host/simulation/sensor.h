@@ -7,9 +7,9 @@
 #ifndef TUMBLE_SIMULATION_SENSOR_H
 #define TUMBLE_SIMULATION_SENSOR_H
 
-#include "tumble/core.h"
 #include "simulation/fault.h"
 #include "simulation/random.h"
+#include "tumble/core.h"
 
 #include <stdbool.h>
 #include <stdint.h>

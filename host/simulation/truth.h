@@ -2,8 +2,8 @@
 #ifndef TUMBLE_SIMULATION_TRUTH_H
 #define TUMBLE_SIMULATION_TRUTH_H
 
-#include "tumble/core.h"
 #include "simulation/scenario.h"
+#include "tumble/core.h"
 
 #include <stdint.h>
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define IDENTIFIERS (TUMBLE_CAN_MAX_ID + 1U)
-#define WAITS 100U          /* a frame is waited for so many times transit_us */
+#define WAITS 100U /* a frame is waited for so many times transit_us */
 #define CLOCK_READINGS 10000U
 #define PASSING_US 20000U
 #define ORDERED 1000U
@@ -65,8 +65,7 @@ static const char *send_patiently(const conformance_bench_t *bench, const tumble
 }
 
 /* Take the next frame, waiting for it as long as it may take; it must be this one. */
-static const char *expect(const conformance_bench_t *bench, const tumble_port_t *port,
-                          const tumble_can_frame_t *wanted)
+static const char *expect(const conformance_bench_t *bench, const tumble_port_t *port, const tumble_can_frame_t *wanted)
 {
     tumble_can_frame_t got;
     for (uint32_t waits = 0; waits < WAITS; waits++) {

@@ -172,8 +172,8 @@ static tumble_status_t programs_twice(void *context, uint32_t offset, const uint
 {
     const tumble_status_t status = program(offset, bytes, size);
     (void)context;
-    const bool again = status == TUMBLE_E_NV && offset % SIM_NV_SECTOR == 0U && offset < SIM_NV_BYTES &&
-                       size == SIM_NV_GRANULE;
+    const bool again =
+        status == TUMBLE_E_NV && offset % SIM_NV_SECTOR == 0U && offset < SIM_NV_BYTES && size == SIM_NV_GRANULE;
     return again ? TUMBLE_OK : status;
 }
 

@@ -4,8 +4,8 @@
  * there some writes are answered later. Then come records of an opcode byte and
  * its operands. What is checked beside the sanitizers: the invariants in `check`, `check_frame` and `check_rest`.
  */
-#include "core/bytes.h"
 #include "canopen/node.h"
+#include "core/bytes.h"
 #include "fuzz_input.h"
 #include "navcomp/keeper_objects.h"
 #include "simulation/block_objects.h"
@@ -23,10 +23,10 @@ typedef struct {
         tumble_block_objects_t block;
     } variables;
     uint64_t now_us;
-    unsigned room;       /* frames that the port still takes in this round */
-    unsigned answers;    /* of the SDO server in this round */
+    unsigned room;    /* frames that the port still takes in this round */
+    unsigned answers; /* of the SDO server in this round */
     bool down;
-    uint8_t upload[40];  /* the client's memory, with a border behind the part that it may use */
+    uint8_t upload[40]; /* the client's memory, with a border behind the part that it may use */
 } world_t;
 
 static uint64_t now_us(void *context)

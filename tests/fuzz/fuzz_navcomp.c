@@ -8,8 +8,8 @@
  */
 #include "fake_port.h"
 #include "fuzz_input.h"
-#include "tumble/navcomp.h"
 #include "scripted_config.h"
+#include "tumble/navcomp.h"
 
 const size_t fuzz_header_bytes = 1;
 const size_t fuzz_record_bytes = 13; /* an opcode, and a frame of any identifier and length with what kind it is */

@@ -12,12 +12,12 @@
  *     !write NODE INDEX SUB BYTES      SDO client: write; answers "=STATUS ABORT -"
  * MS, NODE, SUB, N and CAPACITY are decimal, the rest hexadecimal. Ends with its input; exit code 2 for bad usage.
  */
-#include "tumble/core.h"
 #include "navcomp/keeper.h"
-#include "tumble/navcomp.h"
 #include "simulation/block_objects.h"
 #include "simulation/drive_objects.h"
 #include "stand/operator/operator.h"
+#include "tumble/core.h"
+#include "tumble/navcomp.h"
 
 #include "flash.h"
 
@@ -137,21 +137,41 @@ static bool start_navcomp(const char *name)
 {
     static const tumble_averaging_config_t averaging = {
         .saturation_counts = 8388607, .min_samples = 2, .max_lost = 2, .stillness_ratio = 5.0F};
-    static const tumble_procedure_config_t procedure = {
-        .schedule = &tumble_schedule_paper, .averaging = &averaging, .samples = 1000, .v_per_count = 1e-6,
-        .nominal_scale_v_per_g = -2.0, .gravity_limit_g = 3e-4, .closure_limit_g = 1e-3,
-        .position_tolerance_deg = 0.1, .cable_min_deg = -20.0, .cable_max_deg = 380.0, .settle_ms = 500,
-        .retries = 1, .preflight_timeout_ms = 60000, .warm_up_timeout_ms = 60000, .mounting_timeout_ms = 60000,
-        .home_timeout_ms = 60000, .move_timeout_ms = 60000, .settle_timeout_ms = 5000, .average_timeout_ms = 60000,
-        .sample_timeout_ms = 60000};
+    static const tumble_procedure_config_t procedure = {.schedule = &tumble_schedule_paper,
+                                                        .averaging = &averaging,
+                                                        .samples = 1000,
+                                                        .v_per_count = 1e-6,
+                                                        .nominal_scale_v_per_g = -2.0,
+                                                        .gravity_limit_g = 3e-4,
+                                                        .closure_limit_g = 1e-3,
+                                                        .position_tolerance_deg = 0.1,
+                                                        .cable_min_deg = -20.0,
+                                                        .cable_max_deg = 380.0,
+                                                        .settle_ms = 500,
+                                                        .retries = 1,
+                                                        .preflight_timeout_ms = 60000,
+                                                        .warm_up_timeout_ms = 60000,
+                                                        .mounting_timeout_ms = 60000,
+                                                        .home_timeout_ms = 60000,
+                                                        .move_timeout_ms = 60000,
+                                                        .settle_timeout_ms = 5000,
+                                                        .average_timeout_ms = 60000,
+                                                        .sample_timeout_ms = 60000};
     static tumble_operator_t head;
     static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
-    static const tumble_navcomp_config_t config = {
-        .port = &port, .procedure = &procedure, .stand = &tumble_operator_kind, .stand_profile = &person,
-        .stand_memory = &head, .stand_bytes = sizeof head,
-        .block_period_us = 1000000, .heartbeat_ms = 100, .heartbeat_timeout_ms = 500,
-        .node = TUMBLE_NAVCOMP_NODE, .block_node = 3, .keeping = &tumble_keeper_calls,
-        .keeper = &harness.keeper};
+    static const tumble_navcomp_config_t config = {.port = &port,
+                                                   .procedure = &procedure,
+                                                   .stand = &tumble_operator_kind,
+                                                   .stand_profile = &person,
+                                                   .stand_memory = &head,
+                                                   .stand_bytes = sizeof head,
+                                                   .block_period_us = 1000000,
+                                                   .heartbeat_ms = 100,
+                                                   .heartbeat_timeout_ms = 500,
+                                                   .node = TUMBLE_NAVCOMP_NODE,
+                                                   .block_node = 3,
+                                                   .keeping = &tumble_keeper_calls,
+                                                   .keeper = &harness.keeper};
 
     prepare_keeper();
     harness.is_navcomp = strcmp(name, "navcomp") == 0;

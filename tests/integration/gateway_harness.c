@@ -17,8 +17,8 @@
 
 #include "server.h"
 
-#include "core/bytes.h"
 #include "canopen/sdo_frame.h"
+#include "core/bytes.h"
 
 #include <fcntl.h>
 #include <signal.h>

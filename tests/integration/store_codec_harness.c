@@ -3,8 +3,8 @@
  *
  *     store_codec set|entry|run|position [FINGERPRINT]
  */
-#include "tumble/sets.h"
 #include "flash.h"
+#include "tumble/sets.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -75,7 +75,8 @@ static int print_entry(void)
     if (status != TUMBLE_OK) {
         return (int)status;
     }
-    (void)printf("number %" PRIu32 "\nsequence %" PRIu32 "\norigin %u\nestimator %u\nflags %u\ndate_utc_s %" PRIu64 "\n",
+    (void)printf("number %" PRIu32 "\nsequence %" PRIu32 "\norigin %u\nestimator %u\nflags %u\ndate_utc_s %" PRIu64
+                 "\n",
                  entry.number, entry.sequence, entry.origin, entry.estimator, entry.flags, entry.date_utc_s);
     print_floats("temperature_c", &entry.temperature_c, 1);
     print_floats("values", entry.value, TUMBLE_COEFFICIENTS);

@@ -42,9 +42,9 @@ typedef struct {
     tumble_nv_t nv;
     uint8_t bytes[NV_MAX_BYTES];
     nv_fault_t fault;
-    uint32_t more;         /* operations after fault.at that go wrong as well */
-    uint32_t operations;   /* erases and programs since nv_arm */
-    uint32_t violations;   /* calls that port.h forbids, or a granule programmed twice */
+    uint32_t more;       /* operations after fault.at that go wrong as well */
+    uint32_t operations; /* erases and programs since nv_arm */
+    uint32_t violations; /* calls that port.h forbids, or a granule programmed twice */
     uint32_t random;
     uint32_t reads;
     uint32_t read_fails_at; /* that read fails; NV_NEVER */

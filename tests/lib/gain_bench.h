@@ -4,8 +4,8 @@
 #ifndef TUMBLE_TESTS_UNIT_GAIN_BENCH_H
 #define TUMBLE_TESTS_UNIT_GAIN_BENCH_H
 
-#include "tumble/core.h"
 #include "random_schedule.h"
+#include "tumble/core.h"
 
 #define GAIN_HEAD 232U
 #define MOST_GAIN_BYTES (240U + 24U * TUMBLE_MAX_POSITIONS * (14U + TUMBLE_MAX_MOUNTINGS))

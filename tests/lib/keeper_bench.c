@@ -16,14 +16,16 @@ void keeper_prepare(void)
     bench.fake.port.nv = &memory.nv;
     board_inhibits = false;
     settings = usual_settings();
-    declared_stand = (tumble_stand_record_t){.axis_tilt_rad = 2e-5, .level_rad = 2e-5, .remount_rad = 4e-5,
-                                             .angle_rad = 4e-5, .noise_v = 1e-5, .samples = 1};
+    declared_stand = (tumble_stand_record_t){.axis_tilt_rad = 2e-5,
+                                             .level_rad = 2e-5,
+                                             .remount_rad = 4e-5,
+                                             .angle_rad = 4e-5,
+                                             .noise_v = 1e-5,
+                                             .samples = 1};
     declared = (tumble_declared_t){&declared_stand, NULL};
-    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001",
-                                                      .settings = &settings,
-                                                      .inhibited = ask_board,
-                                                      .context = &board_inhibits},
-                                             .uncertainty = tumble_navcomp_uncertainty};
+    keeper_config = (tumble_keeper_config_t){
+        .sets = {.serial = "TB-0001", .settings = &settings, .inhibited = ask_board, .context = &board_inhibits},
+        .uncertainty = tumble_navcomp_uncertainty};
     memset(&keeper, 0x5A, sizeof keeper);
     keeper.config = &keeper_config;
     bench.config.keeping = &tumble_keeper_calls;

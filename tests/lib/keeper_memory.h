@@ -2,8 +2,8 @@
 #ifndef TUMBLE_TESTS_KEEPER_MEMORY_H
 #define TUMBLE_TESTS_KEEPER_MEMORY_H
 
-#include "navcomp/keeper.h"
 #include "flash.h"
+#include "navcomp/keeper.h"
 #include "support.h"
 
 #define MEMORY_SECTOR 4096U

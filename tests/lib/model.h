@@ -7,9 +7,9 @@
 #define TUMBLE_TESTS_UNIT_MODEL_H
 
 #include "angles.h"
-#include "tumble/core.h"
 #include "double_double.h"
 #include "support.h"
+#include "tumble/core.h"
 
 static inline const tumble_mounting_t *model_mounting(const tumble_schedule_t *schedule, unsigned position)
 {

@@ -33,7 +33,7 @@ typedef struct {
     tumble_navcomp_hooks_t hooks;
     tumble_navcomp_config_t config;
     tumble_navcomp_t navcomp;
-    tumble_drive402_t axis; /* what navcomp knows of the drive */
+    tumble_drive402_t axis;       /* what navcomp knows of the drive */
     bench_entry_t log[BENCH_LOG]; /* what the firmware received */
     size_t logged;
     uint32_t events;
@@ -53,7 +53,7 @@ void bench_init(bench_t *b);
 void bench_begin(void); /* with `bench`, before each case */
 
 void bench_power_on(bench_t *b);
-void power_on_for(double seconds); /* `bench` */
+void power_on_for(double seconds);  /* `bench` */
 void reset_by_nmt(uint8_t command); /* `bench`, which hears it in its next step */
 tumble_navcomp_progress_t bench_progress(const bench_t *b);
 tumble_navcomp_counters_t bench_counters(const bench_t *b);

@@ -6,9 +6,9 @@
 #define TUMBLE_TESTS_SCRIPTED_BLOCK_H
 
 #include "canopen/nmt.h"
-#include "tumble/core.h"
 #include "fake_port.h"
 #include "simulation/block_encode.h"
+#include "tumble/core.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -158,8 +158,7 @@ static void scripted_drive_sdo(scripted_drive_t *d, const tumble_can_frame_t *fr
         return;
     }
     if ((r[0] & 0xE0U) == 0x20U) {
-        const uint32_t value =
-            (uint32_t)r[4] | ((uint32_t)r[5] << 8) | ((uint32_t)r[6] << 16) | ((uint32_t)r[7] << 24);
+        const uint32_t value = (uint32_t)r[4] | ((uint32_t)r[5] << 8) | ((uint32_t)r[6] << 16) | ((uint32_t)r[7] << 24);
         const scripted_write_t write = {index, r[3], (uint8_t)(4U - ((r[0] >> 2) & 3U)), value};
         scripted_drive_send(d, 0x580U + SCRIPTED_DRIVE_NODE, 8, answer);
         scripted_drive_write(d, &write);

@@ -26,7 +26,12 @@
 /* The 402 states as their statusword has them. */
 enum {
     IS_DISABLED = 0x40, /* switch on disabled */
-    IS_READY = 0x21, IS_ON = 0x23, IS_ENABLED = 0x27, IS_QUICK_STOP = 0x07, IS_FAULT_REACTION = 0x0F, IS_FAULT = 0x08
+    IS_READY = 0x21,
+    IS_ON = 0x23,
+    IS_ENABLED = 0x27,
+    IS_QUICK_STOP = 0x07,
+    IS_FAULT_REACTION = 0x0F,
+    IS_FAULT = 0x08
 };
 
 typedef struct {
@@ -68,51 +73,51 @@ typedef struct {
     int32_t actual;
     bool dead; /* hears and says nothing */
     bool operational;
-    bool stopped;     /* in the NMT state of that name */
-    int32_t limits[2]; /* 607Dh */
-    bool keeps_no_limits;       /* takes 607Dh and forgets it */
+    bool stopped;         /* in the NMT state of that name */
+    int32_t limits[2];    /* 607Dh */
+    bool keeps_no_limits; /* takes 607Dh and forgets it */
     bool moving;
     bool homing;
     unsigned homing_ms;
-    unsigned reports;     /* transmit PDOs since the start of homing */
-    unsigned braking_ms;  /* left until it stands */
-    unsigned nmt_starts;  /* commands to it */
-    unsigned refusals;    /* of SDO requests */
-    bool coasted;         /* it lost its power while it moved */
+    unsigned reports;    /* transmit PDOs since the start of homing */
+    unsigned braking_ms; /* left until it stands */
+    unsigned nmt_starts; /* commands to it */
+    unsigned refusals;   /* of SDO requests */
+    bool coasted;        /* it lost its power while it moved */
 
     /* Habits. */
-    unsigned move_ms;           /* homing and any move take so long; 0: they are as fast as usual */
-    bool jammed;                /* sets out and never arrives */
-    int32_t wrap;               /* positions count modulo this, the shorter way is taken; 0: no */
-    uint16_t refuse_index;      /* SDO abort 0602 0000h */
+    unsigned move_ms;      /* homing and any move take so long; 0: they are as fast as usual */
+    bool jammed;           /* sets out and never arrives */
+    int32_t wrap;          /* positions count modulo this, the shorter way is taken; 0: no */
+    uint16_t refuse_index; /* SDO abort 0602 0000h */
     bool sdo_is_deaf;
     bool mute;        /* sends no heartbeat until 1017h is written, */
     bool stays_mute;  /* or not even then */
-    unsigned misses; /* so many of the next process data */
-    bool mode_sticks;           /* 6061h never follows */
+    unsigned misses;  /* so many of the next process data */
+    bool mode_sticks; /* 6061h never follows */
     bool never_acknowledges;
     bool keeps_acknowledging;
     bool never_reaches;
-    bool reached_lingers;       /* bit 10 stays set while it moves */
+    bool reached_lingers; /* bit 10 stays set while it moves */
     bool stays_in_switched_on;
     bool resets_nothing;
     bool homing_fails;
     bool homing_never_ends;
-    bool attained_from_before;  /* bits 12 and 10 still tell of the last homing when homing begins */
-    unsigned old_reports;       /* they stay in so many transmit PDOs after its start */
-    bool quick_stop_stays;      /* in quick stop active, option code 6 */
-    unsigned brakes_for_ms;     /* in quick stop active or under Halt */
-    bool hides_standstill;      /* no bit 10 after a stop */
+    bool attained_from_before; /* bits 12 and 10 still tell of the last homing when homing begins */
+    unsigned old_reports;      /* they stay in so many transmit PDOs after its start */
+    bool quick_stop_stays;     /* in quick stop active, option code 6 */
+    unsigned brakes_for_ms;    /* in quick stop active or under Halt */
+    bool hides_standstill;     /* no bit 10 after a stop */
     bool ignores_stop;
-    bool ignores_nmt;           /* goes on when it is taken out of operation */
-    unsigned watches_ms;        /* stops when the master is silent for so long; 0: never */
-    uint64_t heard_ms;          /* when it heard the master last */
-    uint64_t silent_ms;         /* the longest that the master has been silent */
-    unsigned nmt_stops;         /* commands to it */
-    int32_t homing_turns;       /* counts per ms while it homes */
-    int32_t home;               /* where homing ends */
-    unsigned report_ms;         /* from one transmit PDO to the next; 0: the usual */
-    bool event_only;            /* transmit PDOs on change only */
+    bool ignores_nmt;     /* goes on when it is taken out of operation */
+    unsigned watches_ms;  /* stops when the master is silent for so long; 0: never */
+    uint64_t heard_ms;    /* when it heard the master last */
+    uint64_t silent_ms;   /* the longest that the master has been silent */
+    unsigned nmt_stops;   /* commands to it */
+    int32_t homing_turns; /* counts per ms while it homes */
+    int32_t home;         /* where homing ends */
+    unsigned report_ms;   /* from one transmit PDO to the next; 0: the usual */
+    bool event_only;      /* transmit PDOs on change only */
 } scripted_drive_t;
 
 /* At rest somewhere; homing and any move take 0.2 s, reports come every 20 ms. */

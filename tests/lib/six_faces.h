@@ -11,9 +11,8 @@ static const tumble_mounting_t six_faces_mountings[] = {
 };
 
 static const tumble_position_t six_faces_positions[] = {
-    {1, 1, TUMBLE_USE_FIT, LEVEL}, {1, 2, TUMBLE_USE_FIT, {180, 0, -1}},
-    {2, 1, TUMBLE_USE_FIT, LEVEL}, {2, 2, TUMBLE_USE_FIT, {180, 0, -1}},
-    {3, 1, TUMBLE_USE_FIT, LEVEL}, {3, 2, TUMBLE_USE_FIT, {180, 0, -1}},
+    {1, 1, TUMBLE_USE_FIT, LEVEL},        {1, 2, TUMBLE_USE_FIT, {180, 0, -1}}, {2, 1, TUMBLE_USE_FIT, LEVEL},
+    {2, 2, TUMBLE_USE_FIT, {180, 0, -1}}, {3, 1, TUMBLE_USE_FIT, LEVEL},        {3, 2, TUMBLE_USE_FIT, {180, 0, -1}},
 };
 
 static const tumble_schedule_t six_faces = {six_faces_mountings, six_faces_positions, 3, 6};

@@ -13,7 +13,7 @@ typedef struct {
     unsigned previous;
     unsigned proposal;
     unsigned factory;
-    uint8_t origin;        /* of the active set */
+    uint8_t origin; /* of the active set */
     uint8_t proposal_origin;
 } sets_t;
 
@@ -129,15 +129,42 @@ static inline void prepare(nv_memory_t *memory, bool factory, unsigned commits, 
 }
 
 /* clang-format off: a line each */
-static inline void with_nothing(nv_memory_t *memory) { prepare(memory, false, 0, false, 0); }
-static inline void with_factory(nv_memory_t *memory) { prepare(memory, true, 0, false, 0); }
-static inline void with_one(nv_memory_t *memory) { prepare(memory, true, 1, false, 0); }
-static inline void with_two(nv_memory_t *memory) { prepare(memory, true, 2, false, 0); }
-static inline void with_two_alone(nv_memory_t *memory) { prepare(memory, false, 2, false, 0); }
-static inline void with_three(nv_memory_t *memory) { prepare(memory, true, 3, false, 0); }
-static inline void with_held(nv_memory_t *memory) { prepare(memory, true, 2, true, 0); }
-static inline void with_held_first(nv_memory_t *memory) { prepare(memory, false, 0, true, 0); }
-static inline void with_rolled_back(nv_memory_t *memory) { prepare(memory, true, 2, false, 1); }
+static inline void with_nothing(nv_memory_t *memory)
+{
+    prepare(memory, false, 0, false, 0);
+}
+static inline void with_factory(nv_memory_t *memory)
+{
+    prepare(memory, true, 0, false, 0);
+}
+static inline void with_one(nv_memory_t *memory)
+{
+    prepare(memory, true, 1, false, 0);
+}
+static inline void with_two(nv_memory_t *memory)
+{
+    prepare(memory, true, 2, false, 0);
+}
+static inline void with_two_alone(nv_memory_t *memory)
+{
+    prepare(memory, false, 2, false, 0);
+}
+static inline void with_three(nv_memory_t *memory)
+{
+    prepare(memory, true, 3, false, 0);
+}
+static inline void with_held(nv_memory_t *memory)
+{
+    prepare(memory, true, 2, true, 0);
+}
+static inline void with_held_first(nv_memory_t *memory)
+{
+    prepare(memory, false, 0, true, 0);
+}
+static inline void with_rolled_back(nv_memory_t *memory)
+{
+    prepare(memory, true, 2, false, 1);
+}
 /* clang-format on */
 
 /* An accepted proposal that has not been cleared. */
@@ -212,8 +239,8 @@ static inline state_t look_accept(void)
         return STATE_BAD;
     }
     if (now.active == jobs_before.proposal) {
-        const bool right = now.proposal == 0U && now.previous == jobs_before.active &&
-                           now.origin == TUMBLE_ORIGIN_ACCEPTED;
+        const bool right =
+            now.proposal == 0U && now.previous == jobs_before.active && now.origin == TUMBLE_ORIGIN_ACCEPTED;
         return right ? STATE_AFTER : STATE_BAD;
     }
     const bool right = active_is_as_before(&now) && now.proposal == jobs_before.proposal &&

@@ -2,8 +2,8 @@
 #ifndef STORE_LOGS_H
 #define STORE_LOGS_H
 
-#include "tumble/sets.h"
 #include "store_jobs.h"
+#include "tumble/sets.h"
 
 #define LOG_LAST 16U /* entries that survive whatever happens */
 
@@ -96,11 +96,26 @@ static inline void prepare_history(nv_memory_t *memory, uint32_t entries)
 }
 
 /* clang-format off: a line each */
-static inline void with_no_history(nv_memory_t *memory) { prepare_history(memory, 0); }
-static inline void with_five(nv_memory_t *memory) { prepare_history(memory, 5); }
-static inline void with_full_sector(nv_memory_t *memory) { prepare_history(memory, 32); }
-static inline void with_second_sector(nv_memory_t *memory) { prepare_history(memory, 40); }
-static inline void with_both_full(nv_memory_t *memory) { prepare_history(memory, 64); }
+static inline void with_no_history(nv_memory_t *memory)
+{
+    prepare_history(memory, 0);
+}
+static inline void with_five(nv_memory_t *memory)
+{
+    prepare_history(memory, 5);
+}
+static inline void with_full_sector(nv_memory_t *memory)
+{
+    prepare_history(memory, 32);
+}
+static inline void with_second_sector(nv_memory_t *memory)
+{
+    prepare_history(memory, 40);
+}
+static inline void with_both_full(nv_memory_t *memory)
+{
+    prepare_history(memory, 64);
+}
 /* clang-format on */
 
 /* Every second entry torn in the sector before the change. */
@@ -126,7 +141,7 @@ static const scenario_t history_scenarios[] = {
 };
 
 static tumble_checkpoint_t logs_checkpoint;
-static uint32_t logs_kept;  /* entries appended before, entry i at index i modulo TUMBLE_MAX_POSITIONS */
+static uint32_t logs_kept; /* entries appended before, entry i at index i modulo TUMBLE_MAX_POSITIONS */
 enum { OLD_RUN = 0x11111111, NEW_RUN = 0x22222222 };
 
 static inline bool checkpoint_settles(void)
@@ -169,17 +184,26 @@ static inline tumble_status_t append_average(uint32_t number)
 }
 
 /* clang-format off: a line each */
-static inline tumble_status_t job_keep(void) { return append_average(logs_kept); }
-static inline tumble_status_t job_begin(void) { return checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, NEW_RUN)); }
-static inline tumble_status_t job_clear(void) { return checkpoint_ended(tumble_checkpoint_clear(&logs_checkpoint)); }
+static inline tumble_status_t job_keep(void)
+{
+    return append_average(logs_kept);
+}
+static inline tumble_status_t job_begin(void)
+{
+    return checkpoint_ended(tumble_checkpoint_begin(&logs_checkpoint, NEW_RUN));
+}
+static inline tumble_status_t job_clear(void)
+{
+    return checkpoint_ended(tumble_checkpoint_clear(&logs_checkpoint));
+}
 /* clang-format on */
 
 static inline bool average_is(uint8_t index, uint32_t number)
 {
     const tumble_average_t expected = average_of(number);
     tumble_average_t found = {0};
-    bool same = tumble_checkpoint_read(&logs_checkpoint, index, &found) == TUMBLE_OK &&
-                found.samples == expected.samples;
+    bool same =
+        tumble_checkpoint_read(&logs_checkpoint, index, &found) == TUMBLE_OK && found.samples == expected.samples;
     for (int i = 0; i < 3; i++) {
         same = same && found.sum_counts[i] == expected.sum_counts[i] &&
                !(found.scatter_counts[i] < expected.scatter_counts[i]) &&
@@ -271,11 +295,26 @@ static inline void with_no_run(nv_memory_t *memory)
 }
 
 /* clang-format off: a line each */
-static inline void with_old_run(nv_memory_t *memory) { prepare_run(memory, OLD_RUN, 80); }
-static inline void with_new_run(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 0); }
-static inline void with_some_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 17); }
-static inline void with_one_again(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 36); }
-static inline void with_sector_kept(nv_memory_t *memory) { prepare_run(memory, NEW_RUN, 63); }
+static inline void with_old_run(nv_memory_t *memory)
+{
+    prepare_run(memory, OLD_RUN, 80);
+}
+static inline void with_new_run(nv_memory_t *memory)
+{
+    prepare_run(memory, NEW_RUN, 0);
+}
+static inline void with_some_kept(nv_memory_t *memory)
+{
+    prepare_run(memory, NEW_RUN, 17);
+}
+static inline void with_one_again(nv_memory_t *memory)
+{
+    prepare_run(memory, NEW_RUN, 36);
+}
+static inline void with_sector_kept(nv_memory_t *memory)
+{
+    prepare_run(memory, NEW_RUN, 63);
+}
 /* clang-format on */
 
 static const scenario_t checkpoint_scenarios[] = {

@@ -9,10 +9,10 @@ static void power_bad(campaign_t *campaign, const char *what)
 {
     if (campaign->bad == 0U) {
         const nv_fault_t *f = campaign->faults;
-        (void)snprintf(campaign->first, sizeof campaign->first, "%s: %s (granule %u, sector %u, faults %u/%d/%d %u/%d/%d)",
-                       campaign->scenario, what, (unsigned)campaign->granule, (unsigned)campaign->sector,
-                       (unsigned)f[0].at, (int)f[0].done, (int)f[0].then, (unsigned)f[1].at, (int)f[1].done,
-                       (int)f[1].then);
+        (void)snprintf(campaign->first, sizeof campaign->first,
+                       "%s: %s (granule %u, sector %u, faults %u/%d/%d %u/%d/%d)", campaign->scenario, what,
+                       (unsigned)campaign->granule, (unsigned)campaign->sector, (unsigned)f[0].at, (int)f[0].done,
+                       (int)f[0].then, (unsigned)f[1].at, (int)f[1].done, (int)f[1].then);
     }
     campaign->bad++;
 }

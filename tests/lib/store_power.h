@@ -13,10 +13,10 @@ typedef enum { STATE_BAD, STATE_BEFORE, STATE_BETWEEN, STATE_AFTER } state_t;
 
 typedef struct {
     const char *name;
-    void (*prepare)(nv_memory_t *memory);           /* on an erased memory */
-    bool (*boot)(nv_memory_t *memory);              /* a new object; false: it never ends */
-    tumble_status_t (*job)(void);                  /* begin, and step to the end */
-    state_t (*look)(void);                         /* by what the object answers */
+    void (*prepare)(nv_memory_t *memory); /* on an erased memory */
+    bool (*boot)(nv_memory_t *memory);    /* a new object; false: it never ends */
+    tumble_status_t (*job)(void);         /* begin, and step to the end */
+    state_t (*look)(void);                /* by what the object answers */
 } scenario_t;
 
 typedef struct {

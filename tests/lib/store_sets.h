@@ -2,8 +2,8 @@
 #ifndef STORE_SETS_H
 #define STORE_SETS_H
 
-#include "sets/set_record.h"
 #include "flash.h"
+#include "sets/set_record.h"
 
 /* Every field filled in, every one of them by `tag`. */
 static inline tumble_set_t set_of(unsigned tag)

@@ -5,8 +5,8 @@
 #ifndef TUMBLE_TESTS_UNIT_SUPPORT_H
 #define TUMBLE_TESTS_UNIT_SUPPORT_H
 
-#include "tumble/status.h"
 #include "suite.h"
+#include "tumble/status.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -33,8 +33,8 @@ static const tumble_nv_t *reopen(void *context)
 
 static void test_it_conforms(void)
 {
-    const conformance_bench_t bench = {.a = &(tumble_port_t){.nv = &file.nv}, .pass = pause_us, .erase_us = 50000,
-                                       .reopen = reopen, .report = count};
+    const conformance_bench_t bench = {
+        .a = &(tumble_port_t){.nv = &file.nv}, .pass = pause_us, .erase_us = 50000, .reopen = reopen, .report = count};
     memset(verdicts, 0, sizeof verdicts);
     open_it();
     TEST_ASSERT_EQUAL_UINT32(0, conformance_run_nv(&bench));

@@ -266,9 +266,17 @@ static void test_a_person_says_what_is_to_be_done_after_a_fault(void)
 
 static void test_what_is_no_answer(void)
 {
-    static const char *const LINES[] = {"",       "Done",  "done ",           "leave",
-                                        "repeat", "abort now", "repeat position", "repeat position x",
-                                        "repeat position 256", "repeat position 1 2", "repeat table 1"};
+    static const char *const LINES[] = {"",
+                                        "Done",
+                                        "done ",
+                                        "leave",
+                                        "repeat",
+                                        "abort now",
+                                        "repeat position",
+                                        "repeat position x",
+                                        "repeat position 256",
+                                        "repeat position 1 2",
+                                        "repeat table 1"};
     start(STAND_OPERATOR_ASKS);
     tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
     for (size_t i = 0; i < sizeof LINES / sizeof LINES[0]; i++) {

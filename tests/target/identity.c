@@ -3,16 +3,26 @@
  *
  * Inputs come from an integer generator (support.h) and the arithmetic of random_schedule.h, compiled into both.
  */
-#include "tumble/core.h"
 #include "core/vector.h"
 #include "random_schedule.h"
 #include "target.h"
+#include "tumble/core.h"
 
 #define BLOCKS 120U
 #define INPUTS_PER_BLOCK 100U
 #define EXTRA_POSITIONS 4U
 
-typedef enum { AVERAGED, REFINED, LEAST_SQUARES, GAINS, INVERSION, GRAVITY_CHECK, INTRINSIC, ADDITION, FUNCTIONS } function_t;
+typedef enum {
+    AVERAGED,
+    REFINED,
+    LEAST_SQUARES,
+    GAINS,
+    INVERSION,
+    GRAVITY_CHECK,
+    INTRINSIC,
+    ADDITION,
+    FUNCTIONS
+} function_t;
 
 static const char *const names[FUNCTIONS] = {"averaged",  "refined",       "least_squares", "gains",
                                              "inversion", "gravity_check", "intrinsic",     "addition"};

@@ -1,6 +1,6 @@
 /* paint_core.c - the stack that the core's functions really take, for paint.py to hold against what tools/budget says. */
-#include "tumble/core.h"
 #include "measure.h"
+#include "tumble/core.h"
 
 #include <stddef.h>
 
@@ -85,12 +85,19 @@ typedef struct {
     void (*call)(void);
 } row_t;
 
-static const row_t rows[] = {{"averaged", averaged}, {"refined", refined}, {"least_squares", least_squares},
-                             {"validate", validate}, {"identify", identify}, {"invert", invert},
-                             {"intrinsic", intrinsics}, {"gravity_check", gravity_check}, {"residual_rms", residual_rms},
-                             {"average", average},
+static const row_t rows[] = {
+    {"averaged", averaged},
+    {"refined", refined},
+    {"least_squares", least_squares},
+    {"validate", validate},
+    {"identify", identify},
+    {"invert", invert},
+    {"intrinsic", intrinsics},
+    {"gravity_check", gravity_check},
+    {"residual_rms", residual_rms},
+    {"average", average},
 #ifdef TUMBLE_CANARY
-                             {"canary", canary},
+    {"canary", canary},
 #endif
 };
 

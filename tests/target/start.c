@@ -15,7 +15,7 @@ void reset(void);
 void fault(void);
 
 __attribute__((section(".vectors"), used)) static const void *const vectors[] = {
-    stack_top, (const void *)reset, (const void *)fault, (const void *)fault,
+    stack_top,           (const void *)reset, (const void *)fault, (const void *)fault,
     (const void *)fault, (const void *)fault, (const void *)fault};
 
 static void semihosting(int operation, const void *argument)

@@ -64,8 +64,8 @@ static void init(zcu102_can_layout_t layout)
                                              .clock_hz = 100000000,
                                              .bits_per_second = 500000,
                                              .layout = layout};
-        side->port = (tumble_port_t){
-            .context = side, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
+        side->port =
+            (tumble_port_t){.context = side, .now_us = now_us, .can_send = can_send, .can_receive = can_receive};
         TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_can_init(&side->can, &side->config));
     }
 }

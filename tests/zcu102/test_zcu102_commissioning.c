@@ -19,9 +19,11 @@ static void set_up(void)
 {
     bench_config_defaults(&bench);
     TEST_ASSERT_NULL(bench_config_complete(&bench));
-    config = (tumble_navcomp_config_t){
-        .procedure = &bench.procedure, .stand = &tumble_drive402_kind,
-        .stand_profile = &bench.profile, .heartbeat_ms = 123, .heartbeat_timeout_ms = 4567};
+    config = (tumble_navcomp_config_t){.procedure = &bench.procedure,
+                                       .stand = &tumble_drive402_kind,
+                                       .stand_profile = &bench.profile,
+                                       .heartbeat_ms = 123,
+                                       .heartbeat_timeout_ms = 4567};
     memset(record, 0, sizeof record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commission(&before, &config));
     size = zcu102_commissioning_write(&before, record);
@@ -54,8 +56,8 @@ static void test_what_goes_in_comes_out(void)
 /* Numbers and times of the procedure, by their place in memory: bytes between the fields do not count. */
 static void test_no_field_is_left_out(void)
 {
-    fill(&before.procedure.samples, offsetof(tumble_procedure_config_t, sample_timeout_ms) + 4U -
-                                        offsetof(tumble_procedure_config_t, samples));
+    fill(&before.procedure.samples,
+         offsetof(tumble_procedure_config_t, sample_timeout_ms) + 4U - offsetof(tumble_procedure_config_t, samples));
     fill(&before.averaging, sizeof before.averaging);
     (void)zcu102_commissioning_write(&before, record);
     TEST_ASSERT_EQUAL(TUMBLE_OK, zcu102_commissioning_read(&after, record));

@@ -319,7 +319,7 @@ typedef enum {
 #define TUMBLE_ESTIMATE_ENUM(number, ...) TUMBLE_ESTIMATE_##number,
     TUMBLE_ESTIMATOR_LIST(TUMBLE_ESTIMATE_ENUM, TUMBLE_ESTIMATE_ENUM)
 #undef TUMBLE_ESTIMATE_ENUM
-    TUMBLE_ESTIMATE_COUNT
+        TUMBLE_ESTIMATE_COUNT
 } tumble_estimate_t;
 
 /* What an estimator needs of a schedule. */
@@ -366,7 +366,7 @@ tumble_status_t tumble_estimate_least_squares(const tumble_schedule_t *schedule,
 /* A constant gain table: twelve rows (K row by row, then U0), in each one gain per fit position of the schedule and
  * channel, in the schedule's order, the channel running fastest. Gains of K in 1/g, of U0 dimensionless. */
 typedef struct {
-    const double *gains;  /* TUMBLE_COEFFICIENTS x (3 x fit_positions) */
+    const double *gains; /* TUMBLE_COEFFICIENTS x (3 x fit_positions) */
     uint8_t fit_positions;
 } tumble_gain_table_t;
 
@@ -429,7 +429,7 @@ typedef struct {
     double max_abs_check_g;                 /* 0 when no check position is measured */
     uint8_t fit_positions;                  /* how many of each were judged */
     uint8_t check_positions;
-    bool pass;                              /* both maxima at most the limit, and something was judged */
+    bool pass; /* both maxima at most the limit, and something was judged */
 } tumble_gravity_check_t;
 
 /* Judge a run by a limit (g), finite and above 0.
@@ -660,12 +660,12 @@ typedef struct {
     tumble_seen_t alpha1;             /* the axis is not level */
     tumble_seen_t alpha2_plus_alpha3; /* zero of the table angle, and mean yaw of all mountings */
     tumble_seen_t alpha3_difference;  /* yaw in the first mounting less that in the second */
-} tumble_seen_angles_t;             /* mountings: those with measured fit positions, in the schedule's order */
+} tumble_seen_angles_t;               /* mountings: those with measured fit positions, in the schedule's order */
 
 /* The random errors that the uncertainties come from. */
 typedef struct {
-    double angle_rad;                                /* alpha4, standard deviation; 0 or more, finite */
-    double mean_variance_v2[TUMBLE_MAX_POSITIONS];   /* noise of the mean of a channel; 0 or more, finite */
+    double angle_rad;                              /* alpha4, standard deviation; 0 or more, finite */
+    double mean_variance_v2[TUMBLE_MAX_POSITIONS]; /* noise of the mean of a channel; 0 or more, finite */
 } tumble_random_errors_t;
 
 /* Unknowns of the fit at most: coefficients, alpha1, alpha3 per mounting, alpha2; and room for them. */
@@ -705,9 +705,8 @@ tumble_status_t tumble_seen_fit(const tumble_schedule_t *schedule, const tumble_
  * Not known where m is 0, or where the residuals do not exceed the noise.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT. */
 tumble_status_t tumble_seen_angle_error(const tumble_schedule_t *schedule, const tumble_means_t *means,
-                                        const tumble_coefficients_t *coefficients,
-                                        const tumble_random_errors_t *errors, tumble_fit_work_t *work,
-                                        tumble_seen_t *alpha4, double *freedom);
+                                        const tumble_coefficients_t *coefficients, const tumble_random_errors_t *errors,
+                                        tumble_fit_work_t *work, tumble_seen_t *alpha4, double *freedom);
 
 /* The sum of those squares for alpha4 = `errors->angle_rad`. If that is the truth, the sum is chi-squared with
  * `freedom` = m degrees of freedom.

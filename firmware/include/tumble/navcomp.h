@@ -90,30 +90,30 @@ typedef struct {
 
 /* Counted by navcomp itself; monotonic since init, they stop at UINT32_MAX. */
 typedef struct {
-    uint32_t frames_ignored;    /* of no interest to this node */
-    uint32_t source_corrupted;  /* samples that a board's own source found spoilt */
-    uint32_t source_faults;     /* answers of such a source outside its list */
+    uint32_t frames_ignored;   /* of no interest to this node */
+    uint32_t source_corrupted; /* samples that a board's own source found spoilt */
+    uint32_t source_faults;    /* answers of such a source outside its list */
     uint32_t commands_refused;
-    uint32_t heartbeats_lost;   /* of stand and block: from present to silent */
-    uint32_t boot_ups;          /* of stand and block */
-    uint32_t starts;            /* NMT start commands given to them */
-    uint32_t emergencies;       /* of stand and block, "no error" included */
-    uint32_t foreign;           /* frames that nobody but this node may send: set-points, its own heartbeat */
+    uint32_t heartbeats_lost; /* of stand and block: from present to silent */
+    uint32_t boot_ups;        /* of stand and block */
+    uint32_t starts;          /* NMT start commands given to them */
+    uint32_t emergencies;     /* of stand and block, "no error" included */
+    uint32_t foreign;         /* frames that nobody but this node may send: set-points, its own heartbeat */
 } tumble_navcomp_events_t;
 
 /* The object. Its fields are private: read them through the functions below. */
 typedef struct tumble_navcomp {
     int8_t temperature_half_c;
-    uint8_t restart;         /* an NMT reset came: what of */
-    bool woken;              /* this step has more to do than to take samples */
-    bool more;               /* the next one has something to do at once */
+    uint8_t restart; /* an NMT reset came: what of */
+    bool woken;      /* this step has more to do than to take samples */
+    bool more;       /* the next one has something to do at once */
     const tumble_navcomp_config_t *config;
-    uint32_t shown;          /* what the state PDO told last */
-    uint32_t run_number;     /* 2007h: runs begun since power-on; an NMT reset leaves it */
+    uint32_t shown;            /* what the state PDO told last */
+    uint32_t run_number;       /* 2007h: runs begun since power-on; an NMT reset leaves it */
     uint64_t service_until_us; /* the service level ends there; 0: it is not open */
-    uint64_t stepped_us;     /* clock of the last step */
-    uint64_t due_us;         /* of the next one if no frame comes */
-    uint64_t block_start_us; /* not before: the next NMT start for the block */
+    uint64_t stepped_us;       /* clock of the last step */
+    uint64_t due_us;           /* of the next one if no frame comes */
+    uint64_t block_start_us;   /* not before: the next NMT start for the block */
     tumble_stand_t stand;
     tumble_procedure_config_t procedure_config;
     tumble_node_config_t node_config;
@@ -188,12 +188,12 @@ tumble_status_t tumble_navcomp_result(const tumble_navcomp_t *navcomp, tumble_re
 
 /* All counters in one copy. */
 typedef struct {
-    tumble_link_counters_t link;           /* frames sent and received, busy, down, malformed */
+    tumble_link_counters_t link; /* frames sent and received, busy, down, malformed */
     tumble_navcomp_events_t events;
     tumble_block_counters_t block;         /* samples ok, lost, repeated, reordered, corrupted */
     tumble_averaging_counters_t averaging; /* refused by the gates of an open position */
     tumble_procedure_counters_t procedure;
-    tumble_stop_counters_t stop;           /* zeros where the stand tells of none */
+    tumble_stop_counters_t stop; /* zeros where the stand tells of none */
 } tumble_navcomp_counters_t;
 
 void tumble_navcomp_counters(const tumble_navcomp_t *navcomp, tumble_navcomp_counters_t *counters);

@@ -54,8 +54,8 @@ extern "C" {
  * and for every granule.
  */
 enum {
-    TUMBLE_REGION_FACTORY = 0,    /* the factory set: written once, never erased by the firmware */
-    TUMBLE_REGION_SLOT_A = 1,     /* the active set is in one of the two slots, or it is the factory set */
+    TUMBLE_REGION_FACTORY = 0, /* the factory set: written once, never erased by the firmware */
+    TUMBLE_REGION_SLOT_A = 1,  /* the active set is in one of the two slots, or it is the factory set */
     TUMBLE_REGION_SLOT_B = 2,
     TUMBLE_REGION_PROPOSAL = 3,   /* the held set */
     TUMBLE_REGION_HISTORY = 4,    /* two sectors in turns */
@@ -95,29 +95,29 @@ typedef struct {
     uint8_t failed_reads; /* in a row, of the place that is read */
     bool begun;           /* the action is */
     const tumble_slot_kind_t *kind;
-    const uint8_t *plan;  /* the actions that are left of the job; null: no job */
+    const uint8_t *plan; /* the actions that are left of the job; null: no job */
     tumble_nv_writer_t writer;
 } tumble_slots_t;
 
 /* Cells of one size in two sectors, written one behind the other. Private as well. */
 typedef struct {
-    uint8_t region;     /* of the first sector */
-    uint8_t cells;      /* in a sector */
+    uint8_t region; /* of the first sector */
+    uint8_t cells;  /* in a sector */
     uint8_t cell_bytes;
 } tumble_log_kind_t;
 
 typedef struct {
-    uint8_t used[2];    /* cells of each sector up to the last that is not blank; the next entry goes there */
-    uint8_t at_cell;    /* that is looked at, or written */
+    uint8_t used[2]; /* cells of each sector up to the last that is not blank; the next entry goes there */
+    uint8_t at_cell; /* that is looked at, or written */
     uint8_t job;
-    bool was_read;      /* the cell that is looked at */
+    bool was_read; /* the cell that is looked at */
     bool booted;
-    bool unread;        /* the last look could not read a cell: what is there must not be overwritten */
+    bool unread; /* the last look could not read a cell: what is there must not be overwritten */
     tumble_status_t outcome;
     const tumble_log_kind_t *kind;
-    uint32_t verify;    /* read back wrong, since init */
+    uint32_t verify; /* read back wrong, since init */
     uint32_t nv_errors;
-    uint32_t torn;      /* cells that the first look found neither blank nor valid */
+    uint32_t torn; /* cells that the first look found neither blank nor valid */
     tumble_nv_writer_t writer;
 } tumble_log_t;
 
@@ -132,22 +132,23 @@ typedef struct {
 
 /* How a set came to be where it is (`origin`). The store writes it. */
 enum {
-    TUMBLE_ORIGIN_FACTORY = 1,    /* written once, with the block */
-    TUMBLE_ORIGIN_COMMITTED = 2,  /* by the rules, without an operator */
-    TUMBLE_ORIGIN_ACCEPTED = 3,   /* a proposal that an operator accepted */
+    TUMBLE_ORIGIN_FACTORY = 1,     /* written once, with the block */
+    TUMBLE_ORIGIN_COMMITTED = 2,   /* by the rules, without an operator */
+    TUMBLE_ORIGIN_ACCEPTED = 3,    /* a proposal that an operator accepted */
     TUMBLE_ORIGIN_ROLLED_BACK = 4, /* an earlier set that an operator brought back */
-    TUMBLE_ORIGIN_HELD = 5,       /* a proposal */
-    TUMBLE_ORIGIN_DECAYED = 6     /* in the history alone, no set has it: the active set was found to have decayed */
+    TUMBLE_ORIGIN_HELD = 5,        /* a proposal */
+    TUMBLE_ORIGIN_DECAYED = 6      /* in the history alone, no set has it: the active set was found to have decayed */
 };
 
 /* What is known of a set (bits of `flags`). */
 #define TUMBLE_SET_HAS_TEMPERATURE 0x0001U
 #define TUMBLE_SET_HAS_GRAVITY 0x0002U
 #define TUMBLE_SET_HAS_UNCERTAINTY 0x0004U
-#define TUMBLE_SET_HAS_CHECK 0x0008U   /* the gravity check: maxima, limit, positions */
+#define TUMBLE_SET_HAS_CHECK 0x0008U /* the gravity check: maxima, limit, positions */
 #define TUMBLE_SET_HAS_CLOSURE 0x0010U
-#define TUMBLE_SET_RESUMED 0x0020U     /* the run was interrupted by a loss of power, and went on after it */
-#define TUMBLE_SET_OTHER_RULES 0x0040U /* judged, committed or accepted under other rules than the board's, or with the
+#define TUMBLE_SET_RESUMED 0x0020U /* the run was interrupted by a loss of power, and went on after it */
+#define TUMBLE_SET_OTHER_RULES                                                                                         \
+    0x0040U /* judged, committed or accepted under other rules than the board's, or with the
                                         * service level open, when they could be changed */
 #define TUMBLE_SET_FLAGS 0x007FU
 
@@ -241,16 +242,17 @@ typedef struct {
     uint8_t target;        /* the slot that is being written */
     uint8_t source;        /* the region that a rollback copies */
     bool booted;
-    uint16_t flags;        /* further ones for the record that is loaded */
+    uint16_t flags; /* further ones for the record that is loaded */
     tumble_status_t outcome;
-    bool lent;             /* `bytes` are: nothing else may be put there */
-    uint32_t sequence;     /* of the active set */
-    uint32_t highest;      /* that one was known to have: of the active set, or told */
-    tumble_set_stamp_t stamp;       /* of the record in `bytes` */
+    bool lent;                /* `bytes` are: nothing else may be put there */
+    uint32_t sequence;        /* of the active set */
+    uint32_t highest;         /* that one was known to have: of the active set, or told */
+    tumble_set_stamp_t stamp; /* of the record in `bytes` */
     tumble_store_counters_t counters;
     tumble_store_place_t places[4]; /* by region */
     tumble_slots_t slots;           /* without a memory: init has refused */
-    uint8_t bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job of
+    uint8_t
+        bytes[TUMBLE_SET_PLACE_BYTES]; /* record and mark; lent to the owner for a record of its own, which no job of
                                             * the store can meet: there is one job at a time on one memory */
 } tumble_store_t;
 
@@ -343,13 +345,13 @@ tumble_status_t tumble_store_write_factory(tumble_store_t *store, const tumble_s
 
 /* The numbers as single precision: six parts in 10^8, far below what a calibration can resolve. */
 typedef struct {
-    uint32_t number;   /* of the entry, from 1; written by the log */
-    uint32_t sequence; /* of the set */
+    uint32_t number;     /* of the entry, from 1; written by the log */
+    uint32_t sequence;   /* of the set */
     uint64_t date_utc_s; /* 0: unknown */
     float temperature_c;
     uint8_t origin;
     uint8_t estimator;
-    uint16_t flags; /* TUMBLE_SET_HAS_TEMPERATURE, TUMBLE_SET_HAS_UNCERTAINTY; TUMBLE_HISTORY_... */
+    uint16_t flags;                   /* TUMBLE_SET_HAS_TEMPERATURE, TUMBLE_SET_HAS_UNCERTAINTY; TUMBLE_HISTORY_... */
     float value[TUMBLE_COEFFICIENTS]; /* K row by row (V/g), then U0 (V) */
     float u[TUMBLE_COEFFICIENTS];     /* standard uncertainties; 0 where not known */
 } tumble_history_entry_t;
@@ -409,16 +411,17 @@ typedef struct {
     double first_value;
     double unit; /* u of the first value, which weighs 1 */
     double weight;
-    double mean[2];     /* of months and values */
-    double products[3]; /* weighted sums of products of deviations from the means: month month, month value, value value */
+    double mean[2]; /* of months and values */
+    double
+        products[3]; /* weighted sums of products of deviations from the means: month month, month value, value value */
     uint32_t count;
 } tumble_trend_sums_t;
 
 typedef struct {
-    double per_month;     /* unit of the values per TUMBLE_MONTH_S */
-    double u_per_month;   /* its standard uncertainty, from those of the values */
-    double chi_squared;   /* of the line; `freedom` where the uncertainties are right and the drift is a line */
-    uint32_t freedom;     /* values - 2 */
+    double per_month;   /* unit of the values per TUMBLE_MONTH_S */
+    double u_per_month; /* its standard uncertainty, from those of the values */
+    double chi_squared; /* of the line; `freedom` where the uncertainties are right and the drift is a line */
+    uint32_t freedom;   /* values - 2 */
 } tumble_trend_t;
 
 /* Add one value; values may come in any order of time.
@@ -442,11 +445,11 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
 
 typedef struct {
-    uint8_t next;         /* the cell where the next entry goes */
-    bool kept;            /* a run has been begun */
-    uint32_t fingerprint; /* of the run that is kept */
+    uint8_t next;                        /* the cell where the next entry goes */
+    bool kept;                           /* a run has been begun */
+    uint32_t fingerprint;                /* of the run that is kept */
     uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
-    tumble_log_t log;     /* its first cell is the header; `torn` of a run that is kept only */
+    tumble_log_t log;                    /* its first cell is the header; `torn` of a run that is kept only */
     uint8_t bytes[TUMBLE_CHECKPOINT_BYTES];
 } tumble_checkpoint_t;
 
@@ -526,7 +529,7 @@ typedef enum {
 #define TUMBLE_OBJECTION_ENUM(name, sentence) name,
     TUMBLE_OBJECTION_LIST(TUMBLE_OBJECTION_ENUM)
 #undef TUMBLE_OBJECTION_ENUM
-    TUMBLE_OBJECTION_COUNT
+        TUMBLE_OBJECTION_COUNT
 } tumble_objection_t;
 
 #define TUMBLE_OBJECTION_BIT(objection) ((uint16_t)((uint32_t)1U << (unsigned)(objection)))
@@ -610,21 +613,21 @@ typedef struct {
 
 /* What the owner keeps true of its run and its stand, before every call. */
 typedef struct {
-    uint8_t estimator;                    /* its number, for the next result */
-    bool on;                              /* a run is on, or could go on */
-    bool idle;                            /* none is, and there is no result */
-    bool waits;                           /* it is on, and waits for somebody to mend a fault: the table rests */
-    bool turning;                         /* the table turns, or is about to */
-    bool to_be_looked_at;                 /* somebody should look at the stand before a run begins by itself */
-    bool serviced;                        /* the rules may be changed from outside now */
-    bool memory_taken;                    /* the memory is at work for the owner itself */
-    const tumble_schedule_t *schedule;    /* constant while a run is on */
-    const tumble_averaging_t *averaging;  /* the means */
-    const tumble_stand_record_t *stand;   /* as declared; null: it is not */
-    uint64_t measured;                    /* one bit a position of the schedule: it has a mean */
+    uint8_t estimator;                   /* its number, for the next result */
+    bool on;                             /* a run is on, or could go on */
+    bool idle;                           /* none is, and there is no result */
+    bool waits;                          /* it is on, and waits for somebody to mend a fault: the table rests */
+    bool turning;                        /* the table turns, or is about to */
+    bool to_be_looked_at;                /* somebody should look at the stand before a run begins by itself */
+    bool serviced;                       /* the rules may be changed from outside now */
+    bool memory_taken;                   /* the memory is at work for the owner itself */
+    const tumble_schedule_t *schedule;   /* constant while a run is on */
+    const tumble_averaging_t *averaging; /* the means */
+    const tumble_stand_record_t *stand;  /* as declared; null: it is not */
+    uint64_t measured;                   /* one bit a position of the schedule: it has a mean */
     double v_per_count;
-    double gravity_limit_g;               /* of the gravity check: as it is in force, */
-    double board_gravity_limit_g;         /* and as the board has it */
+    double gravity_limit_g;       /* of the gravity check: as it is in force, */
+    double board_gravity_limit_g; /* and as the board has it */
 } tumble_sets_run_t;
 
 /* Who owns it: const, must outlive the object. */
@@ -650,7 +653,7 @@ typedef struct {
 typedef struct {
     const tumble_coefficients_t *coefficients;
     const tumble_gravity_check_t *check;
-    double closure_v; /* the largest difference in magnitude; 0: no mounting comes back to where it began */
+    double closure_v;   /* the largest difference in magnitude; 0: no mounting comes back to where it began */
     uint32_t stand_crc; /* fingerprint of the stand; 0: unknown */
 } tumble_finished_run_t;
 
@@ -704,66 +707,66 @@ typedef struct {
     uint32_t accepted;
     uint32_t discarded;
     uint32_t rolled_back;
-    uint32_t failures;     /* jobs of the memory that ended in anything but TUMBLE_OK */
-    uint32_t checkpoints;  /* positions kept */
-    uint32_t resumed;      /* runs that went on after a loss of power */
-    uint32_t not_resumed;  /* refused: nothing kept, or of another block, stand, schedule or configuration */
-    uint32_t inhibited;    /* commands refused, runs given up and tables stopped because of the inhibit */
+    uint32_t failures;    /* jobs of the memory that ended in anything but TUMBLE_OK */
+    uint32_t checkpoints; /* positions kept */
+    uint32_t resumed;     /* runs that went on after a loss of power */
+    uint32_t not_resumed; /* refused: nothing kept, or of another block, stand, schedule or configuration */
+    uint32_t inhibited;   /* commands refused, runs given up and tables stopped because of the inhibit */
     uint32_t self_started;
-    uint32_t refused;      /* commands about sets in a state that does not allow them, and to start before what was
+    uint32_t refused; /* commands about sets in a state that does not allow them, and to start before what was
                             * saved is in force */
 } tumble_sets_counters_t;
 
 /* The object. `store` and `history` may be read by their own functions; everything else is private. The small members
  * come first, because a Cortex-M reaches them by shorter instructions. */
 typedef struct {
-    uint8_t task;             /* what goes on over several steps, */
-    uint8_t at;               /* and how far */
-    uint8_t job;              /* what the store is doing for us: the verdict that it will be */
-    uint8_t wants;            /* bits: what is to be done when the memory is free */
+    uint8_t task;  /* what goes on over several steps, */
+    uint8_t at;    /* and how far */
+    uint8_t job;   /* what the store is doing for us: the verdict that it will be */
+    uint8_t wants; /* bits: what is to be done when the memory is free */
     uint8_t verdict;
     uint8_t status;
     uint8_t resumable;
-    uint8_t trying;           /* the checkpoint's job: a position + 1, or TRYING_..., */
-    uint8_t tries;            /* begun so often */
-    uint8_t history_tries;    /* left for the entry of the active set */
+    uint8_t trying;        /* the checkpoint's job: a position + 1, or TRYING_..., */
+    uint8_t tries;         /* begun so often */
+    uint8_t history_tries; /* left for the entry of the active set */
     bool run_was_on;
     bool run_resumed;
-    bool has_checkpoint;      /* the run's own has been begun; else it is tried again with its next mean */
+    bool has_checkpoint; /* the run's own has been begun; else it is tried again with its next mean */
     bool was_inhibited;
-    bool stale;               /* the active set may have changed */
-    bool repeated;            /* the result being judged has been seen before */
-    bool looked_again;        /* for what it was to be compared with, which could not be read */
+    bool stale;        /* the active set may have changed */
+    bool repeated;     /* the result being judged has been seen before */
+    bool looked_again; /* for what it was to be compared with, which could not be read */
     bool has_utc;
     bool has_active;
     bool has_active_half_c;
-    bool decayed;             /* the history knows of a later set than the store */
+    bool decayed; /* the history knows of a later set than the store */
     uint16_t objections;
     uint16_t off_temperature; /* samples in a row */
     int16_t active_half_c;
     const tumble_sets_run_t *run;
     const tumble_sets_owner_t *owner;
     const tumble_sets_config_t *config;
-    uint32_t warm_samples;    /* how many averaged samples of the run */
-    uint32_t fingerprint;     /* of the run that is kept */
-    uint32_t sequence;        /* of the active set, as last seen */
-    uint32_t shown;           /* what tumble_sets_news told last */
-    uint32_t rules;           /* fingerprint of those that are in force after power-on, */
-    uint32_t rules_written;   /* and of those that are being saved */
-    uint32_t accepted;        /* the proposal that is to become active */
-    int64_t warmth_half_c;    /* sum over the averaged samples of the run */
-    uint64_t saved;           /* one bit per position whose mean is in the checkpoint, or on its way there */
-    uint64_t lost;            /* of `saved`: those that the memory would not take */
-    uint64_t unfit;           /* one bit per position whose mean is kept and could not be put back */
-    uint64_t now_us;          /* of the last step */
-    uint64_t utc_us;          /* UTC at the port's time 0 */
-    uint64_t active_utc_s;    /* date of the active set; 0: unknown */
-    uint64_t active_us;       /* power-on, or when the active set changed, if later */
-    uint64_t inhibit_us;      /* the host's inhibit ends here */
-    uint64_t pause_us;        /* no start by itself before */
+    uint32_t warm_samples;  /* how many averaged samples of the run */
+    uint32_t fingerprint;   /* of the run that is kept */
+    uint32_t sequence;      /* of the active set, as last seen */
+    uint32_t shown;         /* what tumble_sets_news told last */
+    uint32_t rules;         /* fingerprint of those that are in force after power-on, */
+    uint32_t rules_written; /* and of those that are being saved */
+    uint32_t accepted;      /* the proposal that is to become active */
+    int64_t warmth_half_c;  /* sum over the averaged samples of the run */
+    uint64_t saved;         /* one bit per position whose mean is in the checkpoint, or on its way there */
+    uint64_t lost;          /* of `saved`: those that the memory would not take */
+    uint64_t unfit;         /* one bit per position whose mean is kept and could not be put back */
+    uint64_t now_us;        /* of the last step */
+    uint64_t utc_us;        /* UTC at the port's time 0 */
+    uint64_t active_utc_s;  /* date of the active set; 0: unknown */
+    uint64_t active_us;     /* power-on, or when the active set changed, if later */
+    uint64_t inhibit_us;    /* the host's inhibit ends here */
+    uint64_t pause_us;      /* no start by itself before */
     tumble_sets_counters_t counters;
     tumble_sets_settings_t settings;
-    tumble_set_t set;         /* the result; its uncertainties are served until the next one comes */
+    tumble_set_t set; /* the result; its uncertainties are served until the next one comes */
     tumble_store_t store;
     tumble_history_t history;
     tumble_checkpoint_t checkpoint;
@@ -807,9 +810,9 @@ bool tumble_sets_news(tumble_sets_t *sets);
 /* What happens to the run. */
 void tumble_sets_run_began(tumble_sets_t *sets);
 void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run);
-void tumble_sets_run_given_up(tumble_sets_t *sets); /* aborted */
+void tumble_sets_run_given_up(tumble_sets_t *sets);  /* aborted */
 void tumble_sets_run_forgotten(tumble_sets_t *sets); /* the computer was reset */
-void tumble_sets_run_measured(tumble_sets_t *sets); /* it is on: look which means are new, and which are gone */
+void tumble_sets_run_measured(tumble_sets_t *sets);  /* it is on: look which means are new, and which are gone */
 
 /* Answers to TUMBLE_SETS_RESTORE and TUMBLE_SETS_RESUME: was it done? */
 void tumble_sets_restored(tumble_sets_t *sets, uint8_t index, bool done);

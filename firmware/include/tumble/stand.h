@@ -78,22 +78,22 @@ typedef enum {
 
 typedef enum {
     TUMBLE_STAND_FAULT_NONE = 0,
-    TUMBLE_STAND_FAULT_DRIVE,       /* the drive reports a fault; report.fault_code holds its own code */
-    TUMBLE_STAND_FAULT_STALL,       /* following error: the axis does not follow its command */
-    TUMBLE_STAND_FAULT_HEARTBEAT,   /* the drive has fallen silent */
-    TUMBLE_STAND_FAULT_HOMING,      /* homing failed */
-    TUMBLE_STAND_FAULT_PROTOCOL,    /* refused or unanswered configuration, broken handshake */
-    TUMBLE_STAND_FAULT_POWER,       /* the drive left Operation enabled by itself */
-    TUMBLE_STAND_FAULT_TIMEOUT,     /* the angle was not reached, or not confirmed, in the stand's own time */
-    TUMBLE_STAND_FAULT_STOP,        /* the axis was told to stop and was not seen to rest */
-    TUMBLE_STAND_FAULT_POSITION,    /* the position jumped, or changed at rest: it is unknown now */
-    TUMBLE_STAND_FAULT_FOREIGN      /* somebody else commands the axis, or has our node number */
+    TUMBLE_STAND_FAULT_DRIVE,     /* the drive reports a fault; report.fault_code holds its own code */
+    TUMBLE_STAND_FAULT_STALL,     /* following error: the axis does not follow its command */
+    TUMBLE_STAND_FAULT_HEARTBEAT, /* the drive has fallen silent */
+    TUMBLE_STAND_FAULT_HOMING,    /* homing failed */
+    TUMBLE_STAND_FAULT_PROTOCOL,  /* refused or unanswered configuration, broken handshake */
+    TUMBLE_STAND_FAULT_POWER,     /* the drive left Operation enabled by itself */
+    TUMBLE_STAND_FAULT_TIMEOUT,   /* the angle was not reached, or not confirmed, in the stand's own time */
+    TUMBLE_STAND_FAULT_STOP,      /* the axis was told to stop and was not seen to rest */
+    TUMBLE_STAND_FAULT_POSITION,  /* the position jumped, or changed at rest: it is unknown now */
+    TUMBLE_STAND_FAULT_FOREIGN    /* somebody else commands the axis, or has our node number */
 } tumble_stand_fault_t;
 
 /* The rungs of a stop: by what means the axis is told. The numbers travel over CAN: new ones go to the end. */
 typedef enum {
-    TUMBLE_RUNG_NONE = 0,    /* no stop is under way */
-    TUMBLE_RUNG_TOLD,        /* once */
+    TUMBLE_RUNG_NONE = 0, /* no stop is under way */
+    TUMBLE_RUNG_TOLD,     /* once */
     TUMBLE_RUNG_AGAIN,
     TUMBLE_RUNG_SDO,
     TUMBLE_RUNG_NMT,

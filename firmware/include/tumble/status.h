@@ -34,7 +34,7 @@ extern "C" {
     X(TUMBLE_E_REORDERED, "a sample counter went backwards")                                                           \
     X(TUMBLE_E_LOST, "more samples were lost than allowed")                                                            \
     X(TUMBLE_E_STUCK, "a channel repeated one value too often")                                                        \
-    X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")                                  \
+    X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")                  \
     X(TUMBLE_E_STATE, "the command is not allowed in this state")                                                      \
     X(TUMBLE_E_PORT_BUSY, "the CAN controller has no room for a frame now")                                            \
     X(TUMBLE_E_PORT_EMPTY, "no received frame is waiting")                                                             \
@@ -46,8 +46,9 @@ extern "C" {
     X(TUMBLE_E_FRAME, "a frame is malformed")                                                                          \
     X(TUMBLE_E_CRC, "a checksum does not agree")                                                                       \
     X(TUMBLE_E_GAIN_RECORD, "the memory holds no gain record that this software reads")                                \
-    X(TUMBLE_E_STAND_ERROR, "an error of the stand came out larger than any stand can have: wrong gains, mounting or means") \
-    X(TUMBLE_E_UNCERTAIN, "the mean of a position is less certain than its budget asks, after all samples allowed") \
+    X(TUMBLE_E_STAND_ERROR,                                                                                            \
+      "an error of the stand came out larger than any stand can have: wrong gains, mounting or means")                 \
+    X(TUMBLE_E_UNCERTAIN, "the mean of a position is less certain than its budget asks, after all samples allowed")    \
     X(TUMBLE_E_NV, "the non-volatile memory failed, or has no such place")                                             \
     X(TUMBLE_E_UNHEALTHY, "the block itself calls the sample faulty")
 
@@ -55,7 +56,7 @@ typedef enum {
 #define TUMBLE_STATUS_ENUM(name, sentence) name,
     TUMBLE_STATUS_LIST(TUMBLE_STATUS_ENUM)
 #undef TUMBLE_STATUS_ENUM
-    TUMBLE_STATUS_COUNT
+        TUMBLE_STATUS_COUNT
 } tumble_status_t;
 
 /* The name of a status, such as "TUMBLE_E_RANK"; "TUMBLE_STATUS_UNKNOWN" for a value outside the list. Never null;

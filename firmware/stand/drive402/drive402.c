@@ -10,7 +10,7 @@
 #define US_PER_MS 1000U
 #define MAX_NODE 127U
 #define TURN_DEG 360.0
-#define TIMED_MS 400U /* a longer timer is none: the axis would be out of sight between two reports */
+#define TIMED_MS 400U       /* a longer timer is none: the axis would be out of sight between two reports */
 #define UNKNOWN_DEG_S 360.0 /* of a drive whose velocity is left as it is */
 #define REST_DEG 1.0        /* an axis at rest may stray so far: hands at the block, a brake that takes over */
 
@@ -58,14 +58,15 @@ static tumble_status_t drive_init(void *self, const tumble_stand_setup_t *setup)
         .mirror = setup->mirror,
         .drive_node = setup->stand_node,
         .wanted = (uint8_t)PHASE_IDLE,
-        .counts_per_s = tumble_drive_way( /* of one second */
-            profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s : UNKNOWN_DEG_S),
+        .counts_per_s = tumble_drive_way(/* of one second */
+                                         profile, tumble_is_positive(profile->velocity_deg_s) ? profile->velocity_deg_s
+                                                                                              : UNKNOWN_DEG_S),
         .rest_counts = tumble_drive_way(profile, REST_DEG),
         .timed = reports_by_timer(profile),
     };
     drive->report.stop = counted;
-    *setup->mirror = (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP,
-                                             .mode = TUMBLE_402_MODE_PROFILE_POSITION};
+    *setup->mirror =
+        (tumble_drive_mirror_t){.controlword = TUMBLE_402_CONTROL_QUICK_STOP, .mode = TUMBLE_402_MODE_PROFILE_POSITION};
     bound(drive, setup->cable_min_deg, setup->cable_max_deg);
     return tumble_drive_map_own(drive) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }

@@ -38,8 +38,8 @@
 
 #include "canopen/cia402.h"
 #include "canopen/node.h"
-#include "tumble/status.h"
 #include "tumble/stand.h"
+#include "tumble/status.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -81,7 +81,7 @@ typedef struct {
     double homing_slow_deg_s;
     double homing_acceleration_deg_s2;
     int8_t homing_method;
-    uint8_t stop; /* tumble_drive_stop_t */
+    uint8_t stop;             /* tumble_drive_stop_t */
     bool software_limits;     /* it has 607Dh and keeps to it: the cable's limits are written there and read back. Not
                                * used where positions wrap */
     double homing_travel_deg; /* the table may turn so far in one homing; 0: the cable's span and one turn */
@@ -96,7 +96,7 @@ typedef struct {
     uint8_t transmit_count;
     uint8_t write_count;
     const tumble_object_write_t *writes; /* further objects, written first; null with write_count 0 */
-    uint16_t heartbeat_ms;         /* 1017h of the drive; above 0 */
+    uint16_t heartbeat_ms;               /* 1017h of the drive; above 0 */
     uint16_t heartbeat_timeout_ms; /* 1016h:1 of the drive: our silence after which it must stop; 0: not written */
 
     /* Bounds, all above 0. */
@@ -112,40 +112,40 @@ typedef struct {
 typedef struct {
     uint8_t drive_node;
     uint8_t phase;
-    uint8_t write;         /* next step of the configuration */
-    uint8_t fault;         /* tumble_stand_fault_t */
-    uint8_t wanted;        /* phase to go to when powered */
-    uint8_t stale;         /* statuswords that may be from before homing began */
-    uint8_t asked;         /* what is under way by SDO or NMT */
-    uint8_t still;         /* how often in a row the same position has been reported again */
+    uint8_t write;  /* next step of the configuration */
+    uint8_t fault;  /* tumble_stand_fault_t */
+    uint8_t wanted; /* phase to go to when powered */
+    uint8_t stale;  /* statuswords that may be from before homing began */
+    uint8_t asked;  /* what is under way by SDO or NMT */
+    uint8_t still;  /* how often in a row the same position has been reported again */
     bool restart_timer;
-    bool blocked;          /* a PDO must go before anything else */
-    bool present;          /* its heartbeat is there */
-    bool may_reset;        /* a fault of the drive may be reset */
+    bool blocked;   /* a PDO must go before anything else */
+    bool present;   /* its heartbeat is there */
+    bool may_reset; /* a fault of the drive may be reset */
     bool homed;
-    bool arrived;          /* at home or at the goal; */
-    bool at_goal;          /* the latter, so that target reached must stay */
-    bool begun;            /* a stop: the drive has been seen to obey */
-    bool timed;            /* its reports come by a timer, too, also while nothing changes */
-    bool tracked;          /* actual_counts is what the next report is compared with */
-    bool settled;          /* at rest long enough for `strayed` to count */
-    uint8_t rung;          /* tumble_stop_rung_t: how far a stop has gone */
-    uint8_t doubtful;      /* reports in a row that were not believed */
+    bool arrived;     /* at home or at the goal; */
+    bool at_goal;     /* the latter, so that target reached must stay */
+    bool begun;       /* a stop: the drive has been seen to obey */
+    bool timed;       /* its reports come by a timer, too, also while nothing changes */
+    bool tracked;     /* actual_counts is what the next report is compared with */
+    bool settled;     /* at rest long enough for `strayed` to count */
+    uint8_t rung;     /* tumble_stop_rung_t: how far a stop has gone */
+    uint8_t doubtful; /* reports in a row that were not believed */
     const tumble_drive_profile_t *profile;
     tumble_node_t *node;
     tumble_drive_mirror_t *mirror;
     uint64_t entered_us;
-    uint64_t told_us;      /* when the stop under way began */
-    uint64_t reported_us;  /* last position, or the begin of a motion if later */
-    int64_t actual_counts; /* unwrapped */
-    int64_t goal_counts;   /* of the move under way */
-    int64_t set_counts;    /* of its present set-point; the goal but for long ways of a wrapping drive */
-    int32_t strayed;       /* counts since it settled */
+    uint64_t told_us;       /* when the stop under way began */
+    uint64_t reported_us;   /* last position, or the begin of a motion if later */
+    int64_t actual_counts;  /* unwrapped */
+    int64_t goal_counts;    /* of the move under way */
+    int64_t set_counts;     /* of its present set-point; the goal but for long ways of a wrapping drive */
+    int32_t strayed;        /* counts since it settled */
     uint32_t travel;        /* counts turned in this homing, back and forth added up */
     uint32_t homing_counts; /* the most of that; 0: no bound */
-    uint32_t counts_per_s; /* at profile velocity */
-    uint32_t rest_counts;  /* an axis at rest may stray so far */
-    int32_t low_counts;    /* software limits; both 0: none */
+    uint32_t counts_per_s;  /* at profile velocity */
+    uint32_t rest_counts;   /* an axis at rest may stray so far */
+    int32_t low_counts;     /* software limits; both 0: none */
     int32_t high_counts;
     tumble_stand_report_t report; /* fault_code is that of the last emergency message */
 } tumble_drive402_t;

@@ -23,13 +23,13 @@ typedef enum {
     PHASE_IDLE,       /* enabled, at rest */
     PHASE_HOME_MODE,  /* changing to homing mode */
     PHASE_HOMING,
-    PHASE_MOVE_MODE,  /* changing back to profile position mode */
-    PHASE_TARGET,     /* the target is sent and read back, bit 4 low */
-    PHASE_SET_POINT,  /* bit 4 high, waiting for bit 12 */
-    PHASE_RELEASE,    /* bit 4 low again, waiting for bit 12 to fall */
-    PHASE_MOVING,     /* waiting for target reached */
+    PHASE_MOVE_MODE, /* changing back to profile position mode */
+    PHASE_TARGET,    /* the target is sent and read back, bit 4 low */
+    PHASE_SET_POINT, /* bit 4 high, waiting for bit 12 */
+    PHASE_RELEASE,   /* bit 4 low again, waiting for bit 12 to fall */
+    PHASE_MOVING,    /* waiting for target reached */
     PHASE_STOPPING,
-    PHASE_STOPPED,    /* at rest, maybe without power */
+    PHASE_STOPPED, /* at rest, maybe without power */
     PHASE_FAULT,
     PHASE_COUNT
 } tumble_drive_phase_t;
@@ -46,10 +46,10 @@ enum {
 typedef struct {
     void (*enter)(tumble_drive402_t *drive);
     void (*look)(tumble_drive402_t *drive, bool fresh); /* fresh: a statusword has just come */
-    uint8_t timeout; /* where it stands in the profile; 0: none */
-    uint8_t late;    /* tumble_stand_fault_t at the timeout */
-    uint8_t state;   /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
-    uint8_t watch;   /* WATCH_... */
+    uint8_t timeout;                                    /* where it stands in the profile; 0: none */
+    uint8_t late;                                       /* tumble_stand_fault_t at the timeout */
+    uint8_t state; /* tumble_stand_state_t; of IDLE, STOPPED and POWER see drive_state in drive402.c */
+    uint8_t watch; /* WATCH_... */
 } tumble_drive_row_t;
 
 extern const tumble_drive_row_t tumble_drive_rows[PHASE_COUNT];

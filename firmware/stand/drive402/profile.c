@@ -22,10 +22,10 @@ enum {
     VALUE_CONSTANT = 0, /* the row's number itself; otherwise where the value stands in the profile */
     VALUE_BYTE,
     VALUE_WORD,
-    VALUE_LIMIT,        /* of the position; both 0: not written */
-    VALUE_CONSUMER,     /* the milliseconds of our heartbeat, with our node's number above them; from here on 0 is not
+    VALUE_LIMIT,    /* of the position; both 0: not written */
+    VALUE_CONSUMER, /* the milliseconds of our heartbeat, with our node's number above them; from here on 0 is not
                          * written */
-    VALUE_VELOCITY,     /* quantities */
+    VALUE_VELOCITY, /* quantities */
     VALUE_ACCELERATION
 };
 
@@ -154,8 +154,9 @@ static uint32_t own_object(uint32_t object)
 {
     static const uint16_t mirrored[] = {
         /* in the order of the mirror's subindices, from 1 */
-        TUMBLE_402_CONTROLWORD,     TUMBLE_402_TARGET_POSITION, TUMBLE_402_MODE,            TUMBLE_402_STATUSWORD,
-        TUMBLE_402_POSITION_ACTUAL, TUMBLE_402_MODE_DISPLAY,    TUMBLE_402_VELOCITY_ACTUAL, TUMBLE_402_ERROR_CODE,
+        TUMBLE_402_CONTROLWORD,     TUMBLE_402_TARGET_POSITION, TUMBLE_402_MODE,
+        TUMBLE_402_STATUSWORD,      TUMBLE_402_POSITION_ACTUAL, TUMBLE_402_MODE_DISPLAY,
+        TUMBLE_402_VELOCITY_ACTUAL, TUMBLE_402_ERROR_CODE,
     };
     const uint32_t bits = object & 0xFFU;
     for (unsigned i = 0; i < (sizeof mirrored / sizeof mirrored[0]); i++) {

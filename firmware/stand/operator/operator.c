@@ -33,8 +33,8 @@ static void leave_request(tumble_operator_t *person, tumble_stand_state_t state)
 static void withdraw_request(tumble_operator_t *person, tumble_stand_state_t state)
 {
     if (person->report.asks) {
-        person->angle_deg = tumble_exceeds(person->report.asked_deg, person->angle_deg) ? person->report.asked_deg
-                                                                                        : person->angle_deg;
+        person->angle_deg =
+            tumble_exceeds(person->report.asked_deg, person->angle_deg) ? person->report.asked_deg : person->angle_deg;
     }
     leave_request(person, state);
 }

@@ -4,7 +4,6 @@
 
 #include "tumble/core.h"
 
-
 /* What one would write without looking at the structure: twelve unknowns, a dense row for each of the 3 x P means. */
 tumble_status_t dense_normal_equations(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                        tumble_coefficients_t *coefficients);

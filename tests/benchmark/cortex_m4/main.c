@@ -2,9 +2,9 @@
  * status and the bits of its result. With QEMU's -icount shift=0 an instruction takes 1 ns, so a tick is 40 instructions.
  */
 #include "benchmark.h"
-#include "tumble/core.h"
 #include "data.h"
 #include "measure.h"
+#include "tumble/core.h"
 
 #include <string.h>
 
@@ -26,11 +26,10 @@ static volatile tumble_status_t status;
 #define ESTIMATE() tumble_estimate_gains(&benchmark_table, &tumble_schedule_paper, &benchmark_means, &found)
 #elif CANDIDATE == 4
 static tumble_optimal_t optimal;
-#define ESTIMATE() \
-    tumble_estimate_optimal(benchmark_record, &tumble_schedule_paper, &benchmark_means, &found, &optimal)
+#define ESTIMATE() tumble_estimate_optimal(benchmark_record, &tumble_schedule_paper, &benchmark_means, &found, &optimal)
 #elif CANDIDATE == 5
 static const tumble_gain_record_t *record;
-#define ESTIMATE() \
+#define ESTIMATE()                                                                                                     \
     tumble_gain_record_open(benchmark_record, benchmark_record->size_bytes, &tumble_schedule_paper, &record)
 #elif CANDIDATE == 6
 #define ESTIMATE() dense_normal_equations(&tumble_schedule_paper, &benchmark_means, &found)
@@ -60,7 +59,8 @@ static const tumble_gain_record_t *record;
 
 #if CANDIDATE >= 13
 static tumble_uncertainty_t uncertainty;
-static const tumble_judged_run_t judged = {&tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0};
+static const tumble_judged_run_t judged = {
+    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0};
 #define FOUND uncertainty
 #else
 static tumble_coefficients_t found;

@@ -28,8 +28,7 @@ static const tumble_nv_t *reopen(void *context)
     return (nv_file_open(&nv, nv_path) == NULL) ? &nv.nv : NULL;
 }
 
-static int open_both(port_linux_t linux_ports[2], tumble_port_t ports[2], const char *interface,
-                     const char *path)
+static int open_both(port_linux_t linux_ports[2], tumble_port_t ports[2], const char *interface, const char *path)
 {
     for (int n = 0; n < 2; n++) {
         const can_socket_status_t status = port_linux_open(&linux_ports[n], &ports[n], interface);
@@ -63,10 +62,10 @@ int main(int count, char *arguments[])
     const conformance_bench_t bench = {.a = &ports[0],
                                        .b = &ports[1],
                                        .pass = pass,
-                                       .burst = 5000,    /* half of what the receive buffer is to hold */
-                                       .send_limit = 0,  /* a virtual interface takes whatever comes */
+                                       .burst = 5000,   /* half of what the receive buffer is to hold */
+                                       .send_limit = 0, /* a virtual interface takes whatever comes */
                                        .transit_us = 200,
-                                       .set_off = NULL,  /* both ports would be off */
+                                       .set_off = NULL,    /* both ports would be off */
                                        .erase_us = 100000, /* a disk that is slow */
                                        .reopen = reopen,
                                        .report = conformance_print};

@@ -2,8 +2,8 @@
 #ifndef TUMBLE_TESTS_UNIT_AVERAGING_BENCH_H
 #define TUMBLE_TESTS_UNIT_AVERAGING_BENCH_H
 
-#include "tumble/core.h"
 #include "support.h"
+#include "tumble/core.h"
 
 #define MOST_SAMPLES ((uint32_t)TUMBLE_MAX_SAMPLES)
 #define MOST_DEVIATION ((int32_t)TUMBLE_MAX_DEVIATION_COUNTS)

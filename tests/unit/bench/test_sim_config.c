@@ -68,8 +68,9 @@ static const refusal_t INCOMPLETE[] = {
     {0, "a fault of the block needs the simulated block", "present.block = no\nfault = block_power_cycle time=5\n"},
     {0, "a fault of the block needs the simulated block", "present.block = no\nfault = saturated time=5\n"},
     {0, "a fault \"swapped\" needs two channels", "fault = swapped time=1 channels=x\n"},
-    {0, "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
-        "or has an identifier that is taken",
+    {0,
+     "the drive profile is not usable: units, times, or a PDO that lacks an object it must carry "
+     "or has an identifier that is taken",
      "profile.receive_pdo = 0 0x202 6040:0:16\n"},
     {0, "a mounting matrix is not a proper rotation",
      "mounting = 1 0 0 1 1 0 0 0 1 0 0 0 -1\nposition = 1 1 fit 0 0 1\n"},
@@ -96,8 +97,9 @@ static void test_mistakes_are_refused_with_their_line(void)
 static void test_faults_that_need_no_drive_or_block_are_taken(void)
 {
     TEST_ASSERT_NULL(read_lines("firmware.stand = operator\nfault = stall time=5\nfault = slip time=6\n"));
-    TEST_ASSERT_NULL(read_lines("present.drive = no\npresent.block = no\nfault = bus_off time=5\n"
-                                "fault = frame_drop time=5 duration=1\n"));
+    TEST_ASSERT_NULL(
+        read_lines("present.drive = no\npresent.block = no\nfault = bus_off time=5\n"
+                   "fault = frame_drop time=5 duration=1\n"));
 }
 
 static void test_what_the_firmware_would_refuse_is_known_before(void)
@@ -176,15 +178,16 @@ static void test_values_arrive(void)
 {
     bench_config_defaults(&config);
     TEST_ASSERT_EQUAL_STRING("", config.keeping.serial); /* not told */
-    TEST_ASSERT_NULL(read_lines("stand.limits = uniform\nstand.remount = common\nblock.k = 1 2 3 4 5 6 7 8 9\n"
-                                "block.u0 = -1 0 1e-3\naveraging.stillness_ratio = 2.5\nprofile.sign = -1\n"
-                                "drive.latches_stale_target = no\nblock.first_counter = 65535\n"
-                                "firmware.stand = operator\nprofile.stop = halt\nprocedure.estimator = averaged\n"
-                                "profile.transmit_pdo = 1 0x282 20 500 6041:0:16 6064:0:32 6061:0:8\n"
-                                "profile.receive_pdo = 3 0x502 607a:0:32 6040:0:16\n"
-                                "profile.write = 0x6065 0 4 -1\nkeeper.serial = 123456789012345678901234\n"
-                                "keeper.commits = no\nkeeper.first = yes\nkeeper.starts = yes\n"
-                                "keeper.drift_per_month = 1 2e-1 3e-1 4e-1 5e-1 6e-1 7e-1 8e-1 9e-1 0 0 0.5\n"));
+    TEST_ASSERT_NULL(
+        read_lines("stand.limits = uniform\nstand.remount = common\nblock.k = 1 2 3 4 5 6 7 8 9\n"
+                   "block.u0 = -1 0 1e-3\naveraging.stillness_ratio = 2.5\nprofile.sign = -1\n"
+                   "drive.latches_stale_target = no\nblock.first_counter = 65535\n"
+                   "firmware.stand = operator\nprofile.stop = halt\nprocedure.estimator = averaged\n"
+                   "profile.transmit_pdo = 1 0x282 20 500 6041:0:16 6064:0:32 6061:0:8\n"
+                   "profile.receive_pdo = 3 0x502 607a:0:32 6040:0:16\n"
+                   "profile.write = 0x6065 0 4 -1\nkeeper.serial = 123456789012345678901234\n"
+                   "keeper.commits = no\nkeeper.first = yes\nkeeper.starts = yes\n"
+                   "keeper.drift_per_month = 1 2e-1 3e-1 4e-1 5e-1 6e-1 7e-1 8e-1 9e-1 0 0 0.5\n"));
     TEST_ASSERT_EQUAL_STRING("123456789012345678901234", config.keeping.serial);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_COMMIT_FIRST, config.keeping.settings.limits.flags);
     TEST_ASSERT_EQUAL_HEX8(TUMBLE_SETS_STARTS, config.keeping.settings.flags);
@@ -212,8 +215,9 @@ static void test_values_arrive(void)
 
 static void test_a_fault_line_arrives(void)
 {
-    TEST_ASSERT_NULL(read_lines("fault = noisy at=2.9 phase=settle delay=0.5 duration=2 times=3 channels=xz value=0.25 "
-                                "count=7 id=0x683 mask=0x7EF probability=0.5\n"));
+    TEST_ASSERT_NULL(
+        read_lines("fault = noisy at=2.9 phase=settle delay=0.5 duration=2 times=3 channels=xz value=0.25 "
+                   "count=7 id=0x683 mask=0x7EF probability=0.5\n"));
     const sim_fault_t *const fault = &config.scenario.faults[0];
     TEST_ASSERT_EQUAL_UINT32(1, config.scenario.fault_count);
     TEST_ASSERT_EQUAL_INT(SIM_FAULT_NOISY, fault->kind);
@@ -234,9 +238,10 @@ static void test_a_fault_line_arrives(void)
 /* A schedule of its own replaces the paper's; its numbers are taken as they are, bit for bit. */
 static void test_a_schedule_arrives(void)
 {
-    TEST_ASSERT_NULL(read_lines("mounting = 7  0 0 1  0 1 0  0 0 1  1 0 0\n"
-                                "position = 7 1 fit  45 0.70710678118654757 0.70710678118654746\n"
-                                "position = 7 2 check  -90 -1 0\n"));
+    TEST_ASSERT_NULL(
+        read_lines("mounting = 7  0 0 1  0 1 0  0 0 1  1 0 0\n"
+                   "position = 7 1 fit  45 0.70710678118654757 0.70710678118654746\n"
+                   "position = 7 2 check  -90 -1 0\n"));
     const tumble_schedule_t *const schedule = config.procedure.schedule;
     TEST_ASSERT_EQUAL_UINT8(1, schedule->mounting_count);
     TEST_ASSERT_EQUAL_UINT8(2, schedule->position_count);
@@ -249,8 +254,9 @@ static void test_a_schedule_arrives(void)
 /* What is left open follows from the rest. */
 static void test_the_rest_follows(void)
 {
-    TEST_ASSERT_NULL(read_lines("drive.counts_per_turn = 65536\ndrive.sign = -1\nblock.converter_bits = 16\n"
-                                "block.range_v = 5\nblock.noise_v = 1e-3 3e-3 2e-3\nblock.noise_limits = sigma3\n"));
+    TEST_ASSERT_NULL(
+        read_lines("drive.counts_per_turn = 65536\ndrive.sign = -1\nblock.converter_bits = 16\n"
+                   "block.range_v = 5\nblock.noise_v = 1e-3 3e-3 2e-3\nblock.noise_limits = sigma3\n"));
     ASSERT_SAME_DOUBLE(65536.0, config.profile.counts_per_revolution);
     TEST_ASSERT_EQUAL_INT(-1, config.profile.sign);
     ASSERT_SAME_DOUBLE(90.0, config.profile.velocity_deg_s);

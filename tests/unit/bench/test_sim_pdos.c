@@ -23,8 +23,12 @@ static void assert_refused(uint16_t index, uint32_t identifier)
 /* Expedited, so many bytes. */
 static void assert_written_short(uint16_t index, uint8_t subindex, uint8_t size, uint16_t value)
 {
-    const uint8_t data[8] = {(uint8_t)(0x23U | ((4U - size) << 2U)), (uint8_t)index, (uint8_t)(index >> 8), subindex,
-                             (uint8_t)value, (uint8_t)(value >> 8)};
+    const uint8_t data[8] = {(uint8_t)(0x23U | ((4U - size) << 2U)),
+                             (uint8_t)index,
+                             (uint8_t)(index >> 8),
+                             subindex,
+                             (uint8_t)value,
+                             (uint8_t)(value >> 8)};
     answer = UINT32_MAX;
     guest_send(0x601, 8, data);
     pass(20000);

@@ -112,11 +112,11 @@ static void test_every_fault_ends_in_its_reason(void)
 static void test_no_reason_is_forgotten(void)
 {
     static const tumble_reason_t OTHERS[] = {
-        TUMBLE_REASON_NONE,          /* a run without faults */
-        TUMBLE_REASON_COMMAND,       /* test_an_abort_stops_the_table */
-        TUMBLE_REASON_GRAVITY_CHECK, /* test_a_failed_gravity_check_is_a_result */
-        TUMBLE_REASON_SINGULAR,      /* test_a_singular_block_is_refused */
-        TUMBLE_REASON_INHIBITED,     /* test_keeper_inhibit.c: the bench has no keeper */
+        TUMBLE_REASON_NONE,               /* a run without faults */
+        TUMBLE_REASON_COMMAND,            /* test_an_abort_stops_the_table */
+        TUMBLE_REASON_GRAVITY_CHECK,      /* test_a_failed_gravity_check_is_a_result */
+        TUMBLE_REASON_SINGULAR,           /* test_a_singular_block_is_refused */
+        TUMBLE_REASON_INHIBITED,          /* test_keeper_inhibit.c: the bench has no keeper */
         TUMBLE_REASON_STOP_NOT_CONFIRMED, /* test_sim_stop.c, and the two that follow */
         TUMBLE_REASON_FOREIGN_COMMAND,
         TUMBLE_REASON_SUPERVISION,
@@ -303,14 +303,15 @@ static void test_a_failed_gravity_check_is_a_result(void)
  * checks on the way would see it. */
 static void test_a_singular_block_is_refused(void)
 {
-    run_lines("block.k = 0 0 -0.6  0 -2 0  0 0 -2\nblock.u0 = 0 0 0\nblock.noise_v = 0 0 0\n"
-              "procedure.estimator = least_squares\n"
-              "mounting = 1  0 0 1  1 0 0  0 1 0  0 0 1\nmounting = 2  0 0 1  -1 0 0  0 0 1  0 1 0\n"
-              "position = 1 1 fit  -10 -0.17364817766693035 0.98480775301220806\nposition = 1 2 fit  0 0 1\n"
-              "position = 1 3 fit  10 0.17364817766693035 0.98480775301220806\n"
-              "position = 2 1 fit  -10 -0.17364817766693035 0.98480775301220806\nposition = 2 2 fit  0 0 1\n"
-              "position = 2 3 fit  10 0.17364817766693035 0.98480775301220806\n",
-              1, NULL);
+    run_lines(
+        "block.k = 0 0 -0.6  0 -2 0  0 0 -2\nblock.u0 = 0 0 0\nblock.noise_v = 0 0 0\n"
+        "procedure.estimator = least_squares\n"
+        "mounting = 1  0 0 1  1 0 0  0 1 0  0 0 1\nmounting = 2  0 0 1  -1 0 0  0 0 1  0 1 0\n"
+        "position = 1 1 fit  -10 -0.17364817766693035 0.98480775301220806\nposition = 1 2 fit  0 0 1\n"
+        "position = 1 3 fit  10 0.17364817766693035 0.98480775301220806\n"
+        "position = 2 1 fit  -10 -0.17364817766693035 0.98480775301220806\nposition = 2 2 fit  0 0 1\n"
+        "position = 2 3 fit  10 0.17364817766693035 0.98480775301220806\n",
+        1, NULL);
     TEST_ASSERT_EQUAL_INT(BENCH_FAULT, world.end);
     TEST_ASSERT_EQUAL_INT(TUMBLE_REASON_SINGULAR, world.progress.reason);
     TEST_ASSERT_EQUAL_INT(3, bench_exit_code(&world));

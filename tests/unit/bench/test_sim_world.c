@@ -112,9 +112,10 @@ static double expected_v(uint8_t index, int channel)
 /* Large errors, no noise, no swing: every mean is what the reported truth says, to the converter's step. */
 static void test_the_means_are_what_the_truth_says(void)
 {
-    run_lines("stand.axis_tilt_rad = 5e-3\nstand.level_rad = 5e-3\nstand.remount_rad = 5e-3\nstand.angle_rad = 1e-3\n"
-              "block.noise_v = 0 0 0\nmotion.swing_deg = 0\nprocedure.gravity_limit_g = 1\n",
-              12, NULL);
+    run_lines(
+        "stand.axis_tilt_rad = 5e-3\nstand.level_rad = 5e-3\nstand.remount_rad = 5e-3\nstand.angle_rad = 1e-3\n"
+        "block.noise_v = 0 0 0\nmotion.swing_deg = 0\nprocedure.gravity_limit_g = 1\n",
+        12, NULL);
     TEST_ASSERT_EQUAL_INT(BENCH_DONE, world.end);
     for (uint8_t i = 0; i < tumble_schedule_paper.position_count; i++) {
         double mean_v[3];

@@ -2,8 +2,8 @@
 
 static const constants_t fixture_constants = {0x00020192U, "Tumble test node", "ab", 3.25};
 
-static const tumble_limit_t fixture_limits[] = {
-    {-5.0, 5.0}, {-1000.0, 1000.0}, {-2147483648.0, 2147483647.0}, {10.0, 4000000000.0}, {-1.0, 1.0}, {3.0, 200.0}};
+static const tumble_limit_t fixture_limits[] = {{-5.0, 5.0},          {-1000.0, 1000.0}, {-2147483648.0, 2147483647.0},
+                                                {10.0, 4000000000.0}, {-1.0, 1.0},       {3.0, 200.0}};
 
 const tumble_entry_t fixture_entries[] = {
     {0x0005, 0, U8, TUMBLE_HOME_IMMEDIATE, WO | TUMBLE_ACCESS_MAP_RECEIVE, 1, 0, 0, 0, 0},
@@ -96,8 +96,7 @@ tumble_abort_t fixture_read(void *context, const tumble_entry_t *entry, uint8_t 
     return TUMBLE_ABORT_NO_DATA;
 }
 
-static tumble_abort_t fixture_write(void *context, const tumble_entry_t *entry, const uint8_t *bytes,
-                                           uint8_t size)
+static tumble_abort_t fixture_write(void *context, const tumble_entry_t *entry, const uint8_t *bytes, uint8_t size)
 {
     fixture_t *fixture = context;
 
@@ -147,10 +146,10 @@ static void on_pdo(void *context, uint8_t number)
 }
 
 const tumble_node_events_t fixture_events = {.state_changed = on_state,
-                                                    .reset = on_reset,
-                                                    .heartbeat = on_heartbeat,
-                                                    .emergency = on_emergency,
-                                                    .pdo_received = on_pdo};
+                                             .reset = on_reset,
+                                             .heartbeat = on_heartbeat,
+                                             .emergency = on_emergency,
+                                             .pdo_received = on_pdo};
 
 const tumble_node_defaults_t fixture_quiet = {0};
 

@@ -6,8 +6,8 @@
 #ifndef TUMBLE_TESTS_CANOPEN_FIXTURE_H
 #define TUMBLE_TESTS_CANOPEN_FIXTURE_H
 
-#include "core/bytes.h"
 #include "canopen/node.h"
+#include "core/bytes.h"
 #include "fake_port.h"
 #include "suite.h"
 
@@ -80,13 +80,13 @@ typedef struct {
     variables_t variables;
     other_t other;
     tumble_node_t node;
-    uint32_t computed;         /* 2010h */
-    char sentence[65];         /* 2011h */
-    unsigned writes;           /* calls of the write hook */
-    unsigned resets[2];        /* communication, application */
+    uint32_t computed;  /* 2010h */
+    char sentence[65];  /* 2011h */
+    unsigned writes;    /* calls of the write hook */
+    unsigned resets[2]; /* communication, application */
     unsigned state_changes;
-    unsigned heartbeats;       /* events of watched nodes */
-    uint8_t heartbeat_node;    /* of the last one */
+    unsigned heartbeats;    /* events of watched nodes */
+    uint8_t heartbeat_node; /* of the last one */
     tumble_heartbeat_event_t heartbeat_event;
     tumble_nmt_state_t heartbeat_state;
     unsigned emergencies;

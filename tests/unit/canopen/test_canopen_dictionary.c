@@ -121,8 +121,8 @@ static void test_every_type_goes_out_little_endian(void)
 
 static void test_every_type_comes_back_as_it_was_written(void)
 {
-    static const uint16_t indices[] = {0x2000, 0x2001, 0x2002, 0x2003, 0x2004, 0x2005, 0x2006, 0x2007,
-                                       0x2008, 0x2009, 0x200A, 0x2010, 0x2013, 0x2014};
+    static const uint16_t indices[] = {0x2000, 0x2001, 0x2002, 0x2003, 0x2004, 0x2005, 0x2006,
+                                       0x2007, 0x2008, 0x2009, 0x200A, 0x2010, 0x2013, 0x2014};
     static const uint8_t value[8] = {1, 0, 0, 0, 0, 0, 0, 0};
     static const uint8_t hundred[8] = {100, 0, 0, 0, 0, 0, 0, 0};
 

@@ -102,10 +102,10 @@ static void test_emergencies_of_others(void)
     TEST_ASSERT_TRUE(hand(0x0FF, "00 00 00 00 00 00 00 00"));
     TEST_ASSERT_EQUAL_UINT8(127, at.emergency_node);
     TEST_ASSERT_TRUE(hand(0x082, "11 86 21 01 02 03 04"));
-    TEST_ASSERT_EQUAL_UINT(2, at.emergencies); /* seven bytes are none */
-    TEST_ASSERT_FALSE(hand(0x080, "")); /* SYNC */
+    TEST_ASSERT_EQUAL_UINT(2, at.emergencies);                 /* seven bytes are none */
+    TEST_ASSERT_FALSE(hand(0x080, ""));                        /* SYNC */
     TEST_ASSERT_FALSE(hand(0x085, "11 86 21 01 02 03 04 05")); /* its own */
-    TEST_ASSERT_FALSE(hand(0x100, "00 00 00 00 00 00")); /* TIME */
+    TEST_ASSERT_FALSE(hand(0x100, "00 00 00 00 00 00"));       /* TIME */
     TEST_ASSERT_EQUAL_UINT(2, at.emergencies);
 }
 

@@ -63,13 +63,13 @@ static void test_what_may_not_be_mapped(void)
         uint32_t map;
         uint32_t wanted;
     } cases[] = {
-        {0x1600, 0x30000008U, TUMBLE_ABORT_NO_OBJECT},     {0x1600, 0x20050110U, TUMBLE_ABORT_NO_SUBINDEX},
+        {0x1600, 0x30000008U, TUMBLE_ABORT_NO_OBJECT},    {0x1600, 0x20050110U, TUMBLE_ABORT_NO_SUBINDEX},
         {0x1600, 0x200D0010U, TUMBLE_ABORT_NOT_MAPPABLE}, /* not mappable at all */
         {0x1600, 0x10010008U, TUMBLE_ABORT_NOT_MAPPABLE}, /* transmit only */
         {0x1A00, 0x00050008U, TUMBLE_ABORT_NOT_MAPPABLE}, /* receive only */
         {0x1600, 0x20050008U, TUMBLE_ABORT_NOT_MAPPABLE}, /* 8 of its 16 bits */
-        {0x1600, 0x20050020U, TUMBLE_ABORT_NOT_MAPPABLE},  {0x1600, 0x20050000U, TUMBLE_ABORT_NOT_MAPPABLE},
-        {0x1600, 0x00050008U, TUMBLE_ABORT_NONE},          {0x1A00, 0x10010008U, TUMBLE_ABORT_NONE},
+        {0x1600, 0x20050020U, TUMBLE_ABORT_NOT_MAPPABLE}, {0x1600, 0x20050000U, TUMBLE_ABORT_NOT_MAPPABLE},
+        {0x1600, 0x00050008U, TUMBLE_ABORT_NONE},         {0x1A00, 0x10010008U, TUMBLE_ABORT_NONE},
         {0x1A00, 0x00000000U, TUMBLE_ABORT_NONE}, /* an empty place */
     };
 
@@ -142,8 +142,7 @@ static void test_parameters_that_are_not_there(void)
     for (size_t i = 0; i < COUNT_OF(indices); i++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT,
                                 tumble_pdo_read_parameter(pdos, dictionary, indices[i], 1, &value));
-        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT,
-                                tumble_pdo_write_parameter(pdos, dictionary, indices[i], 1, 0));
+        TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_OBJECT, tumble_pdo_write_parameter(pdos, dictionary, indices[i], 1, 0));
     }
     for (int sub = 9; sub < 256; sub++) {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_SUBINDEX,

@@ -20,10 +20,14 @@ static void test_commands_change_the_state(void)
         const char *frame;
         tumble_nmt_state_t wanted;
     } cases[] = {
-        {"01 05", TUMBLE_NMT_OPERATIONAL}, {"80 05", TUMBLE_NMT_PRE_OPERATIONAL}, {"02 05", TUMBLE_NMT_STOPPED},
-        {"01 00", TUMBLE_NMT_OPERATIONAL}, {"02 04", TUMBLE_NMT_OPERATIONAL},     {"80 00", TUMBLE_NMT_PRE_OPERATIONAL},
-        {"03 05", TUMBLE_NMT_PRE_OPERATIONAL}, /* unknown */
-        {"01", TUMBLE_NMT_PRE_OPERATIONAL},    /* too short */
+        {"01 05", TUMBLE_NMT_OPERATIONAL},
+        {"80 05", TUMBLE_NMT_PRE_OPERATIONAL},
+        {"02 05", TUMBLE_NMT_STOPPED},
+        {"01 00", TUMBLE_NMT_OPERATIONAL},
+        {"02 04", TUMBLE_NMT_OPERATIONAL},
+        {"80 00", TUMBLE_NMT_PRE_OPERATIONAL},
+        {"03 05", TUMBLE_NMT_PRE_OPERATIONAL},    /* unknown */
+        {"01", TUMBLE_NMT_PRE_OPERATIONAL},       /* too short */
         {"01 05 00", TUMBLE_NMT_PRE_OPERATIONAL}, /* too long */
         {"01 85", TUMBLE_NMT_PRE_OPERATIONAL},
     };

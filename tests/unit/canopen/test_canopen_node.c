@@ -119,8 +119,8 @@ static void test_without_events_and_hooks_everything_still_works(void)
 
 static void test_frames_of_others_are_handed_back(void)
 {
-    static const uint16_t not_mine[] = {0x080, 0x100, 0x183, 0x206, 0x585, 0x586, 0x604, 0x683, 0x693,
-                                        0x705, 0x77F + 1, 0x7E4, 0x7FF, 0x700, 0x580, 0x600};
+    static const uint16_t not_mine[] = {0x080, 0x100, 0x183,     0x206, 0x585, 0x586, 0x604, 0x683,
+                                        0x693, 0x705, 0x77F + 1, 0x7E4, 0x7FF, 0x700, 0x580, 0x600};
 
     boot_to_operational();
     for (size_t i = 0; i < COUNT_OF(not_mine); i++) {

@@ -21,24 +21,33 @@ static void test_a_run_is_as_good_as_its_entries(void)
         uint8_t size;
         uint16_t offset;
     } cases[] = {
-        {0x13FF, 1, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},    {0x1400, 0, TUMBLE_ABORT_NONE, U8, 1, 2},
-        {0x1400, 1, TUMBLE_ABORT_NONE, U32, 4, 0},       {0x1402, 2, TUMBLE_ABORT_NONE, U8, 1, 0},
-        {0x1402, 0, TUMBLE_ABORT_NONE, U8, 1, 2},        {0x1402, 3, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
-        {0x1403, 1, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},    {0x1600, 0, TUMBLE_ABORT_NONE, U8, 1, 0},
-        {0x1601, 8, TUMBLE_ABORT_NONE, U32, 4, 28},      {0x1601, 9, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
-        {0x1602, 0, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},    {0x2000, 0, TUMBLE_ABORT_NONE, U8, 1, 7},
-        {0x2000, 2, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},  {0x2000, 3, TUMBLE_ABORT_NONE, TUMBLE_TYPE_REAL64, 8, 16},
+        {0x13FF, 1, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},
+        {0x1400, 0, TUMBLE_ABORT_NONE, U8, 1, 2},
+        {0x1400, 1, TUMBLE_ABORT_NONE, U32, 4, 0},
+        {0x1402, 2, TUMBLE_ABORT_NONE, U8, 1, 0},
+        {0x1402, 0, TUMBLE_ABORT_NONE, U8, 1, 2},
+        {0x1402, 3, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
+        {0x1403, 1, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},
+        {0x1600, 0, TUMBLE_ABORT_NONE, U8, 1, 0},
+        {0x1601, 8, TUMBLE_ABORT_NONE, U32, 4, 28},
+        {0x1601, 9, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
+        {0x1602, 0, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},
+        {0x2000, 0, TUMBLE_ABORT_NONE, U8, 1, 7},
+        {0x2000, 2, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
+        {0x2000, 3, TUMBLE_ABORT_NONE, TUMBLE_TYPE_REAL64, 8, 16},
         {0x2000, 7, TUMBLE_ABORT_NONE, TUMBLE_TYPE_REAL64, 8, 48},
-        {0x2000, 8, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},  {0x0000, 0, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},
-        {0xFFFF, 0, TUMBLE_ABORT_NONE, U8, 1, 5},        {0xFFFF, 1, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
+        {0x2000, 8, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
+        {0x0000, 0, TUMBLE_ABORT_NO_OBJECT, 0, 0, 0},
+        {0xFFFF, 0, TUMBLE_ABORT_NONE, U8, 1, 5},
+        {0xFFFF, 1, TUMBLE_ABORT_NO_SUBINDEX, 0, 0, 0},
     };
 
     at.node.dictionary.table = &table;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         tumble_entry_t found;
 
-        TEST_ASSERT_EQUAL_HEX32(cases[i].wanted, tumble_dictionary_find(&at.node.dictionary, cases[i].index,
-                                                                       cases[i].subindex, &found));
+        TEST_ASSERT_EQUAL_HEX32(cases[i].wanted,
+                                tumble_dictionary_find(&at.node.dictionary, cases[i].index, cases[i].subindex, &found));
         if (cases[i].wanted == TUMBLE_ABORT_NONE) {
             TEST_ASSERT_EQUAL_HEX16(cases[i].index, found.index);
             TEST_ASSERT_EQUAL_UINT8(cases[i].subindex, found.subindex);

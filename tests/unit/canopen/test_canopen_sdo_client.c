@@ -97,8 +97,7 @@ static void test_segmented_write(void)
 
 static void test_a_write_of_seven_bytes_is_one_segment(void)
 {
-    TEST_ASSERT_EQUAL_INT(TUMBLE_OK,
-                          tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)"ABCDEFG", 7));
+    TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)"ABCDEFG", 7));
     expect_request("21 0B 20 00 07 00 00 00");
     give(0x582, "60 0B 20 00 00 00 00 00");
     expect(0x602, "01 41 42 43 44 45 46 47");
@@ -197,8 +196,8 @@ static void test_client_and_server_agree_on_every_length(void)
             }
             if (direction == 0) {
                 memset(at.variables.text, 0, sizeof at.variables.text);
-                TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x200B, 0,
-                                                                              (const uint8_t *)pattern, length));
+                TEST_ASSERT_EQUAL_INT(
+                    TUMBLE_OK, tumble_sdo_client_write_from(client, 2, 0x200B, 0, (const uint8_t *)pattern, length));
             } else {
                 TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_sdo_client_read_into(client, 2, 0x200B, 0, room, length));
             }

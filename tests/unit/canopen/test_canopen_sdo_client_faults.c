@@ -10,8 +10,7 @@ static void test_late_answers_are_ignored_and_counted(void)
         "4B 41 60 01 27 06 00 00", /* another subindex */
         "80 40 60 00 00 00 04 05", /* abort of another object */
         "00 41 60 00 00 00 00 00", /* segments */
-        "30 41 60 00 00 00 00 00",
-        "C0 41 60 00 00 00 00 00",
+        "30 41 60 00 00 00 00 00", "C0 41 60 00 00 00 00 00",
     };
 
     give(0x582, "4B 41 60 00 27 06 00 00"); /* nothing was asked, nobody known: not even for us */
@@ -191,9 +190,8 @@ static void test_random_answers_always_come_to_an_end(void)
         uint8_t *room = malloc(12); /* on the heap, so that the sanitizer sees one byte too many */
         int rounds = 0;
 
-        TEST_ASSERT_EQUAL_INT(TUMBLE_OK, (run % 2 == 0)
-                                             ? tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 12)
-                                             : tumble_sdo_client_write_from(client, 2, 0x1008, 0, room, 12));
+        TEST_ASSERT_EQUAL_INT(TUMBLE_OK, (run % 2 == 0) ? tumble_sdo_client_read_into(client, 2, 0x1008, 0, room, 12)
+                                                        : tumble_sdo_client_write_from(client, 2, 0x1008, 0, room, 12));
         memset(room, 0, 12);
         while ((result() == TUMBLE_E_SDO_BUSY) && (rounds < 2000)) {
             tumble_can_frame_t frame = {.id = 0x582, .length = 8, .data = {0, 0x08, 0x10, 0}};

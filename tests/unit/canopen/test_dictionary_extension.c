@@ -123,8 +123,8 @@ static void test_every_key_of_both_tables_is_found_and_no_other(void)
 
     for (uint32_t index = 0; index <= 0x3010U; index++) {
         for (uint32_t sub = 0; sub < 12U; sub++) {
-            TEST_ASSERT_EQUAL_HEX32(
-                told(index, sub), tumble_dictionary_find(&at.node.dictionary, (uint16_t)index, (uint8_t)sub, &entry));
+            TEST_ASSERT_EQUAL_HEX32(told(index, sub),
+                                    tumble_dictionary_find(&at.node.dictionary, (uint16_t)index, (uint8_t)sub, &entry));
         }
     }
 }
@@ -220,8 +220,8 @@ static void test_its_objects_can_be_mapped_into_a_pdo(void)
 
     memcpy(setup.map, map, sizeof map);
     boot_to_operational();
-    TEST_ASSERT_EQUAL_HEX32(
-        0, tumble_pdo_configure(&at.node.pdos, &at.node.dictionary, TUMBLE_PDO_TRANSMIT, 3, &setup));
+    TEST_ASSERT_EQUAL_HEX32(0,
+                            tumble_pdo_configure(&at.node.pdos, &at.node.dictionary, TUMBLE_PDO_TRANSMIT, 3, &setup));
     hooked.bytes[0] = 0xAB;
     at.variables.u16 = 0x1234;
     at.variables.u8 = 0x56;
@@ -236,11 +236,11 @@ static void test_its_objects_can_be_mapped_into_a_pdo(void)
     TEST_ASSERT_EQUAL_HEX16(0x5678, at.variables.u16);
     TEST_ASSERT_EQUAL_HEX8(0x21, at.variables.u8);
     setup.map[0] = TUMBLE_MAP(0x3002, 7, 64); /* not mappable, and it is not there a subindex further */
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NOT_MAPPABLE, tumble_pdo_configure(&at.node.pdos, &at.node.dictionary,
-                                                                            TUMBLE_PDO_TRANSMIT, 3, &setup));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NOT_MAPPABLE,
+                            tumble_pdo_configure(&at.node.pdos, &at.node.dictionary, TUMBLE_PDO_TRANSMIT, 3, &setup));
     setup.map[0] = TUMBLE_MAP(0x3002, 8, 64);
-    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_SUBINDEX, tumble_pdo_configure(&at.node.pdos, &at.node.dictionary,
-                                                                           TUMBLE_PDO_TRANSMIT, 3, &setup));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_SUBINDEX,
+                            tumble_pdo_configure(&at.node.pdos, &at.node.dictionary, TUMBLE_PDO_TRANSMIT, 3, &setup));
 }
 
 /* Numbered on from those of the defaults, of which `fixture_quiet` has none, or wherever the extension says. */

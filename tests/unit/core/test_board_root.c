@@ -3,11 +3,11 @@
 #include "../../boards/mps2_an386/root.c"
 #undef sqrt
 
+#include "suite.h"
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
-#include "suite.h"
 
 static double from_bits(uint64_t bits)
 {
@@ -33,8 +33,24 @@ static void agrees(double x)
 
 static void test_special_numbers(void)
 {
-    const double cases[] = {0.0, -0.0, INFINITY, -INFINITY, NAN, -1.0, -DBL_MIN, -4.9e-324, DBL_MIN, DBL_MAX, 4.9e-324,
-                            1.0, 2.0, 4.0, 1.0 + DBL_EPSILON, 1.0 - (DBL_EPSILON / 2.0), 2.0 - DBL_EPSILON, 0.25};
+    const double cases[] = {0.0,
+                            -0.0,
+                            INFINITY,
+                            -INFINITY,
+                            NAN,
+                            -1.0,
+                            -DBL_MIN,
+                            -4.9e-324,
+                            DBL_MIN,
+                            DBL_MAX,
+                            4.9e-324,
+                            1.0,
+                            2.0,
+                            4.0,
+                            1.0 + DBL_EPSILON,
+                            1.0 - (DBL_EPSILON / 2.0),
+                            2.0 - DBL_EPSILON,
+                            0.25};
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         agrees(cases[i]);

@@ -1,6 +1,6 @@
 /* Turning coefficients round, applying them, and what is intrinsic to a block. */
-#include "tumble/core.h"
 #include "model.h"
+#include "tumble/core.h"
 
 static tumble_coefficients_t diagonal(double x, double y, double z)
 {

@@ -1,7 +1,7 @@
 /* The fit of a run: against plain elimination with dense weights, and what it must not see. */
-#include "tumble/core.h"
 #include "simulation/random.h"
 #include "support.h"
+#include "tumble/core.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,8 +19,8 @@ static sim_random_t noise;
 
 static void set_up(void)
 {
-    static const tumble_coefficients_t usual = {
-        {{2.01, 0.02, 0.01}, {0.03, 1.99, -0.02}, {0.01, 0.04, 2.0}}, {0.03, 0.01, -0.02}};
+    static const tumble_coefficients_t usual = {{{2.01, 0.02, 0.01}, {0.03, 1.99, -0.02}, {0.01, 0.04, 2.0}},
+                                                {0.03, 0.01, -0.02}};
     block = usual;
     memset(&averaging, 0, sizeof averaging);
     averaging.open.index = UINT8_MAX;
@@ -133,7 +133,8 @@ static void invert(uint8_t p, int left_out, long double inverse[3][3])
     double d[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
         for (int j = 0; (j < 3) && (i != left_out); j++) {
-            d[i] += block.k_v_per_g[i][j] * (mounting->matrix[j][0] * angle->cosine - mounting->matrix[j][2] * angle->sine);
+            d[i] +=
+                block.k_v_per_g[i][j] * (mounting->matrix[j][0] * angle->cosine - mounting->matrix[j][2] * angle->sine);
         }
     }
     for (int column = 0; column < 3; column++) {
@@ -267,7 +268,8 @@ static void test_a_single_mean_that_is_off_does_not_fit(void)
             outputs(p, 0.0, 0.0, 0.0, u_v);
             u_v[i] += 1e-3;
             set_mean(p, u_v);
-            const bool angle_explains = fits(); /* 1e-3 V are 2.5 standard deviations of an angle, where it moves the channel */
+            const bool angle_explains =
+                fits(); /* 1e-3 V are 2.5 standard deviations of an angle, where it moves the channel */
             outputs(p, 0.0, 0.0, 0.0, u_v);
             u_v[i] += 5e-3;
             set_mean(p, u_v);

@@ -1,7 +1,7 @@
 /* The stand seen in the data: exact small cases. The statistics are tested from Python, on many runs. */
-#include "tumble/core.h"
 #include "core/vector.h"
 #include "support.h"
+#include "tumble/core.h"
 
 #include <math.h>
 
@@ -146,8 +146,8 @@ static void test_no_excess_over_the_noise_is_not_known(void)
 {
     tumble_seen_t alpha4 = {1.0, 1.0, true};
     double freedom = 5.0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4,
-                                                     &freedom));
+    ASSERT_STATUS(TUMBLE_OK,
+                  tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4, &freedom));
     TEST_ASSERT_FALSE(alpha4.known);
     ASSERT_SAME_DOUBLE(0.0, alpha4.value);
     ASSERT_SAME_DOUBLE(0.0, freedom);
@@ -166,8 +166,8 @@ static void test_the_error_of_set_angles_makes_chi_squared_right(void)
     double freedom = 0.0;
     double square = 0.0;
     uint8_t count = 0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4,
-                                                     &freedom));
+    ASSERT_STATUS(TUMBLE_OK,
+                  tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4, &freedom));
     TEST_ASSERT_TRUE(alpha4.known);
     TEST_ASSERT_DOUBLE_WITHIN(3e-5, 58e-6, alpha4.value); /* 100e-6 / sqrt 3 */
     TEST_ASSERT_TRUE((freedom > 15.0) && (freedom <= 16.0));
@@ -194,8 +194,8 @@ static void test_residuals_far_beyond_the_noise(void)
     double freedom = 0.0;
     double square = 0.0;
     uint8_t count = 0;
-    ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4,
-                                                     &freedom));
+    ASSERT_STATUS(TUMBLE_OK,
+                  tumble_seen_angle_error(&tumble_schedule_paper, &means, &block, &errors, &work, &alpha4, &freedom));
     TEST_ASSERT_TRUE(alpha4.known);
     errors.angle_rad = alpha4.value;
     ASSERT_STATUS(TUMBLE_OK, tumble_seen_angle_chi_squared(&tumble_schedule_paper, &means, &block, &errors, &work,

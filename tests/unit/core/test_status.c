@@ -1,6 +1,6 @@
 /* The closed list of outcomes: names, sentences, and the numbers that travel on wires. */
-#include "tumble/status.h"
 #include "support.h"
+#include "tumble/status.h"
 
 #include <limits.h>
 

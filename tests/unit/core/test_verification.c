@@ -1,7 +1,7 @@
 /* The gravity check, closure, and residuals. */
-#include "tumble/core.h"
 #include "model.h"
 #include "random_schedule.h"
+#include "tumble/core.h"
 
 static tumble_position_t positions[TUMBLE_MAX_POSITIONS];
 static tumble_schedule_t schedule; /* the paper's and two check positions, 18 and 19 */

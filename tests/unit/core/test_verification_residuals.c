@@ -1,8 +1,8 @@
 /* Closure of a mounting, and what the ideal geometry leaves unexplained. */
-#include "tumble/core.h"
 #include "model.h"
 #include "random_schedule.h"
 #include "six_faces.h"
+#include "tumble/core.h"
 
 static tumble_means_t means;
 

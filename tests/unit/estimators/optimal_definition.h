@@ -23,8 +23,8 @@ typedef struct {
 } definition_t;
 
 /* Force on the block's axes with every angle as a whole, in degrees. */
-static inline void force_at(const tumble_schedule_t *schedule, uint8_t p, double tilt_deg, double angle_deg, double yaw_deg,
-                     double a_g[3])
+static inline void force_at(const tumble_schedule_t *schedule, uint8_t p, double tilt_deg, double angle_deg,
+                            double yaw_deg, double a_g[3])
 {
     const tumble_mounting_t *mounting = model_mounting(schedule, p);
     double st, ct, sp, cp, sy, cy;
@@ -34,8 +34,8 @@ static inline void force_at(const tumble_schedule_t *schedule, uint8_t p, double
     const double h = ct * sp;
     const double yawed[3] = {h * cy + st * sy, st * cy - h * sy, ct * cp};
     for (int i = 0; i < 3; i++) {
-        a_g[i] = mounting->matrix[i][0] * yawed[0] + mounting->matrix[i][1] * yawed[1] +
-                 mounting->matrix[i][2] * yawed[2];
+        a_g[i] =
+            mounting->matrix[i][0] * yawed[0] + mounting->matrix[i][1] * yawed[1] + mounting->matrix[i][2] * yawed[2];
     }
 }
 
@@ -48,7 +48,7 @@ static inline double yaw_of(const definition_t *d, uint8_t p)
 /* Derivatives of the force: by the tilt it is the force a quarter turn on; by the angle likewise, less the part along the
  * axis; by the yaw what is left of a quarter turn after what yaw does not touch. */
 static inline void derivatives_at(const tumble_schedule_t *schedule, uint8_t p, double by_tilt[3], double by_angle[3],
-                           double by_yaw[3])
+                                  double by_yaw[3])
 {
     const tumble_mounting_t *mounting = model_mounting(schedule, p);
     double along[3];
@@ -98,8 +98,8 @@ static inline void define_position(definition_t *d, unsigned fit)
     force_at(d->schedule, p, SIM_DEG_PER_RAD * d->x[12], SIM_DEG_PER_RAD * (d->x[13] + d->delta[fit]),
              SIM_DEG_PER_RAD * yaw_of(d, p), exact);
     for (int i = 0; i < 3; i++) {
-        d->e[3U * fit + (unsigned)i] = k_times(d->x, i, exact) + d->x[9 + i] - linear[i] -
-                                       k_times(k_t, i, by_angle) * d->delta[fit];
+        d->e[3U * fit + (unsigned)i] =
+            k_times(d->x, i, exact) + d->x[9 + i] - linear[i] - k_times(k_t, i, by_angle) * d->delta[fit];
     }
 }
 
@@ -116,8 +116,8 @@ static inline void apply_definition(definition_t *d)
 static inline definition_t solve_by_definition(const gain_bytes_t *record, const tumble_schedule_t *schedule,
                                                const tumble_means_t *means, unsigned yaws)
 {
-    definition_t d = {.record = record, .schedule = schedule, .columns = 3U * count_fit_positions(schedule),
-                      .rows = 14U + yaws};
+    definition_t d = {
+        .record = record, .schedule = schedule, .columns = 3U * count_fit_positions(schedule), .rows = 14U + yaws};
     unsigned fit = 0;
     for (uint8_t p = 0; p < schedule->position_count; p++) {
         if (schedule->positions[p].use == TUMBLE_USE_FIT) {

@@ -63,8 +63,7 @@ static void test_they_are_the_published_functionals_on_any_data(void)
             expected.k_v_per_g[i][2] = first[i].c;
             expected.u0_v[i] = (first[i].b + second[i].b) / 2.0;
         }
-        const tumble_coefficients_t averaged =
-            estimate_with(tumble_estimate_averaged, &tumble_schedule_paper, &means);
+        const tumble_coefficients_t averaged = estimate_with(tumble_estimate_averaged, &tumble_schedule_paper, &means);
         assert_coefficients(&expected, &averaged, 4e-15);
         expected.k_v_per_g[1][0] = -second[1].s;
         expected.k_v_per_g[2][0] = first[2].s;
@@ -111,8 +110,7 @@ static void test_refined_keeps_the_yaw_out_of_two_coefficients(void)
             from_second[i] = k[0] * cosine[1] + k[2] * sine[1];
             expected.k_v_per_g[i][0] = (from_first[i] + from_second[i]) / 2.0;
         }
-        const tumble_coefficients_t averaged =
-            estimate_with(tumble_estimate_averaged, &tumble_schedule_paper, &means);
+        const tumble_coefficients_t averaged = estimate_with(tumble_estimate_averaged, &tumble_schedule_paper, &means);
         assert_coefficients(&expected, &averaged, 2e-15);
         expected.k_v_per_g[1][0] = from_second[1];
         expected.k_v_per_g[2][0] = from_first[2];

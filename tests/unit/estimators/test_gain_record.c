@@ -69,12 +69,11 @@ static void test_null_and_crooked_pointers_are_refused(void)
     const tumble_gain_record_t *opened;
     assert_open(TUMBLE_E_ARGUMENT, NULL, record.size, &tumble_schedule_paper);
     assert_open(TUMBLE_E_ARGUMENT, record.bytes, record.size, NULL);
-    ASSERT_STATUS(TUMBLE_E_ARGUMENT,
-                  tumble_gain_record_open(record.bytes, record.size, &tumble_schedule_paper, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_gain_record_open(record.bytes, record.size, &tumble_schedule_paper, NULL));
     for (unsigned shift = 1; shift < 8U; shift++) {
         memmove(record.bytes + shift, record.bytes + shift - 1U, record.size);
-        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_gain_record_open(record.bytes + shift, record.size,
-                                                                 &tumble_schedule_paper, &opened));
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT,
+                      tumble_gain_record_open(record.bytes + shift, record.size, &tumble_schedule_paper, &opened));
     }
 }
 
@@ -108,12 +107,24 @@ typedef struct {
 static void test_what_is_wrong_under_a_right_crc_is_refused(void)
 {
     static const alteration_t alterations[] = {
-        {0, 't', TUMBLE_E_GAIN_RECORD}, {3, '2', TUMBLE_E_GAIN_RECORD},  {8, 2, TUMBLE_E_GAIN_RECORD},
-        {8, 0, TUMBLE_E_GAIN_RECORD},   {9, 1, TUMBLE_E_GAIN_RECORD},    {10, 17, TUMBLE_E_GAIN_RECORD},
-        {10, 19, TUMBLE_E_GAIN_RECORD}, {10, 0, TUMBLE_E_GAIN_RECORD},   {11, 1, TUMBLE_E_GAIN_RECORD},
-        {11, 3, TUMBLE_E_GAIN_RECORD},  {12, 0, TUMBLE_E_GAIN_RECORD},   {12, 1, TUMBLE_E_GAIN_RECORD},
-        {12, 3, TUMBLE_E_GAIN_RECORD},  {13, 1, TUMBLE_E_GAIN_RECORD},   {14, 128, TUMBLE_E_GAIN_RECORD},
-        {15, 255, TUMBLE_E_GAIN_RECORD}, {16, 0, TUMBLE_E_GAIN_TABLE},   {19, 0, TUMBLE_E_GAIN_TABLE},
+        {0, 't', TUMBLE_E_GAIN_RECORD},
+        {3, '2', TUMBLE_E_GAIN_RECORD},
+        {8, 2, TUMBLE_E_GAIN_RECORD},
+        {8, 0, TUMBLE_E_GAIN_RECORD},
+        {9, 1, TUMBLE_E_GAIN_RECORD},
+        {10, 17, TUMBLE_E_GAIN_RECORD},
+        {10, 19, TUMBLE_E_GAIN_RECORD},
+        {10, 0, TUMBLE_E_GAIN_RECORD},
+        {11, 1, TUMBLE_E_GAIN_RECORD},
+        {11, 3, TUMBLE_E_GAIN_RECORD},
+        {12, 0, TUMBLE_E_GAIN_RECORD},
+        {12, 1, TUMBLE_E_GAIN_RECORD},
+        {12, 3, TUMBLE_E_GAIN_RECORD},
+        {13, 1, TUMBLE_E_GAIN_RECORD},
+        {14, 128, TUMBLE_E_GAIN_RECORD},
+        {15, 255, TUMBLE_E_GAIN_RECORD},
+        {16, 0, TUMBLE_E_GAIN_TABLE},
+        {19, 0, TUMBLE_E_GAIN_TABLE},
         {22, 1, TUMBLE_OK},
     };
     for (size_t i = 0; i < COUNT_OF(alterations); i++) {
@@ -225,12 +236,18 @@ static void test_every_number_must_be_finite_and_in_its_range(void)
         double value;
         tumble_status_t status;
     } limits[] = {
-        {AT_SIGMA, -1e-300, TUMBLE_E_NOT_FINITE},     {AT_SIGMA + 3U, 1.0000001, TUMBLE_E_NOT_FINITE},
-        {AT_SIGMA + 3U, 1.0, TUMBLE_OK},              {AT_NOISE, 0.0, TUMBLE_E_NOT_FINITE},
-        {AT_NOISE, -1.0, TUMBLE_E_NOT_FINITE},        {AT_NOISE, 1e-300, TUMBLE_OK},
-        {AT_U, -1e-300, TUMBLE_E_NOT_FINITE},         {AT_U + 9U, -1e-300, TUMBLE_E_NOT_FINITE},
-        {AT_U + 11U, -1e-300, TUMBLE_E_NOT_FINITE},   {AT_U + 11U, 1e100, TUMBLE_OK},
-        {AT_GAINS, -1e100, TUMBLE_OK},                {AT_K, -2.0, TUMBLE_OK},
+        {AT_SIGMA, -1e-300, TUMBLE_E_NOT_FINITE},
+        {AT_SIGMA + 3U, 1.0000001, TUMBLE_E_NOT_FINITE},
+        {AT_SIGMA + 3U, 1.0, TUMBLE_OK},
+        {AT_NOISE, 0.0, TUMBLE_E_NOT_FINITE},
+        {AT_NOISE, -1.0, TUMBLE_E_NOT_FINITE},
+        {AT_NOISE, 1e-300, TUMBLE_OK},
+        {AT_U, -1e-300, TUMBLE_E_NOT_FINITE},
+        {AT_U + 9U, -1e-300, TUMBLE_E_NOT_FINITE},
+        {AT_U + 11U, -1e-300, TUMBLE_E_NOT_FINITE},
+        {AT_U + 11U, 1e100, TUMBLE_OK},
+        {AT_GAINS, -1e100, TUMBLE_OK},
+        {AT_K, -2.0, TUMBLE_OK},
     };
     for (size_t i = 0; i < COUNT_OF(limits); i++) {
         const double good = number_at(&record, limits[i].number);

@@ -1,7 +1,7 @@
 /* The stand-optimal estimator against a transcription of its definition in matrices, on arbitrary gains. */
-#include "tumble/core.h"
 #include "estimator_bench.h"
 #include "optimal_definition.h"
+#include "tumble/core.h"
 
 static gain_bytes_t record;
 static random_schedule_t random;
@@ -82,7 +82,8 @@ static void test_without_a_positions_own_error_it_agrees_to_the_last_bits(void)
         set_number(&record, AT_SIGMA + 3U, 0.0);
         seal(&record);
         random_means_of(&dice, &random.schedule);
-        const definition_t expected = solve_by_definition(&record, &random.schedule, &means, random.schedule.mounting_count);
+        const definition_t expected =
+            solve_by_definition(&record, &random.schedule, &means, random.schedule.mounting_count);
         const tumble_gain_record_t *opened = open_gains(&record, &random.schedule);
         ASSERT_STATUS(TUMBLE_OK, tumble_estimate_optimal(opened, &random.schedule, &means, &found, &optimal));
         assert_agrees(&expected, &found, &optimal.stand, 5e-15);
@@ -268,7 +269,8 @@ static void test_through_a_source_the_record_is_checked_every_time(void)
     tumble_coefficients_t expected;
     tumble_optimal_t optimal;
     tumble_optimal_t work;
-    ASSERT_STATUS(TUMBLE_OK, tumble_estimate_optimal(paper_gains(), &tumble_schedule_paper, &means, &expected, &optimal));
+    ASSERT_STATUS(TUMBLE_OK,
+                  tumble_estimate_optimal(paper_gains(), &tumble_schedule_paper, &means, &expected, &optimal));
     tumble_optimal_source_t source = {record.bytes, record.size, &work};
     ASSERT_STATUS(TUMBLE_OK, tumble_optimal_check(&source, &tumble_schedule_paper));
     ASSERT_STATUS(TUMBLE_OK, tumble_optimal_estimate(&source, &tumble_schedule_paper, &means, &found));

@@ -132,8 +132,7 @@ static void write(const uint8_t *request)
 /* Of eight bytes. */
 static void write_segment(const uint8_t *request)
 {
-    const uint8_t acknowledged[8] = {
-        (uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER | (request[0] & TUMBLE_SDO_TOGGLE))};
+    const uint8_t acknowledged[8] = {(uint8_t)(TUMBLE_SDO_DOWNLOAD_SEGMENT_ANSWER | (request[0] & TUMBLE_SDO_TOGGLE))};
     const bool is_last = (request[0] & TUMBLE_SDO_C) != 0U;
     memcpy(&last_write()->bytes[is_last ? 7 : 0], &request[1], is_last ? 1 : 7);
     const tumble_can_frame_t frame = fake_frame(TUMBLE_SDO_RESPONSE_ID + NODE, 8, acknowledged);

@@ -6,8 +6,8 @@
 #ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
 #define TUMBLE_TESTS_GATEWAY_BENCH_H
 
-#include "core/bytes.h"
 #include "canopen/sdo_frame.h"
+#include "core/bytes.h"
 #include "fake_port.h"
 #include "poller.h"
 #include "support.h"
@@ -31,7 +31,7 @@ typedef struct {
     fake_port_t fake;
     gateway_counters_t counters;
     gateway_poller_t poller;
-    double k_xx;         /* what 2020h:1 reads as; 0: refused */
+    double k_xx; /* what 2020h:1 reads as; 0: refused */
     bool silent;
     unsigned reads;
     unsigned busy_at;    /* this read of 2020h:1, from 1 on, is refused: its memory is at work; 0: none */
@@ -43,10 +43,10 @@ typedef struct {
     bench_object_t objects[32]; /* given by the test */
     unsigned objects_given;
     const bench_object_t *upload; /* under way in segments; null: k_xx */
-    unsigned reads_of[32];      /* of the objects given */
-    unsigned event_at;          /* so many reads from now on `event` happens, before the answer; 0: never */
+    unsigned reads_of[32];        /* of the objects given */
+    unsigned event_at;            /* so many reads from now on `event` happens, before the answer; 0: never */
     void (*event)(void);
-    void (*on_write)(void);     /* null: nothing; `last_write` is what was written */
+    void (*on_write)(void); /* null: nothing; `last_write` is what was written */
 } bench_t;
 
 extern bench_t bench;

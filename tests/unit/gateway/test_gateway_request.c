@@ -47,7 +47,7 @@ static void test_every_length_of_the_header(void)
         frame[4] = (uint8_t)(length >> 8);
         frame[5] = (uint8_t)(length & 0xFFU);
         const gateway_frame_t found = gateway_tcp_frame(frame, sizeof frame, &size);
-        TEST_ASSERT_EQUAL_INT((length > 254U)  ? GATEWAY_FRAME_LOST
+        TEST_ASSERT_EQUAL_INT((length > 254U) ? GATEWAY_FRAME_LOST
                               : (length < 2U) ? GATEWAY_FRAME_SHORT
                                               : GATEWAY_FRAME_WHOLE,
                               found);
@@ -164,7 +164,7 @@ static void test_every_count_and_the_edges_of_the_map(void)
             const uint8_t data[4] = {(uint8_t)(edges[i] >> 8), (uint8_t)(edges[i] & 0xFFU), (uint8_t)(count >> 8),
                                      (uint8_t)(count & 0xFFU)};
             const gateway_exception_t wrong = judge(GATEWAY_READ_INPUT, data, sizeof data, &counter);
-            const gateway_exception_t wanted = (count == 0U || count > 125U)                ? GATEWAY_ILLEGAL_VALUE
+            const gateway_exception_t wanted = (count == 0U || count > 125U)            ? GATEWAY_ILLEGAL_VALUE
                                                : (edges[i] + count > GATEWAY_INPUT_END) ? GATEWAY_ILLEGAL_ADDRESS
                                                                                         : GATEWAY_OK;
             TEST_ASSERT_EQUAL_INT(wanted, wrong);
@@ -184,7 +184,7 @@ static void test_write_several_in_all_sizes(void)
             for (unsigned given = least; given <= announced + 1U && given <= 247U; given++) {
                 const gateway_exception_t wrong = judge(GATEWAY_WRITE_SEVERAL, data, 5U + given, &counter);
                 const bool good = given == announced && announced == 2U * count && count >= 1U && count <= 123U;
-                TEST_ASSERT_EQUAL_INT(!good                            ? GATEWAY_ILLEGAL_VALUE
+                TEST_ASSERT_EQUAL_INT(!good                           ? GATEWAY_ILLEGAL_VALUE
                                       : (count > GATEWAY_HOLDING_END) ? GATEWAY_ILLEGAL_ADDRESS
                                                                       : GATEWAY_OK,
                                       wrong);

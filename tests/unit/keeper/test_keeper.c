@@ -218,8 +218,7 @@ static void test_a_position_repeated_makes_a_new_result(void)
 static void test_a_result_overtaken_by_a_start_is_not_lost(void)
 {
     const tumble_can_frame_t heartbeat = {.id = 0x702, .length = 1, .data = {TUMBLE_NMT_OPERATIONAL}};
-    const tumble_can_frame_t start = {
-        .id = 0x601, .length = 8, .data = {0x2F, 0x02, 0x20, 0x02, TUMBLE_COMMAND_START}};
+    const tumble_can_frame_t start = {.id = 0x601, .length = 8, .data = {0x2F, 0x02, 0x20, 0x02, TUMBLE_COMMAND_START}};
     start_to_average(17);
     while ((bench_progress(&bench).run.samples < (BENCH_SAMPLES - 1U)) || (bench.fake.to_firmware.count < 2U)) {
         bench_event(&bench); /* until the last sample waits */

@@ -9,9 +9,10 @@
 #define UTC_S 1800000000U
 #define MONTH_S 2629746U
 
-static const char USUAL[] = "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 1e-4\n"
-                            "stand.angle_rad = 4e-5\nstand.limits = sigma1\noperator.mend_s = -1\n"
-                            "block.scale_v_per_g = 2\n";
+static const char USUAL[] =
+    "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 1e-4\n"
+    "stand.angle_rad = 4e-5\nstand.limits = sigma1\noperator.mend_s = -1\n"
+    "block.scale_v_per_g = 2\n";
 static const char *const BLOCK[] = {"block.k = 2.01 0.02 0.01 0.03 1.99 -0.02 0.01 0.04 2.00\n",
                                     "block.u0 = 0.03 0.01 -0.02\n", "block.noise_v = 1.5e-4 1.5e-4 1.5e-4\n"};
 
@@ -26,7 +27,7 @@ typedef struct attempt {
     tumble_verdict_t verdict;
     uint16_t objections; /* at least these */
     uint64_t utc_s;
-    uint64_t seed;       /* 0: another one each time */
+    uint64_t seed; /* 0: another one each time */
 } attempt_t;
 
 /* The usual lines, but of the block only those that `lines` do not give. */
@@ -48,8 +49,8 @@ static void run(const char *lines, uint64_t seed, uint64_t utc_s, void (*prepare
 {
     read_scenario((lines != NULL) ? lines : "");
     settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){
-        .sets = {.serial = "TB-0001", .settings = &settings}, .uncertainty = tumble_navcomp_uncertainty};
+    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
+                                             .uncertainty = tumble_navcomp_uncertainty};
     if (prepare != NULL) {
         prepare(seed);
     }

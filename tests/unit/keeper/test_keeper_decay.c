@@ -77,7 +77,8 @@ static void test_while_power_is_off(void)
     const tumble_set_t active = set_of(TUMBLE_SET_ACTIVE);
     tumble_history_entry_t entry;
     ASSERT_STATUS(TUMBLE_OK, tumble_history_read(&keeper.sets.history, 0, &entry));
-    TEST_ASSERT_TRUE((double)entry.value[0] == (double)(float)active.coefficients.k_v_per_g[0][0]); /* what counts now */
+    TEST_ASSERT_TRUE((double)entry.value[0] ==
+                     (double)(float)active.coefficients.k_v_per_g[0][0]); /* what counts now */
     events = 1;
     commit_one(3);
     assert_not_told();

@@ -18,19 +18,22 @@ typedef struct {
 
 /* Standard deviations, as in docs/method.md. */
 static const stand_t stands[] = {
-    {"paper", "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 4e-4\nstand.angle_rad = 4e-5\n"
-              "block.noise_v = 3e-4 3e-4 3e-4\n"},
-    {"angle", "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 4e-4\nstand.angle_rad = 2e-4\n"
-              "block.noise_v = 3e-5 3e-5 3e-5\nprocedure.gravity_limit_g = 1e-3\n"},
-    {"lab", "stand.axis_tilt_rad = 2e-4\nstand.level_rad = 5e-4\nstand.remount_rad = 2e-3\nstand.angle_rad = 2e-4\n"
-            "block.noise_v = 1e-4 1e-4 1e-4\nprocedure.gravity_limit_g = 1e-3\n"},
+    {"paper",
+     "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 4e-4\nstand.angle_rad = 4e-5\n"
+     "block.noise_v = 3e-4 3e-4 3e-4\n"},
+    {"angle",
+     "stand.axis_tilt_rad = 2e-5\nstand.level_rad = 2e-5\nstand.remount_rad = 4e-4\nstand.angle_rad = 2e-4\n"
+     "block.noise_v = 3e-5 3e-5 3e-5\nprocedure.gravity_limit_g = 1e-3\n"},
+    {"lab",
+     "stand.axis_tilt_rad = 2e-4\nstand.level_rad = 5e-4\nstand.remount_rad = 2e-3\nstand.angle_rad = 2e-4\n"
+     "block.noise_v = 1e-4 1e-4 1e-4\nprocedure.gravity_limit_g = 1e-3\n"},
 };
 
 typedef struct {
     uint32_t done;
-    uint32_t misfits;   /* with the objection */
-    uint32_t committed; /* without any */
-    uint32_t far;       /* committed, and some coefficient far off */
+    uint32_t misfits;    /* with the objection */
+    uint32_t committed;  /* without any */
+    uint32_t far;        /* committed, and some coefficient far off */
     uint32_t far_before; /* the same if nobody asked whether the run fits */
     double farthest;
     double farthest_before;
@@ -89,8 +92,8 @@ static void run(const stand_t *stand, const char *more, uint64_t seed, tally_t *
     TEST_ASSERT_NULL_MESSAGE(wrong, wrong);
     memory_init(&memory);
     settings = usual_settings();
-    keeper_config = (tumble_keeper_config_t){
-        .sets = {.serial = "TB-0001", .settings = &settings}, .uncertainty = tumble_navcomp_uncertainty};
+    keeper_config = (tumble_keeper_config_t){.sets = {.serial = "TB-0001", .settings = &settings},
+                                             .uncertainty = tumble_navcomp_uncertainty};
     world_power_on(seed, UTC_S);
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_command(&world.navcomp, TUMBLE_COMMAND_START, 0));
     bench_world_run(&world);
@@ -101,11 +104,12 @@ static void run(const stand_t *stand, const char *more, uint64_t seed, tally_t *
 static void tell(const char *what, const stand_t *stand, const tally_t *tally)
 {
     char text[240];
-    (void)snprintf(text, sizeof text,
-                   "%s, %s: %u judged, %u do not fit, %u committed, %u beyond 6 u (at most %.1f); without the objection "
-                   "%u (%.1f)",
-                   what, stand->name, (unsigned)tally->done, (unsigned)tally->misfits, (unsigned)tally->committed,
-                   (unsigned)tally->far, tally->farthest, (unsigned)tally->far_before, tally->farthest_before);
+    (void)snprintf(
+        text, sizeof text,
+        "%s, %s: %u judged, %u do not fit, %u committed, %u beyond 6 u (at most %.1f); without the objection "
+        "%u (%.1f)",
+        what, stand->name, (unsigned)tally->done, (unsigned)tally->misfits, (unsigned)tally->committed,
+        (unsigned)tally->far, tally->farthest, (unsigned)tally->far_before, tally->farthest_before);
     TEST_MESSAGE(text);
 }
 

@@ -5,10 +5,10 @@
 
 static void assert_inhibited_everywhere(void)
 {
-    static const tumble_command_t refused[] = {TUMBLE_COMMAND_START,           TUMBLE_COMMAND_RESUME,
-                                               TUMBLE_COMMAND_CONFIRM_MOUNTING, TUMBLE_COMMAND_REPEAT_POSITION,
-                                               TUMBLE_COMMAND_REPEAT_MOUNTING,  TUMBLE_COMMAND_HOME_AXIS,
-                                               TUMBLE_COMMAND_TURN_AXIS};
+    static const tumble_command_t refused[] = {
+        TUMBLE_COMMAND_START,           TUMBLE_COMMAND_RESUME,          TUMBLE_COMMAND_CONFIRM_MOUNTING,
+        TUMBLE_COMMAND_REPEAT_POSITION, TUMBLE_COMMAND_REPEAT_MOUNTING, TUMBLE_COMMAND_HOME_AXIS,
+        TUMBLE_COMMAND_TURN_AXIS};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         const uint32_t before = tumble_sets_counters(&keeper.sets)->inhibited;
         TEST_ASSERT_EQUAL(TUMBLE_E_STATE, tell(refused[i]));
@@ -192,7 +192,7 @@ static void test_a_validator_homes_and_turns_the_table(void)
     for (size_t i = 0; i < COUNT_OF(beyond); i++) {
         ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_navcomp_turn(&bench.navcomp, beyond[i]));
     }
-    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge()); /* a run homes again by itself */
+    TEST_ASSERT_EQUAL(TUMBLE_VERDICT_COMMITTED, run_and_judge());        /* a run homes again by itself */
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_turn(&bench.navcomp, 10.0)); /* and in DONE it may turn again */
 }
 

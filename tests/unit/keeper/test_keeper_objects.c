@@ -9,9 +9,10 @@ static void test_every_object_answers(void)
     const unsigned with_one = count_answers(&tumble_keeper_table);
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const unsigned with_both = count_answers(&tumble_keeper_table);
-    printf("values that answer: %u, with an active set %u, with a proposal %u; rows %u and %u, the latter of %u bytes\n",
-           before, with_one, with_both, (unsigned)tumble_navcomp_table.count, (unsigned)tumble_keeper_table.count,
-           (unsigned)(tumble_keeper_table.count * sizeof(tumble_entry_t)));
+    printf(
+        "values that answer: %u, with an active set %u, with a proposal %u; rows %u and %u, the latter of %u bytes\n",
+        before, with_one, with_both, (unsigned)tumble_navcomp_table.count, (unsigned)tumble_keeper_table.count,
+        (unsigned)(tumble_keeper_table.count * sizeof(tumble_entry_t)));
     TEST_ASSERT_TRUE((before < with_one) && (with_one < with_both));
     TEST_ASSERT_TRUE(count_answers(&tumble_navcomp_table) > 100U);
 }
@@ -88,8 +89,8 @@ static void test_what_a_set_does_not_know_is_refused(void)
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2116, 3));
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2116, 6));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2023, 1));
-    const uint32_t bits = TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN) |
-                          TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST);
+    const uint32_t bits =
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_FIRST);
     TEST_ASSERT_NOT_EQUAL(0, read_number(0x2102, 13, 4) & bits);
 }
 

@@ -10,7 +10,8 @@ static void test_a_held_proposal_is_recognised_beside_a_set_before(void)
     assert_verdict_after(2e-3, TUMBLE_VERDICT_HELD);
     const tumble_set_t held = set_of(TUMBLE_SET_PROPOSAL);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_REPEATED, run_and_judge());
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
+    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) |
+                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE),
                             state_of_keeper().objections);
     TEST_ASSERT_EQUAL_UINT32(1, tumble_sets_counters(&keeper.sets)->held);
     const tumble_set_t still = set_of(TUMBLE_SET_PROPOSAL);

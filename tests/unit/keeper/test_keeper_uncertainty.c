@@ -15,8 +15,7 @@ static tumble_status_t count_call(const tumble_navcomp_t *navcomp, uint16_t coef
     asked[calls] = coefficients;
     asked_at[calls] = bench.events;
     calls++;
-    return (calls == fails_at) ? TUMBLE_E_NOT_FINITE
-                               : tumble_navcomp_uncertainty(navcomp, coefficients, uncertainty);
+    return (calls == fails_at) ? TUMBLE_E_NOT_FINITE : tumble_navcomp_uncertainty(navcomp, coefficients, uncertainty);
 }
 
 static void set_up(void)

@@ -6,8 +6,8 @@
 #define MOST 65535U
 #define FAR ((int32_t)TUMBLE_MAX_DEVIATION_COUNTS)
 
-static const tumble_averaging_config_t usual = {.saturation_counts = FULL_SCALE, .min_samples = 1,
-                                                .stillness_ratio = 1.0F};
+static const tumble_averaging_config_t usual = {
+    .saturation_counts = FULL_SCALE, .min_samples = 1, .stillness_ratio = 1.0F};
 static tumble_averaging_config_t config;
 static tumble_at_rest_t at_rest;
 static uint16_t counter;
@@ -98,11 +98,11 @@ static void test_volts_and_their_sign(void)
 
 /* Near the end of the range with little noise, around 0, and scattered over a million counts: exact fractions, square
  * roots of 60 digits. */
-static const int32_t thirteen[13][3] = {
-    {-7999974, 1, 8245731},  {-8000005, 0, 7517158},  {-7999987, 1, 8181539}, {-7999973, -1, 7960145},
-    {-7999964, -2, 8112615}, {-8000021, -1, 7935517}, {-8000079, 3, 7948984}, {-7999982, 2, 8207237},
-    {-7999951, 2, 7620569},  {-8000007, 3, 8377099},  {-8000029, -3, 8066201}, {-7999997, -2, 7619637},
-    {-8000082, -2, 8106095}};
+static const int32_t thirteen[13][3] = {{-7999974, 1, 8245731},  {-8000005, 0, 7517158},  {-7999987, 1, 8181539},
+                                        {-7999973, -1, 7960145}, {-7999964, -2, 8112615}, {-8000021, -1, 7935517},
+                                        {-8000079, 3, 7948984},  {-7999982, 2, 8207237},  {-7999951, 2, 7620569},
+                                        {-8000007, 3, 8377099},  {-8000029, -3, 8066201}, {-7999997, -2, 7619637},
+                                        {-8000082, -2, 8106095}};
 static const double thirteen_mean[3] = {-0x1.e8480fb13b13bp+22, 0x1.3b13b13b13b14p-4, 0x1.e7ce0989d89d9p+22};
 static const double thirteen_deviation[3] = {0x1.445848e66a0afp+5, 0x1.07adff98e35aap+1, 0x1.01c7ff0d14164p+18};
 

@@ -103,7 +103,8 @@ static void test_boot_up_then_heartbeats_as_operational(void)
     TEST_ASSERT_EQUAL_HEX8(0, sent[0].data[0]);
     TEST_ASSERT_EQUAL_HEX16(0x202, sent[1].id); /* both process data once, on becoming Operational: quick stop, ... */
     TEST_ASSERT_EQUAL_HEX8(2, sent[1].data[0]);
-    TEST_ASSERT_TRUE((sent[2].id == 0x181U) && (sent[3].id == 0x6C1U)); /* ... and the states of calibration and level */
+    TEST_ASSERT_TRUE((sent[2].id == 0x181U) &&
+                     (sent[3].id == 0x6C1U)); /* ... and the states of calibration and level */
     for (uint64_t beat = 1; beat <= 20U; beat++) {
         TEST_ASSERT_EQUAL_UINT64(beat * 100000U, tumble_navcomp_next_deadline_us(&bench.navcomp));
         bench.fake.now_us = beat * 100000U;

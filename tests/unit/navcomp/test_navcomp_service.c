@@ -230,8 +230,8 @@ static void test_a_repeated_position_out_of_done_is_a_run(void)
 /* Each entry of the table that has the level, with the value that it has already: the level is all that keeps it out. */
 static void test_every_object_of_that_level_asks_for_it(void)
 {
-    static const uint16_t wanted[] = {0x1016, 0x1017, 0x1029, 0x1400, 0x1401, 0x1600, 0x1601,
-                                      0x1800, 0x1801, 0x1A00, 0x1A01, 0x2050};
+    static const uint16_t wanted[] = {0x1016, 0x1017, 0x1029, 0x1400, 0x1401, 0x1600,
+                                      0x1601, 0x1800, 0x1801, 0x1A00, 0x1A01, 0x2050};
     unsigned found = 0;
     for (uint8_t i = 0; i < tumble_navcomp_table.count; i++) {
         const tumble_entry_t *entry = &tumble_navcomp_table.entries[i];

@@ -1,8 +1,8 @@
 /* The uncertainties that the navigation computer states: those of its own result, estimator, samples and stand. */
-#include "tumble/core.h"
 #include "gain_bench.h"
 #include "navcomp/uncertainty.h"
 #include "sim_bench.h"
+#include "tumble/core.h"
 
 static tumble_uncertainty_t stated;
 

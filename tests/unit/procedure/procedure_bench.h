@@ -41,9 +41,9 @@ typedef struct {
     int32_t noise_counts; /* uniform, plus or minus */
     uint8_t channel[3];   /* which one comes out where */
     double sign[3];
-    double slip_deg;      /* of the block against the table's report */
-    double drift_v;       /* added to every output */
-    int32_t add_counts;   /* to channel 0, every other sample */
+    double slip_deg;    /* of the block against the table's report */
+    double drift_v;     /* added to every output */
+    int32_t add_counts; /* to channel 0, every other sample */
     bool dead[3];
     bool silent;
     bool frozen_time;
@@ -66,14 +66,14 @@ typedef struct {
     fake_stand_t stand;
     fake_block_t block;
     uint64_t now_us;
-    uint64_t step_us;         /* a step every so many us; 0: none but for the computing at the end */
-    uint8_t mounted;          /* index of the mounting that is really on the table */
+    uint64_t step_us; /* a step every so many us; 0: none but for the computing at the end */
+    uint8_t mounted;  /* index of the mounting that is really on the table */
     bool operator_is_away;
-    uint8_t operator_mounts;  /* UINT8_MAX: what is asked for; else this one, whatever is asked for */
+    uint8_t operator_mounts; /* UINT8_MAX: what is asked for; else this one, whatever is asked for */
     unsigned confirmations;
     uint32_t highest_ordinal; /* of the last sample taken */
     uint8_t last_index;
-    uint32_t visited;         /* states seen after a step, one bit each */
+    uint32_t visited; /* states seen after a step, one bit each */
 } bench_t;
 
 extern bench_t bench; /* the one under test; who compares runs has more */

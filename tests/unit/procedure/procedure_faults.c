@@ -4,7 +4,10 @@ static tumble_position_t spoilt[18];
 static tumble_schedule_t schedule;
 
 #define ACT(name, act)                                                                                                 \
-    static void name(bench_t *b) { act; }
+    static void name(bench_t *b)                                                                                       \
+    {                                                                                                                  \
+        act;                                                                                                           \
+    }
 
 static void use_copy_of_paper(bench_t *b)
 {

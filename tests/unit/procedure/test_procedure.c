@@ -135,9 +135,12 @@ static void test_schedule_with_check_positions_and_interleaved_mountings(void)
         {7, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, LEVEL},
     };
     static const tumble_position_t positions[] = {
-        {1, 1, TUMBLE_USE_FIT, {0.0, 0.0, 1.0}},    {7, 1, TUMBLE_USE_FIT, {0.0, 0.0, 1.0}},
-        {1, 2, TUMBLE_USE_FIT, {90.0, 1.0, 0.0}},   {7, 2, TUMBLE_USE_FIT, {180.0, 0.0, -1.0}},
-        {1, 3, TUMBLE_USE_FIT, {180.0, 0.0, -1.0}}, {7, 3, TUMBLE_USE_FIT, {270.0, -1.0, 0.0}},
+        {1, 1, TUMBLE_USE_FIT, {0.0, 0.0, 1.0}},
+        {7, 1, TUMBLE_USE_FIT, {0.0, 0.0, 1.0}},
+        {1, 2, TUMBLE_USE_FIT, {90.0, 1.0, 0.0}},
+        {7, 2, TUMBLE_USE_FIT, {180.0, 0.0, -1.0}},
+        {1, 3, TUMBLE_USE_FIT, {180.0, 0.0, -1.0}},
+        {7, 3, TUMBLE_USE_FIT, {270.0, -1.0, 0.0}},
         {1, 4, TUMBLE_USE_CHECK, {30.0, 0.5, 0.8660254037844386}},
     };
     static const tumble_schedule_t schedule = {mountings, positions, 2, 7};

@@ -47,8 +47,8 @@ static void test_an_approach_as_long_as_the_step(void)
 /* A cable that ends at 0 leaves no way up to 0: a turn further is the same attitude. */
 static void test_an_equivalent_turn_within_the_cable(void)
 {
-    static const double expected_deg[] = {360,      40, 45, 90, 135, 180, 225, 270, 315, 360,
-                                          355, 360, 40, 45, 90, 135, 180, 225, 270, 315, 360};
+    static const double expected_deg[] = {360, 40, 45, 90, 135, 180, 225, 270, 315, 360, 355,
+                                          360, 40, 45, 90, 135, 180, 225, 270, 315, 360};
     bench.config.cable_min_deg = 0.0;
     bench.config.cable_max_deg = 360.0;
     run();

@@ -1,7 +1,7 @@
 /* The procedure with the stand-optimal estimator: it solves with the record, and never without a right one. */
-#include "tumble/core.h"
 #include "gain_bench.h"
 #include "procedure_bench.h"
+#include "tumble/core.h"
 
 static gain_bytes_t record;
 static tumble_optimal_t work;

@@ -78,8 +78,7 @@ static void assert_same_result(const bench_t *a, const bench_t *b)
     TEST_ASSERT_EQUAL_MEMORY(first.check->delta_g_g, second.check->delta_g_g, sizeof first.check->delta_g_g);
     for (uint8_t p = 0; p < POSITIONS; p++) {
         TEST_ASSERT_EQUAL_MEMORY(&tumble_procedure_averages(&a->procedure)->averages[p],
-                                 &tumble_procedure_averages(&b->procedure)->averages[p],
-                                 sizeof(tumble_average_t));
+                                 &tumble_procedure_averages(&b->procedure)->averages[p], sizeof(tumble_average_t));
     }
     for (uint8_t m = 0; m < 2U; m++) {
         ASSERT_SAME_DOUBLE(tumble_procedure_closure_g(&a->procedure, m), tumble_procedure_closure_g(&b->procedure, m));
@@ -147,7 +146,7 @@ static void test_a_mounting_touched_meanwhile_is_repeated(void)
 static void test_only_the_first_confirmation_keeps(void)
 {
     start_to_cut(&cut, 12, 3); /* mounting 1 whole, three of mounting 2 */
-    is_kept[4] = false;      /* and one of mounting 1 was lost */
+    is_kept[4] = false;        /* and one of mounting 1 was lost */
     bench_init(&resumed);
     restore_all(&resumed);
     ASSERT_STATUS(TUMBLE_OK, tumble_procedure_resume(&resumed.procedure));

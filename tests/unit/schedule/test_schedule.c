@@ -59,9 +59,8 @@ static void test_the_paper_is_valid(void)
 static void test_attitudes_on_a_tilted_axis_follow_the_model(void)
 {
     dice_t dice = {1};
-    static const tumble_angle_t tilts[] = {LEVEL,
-                                           {5.0, 0.08715574274765818, 0.99619469809174555},
-                                           {-20.0, -0.34202014332566871, 0.93969262078590843}};
+    static const tumble_angle_t tilts[] = {
+        LEVEL, {5.0, 0.08715574274765818, 0.99619469809174555}, {-20.0, -0.34202014332566871, 0.93969262078590843}};
     for (int round = 0; round < 500; round++) {
         tumble_mounting_t mountings[2] = {{.number = 3, .tilt = LEVEL}, {.number = 9}};
         random_rotation(&dice, mountings[0].matrix);
@@ -106,9 +105,8 @@ static void test_look_ups_go_by_number_not_by_order(void)
 {
     static const tumble_mounting_t mountings[] = {{7, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, LEVEL},
                                                   {4, {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, LEVEL}};
-    static const tumble_position_t positions[] = {{4, 8, TUMBLE_USE_FIT, LEVEL},
-                                                  {7, 8, TUMBLE_USE_FIT, LEVEL},
-                                                  {4, 200, TUMBLE_USE_CHECK, LEVEL}};
+    static const tumble_position_t positions[] = {
+        {4, 8, TUMBLE_USE_FIT, LEVEL}, {7, 8, TUMBLE_USE_FIT, LEVEL}, {4, 200, TUMBLE_USE_CHECK, LEVEL}};
     static const tumble_schedule_t schedule = {mountings, positions, 2, 3};
     TEST_ASSERT_EQUAL_UINT8(0, tumble_schedule_find(&schedule, 4, 8));
     TEST_ASSERT_EQUAL_UINT8(1, tumble_schedule_find(&schedule, 7, 8));

@@ -124,7 +124,8 @@ static void test_numbers_and_order_do_not_matter(void)
 
 static void test_extra_positions_and_mountings_do_no_harm(void)
 {
-    const tumble_angle_t angles[] = {steps_of_7_5_deg[3], {405.0, positions[1].angle.sine, positions[1].angle.cosine},
+    const tumble_angle_t angles[] = {steps_of_7_5_deg[3],
+                                     {405.0, positions[1].angle.sine, positions[1].angle.cosine},
                                      {-45.0, positions[7].angle.sine, positions[7].angle.cosine}};
     mountings[2] = mountings[0];
     mountings[2].number = 3;

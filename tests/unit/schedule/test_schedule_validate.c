@@ -17,8 +17,8 @@ static void set_up(void)
         mountings[m].number = (uint8_t)(m + 1U);
     }
     for (unsigned p = 0; p < COUNT_OF(positions); p++) {
-        positions[p] = (tumble_position_t){(uint8_t)(p % 2U + 1U), (uint8_t)(p / 2U + 1U), TUMBLE_USE_FIT,
-                                           steps_of_7_5_deg[p]};
+        positions[p] =
+            (tumble_position_t){(uint8_t)(p % 2U + 1U), (uint8_t)(p / 2U + 1U), TUMBLE_USE_FIT, steps_of_7_5_deg[p]};
     }
     schedule = (tumble_schedule_t){mountings, positions, 2, 4};
 }
@@ -147,14 +147,13 @@ static void test_a_rotation_is_orthonormal_to_1e_9(void)
 static void test_matrices_that_are_not_proper_rotations(void)
 {
     static const double improper[][3][3] = {
-        {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},  /* one axis reflected */
-        {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, /* the point reflection */
-        {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},   /* two axes exchanged */
-        {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}},   /* a scale */
-        {{1, 0, 0}, {1, 0, 0}, {0, 0, 1}},   /* two equal rows */
-        {{1, 0, 0}, {0, 1, 0}, {0, 1, 0}},   /* the same, below */
-        {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
-        {{1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}}, /* a shear */
+        {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},                                        /* one axis reflected */
+        {{-1, 0, 0}, {0, -1, 0}, {0, 0, -1}},                                      /* the point reflection */
+        {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},                                         /* two axes exchanged */
+        {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}},                                         /* a scale */
+        {{1, 0, 0}, {1, 0, 0}, {0, 0, 1}},                                         /* two equal rows */
+        {{1, 0, 0}, {0, 1, 0}, {0, 1, 0}},                                         /* the same, below */
+        {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}},    {{1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}}, /* a shear */
     };
     for (size_t i = 0; i < COUNT_OF(improper); i++) {
         memcpy(mountings[1].matrix, improper[i], sizeof improper[i]);

@@ -216,7 +216,7 @@ static void test_homing_can_be_interrupted(void)
     command_for(100, 0x001F, 0);
     command_for(5, 0x000F, 0);
     TEST_ASSERT_EQUAL_HEX16(0, heard.statusword & 0x3400U); /* it still brakes */
-    expect_status_after(1000, REACHED, 0x3400U); /* interrupted: reached, not attained */
+    expect_status_after(1000, REACHED, 0x3400U);            /* interrupted: reached, not attained */
     TEST_ASSERT_TRUE(virtual_clock.now_us > sim_axis_end_us(&drive.axis));
 }
 

@@ -1,7 +1,7 @@
 /* The geometry of a block on an imperfect stand, against the formulas written out by themselves, rotation by rotation.
  */
-#include "simulation/geometry.h"
 #include "model.h"
+#include "simulation/geometry.h"
 #include "support.h"
 
 #include <math.h>

@@ -13,7 +13,15 @@ fake_port_t port;
 #define DUMMY(index, type, size)                                                                                       \
     {index, 0, type, TUMBLE_HOME_IMMEDIATE, TUMBLE_ACCESS_WRITE | TUMBLE_ACCESS_MAP_RECEIVE, size, 0, 0, 0, 0}
 #define MIRROR(sub, type, access, size, member)                                                                        \
-    {TUMBLE_DRIVE402_MIRROR, sub, type, TUMBLE_HOME_OTHER, access, size, 0, 0, 0,                                      \
+    {TUMBLE_DRIVE402_MIRROR,                                                                                           \
+     sub,                                                                                                              \
+     type,                                                                                                             \
+     TUMBLE_HOME_OTHER,                                                                                                \
+     access,                                                                                                           \
+     size,                                                                                                             \
+     0,                                                                                                                \
+     0,                                                                                                                \
+     0,                                                                                                                \
      offsetof(tumble_drive_mirror_t, member)}
 
 static const tumble_entry_t own_entries[] = {
@@ -97,8 +105,12 @@ void run_to(tumble_stand_state_t state, unsigned most_ms)
 
 tumble_status_t drive_init(const tumble_drive_profile_t *profile, uint8_t drive_node)
 {
-    const tumble_stand_setup_t setup = {.profile = profile, .node = &bench.node, .mirror = &bench.mirror,
-                                        .cable_min_deg = -30.0, .cable_max_deg = 400.0, .stand_node = drive_node};
+    const tumble_stand_setup_t setup = {.profile = profile,
+                                        .node = &bench.node,
+                                        .mirror = &bench.mirror,
+                                        .cable_min_deg = -30.0,
+                                        .cable_max_deg = 400.0,
+                                        .stand_node = drive_node};
     return tumble_drive402_kind.init(&bench.drive, &setup);
 }
 
@@ -203,10 +215,13 @@ void assert_moves_again(void)
 
 const tumble_drive_pdo_t common_receive[] = {
     {0, {.cob_id = 0x202, .type = 255, .count = 2, .map = {0x60400010, 0x607A0020}}}};
-const tumble_drive_pdo_t common_transmit[] = {
-    {0,
-     {.cob_id = 0x40000182, .type = 255, .count = 2, .inhibit_100us = 7, .event_ms = 10,
-      .map = {0x60410010, 0x60640020}}}};
+const tumble_drive_pdo_t common_transmit[] = {{0,
+                                               {.cob_id = 0x40000182,
+                                                .type = 255,
+                                                .count = 2,
+                                                .inhibit_100us = 7,
+                                                .event_ms = 10,
+                                                .map = {0x60410010, 0x60640020}}}};
 const tumble_drive_profile_t common = {
     .counts_per_revolution = 36000.0,
     .velocity_units_per_deg_s = 100.0,

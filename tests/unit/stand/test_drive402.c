@@ -192,7 +192,7 @@ static void test_stop_by_halt_leaves_no_old_set_point(void)
     stop_at_rest();
     TEST_ASSERT_EQUAL_HEX16(0x010F, played.control);
     const unsigned before = played.control_count;
-    go_home(); /* the mode is not changed under Halt */
+    go_home();                                                        /* the mode is not changed under Halt */
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* power off clears what Halt held back */
 }
 

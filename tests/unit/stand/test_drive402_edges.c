@@ -221,8 +221,8 @@ static void test_an_answer_is_followed_up_at_once(void)
             (void)tumble_node_receive(&bench.node, &frame, port.now_us);
             answered = (frame.id == (0x580U + SCRIPTED_DRIVE_NODE));
         }
-        TEST_ASSERT_EQUAL_UINT64(answered ? 0U : TUMBLE_NEVER, bench.drive.restart_timer ? TUMBLE_NEVER
-                                                                   : tumble_drive402_kind.next_us(&bench.drive));
+        TEST_ASSERT_EQUAL_UINT64(answered ? 0U : TUMBLE_NEVER,
+                                 bench.drive.restart_timer ? TUMBLE_NEVER : tumble_drive402_kind.next_us(&bench.drive));
         tumble_drive402_kind.step(&bench.drive, port.now_us);
         tumble_node_step(&bench.node, port.now_us);
         while (fake_port_take(&port, &frame)) {

@@ -12,7 +12,7 @@ static void test_a_fault_of_the_drive(void)
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->move(bench.stand.self, 1.0));
     ASSERT_STATUS(TUMBLE_E_STAND_STATE, bench.stand.kind->home(bench.stand.self));
     const unsigned before = played.control_count;
-    recover(TUMBLE_STAND_STOPPED); /* homed all the while */
+    recover(TUMBLE_STAND_STOPPED);                                    /* homed all the while */
     TEST_ASSERT_EQUAL_HEX16(0x0000, played.controls[before].control); /* the edge of bit 7 */
     TEST_ASSERT_EQUAL_HEX16(0x0080, played.controls[before + 1U].control);
     TEST_ASSERT_EQUAL_HEX16(0x0006, played.controls[before + 2U].control);

@@ -331,8 +331,8 @@ static void test_our_process_data_are_mended(void)
 {
     bench_setup(&common);
     const tumble_pdo_setup_t other = {.cob_id = 0x80000202U, .type = 255};
-    TEST_ASSERT_EQUAL_HEX32(0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0,
-                                                    &other));
+    TEST_ASSERT_EQUAL_HEX32(
+        0, tumble_pdo_configure(&bench.node.pdos, &bench.node.dictionary, TUMBLE_PDO_TRANSMIT, 0, &other));
     boot_drive();
     TEST_ASSERT_EQUAL_HEX32(0x202, bench.node.pdos.transmit[0].pdo.cob_id);
     TEST_ASSERT_EQUAL_UINT8(2, bench.node.pdos.transmit[0].pdo.count);

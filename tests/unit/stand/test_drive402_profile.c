@@ -52,7 +52,7 @@ static tumble_drive_profile_t other_profile(void)
 static void test_all_quantities(void)
 {
     static const scripted_write_t expected[] = {
-        {0x6081, 0, 4, 100}, {0x6083, 0, 4, 400}, {0x6084, 0, 4, 600}, {0x6085, 0, 4, 800},
+        {0x6081, 0, 4, 100}, {0x6083, 0, 4, 400}, {0x6084, 0, 4, 600},  {0x6085, 0, 4, 800},
         {0x6099, 1, 4, 500}, {0x6099, 2, 4, 600}, {0x609A, 0, 4, 1400},
     };
     tumble_drive_profile_t profile = common;
@@ -174,9 +174,9 @@ static void test_rounding(void)
 #define EXPECT_BAD(change)                                                                                             \
     do {                                                                                                               \
         tumble_drive_profile_t profile = common;                                                                       \
-        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                                     \
+        ASSERT_STATUS(TUMBLE_OK, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                            \
         profile.change;                                                                                                \
-        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                             \
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_drive402_validate(&profile, SCRIPTED_MASTER_NODE));                    \
     } while (0)
 
 static void test_profiles_that_cannot_be(void)
@@ -199,8 +199,8 @@ static void test_profiles_that_cannot_be(void)
     EXPECT_BAD(sign = 0);
     EXPECT_BAD(sign = 2);
     EXPECT_BAD(wrap_counts = 0x80000000U);
-    EXPECT_BAD(velocity_deg_s = 0.004);  /* rounds to nothing */
-    EXPECT_BAD(velocity_deg_s = 4.3e7);  /* more than 32 bits */
+    EXPECT_BAD(velocity_deg_s = 0.004); /* rounds to nothing */
+    EXPECT_BAD(velocity_deg_s = 4.3e7); /* more than 32 bits */
     EXPECT_BAD(velocity_deg_s = -1.0);
     EXPECT_BAD(homing_slow_deg_s = (double)NAN);
     EXPECT_BAD(stop = 2);
@@ -226,8 +226,8 @@ static void test_profiles_that_cannot_be(void)
 /* NMT, SYNC, EMCY, TIME, SDO, the block, heartbeats, what CiA 301 reserves; our own; 29 bits; switched off. */
 static void test_identifiers_that_are_taken(void)
 {
-    static const uint32_t taken[] = {0x000, 0x080, 0x081, 0x0FF, 0x100,      0x180,     0x181,     0x580, 0x582, 0x602,
-                                     0x683, 0x693, 0x6E0, 0x702, 0x80000202, 0x20000202};
+    static const uint32_t taken[] = {0x000, 0x080, 0x081, 0x0FF, 0x100, 0x180, 0x181,      0x580,
+                                     0x582, 0x602, 0x683, 0x693, 0x6E0, 0x702, 0x80000202, 0x20000202};
     static const uint32_t free_ids[] = {0x183, 0x201, 0x40000203, 0x57F};
     tumble_drive_pdo_t receive = common_receive[0];
     tumble_drive_profile_t profile = common;

@@ -1,7 +1,7 @@
 /* The commit rules: every rule, both sides of every limit. K is twice the identity and all other numbers are powers of two
  * or 3, 4, 5 times them, so that what is compared is exact and one unit in the last place decides. */
-#include "tumble/sets.h"
 #include "support.h"
+#include "tumble/sets.h"
 
 #define TINY 0x1p-12 /* unit of uncertainties, V/g and V */
 
@@ -56,8 +56,7 @@ static uint16_t judge(void)
     return tumble_commit_objections(&candidate, &active, &limits, false);
 }
 
-#define ASSERT_OBJECTION(objection)                                                                                    \
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_##objection), judge())
+#define ASSERT_OBJECTION(objection) TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_##objection), judge())
 #define ASSERT_NONE() TEST_ASSERT_EQUAL_HEX16(0, judge())
 
 static void test_a_good_set_is_committed(void)
@@ -219,8 +218,8 @@ static void test_drift_is_allowed_for_so_many_months_at_most(void)
     const struct {
         uint64_t later_s;
         double allowed;
-    } cases[] = {{23U * month_s, before}, {24U * month_s, most}, {(24U * month_s) + 1U, most}, {25U * month_s, most},
-                 {1200U * month_s, most}, {UINT64_MAX - 1700000000U, most}};
+    } cases[] = {{23U * month_s, before}, {24U * month_s, most},   {(24U * month_s) + 1U, most},
+                 {25U * month_s, most},   {1200U * month_s, most}, {UINT64_MAX - 1700000000U, most}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         candidate.date_utc_s = active.date_utc_s + cases[i].later_s;
         candidate.coefficients.u0_v[1] = cases[i].allowed;
@@ -324,14 +323,12 @@ static void test_objections_add_up(void)
     *uncertainty(&candidate, 2) = 1.0;
     candidate.date_utc_s = 1;
     limits.flags = 0;
-    TEST_ASSERT_EQUAL_HEX16(TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_GRAVITY_CHECK) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAIN) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OLDER) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) |
-                                TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_BY_HAND),
-                            tumble_commit_objections(&candidate, &active, &limits, true));
+    TEST_ASSERT_EQUAL_HEX16(
+        TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_GRAVITY_CHECK) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_BLOCK) |
+            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_CHANGE) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_UNCERTAIN) |
+            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OLDER) | TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_REPLAYED) |
+            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_BY_HAND),
+        tumble_commit_objections(&candidate, &active, &limits, true));
 }
 
 static void test_numbers_names_and_sentences(void)

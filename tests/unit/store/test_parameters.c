@@ -34,11 +34,13 @@ typedef struct {
 static const tumble_limit_t limits[] = {{0.0, 100.0}};
 
 static const tumble_entry_t entries[] = {
-    VAR(0x2050, 1, U32, 4, 0, u32[0], 0),  VAR(0x2050, 2, U8, 1, 1, u8[0], 0),    VAR(0x2050, 3, U16, 2, 0, u16[0], 0),
-    VAR(0x2050, 4, U8, 1, 0, u8[1], 0),    VAR(0x2050, 5, F64, 8, 0, f64[0], 0),  VAR(0x2122, 1, F64, 8, 0, f64[1], 0),
-    VAR(0x2122, 2, U32, 4, 0, u32[1], 0),  VAR(0x2122, 3, U32, 4, 0, u32[2], 0),  VAR(0x2122, 4, U16, 2, 0, u16[1], 0),
-    VAR(0x2122, 5, U8, 1, 0, u8[2], 0),    VAR(0x2122, 6, U8, 1, 0, u8[3], 0),    VAR(0x2123, 1, F32, 4, 0, f32[36], 0),
-    VAR(0x2123, 2, U8, 1, 0, u8[4], 0),    VAR(0x2124, 1, F32, 4, 0, f32[0], 11),
+    VAR(0x2050, 1, U32, 4, 0, u32[0], 0),   VAR(0x2050, 2, U8, 1, 1, u8[0], 0),
+    VAR(0x2050, 3, U16, 2, 0, u16[0], 0),   VAR(0x2050, 4, U8, 1, 0, u8[1], 0),
+    VAR(0x2050, 5, F64, 8, 0, f64[0], 0),   VAR(0x2122, 1, F64, 8, 0, f64[1], 0),
+    VAR(0x2122, 2, U32, 4, 0, u32[1], 0),   VAR(0x2122, 3, U32, 4, 0, u32[2], 0),
+    VAR(0x2122, 4, U16, 2, 0, u16[1], 0),   VAR(0x2122, 5, U8, 1, 0, u8[2], 0),
+    VAR(0x2122, 6, U8, 1, 0, u8[3], 0),     VAR(0x2123, 1, F32, 4, 0, f32[36], 0),
+    VAR(0x2123, 2, U8, 1, 0, u8[4], 0),     VAR(0x2124, 1, F32, 4, 0, f32[0], 11),
     VAR(0x2125, 1, F32, 4, 0, f32[12], 11), VAR(0x2126, 1, F32, 4, 0, f32[24], 11)};
 
 static const tumble_object_table_t table = {
@@ -241,10 +243,11 @@ static void test_the_bytes_are_those_described(void)
 /* A record of other firmware: objects that are not there, values out of their limits, lengths that lie. */
 static void test_what_the_dictionary_refuses_is_counted_and_left(void)
 {
-    static const uint8_t values[] = {0x50, 0x20, 3,   4, 1, 0, 0, 0, 1, 101, 2, 7, 0, /* 2050h:2 is beyond its limit */
-                                     0x77, 0x77, 1,   1, 9,                           /* no such object */
-                                     0x22, 0x21, 1,   1, 5,                           /* not that value's length */
-                                     0x23, 0x21, 200, 4, 0, 0, 0x80, 0x3F, 99, 0};    /* beyond the end */
+    static const uint8_t values[] = {0x50, 0x20, 3,   4, 1, 0, 0,    0,    1,  101,
+                                     2,    7,    0,                                /* 2050h:2 is beyond its limit */
+                                     0x77, 0x77, 1,   1, 9,                        /* no such object */
+                                     0x22, 0x21, 1,   1, 5,                        /* not that value's length */
+                                     0x23, 0x21, 200, 4, 0, 0, 0x80, 0x3F, 99, 0}; /* beyond the end */
     uint8_t record[TUMBLE_PARAMETERS_BYTES] = "TPAR\1";
     tumble_put_u16(&record[6], sizeof values);
     tumble_put_u32(&record[8], 77);
@@ -343,7 +346,7 @@ static state_t look(void)
 }
 
 static const scenario_t saving = {"save", prepare, boot, job, look};
-static const done_t all_kinds[] = {DONE_NOTHING,      DONE_ALL,       DONE_QUARTER,    DONE_HALF,     DONE_BUT_LAST,
+static const done_t all_kinds[] = {DONE_NOTHING,     DONE_ALL,       DONE_QUARTER,    DONE_HALF,      DONE_BUT_LAST,
                                    DONE_SECOND_HALF, DONE_SOME_BITS, DONE_SOME_BYTES, DONE_ANY_VALUES};
 static const fault_list_t all_faults = {all_kinds, sizeof all_kinds / sizeof all_kinds[0]};
 

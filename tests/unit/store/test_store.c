@@ -86,7 +86,7 @@ static void test_a_memory_that_does_not_fit_is_refused(void)
     assert_status(TUMBLE_E_ARGUMENT, tumble_store_init(&jobs_store, NULL));
     nv.read = NULL;
     assert_status(TUMBLE_E_ARGUMENT, tumble_store_init(&jobs_store, &nv));
-    static const uint32_t wrong[][3] = {{7U * 4096U, 4096, 8}, {8U * 4096U, 2048, 8}, {8U * 4096U, 4096, 0},
+    static const uint32_t wrong[][3] = {{7U * 4096U, 4096, 8},  {8U * 4096U, 2048, 8},  {8U * 4096U, 4096, 0},
                                         {8U * 4096U, 4096, 64}, {8U * 4096U, 4096, 12}, {8U * 4100U, 4100, 8}};
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
         nv = memory.nv;

@@ -1,6 +1,6 @@
 /* The checkpoint of a run undisturbed: what is kept, and what is refused. Disturbed: test_store_power.c. */
-#include "store_logs.h"
 #include "sets/record.h"
+#include "store_logs.h"
 #include "support.h"
 
 static nv_memory_t memory;

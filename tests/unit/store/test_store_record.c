@@ -70,8 +70,12 @@ static void test_every_number_must_be_one_and_in_its_range(void)
 {
     double *const any[] = {&set.coefficients.k_v_per_g[0][0], &set.coefficients.k_v_per_g[2][2],
                            &set.coefficients.u0_v[2], &set.temperature_c};
-    double *const not_negative[] = {&set.uncertainty.k_v_per_g[0][0], &set.uncertainty.u0_v[2], &set.max_abs_fit_g,
-                                    &set.max_abs_check_g, &set.limit_g, &set.closure_v};
+    double *const not_negative[] = {&set.uncertainty.k_v_per_g[0][0],
+                                    &set.uncertainty.u0_v[2],
+                                    &set.max_abs_fit_g,
+                                    &set.max_abs_check_g,
+                                    &set.limit_g,
+                                    &set.closure_v};
     for (size_t i = 0; i < COUNT_OF(any); i++) {
         *any[i] = (i % 2U == 0U) ? NOT_A_NUMBER : INFINITE;
         assert_encodes(TUMBLE_E_NOT_FINITE);
@@ -132,11 +136,11 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
         uint16_t flags;
         tumble_status_t status;
     } wrong[] = {
-        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},  {12, 6, 0x3F, TUMBLE_E_ARGUMENT},  {14, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
-        {15, 0x80, 0x3F, TUMBLE_E_ARGUMENT}, {39, 'x', 0x3F, TUMBLE_E_ARGUMENT}, {294, 1, 0x3F, TUMBLE_E_FRAME},
-        {295, 1, 0x3F, TUMBLE_E_FRAME},    {48, 1, 0x3E, TUMBLE_E_FRAME},     {56, 1, 0x3D, TUMBLE_E_FRAME},
-        {255, 1, 0x3B, TUMBLE_E_FRAME},    {279, 1, 0x37, TUMBLE_E_FRAME},    {287, 1, 0x2F, TUMBLE_E_FRAME},
-        {64, 0x7F, 0x3F, TUMBLE_OK},       {167, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
+        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},    {12, 6, 0x3F, TUMBLE_E_ARGUMENT},     {14, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
+        {15, 0x80, 0x3F, TUMBLE_E_ARGUMENT}, {39, 'x', 0x3F, TUMBLE_E_ARGUMENT},   {294, 1, 0x3F, TUMBLE_E_FRAME},
+        {295, 1, 0x3F, TUMBLE_E_FRAME},      {48, 1, 0x3E, TUMBLE_E_FRAME},        {56, 1, 0x3D, TUMBLE_E_FRAME},
+        {255, 1, 0x3B, TUMBLE_E_FRAME},      {279, 1, 0x37, TUMBLE_E_FRAME},       {287, 1, 0x2F, TUMBLE_E_FRAME},
+        {64, 0x7F, 0x3F, TUMBLE_OK},         {167, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
     };
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
         set = set_of(3);

@@ -1,6 +1,6 @@
 /* The weighted straight line against the textbook's sums, and what is refused. */
-#include "tumble/sets.h"
 #include "support.h"
+#include "tumble/sets.h"
 
 static tumble_trend_sums_t sums;
 static tumble_trend_t trend;

@@ -187,8 +187,8 @@ static void test_a_stand_out_of_range_is_refused(void)
     for (int source = 0; source < 6; source++) {
         const double largest = (source < 4) ? TUMBLE_MAX_STAND_SIGMA_RAD : TUMBLE_MAX_MEAN_V;
         tumble_stand_record_t stand = no_errors;
-        double *const sigmas[] = {&stand.axis_tilt_rad, &stand.level_rad, &stand.remount_rad, &stand.angle_rad,
-                                  &stand.noise_v, &stand.least_noise_v};
+        double *const sigmas[] = {&stand.axis_tilt_rad, &stand.level_rad, &stand.remount_rad,
+                                  &stand.angle_rad,     &stand.noise_v,   &stand.least_noise_v};
         const tumble_judged_run_t run = run_on_paper(&stand, &straight);
         *sigmas[source] = largest;
         (void)judged(tumble_uncertainty_refined, &run);

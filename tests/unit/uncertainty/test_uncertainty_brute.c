@@ -17,8 +17,7 @@ static void gains_of(estimator_t *estimator, const tumble_schedule_t *schedule, 
             means.u_v[p][i] = 1.0;
             const tumble_coefficients_t unit = estimate_with(estimator, schedule, &means);
             for (size_t row = 0; row < 12U; row++) {
-                gains[row * columns + column] =
-                    (row < 9U) ? unit.k_v_per_g[row / 3U][row % 3U] : unit.u0_v[row - 9U];
+                gains[row * columns + column] = (row < 9U) ? unit.k_v_per_g[row / 3U][row % 3U] : unit.u0_v[row - 9U];
             }
             column++;
         }

@@ -2,8 +2,8 @@
 #ifndef TUMBLE_TESTS_UNIT_UNCERTAINTY_BENCH_H
 #define TUMBLE_TESTS_UNIT_UNCERTAINTY_BENCH_H
 
-#include "tumble/core.h"
 #include "estimator_bench.h"
+#include "tumble/core.h"
 
 typedef tumble_status_t judge_t(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,
                                 tumble_refusal_t *refusal);
@@ -22,7 +22,7 @@ static inline tumble_uncertainty_t judged(judge_t *judge, const tumble_judged_ru
 }
 
 static inline void assert_uncertainties(const double k[3][3], const double u0[3], const tumble_uncertainty_t *found,
-                                 double relative)
+                                        double relative)
 {
     double largest = 0.0;
     for (int cell = 0; cell < 12; cell++) {
