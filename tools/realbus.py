@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux: each
-file of tests in a machine of its own, as many side by side as there are processors.
+"""Run tests/realbus on virtual CAN interfaces: here, as root where the kernel has vcan, else inside user-mode Linux,
+each file of tests in a machine of its own, as many side by side as there are processors.
 
 Exit 0 passed, 1 failed, 77 neither is to be had: the last line says why.
 """
@@ -11,9 +11,9 @@ import shutil
 import subprocess
 import sys
 import threading
-import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / part) for part in ("host/python/src", "build/host/python")]

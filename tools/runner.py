@@ -92,8 +92,8 @@ def gate(log, *commands, env=None):
 
 
 def pytest(log, *arguments, env=None, shared=None):
-    """The tests that pytest ran, from its own report. `shared`: on every processor, shared out as xdist does by that name;
-    numpy then has one thread for each."""
+    """The tests that pytest ran, from its own report. `shared`: on every processor, shared out as xdist does by that
+    name; numpy then has one thread for each."""
     report = log.path.with_suffix(".xml")
     report.unlink(missing_ok=True)
     command = [sys.executable, "-m", "pytest", "-q", "-ra", f"--junitxml={report}"]

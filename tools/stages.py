@@ -73,7 +73,7 @@ def paths(preset):
 
 
 def package(chosen, *arguments, shared="worksteal"):
-    """The tests of the package and of its programs that a marker chooses; `shared`: how the processors share them out."""
+    """The tests of the package and of its programs that a marker chooses, shared out to the processors."""
     options = ("tests/integration", "-m", chosen, *arguments)
     return lambda log: pytest(log, *options, env={"PYTHONPATH": paths("host")}, shared=shared)
 

@@ -49,7 +49,7 @@ def fresh_seed(request):
 
 @pytest.fixture
 def tumble():
-    """Run `tumble ...` in a process of its own; its output is text. With an environment of its own it is started anew, for
+    """Run `tumble ...` in a process of its own; its output is text. With an environment of its own it is started anew:
     Python may look at that as it begins."""
 
     def run(*arguments, cwd=None, timeout=120, **environment):

@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import validation
 from conftest import EXAMPLES, ROOT
 from fixture_table import FAULT, LIMITS, U0, K, PlayedTable, PlayedTime, limits, read_limits
-import validation
 from validation import can_link, harmonic, judge, report, runs, samples, session
 from validation.errors import CommunicationError
 from validation.judge import Verdict

@@ -74,7 +74,7 @@ def test_the_tutorial_leads_to_coefficients(tumble, tmp_path):
     """Its commands, one after the other as a reader gives them."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     text = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
-    steps = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n(?:\n```text\n(.*?)```)?", text, re.S)
+    steps = re.findall(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n(?:\n```text\n(.*?)```)?", text, re.DOTALL)
     assert len(steps) == text.count("$ ./tools/tumble ") == 4
     for command, shown in steps:
         done = tumble(*shlex.split(command), cwd=tmp_path)

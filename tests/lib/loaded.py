@@ -1,6 +1,6 @@
 """Processes that have the command line loaded when they begin: forks of one that loads it once.
 
-Each is a process of its own, as `python -m tumble` is: its output, exit code, working directory and signals are its own.
+Each is a process of its own, as `python -m tumble` is, with its own output, exit code, working directory and signals.
 What it saves is the loading, which takes longer than most commands. Not for a test of how Python itself starts.
 """
 
@@ -37,7 +37,7 @@ def _command(arguments, cwd, environment, streams):
     """The command, where a new process would be."""
     for number, stream in enumerate([os.open(os.devnull, os.O_RDONLY), *(stream.detach() for stream in streams)]):
         os.dup2(stream, number)
-    sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")
+    sys.stdin, sys.stdout, sys.stderr = os.fdopen(0), os.fdopen(1, "w"), os.fdopen(2, "w")
     os.environ.clear()
     os.environ.update(environment)
     if cwd is not None:

@@ -34,9 +34,9 @@ how the gateway behaves; [modbus.csv](modbus.csv) is the same table for scripts.
 SETTINGS = """\
 To write a setting, stage its number in register {setting} and its value, an f64, in {value}; Execute writes it. The
 type of the object must be able to hold the value: a whole number within the type's range, or a finite number, which is
-rounded for an f32. The object says what else is allowed ([canopen.md](canopen.md)); the node refuses the rest. A setting
-of level `service` is sent only for the session that has opened the service level: the one that wrote the key, setting
-{key}, last ([service-level.md](service-level.md)).
+rounded for an f32. The object says what else is allowed ([canopen.md](canopen.md)); the node refuses the rest. A
+setting of level `service` is sent only for the session that has opened the service level: the one that wrote the key,
+setting {key}, last ([service-level.md](service-level.md)).
 """
 
 
