@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-import validation
 from conftest import EXAMPLES, ROOT
 from fixture_table import FAULT, LIMITS, U0, K, PlayedTable, PlayedTime, limits, read_limits
 from validation import can_link, harmonic, judge, report, runs, samples, session
@@ -27,7 +26,7 @@ DATA = ("level", "remounting", "support")
 def clock(monkeypatch):
     """The time of every module of the scripts."""
     played = PlayedTime()
-    for module in pkgutil.iter_modules(validation.__path__, "validation."):
+    for module in pkgutil.iter_modules(import_module("validation").__path__, "validation."):
         if not module.name.endswith("__main__") and hasattr(import_module(module.name), "time"):
             monkeypatch.setattr(f"{module.name}.time", played)
     return played
