@@ -137,6 +137,7 @@ def test_every_stage_has_a_name_of_its_own():
 
 def test_what_needs_real_time_or_a_toolchain_is_not_in_virtual_time():
     """A marker that pytest did not know, or a stage that asked for none, would let it in."""
-    chosen = run(PYTHON, "-m", "pytest", "-q", "--collect-only", "tests/integration", "-m", stages.VIRTUAL).stdout
+    collect = (PYTHON, "-m", "pytest", "-q", "--collect-only", "tests/integration", "-m", stages.VIRTUAL)
+    chosen = run(*collect, PYTHONPATH=stages.paths("host")).stdout
     assert "test_bad_runs.py" in chosen
     assert not re.search(r"test_(gateway_(serial|crowds|registers)|bench_signals|zcu102|cortex_m4|interop)\.py", chosen)
