@@ -105,8 +105,16 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         tumble_put_u32(bytes, tumble_service_runs(navcomp));
         refusal = TUMBLE_ABORT_NONE;
         break;
-    default: /* the counters, 2030h to 2034h */
+    case TUMBLE_NAVCOMP_INDEX_BUS_COUNTERS:
+    case TUMBLE_NAVCOMP_INDEX_NODE_COUNTERS:
+    case TUMBLE_NAVCOMP_INDEX_BLOCK_COUNTERS:
+    case TUMBLE_NAVCOMP_INDEX_AVERAGING_COUNTERS:
+    case TUMBLE_NAVCOMP_INDEX_PROCEDURE_COUNTERS:
+    case TUMBLE_NAVCOMP_INDEX_STOP_COUNTERS:
         refusal = read_counters(navcomp, entry, bytes, size);
+        break;
+    default: /* Refuse an object that has come into the table without a case here: it is not the counters. */
+        refusal = TUMBLE_ABORT_GENERAL;
         break;
     }
     return refusal;
