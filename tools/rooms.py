@@ -267,7 +267,7 @@ def check_size(_root, path):
 def c_functions(text):
     """(first line, lines) of every function body: a brace at depth 0 that follows a closing parenthesis."""
     depth, begin, before = 0, None, ""
-    text = blank_strings(without_comments(text))
+    text = blank_strings(re.sub(r'extern "C" \{', "", without_comments(text)))  # its functions are at depth 0 as well
     for match in re.finditer(r"[{}]|[^\s{}]", text):
         mark, line = match[0], text.count("\n", 0, match.start()) + 1
         if mark == "{":

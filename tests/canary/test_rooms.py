@@ -82,6 +82,11 @@ DEFECTS = {
     ),
     "long file": ("firmware/core/means.c", "int a;\n" * 401, "1: 401 lines; a file may have 400"),
     "long C function": ("firmware/core/means.c", LONG_FUNCTION_C, "2: function of 82 lines"),
+    "long C function for C++ too": (
+        "firmware/include/tumble/port.h",
+        'extern "C" {\n' + LONG_FUNCTION_C + "}\n",
+        "3: function of 82 lines",
+    ),
     "long Python function": ("tools/demo.py", "def f():\n" + "    pass\n" * 80, "1: function of 81 lines"),
 }
 
