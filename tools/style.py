@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 C_FOLDERS = ("boards", "examples", "firmware", "host", "tests", "tools")
 RUFF_CACHE = ("--cache-dir", "build/style/ruff")
 NOT_THERE = 77
+MOST_TOLD = 160  # characters of a command that is shown
 
 
 def layout(fix):
@@ -39,7 +40,8 @@ def run(program, *arguments):
     found = shutil.which(program, path=str(Path(sys.executable).parent))
     if found is None:
         return NOT_THERE
-    print("$", program, *arguments[:3], flush=True)
+    told = f"$ {program} {' '.join(map(str, arguments))}"
+    print(told if len(told) <= MOST_TOLD else f"{told[:MOST_TOLD]}...", flush=True)
     return 1 if subprocess.run([found, *arguments], cwd=ROOT, stderr=subprocess.STDOUT).returncode else 0
 
 
