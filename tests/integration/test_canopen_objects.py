@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.real_time
-
 ROOT = Path(__file__).resolve().parents[2]
 GENERATE = ROOT / "tools" / "objects" / "generate"
 PRODUCTS = (
