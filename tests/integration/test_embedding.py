@@ -28,7 +28,7 @@ def run(*command, cwd=None, **more):
 def test_the_page_shows_the_file():
     assert f"```c\n{PROGRAM}```" in PAGE
     assert PROGRAM.count("\n") <= 60
-    assert set(re.findall(r'#include "(.*?)/', PROGRAM)) == {"tumble"}
+    assert set(re.findall(r'#include "(.*?)"', PROGRAM)) == {"embed_board.h", "tumble/sets.h"}
 
 
 def result(text):
@@ -62,6 +62,64 @@ def test_the_program_finds_the_block_that_is_played(tmp_path):
     assert run("sh", "-c", command, cwd=tmp_path) == OUTPUT
     run("cc", *STRICT, "-Ifirmware/include", "-fsyntax-only", "examples/embed.c", "examples/embed_board.c",
         cwd=tmp_path)
+
+
+FAULTY_BOARD = """
+#define board_memory good_memory
+#define board_sample good_sample
+#include "embed_board.c"
+#undef board_memory
+#undef board_sample
+#include <stdio.h>
+
+int embed(void);
+const tumble_sample_t *board_sample(uint8_t position);
+extern const tumble_nv_t board_memory;
+static int fails;
+
+static tumble_status_t erase_or_fail(void *context, uint32_t offset)
+{
+    return (fails == 'e') ? TUMBLE_E_NV : erase(context, offset);
+}
+
+static tumble_status_t program_or_fail(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size)
+{
+    return (fails == 'p') ? TUMBLE_E_NV : program(context, offset, bytes, size);
+}
+
+const tumble_nv_t board_memory = {NULL, sizeof flash, SECTOR, 8, erase_or_fail, program_or_fail, read};
+
+const tumble_sample_t *board_sample(uint8_t position) /* a fault: mounting 2 is mounted 45 degrees off */
+{
+    return good_sample((uint8_t)(((fails == 'g') && (position > 9U)) ? (position - 1U) : position));
+}
+
+int main(int count, char **arguments)
+{
+    embed(); /* nothing fails: a set is kept */
+    printf("then\\n");
+    fails = arguments[count - 1][0];
+    return embed();
+}
+"""
+
+
+@pytest.mark.slow
+@needs_cc
+def test_what_fails_is_said_and_no_old_set_is_shown(tmp_path):
+    """With a set in the memory, a new one that is not kept: a sentence, exit 1, and no coefficients."""
+    (tmp_path / "board.c").write_text(FAULTY_BOARD)
+    flags = ["-std=c11", "-ffp-contract=off", "-Iexamples", "-Ifirmware/include", "-Ifirmware"]
+    sources = sorted([*(ROOT / "firmware/core").glob("*.c"), *(ROOT / "firmware/sets").glob("*.c")])
+    run("cc", *flags, "-Dmain=embed", "-c", "examples/embed.c", "-o", tmp_path / "embed.o", cwd=ROOT)
+    run("cc", *flags, tmp_path / "board.c", tmp_path / "embed.o", *sources, "-lm", "-o", tmp_path / "embed", cwd=ROOT)
+    memory = "the non-volatile memory failed, or has no such place\n"
+    sentences = {"erase": memory, "program": memory, "gravity": "the gravity check failed: nothing is kept\n"}
+    for fault, sentence in sentences.items():
+        done = subprocess.run([tmp_path / "embed", fault], env=ENVIRONMENT, capture_output=True, text=True)
+        good, _, bad = done.stdout.partition("then\n")
+        assert good == OUTPUT and bad == sentence, fault
+        assert done.returncode == 1
 
 
 def test_what_it_finds_is_the_truth_within_its_uncertainty():
