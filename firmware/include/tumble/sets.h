@@ -778,8 +778,9 @@ typedef struct {
 static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
- * for as long as the owner likes, and call tumble_sets_booted. If the memory is not busy by then, the active set is
- * known at once; otherwise it is read step by step, and until then there is no set.
+ * for as long as the owner likes, and call tumble_sets_booted with `opened`, the status that tumble_sets_init returned.
+ * If that is TUMBLE_OK and the memory is not busy by then, the active set is known at once. If the memory is still busy,
+ * the set is read step by step, and until then there is none. After TUMBLE_E_NV there is none, and nothing is kept.
  * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no configuration, a serial number or settings out of range, no memory behind
  * the port); TUMBLE_E_NV (tumble_regions_check). */
 tumble_status_t tumble_sets_init(tumble_sets_t *sets, const tumble_sets_config_t *config,
