@@ -48,6 +48,15 @@
 extern "C" {
 #endif
 
+/* ---- The compiler's arithmetic. */
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "compile without -ffast-math and -ffinite-math-only: results would differ, and what is not a number would pass"
+#endif
+
+static_assert(sizeof(double) == 8U, "a double has 64 bits");
+static_assert(sizeof(1.0) == sizeof(double), "compile without -fsingle-precision-constant: results would differ");
+
 /* ---- Sizes: compile-time constants, and the relations between them that must hold. ---- */
 
 #define TUMBLE_CHANNELS 3
