@@ -148,18 +148,24 @@ def test_its_costs_are_those_of_the_budget():
 
 @needs_cc
 def test_the_program_of_the_readme(tumble, tmp_path):
-    """It takes the means of a recorded run, and says of its first position what `solve` says."""
-    program = re.search(r"```c\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
+    """By the page's command; from the means of a recorded run what the page shows, and of its first position what
+    `solve` says. Without means, or with bad ones, exit code 1 and nothing else."""
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    program, shown = re.search(r"```c\n(.*?)```.*?```text\n(.*?)```", readme, re.DOTALL).groups()
+    command = re.search(r"`(cc .*? main)`", readme)[1]
     assert program.count("\n") <= 20
     (tmp_path / "main.c").write_text(program)
-    sources = sorted((ROOT / "firmware/core").glob("*.c"))
-    flags = ["-ffp-contract=off", f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware"]
-    run("cc", *STRICT, *flags, tmp_path / "main.c", *sources, "-lm", "-o", tmp_path / "main")
+    (tmp_path / "firmware").symlink_to(ROOT / "firmware")
+    run("sh", "-c", command.replace("cc ", f"cc {' '.join(STRICT)} "), cwd=tmp_path)
     solved = json.loads(tumble("solve", EXAMPLES / "paper_stand.csv", "--json").stdout)
     text = "\n".join(" ".join(map(repr, mean["mean"])) for mean in solved["means"])
-    rows = np.array(re.findall(r"[-+]\d+\.\d+", run(tmp_path / "main", input=text)), float).reshape(3, 4)
+    assert run(tmp_path / "main", input=text) == shown
+    rows = np.array(re.findall(r"[-+]\d+\.\d+", shown), float).reshape(3, 4)
     force = np.linalg.solve(solved["K"], np.subtract(solved["means"][0]["mean"], solved["U0"]))
     assert rows == pytest.approx(np.c_[solved["K"], force], abs=6e-7)
     truth = json.loads((EXAMPLES / "paper_stand.truth.json").read_text())
     assert rows[:, :3] == pytest.approx(np.array(truth["K"]), abs=1e-3)
-    assert subprocess.run([tmp_path / "main"], input="1 2", capture_output=True, text=True).returncode == 1
+    slipped = text.replace(text.splitlines()[4], text.splitlines()[3])  # the table has not turned
+    for bad in ("1 2", "0 0 0\n" * 18, "\n".join(text.splitlines()[:17]), slipped):
+        done = subprocess.run([tmp_path / "main"], input=bad, capture_output=True, text=True)
+        assert (done.returncode, done.stdout) == (1, "")
