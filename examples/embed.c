@@ -1,10 +1,8 @@
 /* embed.c - average, solve, verify, keep and apply, in a program of your own. */
+#include "embed_board.h"
 #include "tumble/sets.h"
 #include <stdio.h>
 #include <stdlib.h>
-
-extern const tumble_nv_t board_memory; /* a board supplies memory and samples; here embed_board.c plays them */
-void board_sample(uint8_t position, tumble_sample_t *sample);
 
 static void must(tumble_status_t status)
 {
@@ -12,6 +10,13 @@ static void must(tumble_status_t status)
         puts(tumble_status_sentence(status));
         exit(1);
     }
+}
+
+static void settle(tumble_store_t *store, tumble_status_t status) /* a control loop makes one step in each cycle */
+{
+    while ((status == TUMBLE_OK) && tumble_store_busy(store))
+        (void)tumble_store_step(store);
+    must((status == TUMBLE_OK) ? tumble_store_outcome(store) : status);
 }
 
 int main(void)
@@ -25,16 +30,12 @@ int main(void)
     const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &set.coefficients, NULL, NULL, 0};
     tumble_calibration_t calibration;
     tumble_gravity_check_t check;
-    tumble_sample_t sample = {.counter = 0};
     double a_g[TUMBLE_CHANNELS];
-
     must(tumble_averaging_init(&averaging, &gates));
     for (uint8_t position = 0; position < run.schedule->position_count; position++) { /* turn the table, let it rest */
         must(tumble_averaging_begin(&averaging, position));
-        while (tumble_averaging_samples(&averaging) < gates.min_samples) {
-            board_sample(position, &sample);
-            must(tumble_averaging_add(&averaging, &gates, &sample));
-        }
+        while (tumble_averaging_samples(&averaging) < gates.min_samples)
+            must(tumble_averaging_add(&averaging, &gates, board_sample(position)));
         must(tumble_averaging_finish(&averaging, &gates));
     }
     must(tumble_averaging_means(&averaging, 1e-6, &means)); /* 1e-6 V per count */
@@ -42,16 +43,15 @@ int main(void)
     must(tumble_uncertainty_refined(&run, &set.uncertainty, NULL));
     must(tumble_calibration_invert(&set.coefficients, &calibration));
     must(tumble_gravity_check(run.schedule, &means, &calibration, 3e-4, &check));
-
-    must(tumble_store_init(&store, &board_memory)); /* nothing waits: a control loop makes one step in each cycle */
-    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
+    if (!check.pass) {
+        puts("the gravity check failed: nothing is kept");
+        return 1;
     }
-    must(check.pass ? tumble_store_commit(&store, &set) : TUMBLE_E_STATE);
-    while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
-    }
+    settle(&store, tumble_store_init(&store, &board_memory));
+    settle(&store, tumble_store_commit(&store, &set));
     must(tumble_store_read(&store, TUMBLE_SET_ACTIVE, &kept));
     must(tumble_calibration_invert(&kept.coefficients, &calibration));
-    tumble_calibration_apply_counts(&calibration, 1e-6, sample.counts, a_g);
+    tumble_calibration_apply_counts(&calibration, 1e-6, board_sample(17)->counts, a_g);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *k = kept.coefficients.k_v_per_g[i], *u = kept.uncertainty.k_v_per_g[i];
         printf("K  %+.6f %+.6f %+.6f V/g  +- %.6f %.6f %.6f\n", k[0], k[1], k[2], u[0], u[1], u[2]);

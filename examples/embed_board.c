@@ -1,7 +1,6 @@
 /* embed_board.c - the board of examples/embed.c, played: a block of known coefficients on an ideal stand, and a memory
  * like flash. On a real board these are the drivers of converter and flash. */
-#include "tumble/core.h"
-#include "tumble/port.h"
+#include "embed_board.h"
 
 #include <string.h>
 
@@ -12,22 +11,20 @@ static const double K[3][3] = {{2.0, 0.03, -0.02}, {-0.02, -1.9, 0.03}, {0.02, -
 static const double U0[3] = {0.1, -0.2, 0.3};
 static uint8_t flash[8U * SECTOR];
 
-/* What embed.c declares. */
-extern const tumble_nv_t board_memory;
-void board_sample(uint8_t position, tumble_sample_t *sample);
-
 /* The next sample, with noise: evenly spread over 512 counts, a standard deviation of 148. */
-void board_sample(uint8_t position, tumble_sample_t *sample)
+const tumble_sample_t *board_sample(uint8_t position)
 {
+    static tumble_sample_t sample;
     static uint32_t dice;
     double a_g[3];
     tumble_schedule_attitude(&tumble_schedule_paper, position, a_g);
-    sample->counter++;
+    sample.counter++;
     for (int i = 0; i < 3; i++) {
         dice = (dice * 1664525U) + 1013904223U;
         const double u_v = U0[i] + (K[i][0] * a_g[0]) + (K[i][1] * a_g[1]) + (K[i][2] * a_g[2]);
-        sample->counts[i] = (int32_t)(u_v / V_PER_COUNT) + (int32_t)(dice >> 23) - 256;
+        sample.counts[i] = (int32_t)(u_v / V_PER_COUNT) + (int32_t)(dice >> 23) - 256;
     }
+    return &sample;
 }
 
 static tumble_status_t erase(void *context, uint32_t offset)

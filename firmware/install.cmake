@@ -19,5 +19,20 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tumble-config-version.cmake DESTINATIO
 
 file(RELATIVE_PATH up ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX}) # the prefix may move
 string(REGEX REPLACE "/$" "" up ${up})
-configure_file(tumble.pc.in tumble.pc @ONLY)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tumble.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+foreach(name tumble-core tumble)
+  configure_file(${name}.pc.in ${name}.pc @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
+
+# The licence stands in the repository's root. A copy of this folder has it within or beside it, where the licence of
+# somebody else may stand, too: the notice tells.
+foreach(folder ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/..)
+  set(notice "")
+  if(EXISTS ${folder}/LICENSE AND EXISTS ${folder}/NOTICE)
+    file(STRINGS ${folder}/NOTICE notice LIMIT_COUNT 1)
+  endif()
+  if(notice STREQUAL "Tumble")
+    install(FILES ${folder}/LICENSE ${folder}/NOTICE DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/tumble)
+    break()
+  endif()
+endforeach()

@@ -81,11 +81,14 @@ def check_find_package(prefix, tmp_path):
 
 
 def check_pkg_config(prefix, program):
+    """`tumble-core` brings neither the computer nor the headers of the rooms."""
     asked = ["env", f"PKG_CONFIG_PATH={prefix}/lib/pkgconfig", "pkg-config"]
-    assert run(*asked, "--modversion", "tumble").strip() == VERSION
-    run(*asked, "--exists", "tumble >= 99", code=1)
-    flags = run(*asked, "--cflags", "--libs", "tumble").split()
-    for source, said in (("consumer.c", SAID), ("computer.c", SAID_BY_COMPUTER)):
+    for package, source, said in (("tumble", "consumer.c", SAID), ("tumble", "computer.c", SAID_BY_COMPUTER),
+                                  ("tumble-core", "consumer.c", SAID)):
+        assert run(*asked, "--modversion", package).strip() == VERSION
+        run(*asked, "--exists", f"{package} >= 99", code=1)
+        flags = run(*asked, "--cflags", "--libs", package).split()
+        assert ("-ltumble_navcomp" in flags, any("rooms" in flag for flag in flags)) == 2 * (package == "tumble",)
         run("cc", CONSUMERS / source, *flags, "-o", program)
         assert run(program) == said
 
@@ -102,7 +105,7 @@ def test_firmware_alone_in_a_folder(tmp_path):
     """Without the rest of the repository. The consumer's warning stays a warning: none of ours applies to it."""
     shutil.copytree(ROOT / "firmware", tmp_path / "vendor")
     configured(tmp_path / "vendor", tmp_path / "top")
-    assert (tmp_path / "top/tumble.pc").exists()  # by itself it installs, too
+    assert (tmp_path / "top/tumble-core.pc").exists()  # by itself it installs, too
     said = built(CONSUMERS / "add_subdirectory", tmp_path / "build", f"-DTUMBLE_FIRMWARE={tmp_path / 'vendor'}",
                  "-DCMAKE_C_FLAGS=-Wall")
     assert "unused variable" in said
@@ -110,6 +113,51 @@ def test_firmware_alone_in_a_folder(tmp_path):
     ours = re.search(r"-Wall .*-Werror", (ROOT / "cmake/flags.cmake").read_text())[0].split()
     assert "unused variable" in run("cc", *ours, f"-I{ROOT}/firmware/include", "-c", CONSUMERS / "consumer.c", "-o",
                                     tmp_path / "refused.o", code=1)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_the_licence_comes_along(beside, tmp_path):
+    """Of a copy with it, within or beside; not that of somebody else, which stands beside a copy without."""
+    vendor = shutil.copytree(ROOT / "firmware", tmp_path / "vendor/firmware")
+    for name in ("LICENSE", "NOTICE"):
+        shutil.copy(ROOT / name, vendor.parent if beside else vendor)
+    if not beside:
+        (vendor.parent / "LICENSE").write_text("mine\n")
+        (vendor.parent / "NOTICE").write_text("mine\n")
+    assert installed_licence(vendor, tmp_path / "with") == (ROOT / "LICENSE").read_bytes()
+    if not beside:
+        (vendor / "LICENSE").unlink()
+        assert installed_licence(vendor, tmp_path / "without") is None
+
+
+def installed_licence(source, build):
+    configured(source, build)
+    run("cmake", "--build", build)
+    run("cmake", "--install", build, "--prefix", build / "prefix")
+    path = build / "prefix/share/doc/tumble/LICENSE"
+    assert path.exists() == path.with_name("NOTICE").exists()
+    return path.read_bytes() if path.exists() else None
+
+
+def test_a_library_that_exports_its_own_targets(tmp_path):
+    """Its user finds both packages; without Tumble installed along with it CMake refuses the export."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/mine.c").write_text("#include <tumble/core.h>\nconst char *mine(void);\n"
+                                          "const char *mine(void) { return tumble_status_name(TUMBLE_OK); }\n")
+    (tmp_path / "mine/CMakeLists.txt").write_text(f"""
+cmake_minimum_required(VERSION 3.22)
+project(mine LANGUAGES C)
+add_subdirectory({ROOT}/firmware tumble)
+add_library(mine mine.c)
+target_link_libraries(mine PUBLIC tumble::core)
+install(TARGETS mine EXPORT mine)
+install(EXPORT mine FILE mine-targets.cmake NAMESPACE mine:: DESTINATION lib/cmake/mine)
+""")
+    assert "tumble_core" in configured(tmp_path / "mine", tmp_path / "refused", code=1)
+    built(tmp_path / "mine", tmp_path / "build", "-DTUMBLE_INSTALL=ON", targets=("all",))
+    run("cmake", "--install", tmp_path / "build", "--prefix", tmp_path / "prefix")
+    assert "tumble::core" in (tmp_path / "prefix/lib/cmake/mine/mine-targets.cmake").read_text()
+    assert (tmp_path / "prefix/lib/cmake/tumble/tumble-config.cmake").exists()
 
 
 @needs("arm-none-eabi-gcc")
@@ -122,7 +170,7 @@ def test_bare_metal(toolchain, tmp_path):
     assert not re.search("optimal|misfit|_seen|checkpoint|tumble_estimate_least", symbols)
     page = (ROOT / "docs/embedding.md").read_text(encoding="utf-8")
     if toolchain == "its own":
-        told_kb = float(re.search(r"takes ([0-9.]+) kB of Tumble's code", page)[1])
+        told_kb = float(re.search(r"takes about ([0-9.]+) kB of Tumble's code", page)[1])
         assert told_kb == pytest.approx(code_bytes(tmp_path / "consumer.map") / 1000, rel=0.1)  # compilers differ
     if shutil.which("qemu-system-arm"):
         assert run(*QEMU, tmp_path / "consumer") == re.search(r"```text\n(K .*?)```", page, re.DOTALL)[1]
@@ -145,6 +193,20 @@ def test_a_board_outside_the_repository(tmp_path):
     assert (verdicts.count("passed "), verdicts.count("skipped "), verdicts.count("FAILED")) == (20, 2, 0)
     assert "FAILED   all 2048 identifiers: a frame does not arrive" in run(build / "board/loses", code=1)
     assert not (build / "host").exists()
+
+
+def test_without_a_build_system(tmp_path):
+    """The page's commands, with the options that the libraries are compiled with."""
+    page = (ROOT / "docs/embedding.md").read_text(encoding="utf-8")
+    commands = re.search(r"```console\n(\$ options=.*?)```", page, re.DOTALL)[1].replace("$ ", "")
+    cmake = (ROOT / "firmware/CMakeLists.txt").read_text()
+    private = re.search(r"target_compile_options\(.*?PRIVATE(.*?)\)", cmake, re.DOTALL)[1]
+    assert set(re.findall(r"-f[\w=-]+", re.sub("#.*", "", private))) <= set(commands.replace('"', " ").split())
+    for folder in ("firmware", "tests"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    commands = commands.replace("find firmware", "find firmware/")  # here it is a link
+    run("sh", "-e", "-c", f"cd '{tmp_path}'\n{commands}")
+    assert (run(tmp_path / "consumer"), run(tmp_path / "computer")) == (SAID, SAID_BY_COMPUTER)
 
 
 def sources_of(build):

@@ -19,9 +19,9 @@ def includes_of(name):
     return INCLUDES if name in ("navcomp.h", "stand.h") else INCLUDES[1:]
 
 
-def compile_text(text, dialect, includes):
+def compile_text(text, dialect, includes, *flags):
     """The compiler's complaints about a program; none: it compiles."""
-    command = DIALECTS[dialect]
+    command = [*DIALECTS[dialect], *flags]
     if shutil.which(command[0]) is None:
         pytest.skip(f"no {command[0]}")
     done = subprocess.run([*command, *STRICT, *includes, "-"], input=text, cwd=ROOT, text=True, capture_output=True)
@@ -56,6 +56,17 @@ def test_the_example_compiles(name):
                                          ("stand.h", "tumble_stand_kind_t table_kind = {")])
 def test_a_door_shows_an_example(name, shown):
     assert shown in example_of(name)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only", "-fsingle-precision-constant"])
+def test_other_arithmetic_is_refused(flag, dialect):
+    """By a sentence that names the flag, or the one that it brings."""
+    if flag == "-fsingle-precision-constant" and "clang" in subprocess.getoutput("cc --version"):
+        pytest.skip("clang has no such flag")
+    said = compile_text("#include <tumble/sets.h>\n", dialect, INCLUDES, flag)
+    assert "results would differ" in said and flag.replace("-Ofast", "-ffast-math") in said
+    assert compile_text("#include <tumble/sets.h>\n", dialect, INCLUDES, "-O3", "-fno-math-errno") == ""
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)

@@ -28,9 +28,10 @@
  *
  * All functions are pure: no clock, no I/O, no allocation, no libm but the square root. They keep nothing outside the
  * memory that the caller owns. They may be called from anywhere, also at the same time on different objects. A function
- * that refuses leaves its outputs as they were, unless its own comment says otherwise. Formulas in brackets, such as
- * (7), are those of Chernyak, Rybak, Paliushok, "Ensuring the given accuracy of calibrating a three-axis block of
- * navigation accelerometers on a single-axis rotary stand"; docs/method.md derives the others.
+ * that refuses leaves its outputs as they were, unless its own comment says otherwise. No pointer may be null unless its
+ * comment says that it may; a null is refused, with TUMBLE_E_ARGUMENT, only where the comment says so. Formulas in
+ * brackets, such as (7), are those of Chernyak, Rybak, Paliushok, "Ensuring the given accuracy of calibrating a three-axis
+ * block of navigation accelerometers on a single-axis rotary stand"; docs/method.md derives the others.
  */
 #ifndef TUMBLE_CORE_H
 #define TUMBLE_CORE_H
@@ -46,6 +47,15 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- The compiler's arithmetic. */
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "compile without -ffast-math and -ffinite-math-only: results would differ, and what is not a number would pass"
+#endif
+
+static_assert(sizeof(double) == 8U, "a double has 64 bits");
+static_assert(sizeof(1.0) == sizeof(double), "compile without -fsingle-precision-constant: results would differ");
 
 /* ---- Sizes: compile-time constants, and the relations between them that must hold. ---- */
 
@@ -124,8 +134,10 @@ typedef struct {
     bool measured[TUMBLE_MAX_POSITIONS];
 } tumble_means_t;
 
-/* The schedule of the paper: two mountings, nine positions each, table angle (l - 1) * 45 degrees for l = 1..9.
- * Mounting 2 is mounting 1 turned by 180 degrees about the bisector of the block's y and z axes. */
+/* The schedule of the paper: two mountings, nine positions each, table angle (l - 1) * 45 degrees for l = 1..9. Order:
+ * mounting 1 at 0, 45, ... 360 degrees, then mounting 2 likewise.
+ * Mounting 1: block axes x, y, z along h, n, v (the identity). Mounting 2: x, y, z along -h, v, n; that is mounting 1
+ * turned by 180 degrees about the bisector of the block's y and z axes. */
 extern const tumble_schedule_t tumble_schedule_paper;
 
 /* Is this schedule usable data? Checks the sizes, then every mounting (number, rotation, tilt), then every position
@@ -178,7 +190,9 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
  *
  * Integer arithmetic only in the sample path: sums are exact, so a mean is one correctly rounded division of two exact
  * numbers, the same on every target and for every order of the samples. The caller owns the state (one per block of
- * accelerometers) and the constant configuration. Not re-entrant on one state; no other state is touched.
+ * accelerometers) and the configuration. The state holds no pointer to it: keep the configuration that
+ * tumble_averaging_init has checked, and give the same to add, finish and restore, which do not check it again. Not
+ * re-entrant on one state; no other state is touched.
  *
  * Life of a position: begin, add (or accumulate) for every sample, finish. `finish` judges the gates; a position that
  * fails them is left empty and may be begun again. Every sample that a gate refuses or that is missing is counted. A
@@ -239,18 +253,20 @@ typedef struct {
 static_assert(sizeof(tumble_averaging_t) <= ((40U * TUMBLE_MAX_POSITIONS) + 96U), "a position costs 40 bytes of RAM");
 
 /* Empty every position and zero the counters.
- * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (a configuration out of range). */
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (null, or a configuration out of range). */
 tumble_status_t tumble_averaging_init(tumble_averaging_t *averaging, const tumble_averaging_config_t *config);
 
 /* Open the position at `index` of the schedule, forgetting what it held; an open one is abandoned and left empty.
- * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (index not below TUMBLE_MAX_POSITIONS). */
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT (null, or index not below TUMBLE_MAX_POSITIONS). */
 tumble_status_t tumble_averaging_begin(tumble_averaging_t *averaging, uint8_t index);
 
 /* Take one sample through the gates. Refused samples are counted and change neither sums nor scatter; missing counter
  * values are counted as lost, and the sample itself is taken. A gap of 32768 or more reads as a step backwards: the
- * caller's timeout must come long before. Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL, TUMBLE_E_UNHEALTHY (the
- * block itself calls the sample faulty; not counted here), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED, TUMBLE_E_SATURATED,
- * TUMBLE_E_DEVIATION. */
+ * caller's timeout must come long before. Returns TUMBLE_OK, TUMBLE_E_NOT_OPEN, TUMBLE_E_FULL (TUMBLE_MAX_SAMPLES),
+ * TUMBLE_E_UNHEALTHY (the block itself calls the sample faulty), TUMBLE_E_REPEATED, TUMBLE_E_REORDERED,
+ * TUMBLE_E_SATURATED, TUMBLE_E_DEVIATION.
+ * After TUMBLE_E_UNHEALTHY end the position: the sample is not counted and its counter value is not taken. If you go on,
+ * that value counts as lost with the next sample (unless no sample of the position came before). */
 tumble_status_t tumble_averaging_add(tumble_averaging_t *averaging, const tumble_averaging_config_t *config,
                                      const tumble_sample_t *sample);
 
@@ -392,7 +408,7 @@ typedef struct {
 /* Invert the coefficients. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_FINITE, TUMBLE_E_SINGULAR. */
 tumble_status_t tumble_calibration_invert(const tumble_coefficients_t *coefficients, tumble_calibration_t *calibration);
 
-/* Outputs (V) to specific force (g). */
+/* Outputs (V) to specific force (g). `a_g` may be the same array as `u_v`. */
 void tumble_calibration_apply(const tumble_calibration_t *calibration, const double u_v[TUMBLE_CHANNELS],
                               double a_g[TUMBLE_CHANNELS]);
 
@@ -446,7 +462,8 @@ tumble_status_t tumble_gravity_check(const tumble_schedule_t *schedule, const tu
 tumble_status_t tumble_closure(const tumble_schedule_t *schedule, const tumble_means_t *means, uint8_t mounting,
                                double difference_v[TUMBLE_CHANNELS]);
 
-/* Residual (V) of the position at `index`: U - U0 - K a on the ideal geometry. `index` below position_count. */
+/* Residual (V) of the position at `index`: U - U0 - K a on the ideal geometry. `index` below position_count. `measured`
+ * is not looked at: ask it first, for the residual of a position that was not measured means nothing. */
 void tumble_residual(const tumble_schedule_t *schedule, const tumble_means_t *means,
                      const tumble_coefficients_t *coefficients, uint8_t index, double residual_v[TUMBLE_CHANNELS]);
 
@@ -683,7 +700,8 @@ typedef struct {
 } tumble_fit_work_t;
 
 /* Standard deviation of one sample, pooled over positions and channels, from the number of samples and the scatter of
- * each position (n - 1; not read below two samples). Unit as the scatter. Not known without any scatter. */
+ * each position (n - 1; not read below two samples), with one row of both arrays for each of `positions`. Unit as the
+ * scatter. Not known where no position has two samples. Neither array may be null. */
 tumble_seen_t tumble_seen_noise(const uint32_t *samples, const double (*scatter)[TUMBLE_CHANNELS], uint8_t positions);
 
 /* The angles by the closed form. `errors` as declared, or as seen; null: uncertainties are 0.
@@ -779,7 +797,8 @@ void tumble_misfit_begin(tumble_misfit_work_t *work);
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
 
 /* The largest chi-squared of an honest run, by Wilson and Hilferty (1931): k (1 - 2/(9 k) + z sqrt(2/(9 k)))^3 with
- * z = TUMBLE_MISFIT_SIGMAS: never below the true quantile, and above it by 9 % (1 degree), 2.4 % (6), 0.8 % (18). */
+ * z = TUMBLE_MISFIT_SIGMAS: never below the true quantile, and above it by 9 % (1 degree), 2.4 % (6), 0.8 % (18).
+ * `freedom` 1 or more: without freedom there is nothing to judge, and the answer would not be a number. */
 double tumble_misfit_limit(int freedom);
 
 #ifdef __cplusplus

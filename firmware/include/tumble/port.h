@@ -36,7 +36,11 @@ typedef struct {
  * An operation may take long. Until it has ended every call returns TUMBLE_E_PORT_BUSY at once, and the caller repeats
  * the same call, with the same arguments and bytes, at a later step. A loss of power in the middle of an operation may
  * leave any values in the bytes that it addresses, and in no others. All functions return TUMBLE_OK,
- * TUMBLE_E_PORT_BUSY, or TUMBLE_E_NV (the operation failed, or the memory has no such place). */
+ * TUMBLE_E_PORT_BUSY, or TUMBLE_E_NV (the operation failed, or the memory has no such place).
+ *
+ * A driver may wait for an operation to end instead of returning TUMBLE_E_PORT_BUSY only if its caller can: the store
+ * alone has no deadlines, but while a step of the navigation computer waits, no frame is sent or received, and a table
+ * that turns is not watched. */
 typedef struct {
     void *context;          /* handed to every function */
     uint32_t size_bytes;    /* whole sectors */
@@ -46,7 +50,9 @@ typedef struct {
     /* `offset` is that of a sector. */
     tumble_status_t (*erase)(void *context, uint32_t offset);
 
-    /* `offset` and `size` are whole granules, all of one sector. */
+    /* `offset` and `size` are whole granules, all of one sector. `bytes` may have any alignment. They stay where and as
+     * they are from the first call until one returns anything but TUMBLE_E_PORT_BUSY, and no longer; until then the
+     * driver may read them between calls too, as by DMA. (Initialising a store anew gives up the call under way.) */
     tumble_status_t (*program)(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size);
 
     tumble_status_t (*read)(void *context, uint32_t offset, uint8_t *bytes, uint32_t size);

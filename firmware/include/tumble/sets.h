@@ -19,9 +19,11 @@
  *     tumble_set_t set;
  *     double k_xx_v_per_g = 1.0;
  *     if (tumble_store_init(&store, &memory) == TUMBLE_OK) {
- *         while (tumble_store_step(&store) == TUMBLE_E_PORT_BUSY) {
- *         }                                             // in a control loop: one step in each of its cycles
- *         if (tumble_store_read(&store, TUMBLE_SET_ACTIVE, &set) == TUMBLE_OK) {
+ *         tumble_status_t outcome;
+ *         do {
+ *             outcome = tumble_store_step(&store);      // in a control loop: one step in each of its cycles
+ *         } while (outcome == TUMBLE_E_PORT_BUSY);
+ *         if ((outcome == TUMBLE_OK) && (tumble_store_read(&store, TUMBLE_SET_ACTIVE, &set) == TUMBLE_OK)) {
  *             k_xx_v_per_g = set.coefficients.k_v_per_g[0][0];
  *         }
  *     }
@@ -299,9 +301,10 @@ void tumble_store_number_above(tumble_store_t *store, uint32_t sequence);
  * TUMBLE_E_NV, TUMBLE_E_FRAME or TUMBLE_E_CRC: a scan begins then, after which the next valid set is active. */
 tumble_status_t tumble_store_read(tumble_store_t *store, tumble_which_set_t which, tumble_set_t *set);
 
-/* The jobs. Each returns TUMBLE_OK (begun: step the store), or why it has not begun: TUMBLE_E_PORT_BUSY (a job is under
- * way); TUMBLE_E_STATE (see each job); TUMBLE_E_NV (a place could not be read and may hold the active set: the store
- * scans again, then begin again). Jobs that take a set also return TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE
+/* The jobs. Each returns TUMBLE_OK (begun: step the store, then look at the outcome: after a job that failed,
+ * tumble_store_read gives the old set), or why it has not begun: TUMBLE_E_PORT_BUSY (a job is under way);
+ * TUMBLE_E_STATE (see each job); TUMBLE_E_NV (a place could not be read and may hold the active set: the store scans
+ * again, then begin again). Jobs that take a set also return TUMBLE_E_ARGUMENT or TUMBLE_E_NOT_FINITE
  * (tumble_set_encode); they copy the set at once. */
 
 /* Make a set active. TUMBLE_E_STATE: the sequence has reached TUMBLE_MAX_SEQUENCE. */
@@ -775,8 +778,9 @@ typedef struct {
 static_assert(sizeof(tumble_sets_t) <= ((sizeof(void *) == 4U) ? 1792U : 2048U), "the sets must stay small");
 
 /* Get ready; `*owner->run` must be true by now. Then step the memory (tumble_sets_step_memory) until it is not busy, or
- * for as long as the owner likes, and call tumble_sets_booted. If the memory is not busy by then, the active set is
- * known at once; otherwise it is read step by step, and until then there is no set.
+ * for as long as the owner likes, and call tumble_sets_booted with `opened`, the status that tumble_sets_init returned.
+ * If that is TUMBLE_OK and the memory is not busy by then, the active set is known at once. If the memory is still busy,
+ * the set is read step by step, and until then there is none. After TUMBLE_E_NV there is none, and nothing is kept.
  * Returns TUMBLE_OK; TUMBLE_E_ARGUMENT (no configuration, a serial number or settings out of range, no memory behind
  * the port); TUMBLE_E_NV (tumble_regions_check). */
 tumble_status_t tumble_sets_init(tumble_sets_t *sets, const tumble_sets_config_t *config,

@@ -26,8 +26,8 @@ extern "C" {
     X(TUMBLE_E_SINGULAR, "the matrix K cannot be inverted: a channel is dead or two channels are parallel")            \
     X(TUMBLE_E_GAIN_TABLE, "the gain table does not fit the schedule")                                                 \
     X(TUMBLE_E_NOT_OPEN, "no position is open for averaging")                                                          \
-    X(TUMBLE_E_FULL, "the position already holds the largest number of samples")                                       \
-    X(TUMBLE_E_TOO_FEW, "the position holds fewer samples than required")                                              \
+    X(TUMBLE_E_FULL, "there is no room for another sample or record")                                                  \
+    X(TUMBLE_E_TOO_FEW, "there are fewer samples, positions or sets than required")                                    \
     X(TUMBLE_E_SATURATED, "a sample lies at or beyond the range of the converter")                                     \
     X(TUMBLE_E_DEVIATION, "a sample lies too far from the first one of its position")                                  \
     X(TUMBLE_E_REPEATED, "a sample counter came twice")                                                                \
@@ -35,15 +35,15 @@ extern "C" {
     X(TUMBLE_E_LOST, "more samples were lost than allowed")                                                            \
     X(TUMBLE_E_STUCK, "a channel repeated one value too often")                                                        \
     X(TUMBLE_E_NOT_STILL, "the scatter exceeds what the declared noise allows: the block was moving")                  \
-    X(TUMBLE_E_STATE, "the command is not allowed in this state")                                                      \
-    X(TUMBLE_E_PORT_BUSY, "the CAN controller has no room for a frame now")                                            \
+    X(TUMBLE_E_STATE, "not allowed in this state, or what it needs is not there")                                      \
+    X(TUMBLE_E_PORT_BUSY, "busy now: try again at a later step")                                                       \
     X(TUMBLE_E_PORT_EMPTY, "no received frame is waiting")                                                             \
     X(TUMBLE_E_PORT_DOWN, "the CAN controller is off the bus")                                                         \
     X(TUMBLE_E_STAND_STATE, "the stand does not allow this action in its state")                                       \
     X(TUMBLE_E_SDO_BUSY, "an SDO transfer is already under way")                                                       \
     X(TUMBLE_E_SDO_ABORTED, "the SDO transfer was aborted by the other node")                                          \
     X(TUMBLE_E_SDO_TIMEOUT, "the SDO server did not answer in time")                                                   \
-    X(TUMBLE_E_FRAME, "a frame is malformed")                                                                          \
+    X(TUMBLE_E_FRAME, "a frame or a stored record is malformed")                                                       \
     X(TUMBLE_E_CRC, "a checksum does not agree")                                                                       \
     X(TUMBLE_E_GAIN_RECORD, "the memory holds no gain record that this software reads")                                \
     X(TUMBLE_E_STAND_ERROR,                                                                                            \
