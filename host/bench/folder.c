@@ -56,7 +56,7 @@ const char *bench_folder_open(bench_folder_t *folder, const char *path)
         return strerror(errno);
     }
     if (!folder->created && !is_empty(path)) {
-        return "is there already and is not an empty folder";
+        return "is there already and is not an empty folder; remove it or choose another --out";
     }
     folder->log = begin_file(folder, "bus.log");
     if (folder->log == NULL) {

@@ -61,8 +61,13 @@ BAD_TEXTS = {
     ),
     "decimal commas among commas": (with_row(9, "1,8,0,1,0,2,0,3\n"), "row 9", "8 fields, but the header has 5"),
     "last row cut off": (GOOD[:-12], "row 19", "fields"),
-    "unknown mounting": (with_row(10, "3,9,0,0,0\n"), "row 10, column mounting", "no mounting 3"),
-    "unknown position": (with_row(10, "1,10,0,0,0\n"), "row 10, column position", "no position 10 in mounting 1"),
+    "unknown mounting": (with_row(10, "3,9,0,0,0\n"), "row 10, column mounting", "no mounting 3; mountings are 1, 2"),
+    "exchanged": (with_row(10, "3,2,0,0,0\n"), "row 10, column mounting", "are mounting and position exchanged?"),
+    "unknown position": (
+        with_row(10, "1,10,0,0,0\n"),
+        "row 10, column position",
+        "no position 10 in mounting 1; positions are 1 to 9",
+    ),
     "negative position": (with_row(10, "1,-9,0,0,0\n"), "row 10, column position", "no position -9"),
     "huge position": (with_row(10, "1,1e30,0,0,0\n"), "row 10, column position", "no position 1e+30"),
     "half a position": (with_row(10, "1,1.5,0,0,0\n"), "row 10, column position", "not a whole number"),
@@ -110,6 +115,14 @@ def test_parallel_channels(refused, tmp_path):
     means[:, 2] = 2 * means[:, 1]
     run = write_run(tmp_path / "run.csv", paper_schedule(), means)
     assert "two channels are parallel" in refused("solve", run, "--estimator", "least_squares")
+
+
+def test_a_table_that_turned_the_other_way_in_one_mounting(refused, tmp_path):
+    """The responses to x cancel: the first column of K is 0."""
+    means = Geometry(paper_schedule()).outputs(NOMINAL_K, [0.1, 0.2, 0.3])
+    means[9:] = means[17:8:-1]
+    run = write_run(tmp_path / "run.csv", paper_schedule(), means)
+    assert "the table turned the other way in one mounting" in refused("solve", run, "--estimator", "averaged")
 
 
 def test_least_squares_on_one_mounting_names_the_coefficients(refused, tmp_path):

@@ -231,8 +231,9 @@ def test_the_last_words_say_whether_the_stand_will_do(tumble):
     assert "none left: the others alone exceed the limit already" in shown and "no limit" not in shown
     words = " ".join(shown.split("\n\n")[-1].split())
     assert words.startswith("This stand reaches 0.0003 g with averaged: no (margin ")
-    assert f"with refined: no (margin {margins['refined']:.3g}); " in words
-    assert f"with optimal: yes (margin {margins['optimal']:.3g}). Margin: " in words
+    assert f"with refined: no (margin {margins['refined']:.3g}) with " in words
+    assert f"with optimal: yes (margin {margins['optimal']:.3g}) Margin: " in words
+    assert shown.count("\n  with ") == 4 and "alpha3 yaw of the block" in shown
     optimal = tumble(*arguments, "--estimator", "optimal").stdout
     assert "no limit: the source limits nothing up to 0.01 rad, as far as was tried" in optimal
     assert "none left" not in optimal

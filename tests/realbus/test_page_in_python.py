@@ -23,7 +23,8 @@ def test_the_example_calibrates_and_accepts(bus, network, started, tmp_path):
     done = subprocess.run([sys.executable, "-c", PAGE.replace('channel="can0"', f'channel="{bus}"')], cwd=ROOT,
                           input="\n\nyes\n", capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
-    for said in ("the block on in mounting 1, ", "the block on in mounting 2, ", "state 12 gravity check True\n"):
+    for said in ("the block on in mounting 1, ", "the block on in mounting 2, ", "DONE; gravity check passed\n",
+                 "verdict 5, accepted; calibration counter 1\n"):
         assert done.stdout.count(said) == 1, done.stdout
     k = [float(number) for number in re.search(r"^K \[(.*)\]$", done.stdout, re.MULTILINE)[1].split(", ")]
     node.signal()

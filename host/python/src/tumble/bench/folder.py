@@ -53,7 +53,7 @@ class RunFolder:
             self._target = Path(os.path.realpath(path))
             self._existed = self._target.is_dir()
             if self._existed and any(self._target.iterdir()):
-                raise BadInput("is there already and is not an empty folder", path)
+                raise BadInput("is there already and is not an empty folder; remove it or choose another --out", path)
             if not self._existed and os.path.lexists(self._target):
                 raise BadInput("is there already and is not a folder", path)
             self.stage = (self._target if self._existed else self._target.parent) / f".{self._target.name}.part"

@@ -12,6 +12,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,11 +119,28 @@ class PositionIndex:
             if number != math.floor(number):
                 raise _Refused(f"{number!r} is not a whole number", column)
         if mounting not in self._mountings:
-            raise _Refused(f"the schedule has no mounting {mounting:.15g}", "mounting")
+            hint = self._are_exchanged(mounting, position) or f"mountings are {_listed(self._mountings)}"
+            raise _Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
         index = int(self._table[int(mounting), int(position)]) if 0 <= position <= 255 else -1
         if index < 0:
-            raise _Refused(f"the schedule has no position {position:.15g} in mounting {mounting:.15g}", "position")
+            missing = f"the schedule has no position {position:.15g} in mounting {mounting:.15g}"
+            known = np.flatnonzero(self._table[int(mounting)] >= 0).tolist()
+            raise _Refused(f"{missing}; positions are {_listed(known)}", "position")
         return index
+
+    def _are_exchanged(self, mounting: float, position: float) -> str | None:
+        """A question, where the row would be good the other way round."""
+        known = position in self._mountings and 0 <= mounting <= 255
+        is_good = known and self._table[int(position), int(mounting)] >= 0
+        return "are mounting and position exchanged?" if is_good else None
+
+
+def _listed(numbers: Iterable[int]) -> str:
+    """As "1 to 9", or all of them where some between are missing."""
+    known = sorted(numbers)
+    if known and len(known) > 2 and known[-1] - known[0] == len(known) - 1:
+        return f"{known[0]} to {known[-1]}"
+    return ", ".join(map(str, known)) or "none"
 
 
 class _Refused(Exception):

@@ -18,6 +18,7 @@ from tumble.planning.published import NAMES
 from tumble.stand import SecondOrder
 
 _ATTRIBUTES = ("axis_tilt", "level", "remount", "angle", "noise")
+ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
 SIZE_KEYS = ("alpha1_rad", "alpha2_rad", "alpha3_rad", "alpha4_rad", "noise_v")
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import SIZE_KEYS, numbers_are, sizes
+from tumble.planning.budget import ALPHAS, SIZE_KEYS, numbers_are, sizes
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.headroom import Headroom
 from tumble.planning.published import EQUATION_18, EQUATION_19, SOURCES, evaluate
@@ -114,6 +114,7 @@ _AT_MOST_OPTIMAL = "at most: all sources at once; as refined allows, scaled unti
 def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
     """Of the words in the table."""
     lines = [
+        ALPHAS,
         _AT_MOST_OPTIMAL if plan["estimator"] == "optimal" else _AT_MOST,
         "its share: a source may exceed it if others leave room; the last line decides",
         "alone: one source, the others as the stand has them",
@@ -129,12 +130,13 @@ def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
 
 def _sentence(plan: dict[str, Any]) -> str:
     """Whether the stand will do, with every estimator."""
+    width = max(map(len, plan["margins"]))
     found = [
-        f"with {name}: " + ("yes (no errors)" if margin is None else _reached(margin))
+        f"  with {name + ':':{width + 1}} " + ("yes (no errors)" if margin is None else _reached(margin))
         for name, margin in plan["margins"].items()
     ]
     meaning = "Margin: the factor by which all its errors may grow together; 1 is just enough."
-    return f"This stand reaches {plan['limit_g']:g} g {'; '.join(found)}. {meaning}"
+    return "\n".join([f"This stand reaches {plan['limit_g']:g} g", *found, meaning])
 
 
 def _reached(margin: float) -> str:

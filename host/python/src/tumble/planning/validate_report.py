@@ -12,7 +12,7 @@ from tumble.planning.verdict import CHANCE_SIGMAS, COVERAGE_LIMITS, Judged, bias
 
 _HONEST = (
     "PASS: the stated uncertainties are honest: every figure within its limits.\n"
-    "Whether the stand is good enough for a limit is another question: tumble plan require"
+    "Is the stand good enough for a limit? Ask tumble plan require."
 )
 
 

@@ -172,4 +172,6 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":
         return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
+    if refusal.name == "TUMBLE_E_SINGULAR":
+        return f"{refusal}, or the table turned the other way in one mounting"
     return str(refusal)

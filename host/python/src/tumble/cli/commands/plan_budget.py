@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(found: Budget, case: Case) -> None:
     from tumble.planning import tables
-    from tumble.planning.budget import numbers_are
+    from tumble.planning.budget import ALPHAS, numbers_are
     from tumble.planning.published import NAMES
 
     out = tables.console()
@@ -57,7 +57,7 @@ def _show(found: Budget, case: Case) -> None:
         cells = [tables.number(1e6 * value) for value in (*found.terms[index], found.total[index])]
         rows.append((f"{name}, {unit}", *cells))
     out.print(tables.table(("", "alpha1", "alpha2", "alpha3", "alpha4", "noise", "all"), rows))
-    out.print("alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles")
+    out.print(ALPHAS)
     if found.second_order.matters:
         for shift in found.second_order.shifts:
             out.print(f"Beware: {shift}", style="yellow")
