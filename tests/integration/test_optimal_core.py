@@ -14,7 +14,7 @@ from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
 ROUNDING = 1e-12  # of max|K|, as for every estimator: all that counts where u is below a millionth of K
-LARGE_RAD = 0.03  # where the core may call an alpha2, or its curvature, too large: TUMBLE_MAX_STAND_ERROR_RAD is 0.1
+LARGE_RAD = 0.03  # where the core may call an angle, or its curvature, too large: TUMBLE_MAX_STAND_ERROR_RAD is 0.1
 PAPER = core.CoreSchedule(core.paper_schedule())
 
 
@@ -55,8 +55,9 @@ def difference(rng, schedule):
     witness = optimal(schedule.data, means, stand, np.ones(len(schedule)))
     try:
         found = core_optimal.optimal(table, schedule, means)
-    except CoreRefusal as refusal:  # positions that hardly tell alpha2, on a stand of milliradians
-        assert refusal.name == "TUMBLE_E_STAND_ERROR" and abs(witness.alpha2) > LARGE_RAD
+    except CoreRefusal as refusal:  # positions that hardly tell an angle, on a stand of milliradians
+        largest = np.abs([witness.alpha1, witness.alpha2, *np.atleast_1d(witness.alpha3)]).max()
+        assert refusal.name == "TUMBLE_E_STAND_ERROR" and largest > LARGE_RAD
         return 0.0, 0.0
     # An angle that the positions hardly tell comes out as 0 times a large number: by its declared error, as K by its u.
     for name, declared in (("alpha1", stand.axis_tilt), ("alpha2", stand.level), ("alpha3", stand.remount)):
