@@ -13,9 +13,6 @@
 #define INDEX_SAVE 0x1010U
 #define INDEX_LOAD 0x1011U
 
-/* Objects about one thing have numbers that differ in the last digit: a switch over what is left is a short table. */
-#define GROUP_OF(index) ((index) >> 4)
-
 /* Subindices that are no member of a struct. */
 #define HOST_CALENDAR 1U
 #define SELECTOR 1U
@@ -220,39 +217,57 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     tumble_keeper_t *keeper = navcomp->config->keeper;
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
     tumble_keeper_look(keeper);
-    switch (GROUP_OF(entry->index)) {
-    case GROUP_OF(INDEX_SAVE):
+    switch (entry->index) {
+    case INDEX_SAVE:
+    case INDEX_LOAD:
         tumble_put_u32(bytes, tumble_parameters_room(&keeper->parameters) ? 1U : 0U);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_U_K):
+    case TUMBLE_KEEPER_INDEX_U_K:
+    case TUMBLE_KEEPER_INDEX_U_U0:
         refusal = read_uncertainty(keeper, entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_KEEPER):
-        refusal = (entry->index <= TUMBLE_KEEPER_INDEX_HOST)
-                      ? read_state(keeper, entry, bytes, size)
-                      : member(tumble_sets_settings(&keeper->sets), entry, bytes, size);
+    case TUMBLE_KEEPER_INDEX_KEEPER:
+    case TUMBLE_KEEPER_INDEX_HOST:
+        refusal = read_state(keeper, entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS):
-        refusal = (entry->index == TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS)
-                      ? member(tumble_sets_counters(&keeper->sets), entry, bytes, size)
-                      : member(&keeper->sets, entry, bytes, size);
+    case TUMBLE_KEEPER_INDEX_RECALIBRATION:
+    case TUMBLE_KEEPER_INDEX_COMMIT_RULES:
+    case TUMBLE_KEEPER_INDEX_UNCERTAINTY_LIMITS:
+    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_MONTH:
+    case TUMBLE_KEEPER_INDEX_DRIFT_LIMITS_PER_KELVIN:
+        refusal = member(tumble_sets_settings(&keeper->sets), entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_STAND_SEEN):
+    case TUMBLE_KEEPER_INDEX_KEEPER_COUNTERS:
+        refusal = member(tumble_sets_counters(&keeper->sets), entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_STORE_COUNTERS:
+        refusal = member(&keeper->sets, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_STAND_SEEN:
         refusal = read_stand(keeper, entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_POSITION):
-        refusal = (entry->index == TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST) ? read_at_rest(keeper, entry, bytes, size)
-                                                                            : read_position(keeper, entry, bytes, size);
+    case TUMBLE_KEEPER_INDEX_POSITION:
+    case TUMBLE_KEEPER_INDEX_SCHEDULE:
+        refusal = read_position(keeper, entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_HISTORY):
-        refusal = (entry->index >= TUMBLE_KEEPER_INDEX_TREND) ? read_trend(keeper, entry, bytes)
-                                                              : read_history(keeper, entry, bytes, size);
+    case TUMBLE_KEEPER_INDEX_MEASUREMENT_AT_REST:
+        refusal = read_at_rest(keeper, entry, bytes, size);
         break;
-    case GROUP_OF(TUMBLE_KEEPER_INDEX_PARAMETERS):
+    case TUMBLE_KEEPER_INDEX_HISTORY:
+    case TUMBLE_KEEPER_INDEX_HISTORY_VALUES:
+    case TUMBLE_KEEPER_INDEX_HISTORY_UNCERTAINTIES:
+        refusal = read_history(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_TREND:
+    case TUMBLE_KEEPER_INDEX_TREND_UNCERTAINTIES:
+        refusal = read_trend(keeper, entry, bytes);
+        break;
+    case TUMBLE_KEEPER_INDEX_PARAMETERS:
         refusal = member(&keeper->parameters.view, entry, bytes, size);
         break;
-    default: /* the sets, 2100h to 2117h */
-        refusal = read_set(keeper, entry, bytes, size);
+    default: /* The sets, 2100h to 2117h. Refuse an object that has come into the table without a case here. */
+        refusal =
+            (entry->index < TUMBLE_KEEPER_INDEX_KEEPER) ? read_set(keeper, entry, bytes, size) : TUMBLE_ABORT_GENERAL;
         break;
     }
     return refusal;
