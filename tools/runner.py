@@ -6,7 +6,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
@@ -43,8 +42,6 @@ class Stage:
     about: str
     run: Callable  # run(log) -> Outcome
     needs: tuple = ()  # names of what tools/setup could not always install
-    beside: bool = False  # those after it need not wait for it
-    alone: bool = False  # it waits for all before it
 
 
 class Log:
@@ -146,7 +143,6 @@ def ctest(log, directory):
 
 def run_stages(stages, log_folder, missing=None, timeout_s=1800):
     """Run the stages, print their results, and return the exit status: 0 only if something passed and nothing failed.
-    Those that run beside the others are told of when something waits for them.
 
     `missing` maps the name of a thing that could not be installed to the reason.
     """
@@ -156,27 +152,12 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
         print(f"  {stage.name:12} {stage.about}")
     print(flush=True)
     total = Outcome()
-    with ThreadPoolExecutor() as others:
-        beside = []
-        for stage in stages:
-            arguments = (stage, log_folder, missing, timeout_s)
-            if stage.alone:
-                wait_for(beside, total)
-            if stage.beside:
-                beside.append((stage, others.submit(run_stage, *arguments)))
-            else:
-                add_up(total, stage, *run_stage(*arguments))
-        wait_for(beside, total)
+    for stage in stages:
+        add_up(total, stage, *run_stage(stage, log_folder, missing, timeout_s))
     for told in total.broken:
         print(f"\nFAILED: {told[:BROKEN_CHARACTERS]}")
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
-
-
-def wait_for(beside, total):
-    while beside:
-        stage, running = beside.pop(0)
-        add_up(total, stage, *running.result())
 
 
 def add_up(total, stage, outcome, seconds, log):

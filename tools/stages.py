@@ -205,14 +205,14 @@ def long_stages():
 
 
 def last_stages(kind):
-    """The canaries, which build where the stages before have built; and what is in real time, alone on the machine."""
+    """The canaries, which build where the stages before have built; and what is in real time."""
     full = ["--full"] if kind == "full" else []
     return [
         Stage("canaries", "a planted defect for every gate, which must reject it", canaries(kind == "full")),
         Stage("realtime", "programs that talk to each other in real time: gateway, guests on the bench, emulated board",
-              package("real_time", *full, shared="loadfile"), alone=True),
+              package("real_time", *full, shared="loadfile")),
         Stage("realbus", "tumble-node and tumble-stand on CAN interfaces, in user-mode Linux where there are none",
-              lambda log: realbus(log, *full), alone=True),
+              lambda log: realbus(log, *full)),
     ]
 
 

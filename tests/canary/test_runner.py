@@ -132,6 +132,8 @@ def test_every_stage_has_a_name_of_its_own():
     names = {kind: [planned.name for planned in stages.plan(kind)] for kind in ("", "real", "full")}
     assert all(len(set(some)) == len(some) for some in names.values())
     assert set(names[""]) < set(names["real"]) < set(names["full"]) | {"integration"}
+    virtual = " | ".join(names[""])
+    assert f"    {virtual}) continue ;;\n" in (ROOT / "tools/test").read_text()  # which need the set-up of "test" alone
     assert (ROOT / ".ci/run").read_text().count("tools/test\" --real") == 1
 
 
