@@ -60,6 +60,11 @@ class Stand:
         limit: float = getattr(self, source)
         return limit / _SIGMAS_PER_LIMIT[self.limits]
 
+    def with_sigma(self, source: str, sigma: float) -> Stand:
+        """This stand with another standard deviation of a source."""
+        limit: dict[str, Any] = {source: sigma * _SIGMAS_PER_LIMIT[self.limits]}
+        return replace(self, **limit)
+
 
 @dataclass(frozen=True)
 class Shift:

@@ -6,12 +6,9 @@ import sys
 
 from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
-from tumble.fixture.stand_doubts import complaint
 from tumble.messages import tell
 from tumble.solving.solution import Solution
 from tumble.units import noise_unit
-
-_NOTABLE_MISFIT = 2.0
 
 
 def warn(solution: Solution) -> None:
@@ -22,9 +19,7 @@ def warn(solution: Solution) -> None:
         tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
     for shift in [] if solution.second_order is None else solution.second_order.shifts:
         tell(f"tumble: warning: {shift}")
-    if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
-        tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
-    doubt = complaint(solution)
+    doubt = presentation.complaint(solution)
     if doubt is not None:
         tell(f"tumble: warning: {doubt}; the uncertainties are too small")
 

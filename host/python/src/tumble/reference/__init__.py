@@ -6,6 +6,7 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
+from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry, paper_schedule
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
 from tumble.reference.stand_seen import RunSeen, pooled_noise
@@ -16,6 +17,7 @@ __all__ = [
     "Geometry",
     "OptimalEstimate",
     "RunSeen",
+    "WholeModel",
     "closure",
     "estimate",
     "gravity_errors",

@@ -33,8 +33,11 @@ def document(
         "u_K": None if solution.u_k is None else solution.u_k.tolist(),
         "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
         "second_order": None if solution.second_order is None else solution.second_order.document(),
-        "misfit": solution.misfit,
-        "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
+        "misfit": None if solution.fit is None else solution.fit.misfit,
+        "fit": None if solution.fit is None else solution.fit.document(),
+        "stand_doubts": None if solution.fit is None else list(solution.fit.doubts),
+        "pass": solution.passed,
+        "pass_reason": " and ".join(solution.failures) or None,
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
