@@ -30,7 +30,7 @@ _INESTIMABLE = 1e-6
 
 
 @dataclass(frozen=True)
-class Test:
+class Score:
     """Of one pattern: `square` is chi-squared with `freedom`; `sizes`, `u` by label (None: not determined)."""
 
     square: float
@@ -130,7 +130,7 @@ class WholeModel:
         rest: Floats = self.rest - known @ (known.T @ self.rest)
         return rest
 
-    def test(self, columns: Columns, besides: Columns) -> Test:
+    def score(self, columns: Columns, besides: Columns) -> Score:
         """The score test of a pattern, given that others are there `besides`."""
         shown, rest = self.whitened(columns), self.rest_beside(besides)
         if besides:
@@ -139,7 +139,7 @@ class WholeModel:
             shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
         own = basis(shown)
         part = own.T @ rest
-        return Test(float(part @ part), own.shape[1], _sizes(list(columns), shown, rest))
+        return Score(float(part @ part), own.shape[1], _sizes(list(columns), shown, rest))
 
 
 def basis(columns: Floats) -> Floats:

@@ -112,13 +112,13 @@ def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
 
 
 def _seat(scene: Scene) -> list[Columns]:
-    tilted = _by_theta_h(scene)
-    found = {}
-    for index, mounting in enumerate(scene.schedule.mountings):
-        here = scene.in_mounting(index) * _MILLIONTH
-        found[f"theta_h of {mounting.number}"] = tilted * here
-        found[f"theta_n of {mounting.number}"] = scene.by_angle * here
-    return [found]
+    """Either tilted against the axis in every mounting, or turned about it."""
+    changes = {"theta_h": _by_theta_h(scene), "theta_n": scene.by_angle}
+    numbers = [mounting.number for mounting in scene.schedule.mountings]
+    return [
+        {f"{name} of {number}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        for name, by in changes.items()
+    ]
 
 
 def _by_theta_h(scene: Scene) -> Floats:

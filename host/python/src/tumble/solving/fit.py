@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.distributions import chi_squared_above
-from tumble.reference.fit import Test, WholeModel, basis
-from tumble.reference.patterns import BY_NAME, PATTERNS, Columns, Pattern
+from tumble.distributions import chi_squared_above, chi_squared_log_above
+from tumble.reference.fit import Score, WholeModel, basis
+from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
 from tumble.solving.stand_seen import Quantity, StandSeen
 from tumble.stand import Stand
 
@@ -27,7 +27,6 @@ _CONTAINED = 0.9999
 NOISE = "noise_v"
 SYSTEMATIC = ("alpha1_rad", "alpha2_plus_alpha3_rad", "alpha3_difference_rad")
 SOURCES = (*SYSTEMATIC, "alpha4_rad", NOISE)
-_WORDS = {pattern.name: pattern.words for pattern in PATTERNS} | {NOISE: "noise beyond the declared"}
 
 
 @dataclass(frozen=True)
@@ -43,9 +42,9 @@ class Explanation:
     column: str
 
     @property
-    def words(self) -> str:
-        """The likeliest one, for people."""
-        return _WORDS[self.patterns[0]]
+    def may_be_another(self) -> bool:
+        """Whether it may be no fault of the stand: the block's, or that of this run."""
+        return any(BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE)
 
     def document(self) -> dict[str, object]:
         """Ready for JSON."""
@@ -72,6 +71,11 @@ class Fit:
     def misfit(self) -> float | None:
         """Rms of the residuals over what the stand declares; None without freedom."""
         return math.sqrt(self.chi_squared / self.freedom) if self.freedom else None
+
+    @property
+    def excuses_stand(self) -> bool:
+        """Whether what explains most of it may be no fault of the stand."""
+        return bool(self.explanations) and self.explanations[0].may_be_another
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -105,13 +109,13 @@ class Scatter:
     per_unit: float
 
     @property
-    def p(self) -> float:
+    def log_p(self) -> float:
         """How often declared noise scatters more."""
         if self.noise is None or not self.noise.value > self.declared:
-            return 1.0
-        if self.declared == 0.0:
             return 0.0
-        return chi_squared_above(self.freedom * (self.noise.value / self.declared) ** 2, self.freedom)
+        if self.declared == 0.0:
+            return -math.inf
+        return chi_squared_log_above(self.freedom * (self.noise.value / self.declared) ** 2, self.freedom)
 
 
 def judge(model: WholeModel, confidence: float, seen: StandSeen, scatter: Scatter) -> Fit:
@@ -139,13 +143,13 @@ class _Candidate:
 
     pattern: Pattern
     columns: Columns
-    test: Test
+    score: Score
     places: int
 
     @property
-    def p(self) -> float:
+    def log_p(self) -> float:
         """Had any place been taken that shows more."""
-        return min(1.0, self.places * _p(self.test))
+        return math.log(self.places) + _log_p(self.score)
 
 
 class _Search:
@@ -164,10 +168,10 @@ class _Search:
         """Explanations, in the order in which they are found."""
         while not self._rest_fits():
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
-            p = {name: one.p for name, one in found.items() if name in self._left}
-            p |= {NOISE: self._scatter.p} if NOISE in self._left else {}
-            name = min(p, key=lambda one: p[one])
-            corrected = min(1.0, len(self._left) * p[name])
+            log_p = {name: one.log_p for name, one in found.items() if name in self._left}
+            log_p |= {NOISE: self._scatter.log_p} if NOISE in self._left else {}
+            name = min(log_p, key=lambda one: log_p[one])
+            corrected = len(self._left) * math.exp(log_p[name])
             if corrected > EXPLAINED:
                 return
             alike = [] if name == NOISE else [other for other in found if self._may_be(found[name], found[other])]
@@ -184,12 +188,12 @@ class _Search:
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
                 besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
-        tested = [(self._model.test(one, besides), one) for one in pattern.columns(self._model.scene)]
-        shown = [(test, columns) for test, columns in tested if test.freedom > 0]
+        tested = [(self._model.score(one, besides), one) for one in pattern.columns(self._model.scene)]
+        shown = [(score, columns) for score, columns in tested if score.freedom > 0]
         if not shown:
             return None
-        test, columns = min(shown, key=lambda one: _p(one[0]))
-        return _Candidate(pattern, columns, test, len(shown))
+        score, columns = min(shown, key=lambda one: _log_p(one[0]))
+        return _Candidate(pattern, columns, score, len(shown))
 
     def _columns(self, name: str) -> Columns:
         return BY_NAME[name].columns(self._model.scene)[0]
@@ -203,7 +207,8 @@ class _Search:
         angles = np.linalg.svd(spaces[0].T @ spaces[1], compute_uv=False)
         wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
         besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
-        needed = len(self._left) * one.places * _p(self._model.test(one.columns, besides)) <= EXPLAINED
+        score = self._model.score(one.columns, besides)
+        needed = len(self._left) * one.places * math.exp(_log_p(score)) <= EXPLAINED
         return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
 
     def _take(self, name: str, found: dict[str, _Candidate]) -> None:
@@ -222,7 +227,7 @@ class _Search:
             assert scatter.noise is not None  # or its p would be 1
             size, u_size = scatter.noise.value * scatter.per_unit, scatter.noise.u * scatter.per_unit
             return Explanation((NOISE,), p, size, u_size, scatter.unit, "")
-        unit, sizes = one.pattern.unit, one.test.sizes
+        unit, sizes = one.pattern.unit, one.score.sizes
         seen = {"alpha4": self._seen.alpha4, **self._seen.angles}.get(one.pattern.name.removesuffix("_rad"))
         if seen is not None:  # as it stands in the result
             return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
@@ -231,5 +236,5 @@ class _Search:
         return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
 
 
-def _p(test: Test) -> float:
-    return chi_squared_above(test.square, test.freedom)
+def _log_p(score: Score) -> float:
+    return chi_squared_log_above(score.square, score.freedom)
