@@ -17,8 +17,8 @@
 #define SHARED (COEFFICIENTS + TUMBLE_COEFFICIENTS)
 #define UNKNOWNS TUMBLE_WHOLE_UNKNOWNS
 
-enum { ALPHA1, ALPHA2, COMMON_YAW };
-enum { YAW };
+enum { ALPHA1, ALPHA2, PLATFORM, COMMON_YAW };
+enum { YAW, THETA_H, THETA_N };
 
 /* Standard deviations of the stand's errors. */
 typedef struct {
@@ -41,7 +41,8 @@ static sigmas_t sigmas_of(const tumble_stand_record_t *stand)
     const double yaw = stand->remount_rad;
     const double common = stand->common_yaw ? yaw : 0.0;
     const double own = stand->common_yaw ? 0.0 : yaw;
-    return (sigmas_t){{stand->axis_tilt_rad, stand->level_rad, common}, {own}};
+    return (sigmas_t){{stand->axis_tilt_rad, stand->level_rad, stand->platform_rad, common},
+                      {own, stand->seat_rad, stand->seat_rad}};
 }
 
 /* From (h, n, v) of the table to the block's axes. */
@@ -72,20 +73,29 @@ static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *wo
     double cosine = run->schedule->positions[p].angle.cosine;
     double tilt_sine = mounting->tilt.sine;
     double tilt_cosine = mounting->tilt.cosine;
-    tumble_turn(work->shared_rad[ALPHA2] + work->angle_rad[p], &sine, &cosine);
+    tumble_turn(work->shared_rad[ALPHA2] + own[THETA_N] + work->angle_rad[p], &sine, &cosine);
     tumble_turn(work->shared_rad[ALPHA1], &tilt_sine, &tilt_cosine);
     double force[3] = {tilt_cosine * sine, tilt_sine, tilt_cosine * cosine};
     double by_alpha1[3] = {-tilt_sine * sine, tilt_cosine, -tilt_sine * cosine};
     double by_turn[3] = {tilt_cosine * cosine, 0.0, -tilt_cosine * sine};
+    const double lean = own[THETA_H] + work->shared_rad[PLATFORM];
+    tumble_turn(lean, &force[1], &force[2]);
+    tumble_turn(lean, &by_alpha1[1], &by_alpha1[2]);
+    tumble_turn(lean, &by_turn[1], &by_turn[2]);
+    double by_lean[3] = {0.0, force[2], -force[1]};
     const double yaw = own[YAW] + work->shared_rad[COMMON_YAW];
+    tumble_turn(yaw, &by_lean[0], &by_lean[1]);
     tumble_turn(yaw, &force[0], &force[1]);
     tumble_turn(yaw, &by_alpha1[0], &by_alpha1[1]);
     tumble_turn(yaw, &by_turn[0], &by_turn[1]);
     const double by_yaw[3] = {force[1], -force[0], 0.0};
     to_block(mounting, force, place->attitude_g);
     respond(work, mounting, by_yaw, sigmas.local_rad[YAW], place->by_local[YAW]);
+    respond(work, mounting, by_lean, sigmas.local_rad[THETA_H], place->by_local[THETA_H]);
+    respond(work, mounting, by_turn, sigmas.local_rad[THETA_N], place->by_local[THETA_N]);
     respond(work, mounting, by_alpha1, sigmas.shared_rad[ALPHA1], place->by_shared[ALPHA1]);
     respond(work, mounting, by_turn, sigmas.shared_rad[ALPHA2], place->by_shared[ALPHA2]);
+    respond(work, mounting, by_lean, sigmas.shared_rad[PLATFORM], place->by_shared[PLATFORM]);
     respond(work, mounting, by_yaw, sigmas.shared_rad[COMMON_YAW], place->by_shared[COMMON_YAW]);
     respond(work, mounting, by_turn, 1.0, place->by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {

@@ -247,5 +247,31 @@ def test_three_mountings_and_missing_positions():
     assert square == pytest.approx(witness.chi_squared, rel=1e-9)
 
 
+@pytest.mark.parametrize("mountings", [2, 3])
+def test_declared_seats_are_no_misfit(mountings):
+    """Of 1 mrad, on a platform of 2 mrad: undeclared, three mountings see them."""
+    rng, schedule, runs = np.random.default_rng(48), SCHEDULES[mountings], 150
+    plain, given = stand_named("paper"), core.CoreSchedule(SCHEDULES[mountings])
+    declared, count = dataclasses.replace(plain, seat=1e-3, platform=2e-3), len(SCHEDULES[mountings].positions)
+    variance, all_of_it, squares, undeclared = np.full(count, 9e-8 / 50), np.ones(count, dtype=bool), [], []
+    for _ in range(runs):
+        seats = {
+            "seat_h": 2e-3 * rng.normal() + 1e-3 * rng.normal(size=mountings),
+            "seat_n": 1e-3 * rng.normal(size=mountings),
+        }
+        yaws, deltas = 4e-4 * rng.normal(size=mountings), 4e-5 * rng.normal(size=count)
+        means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha3=yaws, delta=deltas, **seats)
+        means += rng.normal(size=means.shape) * np.sqrt(variance)[:, None]
+        squares.append(chi_squared(given, means, all_of_it, variance, declared)[0])
+        undeclared.append(chi_squared(given, means, all_of_it, variance, plain)[0])
+    witness = reference.WholeModel(schedule, means, variance, declared)
+    assert squares[-1] == pytest.approx(witness.chi_squared, rel=1e-9)
+    freedom = 27 * mountings - 12
+    assert np.mean(squares) == pytest.approx(freedom, abs=5 * math.sqrt(2 * freedom / runs))
+    seen = np.mean(np.array(undeclared) > chi_squared_quantile(0.999, freedom))
+    print(f"{mountings} mountings: undeclared seats are seen in {seen:.2f} of runs")
+    assert seen > 0.95 if mountings == 3 else seen < 0.95
+
+
 def test_every_pattern_is_known_by_name():
     assert len(BY_NAME) == len(PATTERNS)

@@ -493,6 +493,9 @@ typedef struct {
     double least_noise_v; /* of a mean, however many samples it has: it never counts as less; 0 to TUMBLE_MAX_MEAN_V */
     uint32_t samples;     /* in a mean, where the run does not say; at least 1 */
     bool common_yaw;      /* every mounting has the same yaw */
+    double seat_rad; /* theta_h, theta_n: how far a mounting tilts the block against the axis, and turns it about it;
+                           * one of each for each mounting */
+    double platform_rad; /* theta_h of the platform: one for all mountings */
 } tumble_stand_record_t;
 
 /* The run whose estimate is judged. */
@@ -753,11 +756,11 @@ typedef struct {
     const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
 } tumble_whole_run_t;
 
-#define TUMBLE_WHOLE_LOCAL 1  /* errors of a mounting: yaw */
-#define TUMBLE_WHOLE_SHARED 3 /* errors of all: alpha1, alpha2, a yaw common to all mountings */
+#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
+#define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
 #define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
 
-/* Working memory, 2 kB. The caller owns it; its content means nothing outside. */
+/* Working memory, 2.6 kB. The caller owns it; its content means nothing outside. */
 typedef struct {
     double triangle[(TUMBLE_WHOLE_UNKNOWNS * (TUMBLE_WHOLE_UNKNOWNS + 3)) / 2]; /* with right sides, by rows */
     double row[TUMBLE_WHOLE_UNKNOWNS + 1];

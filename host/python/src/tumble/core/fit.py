@@ -20,6 +20,8 @@ def chi_squared(
         "level_rad": stand.sigma("level"),
         "remount_rad": stand.sigma("remount"),
         "angle_rad": stand.sigma("angle"),
+        "seat_rad": stand.sigma("seat"),
+        "platform_rad": stand.sigma("platform"),
         "common_yaw": stand.remounting == COMMON,
     }
     declared = ffi.new("tumble_stand_record_t *", record)

@@ -9,6 +9,7 @@ from tumble.reference.estimators import estimate, magnification
 from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry, paper_schedule
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
@@ -29,4 +30,5 @@ __all__ = [
     "pooled_noise",
     "residual_rms",
     "standard_uncertainties",
+    "unseen_tilt",
 ]

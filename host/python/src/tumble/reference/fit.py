@@ -51,7 +51,8 @@ class WholeModel:
         self.k, self._u0 = least_squares(self.schedule, self._outputs)
         self._noise = np.maximum(np.sqrt(variance[fit]), _FLOOR_G * np.abs(self.k).max())[:, None]
         errors = sources(self.schedule, self.k, stand, np.ones(len(fit), dtype=int))
-        angles = [source.sigma for name, source in errors.items() if name != "noise"]
+        self._names = [name for name in errors if name != "noise"]
+        angles = [errors[name].sigma for name in self._names]
         self._sigma = np.concatenate(angles)
         self._ends = np.cumsum([len(sigma) for sigma in angles])[:-1]
         self._x = np.zeros(len(self._sigma))  # rad
@@ -101,8 +102,16 @@ class WholeModel:
 
     def _force(self, errors: Floats) -> Floats:
         """Specific force on the exact geometry, for errors in rad, real or complex."""
-        alpha1, alpha2, alpha3, delta = np.split(errors, self._ends)
-        return self._geometry.force(alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+        of = dict(zip(self._names, np.split(errors, self._ends)))
+        seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2)
+        return self._geometry.force(
+            alpha1=of["alpha1"],
+            alpha2=of["alpha2"],
+            alpha3=of["alpha3"],
+            delta=of["alpha4"],
+            seat_h=seat_h + of.get("platform", np.zeros(1)),
+            seat_n=seat_n,
+        )
 
     def _derivatives(self) -> Floats:
         """Of all outputs by every error: (3 x positions, errors)."""

@@ -113,21 +113,12 @@ def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
 
 def _seat(scene: Scene) -> list[Columns]:
     """Either tilted against the axis in every mounting, or turned about it."""
-    changes = {"theta_h": _by_theta_h(scene), "theta_n": scene.by_angle}
+    changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
     numbers = [mounting.number for mounting in scene.schedule.mountings]
     return [
         {f"{name} of {number}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
         for name, by in changes.items()
     ]
-
-
-def _by_theta_h(scene: Scene) -> Floats:
-    """A tilt of the block against the axis turns n towards v: (P, 3)."""
-    geometry = Geometry(scene.schedule)
-    matrix = np.array([mounting.matrix for mounting in scene.schedule.mountings])[geometry.mounting_index]
-    h, n, v = np.moveaxis(np.einsum("pij,pi->pj", matrix, geometry.force()), -1, 0)
-    changed: Floats = np.einsum("pij,pj->pi", matrix, np.stack([0 * h, v, -n], axis=-1)) @ scene.k.T
-    return changed
 
 
 def _yaw_change(scene: Scene) -> list[Columns]:
