@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from blocks import NOMINAL_K
+from blocks import NOMINAL_K, write_run
+from conftest import EXAMPLES
 from test_fixture_check import PAPER, U0, simulated, stand_named
 
 from tumble import core, reference
@@ -213,6 +214,20 @@ def test_the_size_is_stated_with_its_uncertainty():
     found = fit_of(dataclasses.replace(run, means=run.means + added), stand).explanations[0]
     assert found.patterns == ("k2",) and found.column == "y" and found.unit == "ug/g^2"
     assert abs(found.size - 1000) < 4 * found.u_size and 10 < found.u_size < 40
+
+
+def test_the_block_s_second_order_is_not_blamed_on_the_stand(tumble, tmp_path):
+    """It looks like a tilt of the axis and errors of set angles; the check says what it is, and fails."""
+    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    force = reference.Geometry(PAPER.data).force()
+    rng, stand = np.random.default_rng(95), stand_named("paper")
+    means += rng.normal(size=means.shape) * stand.sigma("noise") / math.sqrt(stand.samples)
+    run = write_run(tmp_path / "run.csv", PAPER.data, means + 3e-4 * force**2 * np.diag(NOMINAL_K))
+    done = tumble("fixture", "check", "--stand", EXAMPLES / "paper_stand.toml", "--limit", "1e-2", run)
+    said = " ".join(done.stdout.split())
+    assert done.returncode == 1 and "does not meet" not in said
+    assert "does not fit the stand: it shows k2" in said and "for which the stand is not blamed" in said
+    assert max(map(len, done.stdout.splitlines())) <= 80
 
 
 def test_a_stand_s_own_tilt_is_no_pattern_of_the_block():
