@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinds import Entry
-from model import Node, Object, check, read_toml, slug
+from model import Node, Object, check, read_toml
+from rules import slug
 
 LAST = 0xFFFF
 SERVICE_KEY = 0x2006_01
