@@ -213,7 +213,8 @@ typedef struct {
     uint16_t stuck_run;        /* equal values in a row that call a channel stuck, or all of a position with fewer
                                 * samples (but more than one); at least 2, or 0: gate off */
     float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
-    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
+    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0, also
+                                * where the gate is off */
 } tumble_averaging_config_t;
 
 /* Monotonic since init, over all positions; they stop at UINT32_MAX instead of wrapping. */
