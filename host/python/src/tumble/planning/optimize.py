@@ -10,7 +10,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
-from tumble.reference.estimators import paper_slots
+from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
 from tumble.stand import SecondOrder
@@ -47,7 +47,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     def spread(weights: Floats) -> Floats:
         return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
 
-    harmonic = paper_slots(case.fitted) is not None
+    harmonic = circles(case.fitted) is not None
     return Optimized(
         case=case,
         table=table,
