@@ -1,5 +1,8 @@
 """Units of a block's outputs: the volt, its multiples, and whatever a run file names."""
 
+from __future__ import annotations
+
+import math
 import re
 
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
@@ -10,6 +13,11 @@ def volts_per(unit: str) -> float:
     """Size in volts of a unit of the outputs; 1 for a unit that is no multiple of the volt, which takes the volt's
     place in the stand file and in the result."""
     return _VOLTS_PER_UNIT.get(unit, 1.0)
+
+
+def unit_of(volts: float) -> str | None:
+    """The unit of this size; None where the volt has no such multiple."""
+    return next((unit for unit, size in _VOLTS_PER_UNIT.items() if math.isclose(size, volts)), None)
 
 
 def noise_unit(unit: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 
 from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
@@ -14,8 +15,10 @@ from tumble.units import noise_unit
 _NOTABLE_MISFIT = 2.0
 
 
-def warn(solution: Solution) -> None:
-    """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
+def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
+    """A line on stderr for each reason why a solution may not be what it claims. `odd`: what is odd about its K."""
+    for sentence in odd:
+        tell(f"tumble: warning: {sentence}")
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V":
         noise = f"noise_v of the stand file, {solution.stand.noise:g}"

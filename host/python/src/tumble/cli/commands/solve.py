@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.documents import to_json
     from tumble.files.run_file import read_run
     from tumble.fixture.stand_doubts import look_for_doubts
-    from tumble.solving import result
+    from tumble.solving import plausibility, result
     from tumble.solving.solution import solve
 
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
@@ -78,6 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.run,
         step_v,
     )
+    odd = plausibility.require(solution, stand_file, arguments.run)
     solution = look_for_doubts(solution, schedule or core.CoreSchedule(core.paper_schedule()), step_v)
     text = ""
     if arguments.json or arguments.out is not None:
@@ -87,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = to_json(result.document(solution, item, environment, serial, name))
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(solution)
+    warn(solution, odd)
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
