@@ -70,15 +70,32 @@ def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> 
     }
 
 
-def standard_uncertainties(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
-) -> tuple[Floats, Floats]:
-    """u_K (3, 3) and u_U0 (3,) of an estimate, in its units. Arguments as of `sources`; `k` is the solved K."""
+def joint(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> Floats:
+    """Covariance (n, n) that all sources together bring to a linear function of the means, as in `contributions`."""
+    draws = np.concatenate([of(source.derivative) * source.sigma[:, None] for source in errors.values()])
+    product: Floats = draws.T @ draws
+    return (product + product.T) / 2.0
+
+
+def covariance(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str) -> Floats:
+    """Covariance (12, 12) of an estimate, K row by row, then U0, in its units. Arguments as of `sources`; `k` is the
+    solved K."""
 
     def coefficients(means: Floats) -> Floats:
         found_k, found_u0 = estimate(schedule, means, estimator)
         return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
 
-    parts = contributions(coefficients, sources(schedule, k, stand, samples))
-    total = np.sqrt(sum(part**2 for part in parts.values()))
-    return total[:9].reshape(3, 3), total[9:]
+    return joint(coefficients, sources(schedule, k, stand, samples))
+
+
+def standard_uncertainties(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
+) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate: the roots of the diagonal of its covariance."""
+    return by_coefficient(covariance(schedule, k, stand, samples, estimator))
+
+
+def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of a covariance (12, 12)."""
+    u = np.sqrt(np.diag(covariance))
+    return u[:9].reshape(3, 3), u[9:]
