@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import stand_seen
+from tumble.solving import si, stand_seen
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
 
@@ -50,6 +50,7 @@ def document(
             "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),
             "bias_g": solution.found.intrinsic.bias.tolist(),
         },
+        "si": si.document(solution.found.k, solution.found.u0, solution.covariance, environment, unit),
         "u_intrinsic": _intrinsic_uncertainties(solution),
         "reference": {
             "max_abs_difference_K": float(np.abs(solution.comparison.k).max()),
