@@ -24,10 +24,12 @@ SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
 @dataclass(frozen=True)
 class Source:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
-    outputs with respect to each draw."""
+    outputs with respect to each draw, `errors`: a unit of each draw as Geometry.force takes it; none for noise, of
+    which the outputs are linear."""
 
     sigma: Floats
     derivative: Floats
+    errors: tuple[dict[str, float | Floats], ...] = ()
 
 
 def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
@@ -45,7 +47,7 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
         steps = [
             geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()}) for draw in draws
         ]
-        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T)
+        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T, tuple(draws))
 
     return {
         "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
@@ -57,6 +59,22 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
+
+
+def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, errors: dict[str, Source], draws: Floats) -> Floats:
+    """Outputs (runs, positions, 3) of the exact geometry for `draws` (runs, all draws of the sources in their order),
+    in units of their standard deviations."""
+    given: dict[str, Floats] = {}
+    linear, start = np.zeros((len(draws), len(schedule.positions), 3)), 0
+    for source in errors.values():
+        sizes = draws[:, start : start + len(source.sigma)] * source.sigma
+        start += len(source.sigma)
+        for one, size in zip(source.errors, sizes.T):
+            for name, unit in one.items():
+                given[name] = given.get(name, np.zeros(1)) + size[:, None] * np.atleast_1d(unit)
+        if not source.errors:
+            linear += np.tensordot(sizes, source.derivative, axes=1)
+    return Geometry(schedule).outputs(k, u0, **given) + linear
 
 
 def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> dict[str, Floats]:
