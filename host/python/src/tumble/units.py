@@ -28,3 +28,8 @@ def noise_unit(unit: str) -> str:
 def per_g(unit: str) -> str:
     """The unit of K for outputs in `unit`."""
     return f"({unit})/g" if "/" in unit else f"{unit}/g"
+
+
+def per_m_s2(unit: str) -> str:
+    """The same for an acceleration in m/s^2."""
+    return f"({unit})/(m/s^2)" if "/" in unit else f"{unit}/(m/s^2)"

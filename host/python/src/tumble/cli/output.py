@@ -23,8 +23,8 @@ def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
     if solution.stand is not None and noise_unit(unit) != "V":
         noise = f"noise_v of the stand file, {solution.stand.noise:g}"
         tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
-    for shift in [] if solution.second_order is None else solution.second_order.shifts:
-        tell(f"tumble: warning: {shift}")
+    for beyond in [] if solution.second_order is None else solution.second_order.complaints:
+        tell(f"tumble: warning: {beyond}")
     if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
         tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
     doubt = complaint(solution)

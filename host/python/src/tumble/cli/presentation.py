@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.cli import propagated
 from tumble.estimators import HARMONIC
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
@@ -138,7 +139,8 @@ def gravity_bars(solution: Solution) -> list[GravityBar]:
 
 
 def remarks(solution: Solution) -> list[str]:
-    """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
+    """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
+    is anything to say."""
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
@@ -149,7 +151,7 @@ def remarks(solution: Solution) -> list[str]:
     if solution.found.residual_rms is not None:
         yaw = " (yaw included)" if solution.found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
-    return lines + _stand_remarks(solution)
+    return lines + _stand_remarks(solution) + propagated.remarks(solution)
 
 
 def _stand_remarks(solution: Solution) -> list[str]:

@@ -10,6 +10,7 @@ every complaint knows its row.
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import math
 from collections.abc import Iterable
@@ -43,7 +44,8 @@ class Run:
     """A recorded run, position by position in the schedule's order.
 
     `samples` (positions,): rows of each, 0 where none; `means` (positions, 3); `scatter` (positions, 3): standard
-    deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file.
+    deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
+    `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file.
     """
 
     samples: Integers
@@ -51,6 +53,7 @@ class Run:
     scatter: Floats
     unit: str
     counters: dict[str, int]
+    sha256: str = ""
 
     @property
     def measured(self) -> Flags:
@@ -74,7 +77,7 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
         "comment_lines": table.comments,
         "columns_ignored": layout.width - len(COLUMNS),
     }
-    return Run(samples, means, scatter, layout.unit, counters)
+    return Run(samples, means, scatter, layout.unit, counters, hashlib.sha256(data).hexdigest())
 
 
 def _require_text(data: bytes, file: str) -> None:

@@ -53,9 +53,10 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.documents import to_json
     from tumble.files.run_file import read_run
     from tumble.fixture.stand_doubts import look_for_doubts
-    from tumble.solving import plausibility, result
+    from tumble.solving import plausibility, provenance, result
     from tumble.solving.solution import solve
 
+    created = provenance.created()
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     stand_file = schedule = None
     if arguments.stand is not None:
@@ -85,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
         name = os.path.basename(arguments.run)
-        text = to_json(result.document(solution, item, environment, serial, name))
+        text = to_json(result.document(solution, item, environment, serial, name, created))
     if arguments.out is not None:
         write_text(arguments.out, text)
     warn(solution, odd)
