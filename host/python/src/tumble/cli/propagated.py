@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from tumble.estimators import COEFFICIENTS
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo, Verdict
 from tumble.solving.solution import Solution
@@ -31,7 +33,7 @@ def _simulated(found: MonteCarlo) -> list[str]:
     for i, (name, verdict) in enumerate(zip(COEFFICIENTS, found.verdicts)):
         shift, spread, ends = _over_u(found, i)
         lines.append(f"{name:6} {shift:>10}  {spread:>6}  {ends:>16}  {verdict.value}")
-    return [*lines, complaint(found) or "It agrees with the linear uncertainties."]
+    return lines + textwrap.wrap(complaint(found) or "It agrees with the linear uncertainties.", 80)
 
 
 def _over_u(found: MonteCarlo, i: int) -> tuple[str, str, str]:
