@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from tumble.cli import presentation
+from tumble.cli import presentation, propagated
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.fixture.stand_doubts import complaint
 from tumble.messages import tell
@@ -27,6 +27,8 @@ def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
         tell(f"tumble: warning: {beyond}")
     if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
         tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
+    if solution.monte_carlo is not None and (open_or_not := propagated.complaint(solution.monte_carlo)):
+        tell(f"tumble: warning: {open_or_not}")
     doubt = complaint(solution)
     if doubt is not None:
         tell(f"tumble: warning: {doubt}; the uncertainties are too small")

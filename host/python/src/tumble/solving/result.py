@@ -42,6 +42,7 @@ def document(
         "covariance": None if solution.covariance is None else solution.covariance.tolist(),
         "u_norm_g": _worst_norm(solution),
         "second_order": None if solution.second_order is None else solution.second_order.document(),
+        "monte_carlo": None if solution.monte_carlo is None else solution.monte_carlo.document(),
         "misfit": solution.misfit,
         "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
         "assumes": list(rests_on),

@@ -8,7 +8,6 @@ outputs come from the exact geometry and go through the estimator itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,13 +15,11 @@ import numpy as np
 
 from tumble import core
 from tumble.arrays import Floats, Integers
-from tumble.core.optimal import GainRecord, optimal_runs
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import Schedule
-from tumble.solving.gain_record import record_of, to_bytes
-from tumble.solving.gains import linear_gains, optimal_table
+from tumble.solving.many_runs import ManyRuns, estimator_for, table_at
 from tumble.stand import Stand
 
 SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
@@ -30,8 +27,6 @@ _NODE = 3.0**0.5
 _ROUNDING = 1e-12  # of max|K|
 _CHUNK = 2000  # pairs at a time
 _PLAIN = {"alpha1": "axis tilt", "alpha2": "level error", "alpha3": "yaw", "alpha4": "errors of set angles"}
-
-Estimator = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -141,7 +136,7 @@ def second_order(
     return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), stand.sigma("remount"))
 
 
-def _pairs(moved: Estimator, lone: Floats) -> Floats:
+def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
     """Sum (12,) over both signs of both of all pairs."""
     one, other = np.triu_indices(len(lone), 1)
     total = np.zeros(12)
@@ -156,28 +151,16 @@ def _scale_of(name: str) -> str:
     return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"
 
 
-def _estimator(
-    schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float
-) -> Estimator:
-    """From means (runs, positions, 3) to coefficients (runs, 12); of `optimal` with weights made at `k`."""
+def _estimator(schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float) -> ManyRuns:
+    """The estimator; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says enough."""
+    estimate = estimator_for(schedule, k, stand, estimator, samples, step)
 
-    fit = fit_indices(schedule)
-
-    def linear(means: Floats) -> Floats:
-        return means[:, fit].reshape(len(means), -1) @ weights.T
-
-    if estimator != OPTIMAL:
-        weights = linear_gains(schedule, estimator)
-        return linear
-    inverse = 1.0 / np.where(samples > 1, samples, stand.samples)[fit]
-    table = optimal_table(schedule, k, stand, step, float(1.0 / inverse.mean()))
-    weights = table.gains
-    record = GainRecord(core.CoreSchedule(schedule), to_bytes(record_of(table, schedule)))
-
-    def corrected(means: Floats) -> Floats:
+    def or_linear(means: Floats) -> Floats:
         try:
-            return optimal_runs(record, means)[0]
-        except core.CoreRefusal:  # beyond 0.1 rad it gives no result; the bias of its linear part then says enough
-            return linear(means)
+            return estimate(means)
+        except core.CoreRefusal:
+            weights = table_at(schedule, k, stand, samples, step).gains
+            linear: Floats = means[:, fit_indices(schedule)].reshape(len(means), -1) @ weights.T
+            return linear
 
-    return corrected
+    return or_linear if estimator == OPTIMAL else estimate

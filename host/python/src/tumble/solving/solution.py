@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -19,6 +19,7 @@ from tumble.solving import optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
+from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import Stand
@@ -56,7 +57,7 @@ class Solution:
     `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
     that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
     looked; `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in
-    the unit of the run, 0: unknown.
+    the unit of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
     """
 
     schedule: Schedule
@@ -73,6 +74,7 @@ class Solution:
     doubts: tuple[Doubt, ...] | None = None
     covariance: Floats | None = None
     step: float = 0.0
+    monte_carlo: MonteCarlo | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -88,11 +90,28 @@ class Solution:
     @cached_property
     def second_order(self) -> SecondOrder | None:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
-        if self.u_k is None or self.u_u0 is None:
+        if self.stand is None:
             return None
-        schedule, samples = self.measured_schedule, self.run.samples[self.run.measured]
-        u, stand = np.concatenate([self.u_k.ravel(), self.u_u0]), self.declared.with_step(self.step)
-        return second_order(schedule, self.found.k, u, stand, self.found.estimator, samples)
+        schedule, stand, samples = self._as_propagated
+        return second_order(schedule, self.found.k, self._u, stand, self.found.estimator, samples)
+
+    def simulated(self, runs: int, seed: int) -> Solution:
+        """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
+        schedule, stand, samples = self._as_propagated
+        given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
+        return replace(self, monte_carlo=simulate(*given, runs, seed))
+
+    @property
+    def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
+        """What the uncertainties come from: measured positions, the stand, rows of each position."""
+        stand = self.declared.with_step(self.step)
+        return self.measured_schedule, stand, self.run.samples[self.run.measured]
+
+    @property
+    def _u(self) -> Floats:
+        """Standard uncertainties (12,), where there are any."""
+        assert self.u_k is not None and self.u_u0 is not None
+        return np.concatenate([self.u_k.ravel(), self.u_u0])
 
     @cached_property
     def u_norm(self) -> WorstNorm | None:
