@@ -41,7 +41,7 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert beware.startswith("Beware: the run does not fit the stand file: ")
     assert beware.endswith("The uncertainties above are too small.")
     assert max(map(len, beware.splitlines())) <= 80
-    assert verdict.startswith("PASS: " if shown.returncode == 0 else "FAIL: ")
+    assert verdict.startswith("PASS" if shown.returncode == 0 else "FAIL: ")
 
 
 @pytest.mark.parametrize("name", ["paper", "angle", "lab"])

@@ -493,6 +493,9 @@ typedef struct {
     double least_noise_v; /* of a mean, however many samples it has: it never counts as less; 0 to TUMBLE_MAX_MEAN_V */
     uint32_t samples;     /* in a mean, where the run does not say; at least 1 */
     bool common_yaw;      /* every mounting has the same yaw */
+    double seat_rad; /* theta_h, theta_n: how far a mounting tilts the block against the axis, and turns it about it;
+                           * one of each for each mounting */
+    double platform_rad; /* theta_h of the platform: one for all mountings */
 } tumble_stand_record_t;
 
 /* The run whose estimate is judged. */

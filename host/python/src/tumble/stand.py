@@ -28,6 +28,8 @@ class Stand:
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
     a run gives only the mean. `limits`: what the numbers are, one of LIMIT_KINDS: standard deviations, three of them,
     or half-widths of a uniform law. `remounting`: is the yaw drawn anew in every mounting, or common to all?
+    `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how far the
+    platform tilts it against the axis, the same in all mountings and runs. 0: not declared.
     """
 
     axis_tilt: float
@@ -39,6 +41,13 @@ class Stand:
     limits: str
     remounting: str = INDEPENDENT
     name: str = ""
+    seat: float = 0.0
+    platform: float = 0.0
+
+    @property
+    def declares_seat(self) -> bool:
+        """Whether anything is said of how square the block sits."""
+        return self.seat > 0.0 or self.platform > 0.0
 
     def in_unit(self, unit: str) -> Stand:
         """This stand with its noise in the unit of a run's outputs."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from tumble.solving.assumptions import phrase
 from tumble.units import per_g
 
 _C_HEADER = """\
@@ -49,11 +50,18 @@ def _coefficients(result: dict[str, Any]) -> Iterator[tuple[str, float, str, flo
         yield f"U0_{channel}", result["U0"][i], unit, None if u_u0 is None else u_u0[i]
 
 
+def _assumed(result: dict[str, Any], coefficient: str) -> list[str]:
+    """Names of what a coefficient rests on."""
+    of = result["assumed_for"]
+    return [name for name in result["assumes"] if coefficient in (of.get(name) or [coefficient])]
+
+
 def to_csv(result: dict[str, Any]) -> str:
     """One row a coefficient. An unknown uncertainty is an empty field."""
-    rows = ["coefficient,value,unit,standard_uncertainty,uncertainty_unit"]
+    rows = ["coefficient,value,unit,standard_uncertainty,uncertainty_unit,assumes"]
     for name, value, unit, u in _coefficients(result):
-        rows.append(f"{name},{value:.17g},{unit},{'' if u is None else format(u, '.17g')},{unit}")
+        known, assumed = "" if u is None else format(u, ".17g"), " ".join(_assumed(result, name))
+        rows.append(f"{name},{value:.17g},{unit},{known},{unit},{assumed}")
     return "\n".join(rows) + "\n"
 
 
@@ -61,7 +69,8 @@ def to_c(result: dict[str, Any]) -> str:
     """A header of constants that needs nothing else. Unknown uncertainties are left out, not invented."""
     definitions = []
     for name, value, unit, u in _coefficients(result):
-        definitions.append(f"#define TUMBLE_{name.upper()} ({_literal(value)}) /* {unit} */")
+        condition = phrase(_assumed(result, name))
+        definitions.append(f"#define TUMBLE_{name.upper()} ({_literal(value)}) /* {unit}{condition} */")
         if u is not None:
             definitions.append(f"#define TUMBLE_U_{name.upper()} ({_literal(u)}) /* {unit}, standard uncertainty */")
     verification = result["verification"]
@@ -70,7 +79,7 @@ def to_c(result: dict[str, Any]) -> str:
         unit=result["unit"],
         k_unit=per_g(result["unit"]),
         estimator=result["estimator"],
-        verdict="passed" if verification["pass"] else "FAILED",
+        verdict=f"passed{phrase(result['assumes'])}" if verification["pass"] else "FAILED",
         largest=verification["max_abs_delta_g_g"],
         limit=verification["limit_g"],
         known="TUMBLE_U_..., below" if is_known else "unknown, no stand was declared",

@@ -48,7 +48,7 @@ def _plain_text(solution: Solution, file: str) -> str:
     """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
     lines = [presentation.title(solution, file), ""]
     lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
-    lines += ([presentation.HINT] if solution.u_k is None else []) + [""]
+    lines += presentation.notes(solution) + ([presentation.HINT] if solution.u_k is None else []) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
     lines += [*presentation.remarks(solution), "", *presentation.beware(solution)]

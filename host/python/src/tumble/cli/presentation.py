@@ -13,6 +13,7 @@ from tumble.estimators import PAPER
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
+from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
@@ -53,9 +54,10 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
-    angle that it is, in urad, of U0 in ug.
+    angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
     """
     unit, rows = solution.run.unit, []
+    marked = {name for names in assumed(solution).values() for name in names}
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
@@ -66,7 +68,8 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
-            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
+            name = f"K_{channel}{axis}"
+            rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if solution.u_u0 is None else solution.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
@@ -75,6 +78,12 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
         known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
         rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
     return rows
+
+
+def notes(solution: Solution) -> list[str]:
+    """What marked coefficients, or all, rest on: one line each."""
+    rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
+    return [f"{'*' if names else 'All'} assuming {one.phrase}: {one.why}" for one, names in rests_on.items()]
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -200,6 +209,9 @@ def beware(solution: Solution) -> list[str]:
 def verdict(solution: Solution) -> str:
     """Pass or fail and why, in one line."""
     worst = solution.worst_position
-    outcome = "PASS" if solution.found.gravity.passed else "FAIL"
     error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
-    return f"{outcome}: largest gravity error {error}, limit {solution.limit_g:g} g; numpy agrees"
+    rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
+    if not solution.found.gravity.passed:
+        return f"FAIL: largest gravity error {rest}"
+    condition = phrase(assumed(solution))
+    return f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"

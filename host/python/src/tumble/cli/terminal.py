@@ -20,6 +20,8 @@ def show(solution: Solution, file: str) -> None:
     console.width = max(console.width, _WIDTH)
     console.print(Text(presentation.title(solution, file), style="bold"))
     console.print(_coefficients(solution))
+    for line in presentation.notes(solution):
+        console.print(Text(line, style="yellow"))
     if solution.u_k is None:
         console.print(Text(presentation.HINT, style="yellow"))
     console.print(Text("\n" + presentation.gravity_title(solution), style="bold"))

@@ -1,6 +1,7 @@
 """Stand files: what a stand, its block and its limits are declared to be (TOML).
 
-[stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount
+[stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount,
+               seat_rad, platform_rad
 [block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
 [block.true]   K, U0                                               for simulation
 [motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
@@ -98,7 +99,8 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 
 def _stand(table: Table) -> Stand:
     angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
-    table.only("name", *angles, "noise_v", "samples", "limits", "remount")
+    seats = ("seat_rad", "platform_rad")
+    table.only("name", *angles, "noise_v", "samples", "limits", "remount", *seats)
     axis_tilt, level, remount, angle = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in angles)
     return Stand(
         axis_tilt=axis_tilt,
@@ -110,6 +112,7 @@ def _stand(table: Table) -> Stand:
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
+        **{key.removesuffix("_rad"): table.number(key, 0.0, _LARGEST_ANGLE_RAD, default=0.0) for key in seats},
     )
 
 

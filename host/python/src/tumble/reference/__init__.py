@@ -8,6 +8,7 @@ every solve, means something only as long as that holds.
 from tumble.reference.estimators import estimate, magnification
 from tumble.reference.geometry import Geometry, paper_schedule
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
@@ -27,4 +28,5 @@ __all__ = [
     "pooled_noise",
     "residual_rms",
     "standard_uncertainties",
+    "unseen_tilt",
 ]

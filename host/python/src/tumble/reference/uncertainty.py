@@ -31,7 +31,7 @@ class Source:
 
 
 def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
-    """Every source of error, by name as in SOURCES.
+    """Every source of error, by name as in SOURCES; `seat` and `platform` where the stand declares them.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
     for a mean of the stand's `samples`.
@@ -47,7 +47,7 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
         ]
         return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T)
 
-    return {
+    found = {
         "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
         "alpha2": angles("level", [{"alpha2": 1.0}]),
         "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
@@ -57,6 +57,11 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
+    if stand.seat > 0.0:
+        found["seat"] = angles("seat", [{name: one} for name in ("seat_h", "seat_n") for one in np.eye(mountings)])
+    if stand.platform > 0.0:
+        found["platform"] = angles("platform", [{"seat_h": 1.0}])
+    return found
 
 
 def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> dict[str, Floats]:

@@ -7,6 +7,7 @@ The core computes, the numpy witness confirms, and only then is there a solution
     optimal_run  the optimal estimator for one run: weights made for it (gains, gain_record), evaluated by the core
     uncertainty  the standard uncertainties that a result states
     stand_seen   the stand's errors as the run shows them
+    assumptions  what a result rests on that nobody tested
     crosscheck   core against witness; a disagreement gives no result
     result       the document that is written of a solution, schema tumble.result/1
 """

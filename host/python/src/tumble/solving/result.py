@@ -8,6 +8,7 @@ import numpy as np
 
 from tumble.files.documents import RESULT
 from tumble.solving import stand_seen
+from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
 
@@ -20,7 +21,7 @@ def document(
     run_file: str | None = None,
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved."""
-    unit = solution.run.unit
+    unit, rests_on = solution.run.unit, assumed(solution)
     return {
         "schema": RESULT,
         "run_file": run_file,
@@ -35,6 +36,8 @@ def document(
         "second_order": None if solution.second_order is None else solution.second_order.document(),
         "misfit": solution.misfit,
         "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
+        "assumes": list(rests_on),
+        "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
