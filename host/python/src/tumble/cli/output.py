@@ -53,7 +53,7 @@ def _plain_text(solution: Solution, file: str) -> str:
     lines += presentation.notes(solution) + ([presentation.HINT] if solution.u_k is None else []) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
-    lines += [*presentation.remarks(solution), "", *presentation.beware(solution), *presentation.stray(solution)]
+    lines += [*presentation.remarks(solution), "", *presentation.beware(solution)]
     lines += [presentation.verdict(solution)]
     return "\n".join(lines) + "\n"
 

@@ -24,8 +24,6 @@ _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth"
 HINT = "For uncertainties, describe the stand: --stand FILE"
 BAR_WIDTH = 36
 _UNKNOWN = "unknown"
-_FAR_ABOVE = 5.0  # times the median scatter of a channel
-_FEWEST_TO_COMPARE = 5  # positions
 
 
 @dataclass(frozen=True)
@@ -208,25 +206,6 @@ def beware(solution: Solution) -> list[str]:
         return []
     warning = f"Beware: {complaint}. The uncertainties above are too small."
     return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
-
-
-def stray(solution: Solution) -> list[str]:
-    """Of a run that fails: the position whose samples scatter far more than those of the others, if there is one. A
-    single wrong sample shows there, while the gravity check blames every position that it spoils."""
-    several = np.flatnonzero(solution.run.samples > 1)
-    if solution.found.gravity.passed or len(several) < _FEWEST_TO_COMPARE:
-        return []
-    scatter = solution.run.scatter[several]
-    usual = np.median(scatter, axis=0)
-    excess = np.where(scatter > _FAR_ABOVE * usual, scatter, 0.0)
-    place, channel = np.unravel_index(int(excess.argmax()), excess.shape)
-    if excess[place, channel] == 0.0:
-        return []
-    unit, label = solution.run.unit, solution.schedule.positions[several[place]].label
-    return [
-        f"Largest scatter: {excess[place, channel]:.2g} {unit} of u{'xyz'[channel]} at {label}, "
-        f"{usual[channel]:.2g} {unit} elsewhere: look at its samples"
-    ]
 
 
 def verdict(solution: Solution) -> str:

@@ -148,6 +148,7 @@ def _views(
 ) -> list[RunView]:
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files import run_rows
     from tumble.files.run_file import read_run
     from tumble.fixture.judge import RunView
     from tumble.messages import tell
@@ -160,8 +161,9 @@ def _views(
         run = read_run(file, core_schedule.data)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
+        odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
         solution = solve(run, schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
-        for odd in plausibility.require(solution, stand_file, file):
+        for odd in (*odd_rows, *plausibility.require(solution, stand_file, file)):
             tell(f"tumble: warning: {file_name(file)}: {odd}")
         views.append(RunView.of(solution, core_schedule, file))
     return views

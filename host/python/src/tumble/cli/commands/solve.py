@@ -58,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tumble import core
     from tumble.cli.output import print_solution, warn
+    from tumble.files import run_rows
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
     from tumble.files.run_file import read_run
@@ -77,7 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
         from tumble.files.schedule_file import read_schedule
 
         schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
-    recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
+    planned = core.paper_schedule() if schedule is None else schedule.data
+    recorded = read_run(arguments.run, planned, wishes)
+    odd_rows = run_rows.require(recorded, planned, stand_file, arguments.run)
     step_v = 0.0 if stand_file is None else stand_file.step_v
     solution = solve(
         recorded,
@@ -100,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = to_json(result.document(solution, item, environment, serial, name, created))
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(solution, odd)
+    warn(solution, (*odd_rows, *odd))
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
