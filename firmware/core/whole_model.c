@@ -34,15 +34,17 @@ typedef struct {
     double by_angle[TUMBLE_CHANNELS];
     double residual_v[TUMBLE_CHANNELS]; /* as if the set angle had no error */
     double variance_v2;
-} place_t;
+} linear_place_t;
 
-static sigmas_t sigmas_of(const tumble_stand_record_t *stand)
+static void find_sigmas(const tumble_stand_record_t *stand, sigmas_t *sigmas)
 {
-    const double yaw = stand->remount_rad;
-    const double common = stand->common_yaw ? yaw : 0.0;
-    const double own = stand->common_yaw ? 0.0 : yaw;
-    return (sigmas_t){{stand->axis_tilt_rad, stand->level_rad, stand->platform_rad, common},
-                      {own, stand->seat_rad, stand->seat_rad}};
+    sigmas->shared_rad[ALPHA1] = stand->axis_tilt_rad;
+    sigmas->shared_rad[ALPHA2] = stand->level_rad;
+    sigmas->shared_rad[PLATFORM] = stand->platform_rad;
+    sigmas->shared_rad[COMMON_YAW] = stand->common_yaw ? stand->remount_rad : 0.0;
+    sigmas->local_rad[YAW] = stand->common_yaw ? 0.0 : stand->remount_rad;
+    sigmas->local_rad[THETA_H] = stand->seat_rad;
+    sigmas->local_rad[THETA_N] = stand->seat_rad;
 }
 
 /* From (h, n, v) of the table to the block's axes. */
@@ -64,11 +66,12 @@ static void respond(const tumble_whole_work_t *work, const tumble_mounting_t *mo
     }
 }
 
-static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *work, uint8_t p, place_t *place)
+static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *work, uint8_t p, linear_place_t *place)
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
     const double *own = work->local_rad[mounting - run->schedule->mountings];
-    const sigmas_t sigmas = sigmas_of(run->stand);
+    sigmas_t sigmas;
+    find_sigmas(run->stand, &sigmas);
     double sine = run->schedule->positions[p].angle.sine;
     double cosine = run->schedule->positions[p].angle.cosine;
     double tilt_sine = mounting->tilt.sine;
@@ -155,7 +158,7 @@ static void add_prior(tumble_whole_work_t *work, int unknown, double error_rad, 
 }
 
 /* The row of the outputs combined by `mix`. */
-static void make_row(tumble_whole_work_t *work, const place_t *place, const double mix[TUMBLE_CHANNELS])
+static void make_row(tumble_whole_work_t *work, const linear_place_t *place, const double mix[TUMBLE_CHANNELS])
 {
     double *row = work->row;
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
@@ -177,7 +180,7 @@ static void make_row(tumble_whole_work_t *work, const place_t *place, const doub
 /* Three whitened rows: V^-1/2 = (I - c d d^T) / sqrt(v) for the covariance V = v I + sigma^2 d d^T of the outputs. */
 static void add_place(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t p, int columns)
 {
-    place_t place;
+    linear_place_t place;
     look_at(run, work, p, &place);
     const double v = place.variance_v2;
     const double square = tumble_dot(place.by_angle, place.by_angle);
@@ -203,7 +206,8 @@ static bool belongs(const tumble_whole_run_t *run, uint8_t m, uint8_t p)
 /* All that one mounting says, into the first `columns` rows. */
 static void add_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t m, int columns)
 {
-    const sigmas_t sigmas = sigmas_of(run->stand);
+    sigmas_t sigmas;
+    find_sigmas(run->stand, &sigmas);
     clear_rows(work, 0, TUMBLE_WHOLE_LOCAL);
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
         add_prior(work, e, work->local_rad[m][e], sigmas.local_rad[e], columns);
@@ -237,7 +241,7 @@ static double held(double error_rad)
 /* The best estimate of the error of a set angle, from what this step leaves of the outputs. */
 static double angle_error(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t p)
 {
-    place_t place;
+    linear_place_t place;
     look_at(run, work, p, &place);
     const double square = run->stand->angle_rad * run->stand->angle_rad;
     make_row(work, &place, place.by_angle);
@@ -251,7 +255,8 @@ static double angle_error(const tumble_whole_run_t *run, tumble_whole_work_t *wo
 /* What a mounting has for itself, after the unknowns of all are known. */
 static void update_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t m)
 {
-    const sigmas_t sigmas = sigmas_of(run->stand);
+    sigmas_t sigmas;
+    find_sigmas(run->stand, &sigmas);
     add_mounting(run, work, m, TUMBLE_WHOLE_LOCAL);
     substitute_back(work, 0, TUMBLE_WHOLE_LOCAL);
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
@@ -266,7 +271,8 @@ static void update_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *
 
 static void update_all(const tumble_whole_run_t *run, tumble_whole_work_t *work)
 {
-    const sigmas_t sigmas = sigmas_of(run->stand);
+    sigmas_t sigmas;
+    find_sigmas(run->stand, &sigmas);
     for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
         update_mounting(run, work, m);
     }
@@ -285,7 +291,8 @@ static void update_all(const tumble_whole_run_t *run, tumble_whole_work_t *work)
 /* Solve the problem that is linear where the step before ended; the sum of squares that is left. */
 static double take_step(const tumble_whole_run_t *run, tumble_whole_work_t *work)
 {
-    const sigmas_t sigmas = sigmas_of(run->stand);
+    sigmas_t sigmas;
+    find_sigmas(run->stand, &sigmas);
     clear_rows(work, 0, UNKNOWNS);
     work->residual_square = 0.0;
     for (int e = 0; e < TUMBLE_WHOLE_SHARED; e++) {
