@@ -57,7 +57,7 @@ def read_schedule(name: str) -> tuple[dict, list[tuple[int, int, float]]]:
     """Matrices by mounting, and (mounting, position, table angle in degrees) in the order of measuring."""
     if name in BUILT_IN:
         mountings, angles = range(1, BUILT_IN[name][0] + 1), BUILT_IN[name][1]
-        positions = [(mounting, number, angle) for mounting in mountings for number, angle in enumerate(angles, start=1)]
+        positions = [(mounting, number, angle) for mounting in mountings for number, angle in enumerate(angles, 1)]
         return {mounting: MATRICES[mounting] for mounting in mountings}, positions
     schedule = load(name)
     matrices = {mounting["number"]: mounting["matrix"] for mounting in schedule["mounting"]}
