@@ -86,13 +86,13 @@ def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
     paper_stand(tmp_path, noise_v="3e-5")
     result, warnings = solve(tumble, "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     assert result["misfit"] > 2 and "times what the stand declares" in warnings
-    assert "does not fit the stand file: noise" in warnings and warnings.count("\n") == 2
+    assert "does not fit the stand file: noise" in warnings and warnings.count("\n") == 3
 
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
 def test_a_large_yaw_is_flagged_whatever_the_estimator(estimator, tumble, tmp_path):
     paper_stand(tmp_path, remount_rad="15e-3")
-    arguments = ["--stand", tmp_path / "stand.toml", "--estimator", estimator, "--json"]
+    arguments = ["--stand", tmp_path / "stand.toml", "--estimator", estimator, "--unit", "V", "--json"]
     done = tumble("solve", EXAMPLES / "paper_stand.csv", *arguments)
     second_order = json.loads(done.stdout)["second_order"]
     assert second_order["matters"] and second_order["bias_K_xx_relative"] == pytest.approx(15e-3**2 / 2)
