@@ -182,7 +182,8 @@ def schedule_text(matrix, fifth=False):
         rows = matrix if mounting.number == 3 else [list(row) for row in mounting.matrix]
         lines += ["[[mounting]]", f"number = {mounting.number}", f"matrix = {rows}"]
     again = [(m.number, 5, 45.0, "check") for m in schedule.mountings] if fifth else []
-    for number, position, angle, use in [(p.mounting, p.number, p.angle_deg, p.use) for p in schedule.positions] + again:
+    fitted = [(p.mounting, p.number, p.angle_deg, p.use) for p in schedule.positions]
+    for number, position, angle, use in fitted + again:
         lines += ["[[position]]", f"mounting = {number}", f"position = {position}", f"angle_deg = {angle}"]
         lines += [f'use = "{use}"']
     return "\n".join(lines) + "\n"
