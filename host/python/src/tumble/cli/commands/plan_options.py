@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import Subparsers, add_estimator, add_schedule, parse_number
+from tumble.cli.options import Subparsers, add_estimator, add_limit, add_schedule, parse_limit, parse_number
 from tumble.errors import UsageError, quoted
 
 if TYPE_CHECKING:
@@ -29,9 +30,10 @@ def add_subject(
 
 
 def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
-    """--stand, --schedule, and --estimator if there is a choice of one."""
+    """--stand, --schedule, --limit, and --estimator if there is a choice of one."""
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
     add_schedule(parser)
+    add_limit(parser)
     if choose_estimator:
         add_estimator(parser)
 
@@ -51,6 +53,7 @@ def read_case(arguments: argparse.Namespace) -> Case:
     from tumble.planning.case import Case
 
     stand_file = schedule = None
+    limit_g = parse_limit(arguments.limit)
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
 
@@ -61,7 +64,8 @@ def read_case(arguments: argparse.Namespace) -> Case:
         derived = getattr(arguments, "weights", DERIVED) == DERIVED
         estimator = getattr(arguments, "estimator", None) if derived else None
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
-    return Case.of(stand_file, arguments.stand, schedule)
+    case = Case.of(stand_file, arguments.stand, schedule)
+    return case if limit_g is None else replace(case, limit_g=limit_g)
 
 
 def parse_positive(text: str, option: str) -> float:

@@ -13,11 +13,13 @@ from tumble.cli.commands.plan_options import (
     read_case,
     write_json,
 )
-from tumble.cli.options import Subparsers, add_limit, parse_limit
+from tumble.cli.options import Subparsers, parse_number
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
+
+LEAST, MOST = 0.5, 0.9999  # probabilities: few are served by less, and none is computed better than the last
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -31,7 +33,12 @@ def add_to(subparsers: Subparsers) -> None:
     )
     add_case_options(parser)
     add_weights_option(parser)
-    add_limit(parser)
+    parser.add_argument(
+        "--probability",
+        metavar="P",
+        help="what is just enough: probability of passing the check, and of |a| within the limit at every attitude;"
+        " 0.5 to 0.9999, default: 0.95",
+    )
     parser.add_argument(
         "--split",
         metavar="SOURCE=PART,...",
@@ -41,24 +48,38 @@ def add_to(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    limit_g = parse_limit(arguments.limit)
-    case = read_case(arguments)
-    limit_g = case.limit_g if limit_g is None else limit_g
+    probability = _probability(arguments.probability)
     split = _split(arguments.split)
+    case = read_case(arguments)
+    limit_g = case.limit_g
 
+    from tumble.planning.enough import enough
     from tumble.planning.headroom import headroom, margins
     from tumble.planning.require import requirements
     from tumble.planning.requirement_report import document, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
-    of_all = margins(case, limit_g) if arguments.weights == "derived" else {arguments.estimator: room.margin}
-    plan = document(found, room, of_all, case, arguments.weights, arguments.estimator, limit_g, split)
+    derived = arguments.weights == "derived"
+    of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
+    just = enough(case, arguments.estimator, found.limits, probability) if derived else None
+    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
     if arguments.json:
         write_json(plan)
     else:
         show(plan, case)
     return EXIT_PASS
+
+
+def _probability(text: str | None) -> float:
+    from tumble.planning.promise import DEFAULT_PROBABILITY
+
+    if text is None:
+        return DEFAULT_PROBABILITY
+    probability = parse_number(text)
+    if not LEAST <= probability <= MOST:
+        raise UsageError(f"--probability: {quoted(text)} is not a number from {LEAST:g} to {MOST:g}")
+    return probability
 
 
 def _split(text: str | None) -> Floats:
