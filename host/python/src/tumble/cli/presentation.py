@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.estimators import PAPER
+from tumble.estimators import HARMONIC
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
@@ -138,7 +138,7 @@ def remarks(solution: Solution) -> list[str]:
         for mounting, difference in solution.found.closure.items()
     ]
     if solution.found.residual_rms is not None:
-        yaw = " (yaw included)" if solution.found.estimator in PAPER else ""
+        yaw = " (yaw included)" if solution.found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
     return lines + _stand_remarks(solution)
 

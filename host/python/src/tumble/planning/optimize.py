@@ -11,7 +11,7 @@ from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise, promise
-from tumble.reference.estimators import paper_slots
+from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
 from tumble.stand import SecondOrder
@@ -49,7 +49,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     def spread(weights: Floats) -> Floats:
         return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
 
-    harmonic = paper_slots(case.fitted) is not None
+    harmonic = circles(case.fitted) is not None
     return Optimized(
         case=case,
         table=table,

@@ -6,8 +6,9 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
-from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.reference.geometry import Geometry
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
@@ -16,6 +17,7 @@ __all__ = [
     "Geometry",
     "OptimalEstimate",
     "RunSeen",
+    "built_in",
     "closure",
     "estimate",
     "gravity_errors",

@@ -112,7 +112,7 @@ def solve(
     """
     step = step_v / volts_per(run.unit)
     declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
-    core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
+    core_schedule = schedule or core.CoreSchedule.built_in("paper")
     weighting = None
     if estimator == OPTIMAL:
         assert declared is not None  # as documented
@@ -123,7 +123,8 @@ def solve(
         raise BadInput(_explain(refusal, estimator), file) from None
     except DeadChannels as error:
         raise BadInput(str(error), file) from None
-    witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
+    name = core_schedule.name
+    witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
@@ -167,7 +168,7 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
     """A refusal of the core, in terms of what the user gave."""
     if refusal.name == "TUMBLE_E_MISSING_POSITION":
         missing = ", ".join(refusal.details["missing"])
-        return f"{estimator} needs all 2 x 9 positions (for other ones: --schedule FILE); missing {missing}"
+        return f"{estimator} needs every fit position (another schedule: --schedule); missing {missing}"
     if refusal.name == "TUMBLE_E_NOT_HARMONIC":
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import OPTIMAL
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.files.run_layout import Wishes
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.solving import result
     from tumble.solving.solution import solve
 
-    refuse_overwriting(arguments.out, arguments.run, arguments.stand, arguments.schedule)
+    refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     stand_file = schedule = None
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
