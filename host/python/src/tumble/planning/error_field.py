@@ -22,6 +22,7 @@ from tumble.reference.uncertainty import sources
 
 _ROWS, _COLUMNS = np.triu_indices(3)
 _BISECTIONS = 26
+_MANY = 10_000
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,27 @@ def norm_forms(matrix: Floats, vector: Floats) -> Floats:
     """Forms (n, 9) of a'M a + v'a for M (n, 3, 3) and v (n, 3)."""
     symmetric = (matrix + np.swapaxes(matrix, 1, 2)) / 2.0
     return np.hstack([symmetric[:, _ROWS, _COLUMNS], vector])
+
+
+def features(at: Floats) -> Floats:
+    """What forms are multiplied by at unit attitudes (n, 3): (n, 9)."""
+    twice = np.where(_ROWS == _COLUMNS, 1.0, 2.0)
+    return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
+
+
+def attitudes(count: int) -> Floats:
+    """So many unit vectors spread evenly over the sphere, on a spiral: (count, 3)."""
+    height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    turn = np.pi * (3.0 - 5.0**0.5) * np.arange(count)
+    radius = np.sqrt(1.0 - height**2)
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)
+
+
+def worst_norm(forms: Floats) -> tuple[float, Floats]:
+    """The worst u(|a|) over all attitudes, g, and where; for forms (draws, 9). To 0.1 %."""
+    at = attitudes(_MANY)
+    u = np.linalg.norm(features(at) @ forms.T, axis=1)
+    return float(u.max()), at[u.argmax()]
 
 
 def largest_over_attitudes(forms: Floats) -> Floats:

@@ -26,7 +26,7 @@ from tumble.planning.case import Case
 from tumble.planning.error_field import error_field, largest_over_attitudes
 from tumble.planning.tables import percent
 
-DEFAULT_PROBABILITY = 0.95
+_ANY = 0.95  # of a growth that nobody asks for
 _SEED = 1
 _DIRECTIONS = {"positions": 32768, "attitudes": 8192}
 _BISECTIONS = 30
@@ -116,7 +116,7 @@ class Promise:
         }
 
 
-def promise(case: Case, estimator: str, probability: float = DEFAULT_PROBABILITY, k: Floats | None = None) -> Promise:
+def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | None = None) -> Promise:
     """Of the case's stand and limit, for a block of sensitivity `k` (V/g), the nominal one unless given.
 
     Raises UsageError where the schedule does not allow the estimator.

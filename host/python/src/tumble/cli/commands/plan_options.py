@@ -14,6 +14,8 @@ from tumble.errors import UsageError, quoted
 if TYPE_CHECKING:
     from tumble.planning.case import Case
 
+DEFAULT_PROBABILITY = 0.95
+_LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
 PUBLISHED = "published"
 DERIVED = "derived"
 EXIT_CODES = "Exit codes: 0 done, 2 bad input, 130 interrupted."
@@ -31,11 +33,31 @@ def add_subject(
 
 def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
     """--stand, --schedule, --limit, and --estimator if there is a choice of one."""
-    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    add_limit_options(parser)
     add_schedule(parser)
-    add_limit(parser)
     if choose_estimator:
         add_estimator(parser)
+
+
+def add_limit_options(parser: argparse.ArgumentParser) -> None:
+    """--stand and --limit."""
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    add_limit(parser)
+
+
+def add_probability(parser: argparse.ArgumentParser, what: str) -> None:
+    """--probability."""
+    about = f"{what}; {_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}, default: {DEFAULT_PROBABILITY:g}"
+    parser.add_argument("--probability", metavar="P", help=about)
+
+
+def parse_probability(text: str | None) -> float:
+    """The value of --probability. Raises UsageError."""
+    probability = DEFAULT_PROBABILITY if text is None else parse_number(text)
+    if not _LEAST_PROBABLE <= probability <= _MOST_PROBABLE:
+        allowed = f"{_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}"
+        raise UsageError(f"--probability: {quoted(str(text))} is not a number from {allowed}")
+    return probability
 
 
 def add_weights_option(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +80,7 @@ def read_case(arguments: argparse.Namespace) -> Case:
         from tumble.files.stand_file import read_stand
 
         stand_file = read_stand(arguments.stand)
-    if arguments.schedule is not None:
+    if getattr(arguments, "schedule", None) is not None:
         from tumble.files.schedule_file import read_schedule
 
         derived = getattr(arguments, "weights", DERIVED) == DERIVED

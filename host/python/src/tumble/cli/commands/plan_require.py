@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import (
     add_case_options,
+    add_probability,
     add_subject,
     add_weights_option,
     parse_positive,
+    parse_probability,
     read_case,
     write_json,
 )
-from tumble.cli.options import Subparsers, parse_number
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
-
-LEAST, MOST = 0.5, 0.9999  # probabilities: few are served by less, and none is computed better than the last
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -33,11 +33,8 @@ def add_to(subparsers: Subparsers) -> None:
     )
     add_case_options(parser)
     add_weights_option(parser)
-    parser.add_argument(
-        "--probability",
-        metavar="P",
-        help="what is just enough: probability of passing the check, and of |a| within the limit at every attitude;"
-        " 0.5 to 0.9999, default: 0.95",
+    add_probability(
+        parser, "what is just enough: probability of passing, and of |a| within the limit at every attitude"
     )
     parser.add_argument(
         "--split",
@@ -48,7 +45,7 @@ def add_to(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    probability = _probability(arguments.probability)
+    probability = parse_probability(arguments.probability)
     split = _split(arguments.split)
     case = read_case(arguments)
     limit_g = case.limit_g
@@ -69,17 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         show(plan, case)
     return EXIT_PASS
-
-
-def _probability(text: str | None) -> float:
-    from tumble.planning.promise import DEFAULT_PROBABILITY
-
-    if text is None:
-        return DEFAULT_PROBABILITY
-    probability = parse_number(text)
-    if not LEAST <= probability <= MOST:
-        raise UsageError(f"--probability: {quoted(text)} is not a number from {LEAST:g} to {MOST:g}")
-    return probability
 
 
 def _split(text: str | None) -> Floats:
