@@ -6,13 +6,13 @@
 
 #include <stdbool.h>
 
-#define TUMBLE_STEPS 9U        /* 0, 45, ... 360 degrees: steps 1 to 9 */
+#define TUMBLE_STEPS 9U /* 0, 45, ... 360 degrees: steps 1 to 9 */
 #define TUMBLE_NOWHERE UINT8_MAX
 
 /* What one mounting offers to the closed forms. */
 typedef struct {
     uint8_t index[TUMBLE_STEPS + 2U]; /* by step: of the position in the schedule, or TUMBLE_NOWHERE; ends private */
-    uint8_t over;   /* its harmonics are over this: 8 for all nine steps, 4 for the diagonals alone; 0: it is no circle */
+    uint8_t over; /* its harmonics are over this: 8 for all nine steps, 4 for the diagonals alone; 0: it is no circle */
     uint8_t normal; /* the block axis along the stand's axis, normal to the circle */
 } tumble_circle_t;
 

@@ -33,10 +33,20 @@ typedef struct {
 typedef struct {
     double alpha1;
     double alpha2;
-    double alpha3[TUMBLE_MAX_MOUNTINGS];
     double alpha4_squared;
     double noise_squared;
+    double yaw; /* of alpha3 and theta_h common to all mountings, and of those of each */
+    double yaws_squared;
+    double lean;
+    double seats_squared;
 } response_t;
+
+/* The same of the errors that each mounting has for itself, for one of them. */
+typedef struct {
+    double alpha3;
+    double theta_h;
+    double theta_n;
+} seat_t;
 
 #define NORMAL_SHIFT 4U
 #define SIXTEENTHS 0xFU
@@ -148,11 +158,12 @@ static double variance_at(const tumble_judged_run_t *run, uint8_t p)
  * frame, g^T K M. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) at zero error:
  *     alpha1           (-sin t sin p, cos t, -sin t cos p)
  *     alpha2, delta    ( cos t cos p,     0, -cos t sin p)
- *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n */
-static void add_position(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS],
-                         response_t *response)
+ *     theta_n          the same
+ *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n
+ *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v */
+static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t *mounting, uint8_t p,
+                         const double g[TUMBLE_CHANNELS], response_t *response, seat_t *seat)
 {
-    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
     double w[3] = {0.0, 0.0, 0.0};
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -168,41 +179,54 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
     const double turning = mounting->tilt.cosine * ((w[0] * angle->cosine) - (w[2] * angle->sine));
     response->alpha1 += (w[1] * mounting->tilt.cosine) - (across * mounting->tilt.sine);
     response->alpha2 += turning;
-    response->alpha3[mounting - run->schedule->mountings] +=
-        (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
+    seat->alpha3 += (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
+    seat->theta_h += (w[1] * mounting->tilt.cosine * angle->cosine) - (w[2] * mounting->tilt.sine);
+    seat->theta_n += turning;
     response->alpha4_squared += turning * turning;
     response->noise_squared += tumble_dot(g, g) * variance_at(run, p);
 }
 
-/* All sources in quadrature; a yaw common to all mountings adds up before it is squared. */
-static double combined(const tumble_judged_run_t *run, const response_t *response)
+/* What is common to all mountings adds up before it is squared. */
+static void add_seat(const seat_t *seat, response_t *response)
 {
-    double yaw = 0.0;
-    double yaws_squared = 0.0;
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        yaw += response->alpha3[m];
-        yaws_squared += square(response->alpha3[m]);
-    }
-    const tumble_stand_record_t *stand = run->stand;
-    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
-                       (square(stand->remount_rad) * (stand->common_yaw ? square(yaw) : yaws_squared)) +
-                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared);
+    response->yaw += seat->alpha3;
+    response->yaws_squared += square(seat->alpha3);
+    response->lean += seat->theta_h;
+    response->seats_squared += square(seat->theta_h) + square(seat->theta_n);
 }
 
+/* All sources in quadrature. */
+static double combined(const tumble_stand_record_t *stand, const response_t *response)
+{
+    const double yaws_squared = stand->common_yaw ? square(response->yaw) : response->yaws_squared;
+    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
+                       (square(stand->remount_rad) * yaws_squared) +
+                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
+                       (square(stand->seat_rad) * response->seats_squared) +
+                       square(stand->platform_rad * response->lean));
+}
+
+/* Mounting by mounting, so that no number has to be kept for each. */
 static double uncertainty_of(const gains_t *gains)
 {
     const tumble_judged_run_t *run = gains->run;
     response_t response = {0};
-    size_t fit = 0;
-    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        if (tumble_normal_uses(run->schedule, run->measured, p)) {
-            double g[TUMBLE_CHANNELS];
-            gains_at(gains, p, fit, g);
-            add_position(run, p, g, &response);
-            fit++;
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        const tumble_mounting_t *mounting = &run->schedule->mountings[m];
+        seat_t seat = {0};
+        size_t fit = 0;
+        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+            const bool used = tumble_normal_uses(run->schedule, run->measured, p);
+            if (used && (run->schedule->positions[p].mounting == mounting->number)) {
+                double g[TUMBLE_CHANNELS];
+                gains_at(gains, p, fit, g);
+                add_position(run, mounting, p, g, &response, &seat);
+            }
+            fit += used ? 1U : 0U;
         }
+        add_seat(&seat, &response);
     }
-    return combined(run, &response);
+    return combined(run->stand, &response);
 }
 
 static bool is_wanted(const gains_t *gains)
@@ -256,7 +280,9 @@ static bool stand_is_valid(const tumble_stand_record_t *stand)
     return is_sigma(stand->axis_tilt_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->level_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
+           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
            is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) && (stand->samples >= 1U);
 }
 

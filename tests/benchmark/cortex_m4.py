@@ -230,7 +230,7 @@ const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
 const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
-const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false}};
+const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false, 0.0, 0.0}};
 const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
 """
     )

@@ -125,8 +125,8 @@ def seated(schedule, seats):
 @pytest.mark.parametrize("mounting", range(3))
 @pytest.mark.parametrize("name", CLOSED)
 def test_a_seat_turns_the_block_and_leaves_the_norm_alone(name, mounting, axis):
-    """K^-1 K' - 1 of `refined` is a rotation, antisymmetric, but for the second order and for theta times a misalignment:
-    theta_n turns the block, theta_h and the yaw do nothing. `averaged` takes these for a stretch."""
+    """K^-1 K' - 1 of `refined` is a rotation, antisymmetric, but for the second order and for theta times a
+    misalignment: theta_n turns the block, theta_h and the yaw do nothing. `averaged` takes these for a stretch."""
     theta, schedule = 1e-4, reference.built_in(name)
     seats = np.zeros((3, 3))
     seats[mounting, axis] = theta

@@ -230,7 +230,8 @@ typedef struct {
     uint16_t stuck_run;        /* equal values in a row that call a channel stuck, or all of a position with fewer
                                 * samples (but more than one); at least 2, or 0: gate off */
     float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
-    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
+    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0, also
+                                * where the gate is off */
 } tumble_averaging_config_t;
 
 /* Monotonic since init, over all positions; they stop at UINT32_MAX instead of wrapping. */
@@ -512,6 +513,9 @@ typedef struct {
     double least_noise_v; /* of a mean, however many samples it has: it never counts as less; 0 to TUMBLE_MAX_MEAN_V */
     uint32_t samples;     /* in a mean, where the run does not say; at least 1 */
     bool common_yaw;      /* every mounting has the same yaw */
+    double seat_rad; /* theta_h, theta_n: how far a mounting tilts the block against the axis, and turns it about it;
+                           * one of each for each mounting */
+    double platform_rad; /* theta_h of the platform: one for all mountings */
 } tumble_stand_record_t;
 
 /* The run whose estimate is judged. */

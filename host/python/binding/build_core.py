@@ -195,6 +195,8 @@ typedef struct {
     double least_noise_v;
     uint32_t samples;
     bool common_yaw;
+    double seat_rad;
+    double platform_rad;
 } tumble_stand_record_t;
 typedef struct {
     const tumble_schedule_t *schedule;

@@ -122,8 +122,8 @@ static void test_the_share_of_a_circle(void)
                 const uint8_t all = (uint8_t)(6U - many.circles[j]);
                 TEST_ASSERT_EQUAL_UINT8((normal == j) ? 0 : held, tumble_circle_share(&paper, false, i, j, normal));
                 TEST_ASSERT_EQUAL_UINT8((normal == j) ? 0 : all, tumble_circle_share(&many, false, i, j, normal));
-                const uint8_t both = (i == j) ? ((normal == j) ? 0 : all)
-                                              : ((normal == 3 - i - j) ? many.circles[normal] : 0);
+                const uint8_t both =
+                    (i == j) ? ((normal == j) ? 0 : all) : ((normal == 3 - i - j) ? many.circles[normal] : 0);
                 TEST_ASSERT_EQUAL_UINT8(both, tumble_circle_share(&many, true, i, j, normal));
             }
         }

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 FIT = "fit"
 CHECK = "check"
 
-# Built-in schedules: the core and its witness each have their own. --schedule takes these names; a file of the same name
-# is given with a path.
+# Built-in schedules: the core and its witness each have their own. --schedule takes these names; a file of the same
+# name is given with a path.
 BUILT_IN = ("paper", "three_mountings", "diagonal", "six_faces")
 
 

@@ -20,6 +20,8 @@ def show(solution: Solution, file: str) -> None:
     console.width = max(console.width, _WIDTH)
     console.print(Text(presentation.title(solution, file), style="bold"))
     console.print(_coefficients(solution))
+    for line in presentation.notes(solution):
+        console.print(Text(line, style="yellow"))
     if solution.u_k is None:
         console.print(Text(presentation.HINT, style="yellow"))
     console.print(Text("\n" + presentation.gravity_title(solution), style="bold"))
@@ -31,8 +33,6 @@ def show(solution: Solution, file: str) -> None:
         console.print(Text(line))
     console.print()
     for line in presentation.beware(solution):
-        console.print(Text(line, style="yellow"))
-    for line in presentation.stray(solution):
         console.print(Text(line, style="yellow"))
     console.print(Text(presentation.verdict(solution), style=_colour(solution.found.gravity.passed) + " bold"))
 

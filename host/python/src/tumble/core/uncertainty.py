@@ -24,6 +24,7 @@ class _JudgedRun:
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
+        record += [stand.sigma(source) for source in ("seat", "platform")]
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", np.where(samples > 1, samples, stand.samples).tolist())

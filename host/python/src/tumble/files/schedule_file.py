@@ -26,10 +26,7 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     """The built-in schedule of that name, or a schedule file, which identifies all coefficients and has what an
     `estimator` needs, if one is named. `data`: what is in it, if that has been read. Raises BadInput with file, row and
     table."""
-    if file in BUILT_IN:
-        core_schedule = CoreSchedule.built_in(file)
-    else:
-        core_schedule = _read(file, data)
+    core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
     if estimator in HARMONIC:
         _require_positions(core_schedule, estimator, file)
     return core_schedule
@@ -68,7 +65,7 @@ def _mounting(table: Table) -> Mounting:
 
 
 def _rotation(table: Table, number: int) -> tuple[tuple[float, ...], ...]:
-    """The matrix as it is given, or where it was typed to a few decimals the nearest rotation, with a notice. One that is
+    """The matrix as it is given; where it was typed to a few decimals the nearest rotation, with a notice. One that is
     farther off, or a reflection, is left for the core to refuse."""
     given = table.matrix("matrix")
     left, _, right = np.linalg.svd(np.array(given))

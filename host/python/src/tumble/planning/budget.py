@@ -6,7 +6,7 @@ they add in quadrature. `derived` works in standard deviations, `published` with
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,8 @@ from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES
-from tumble.stand import SecondOrder
+from tumble.solving.second_order import SecondOrder, second_order
+from tumble.stand import SIGMA
 
 _ATTRIBUTES = ("axis_tilt", "level", "remount", "angle", "noise")
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -26,25 +27,21 @@ SIZE_KEYS = ("alpha1_rad", "alpha2_rad", "alpha3_rad", "alpha4_rad", "noise_v")
 @dataclass(frozen=True)
 class Budget:
     """`sizes` (5,): of the sources, the noise that of a position's mean; `terms` (12, 5) and `total` (12,): relative,
-    of a bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g."""
+    of a bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g; `second_order`: whether
+    the angles shift a coefficient by more than a budget, which is linear, may leave out."""
 
     weights: str
     estimator: str
     sizes: Floats
     terms: Floats
     reference: Floats
+    second_order: SecondOrder
 
     @property
     def total(self) -> Floats:
         """All five in quadrature."""
         total: Floats = np.sqrt((self.terms**2).sum(axis=1))
         return total
-
-    @property
-    def second_order(self) -> SecondOrder:
-        """Whether the angles shift the scale factors by more than a budget, which is linear, may leave out."""
-        relative = self.total[[NAMES.index(name) for name in ("K_xx", "K_yy", "K_zz")]]
-        return SecondOrder.of(self.sizes[:3], np.ones(3), relative, self.estimator)
 
 
 def sizes(case: Case, published: bool) -> Floats:
@@ -59,7 +56,11 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     published, k = which == "published", case.nominal_k()
     gamma = weights.published(case, estimator) if published else weights.derived(case, estimator, k)
     found = sizes(case, published)
-    return Budget(which, estimator, found, gamma * found, weights.reference_values(k))
+    terms, reference = gamma * found, weights.reference_values(k)
+    stand = replace(case.stand, limits=SIGMA) if published else case.stand
+    u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
+    beyond = second_order(case.fitted, k, u, stand, estimator, step=case.step_v)
+    return Budget(which, estimator, found, terms, reference, beyond)
 
 
 def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, Any]:

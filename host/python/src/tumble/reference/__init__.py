@@ -9,8 +9,9 @@ from tumble.reference.estimators import estimate, magnification
 from tumble.reference.geometry import Geometry
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
+from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
-from tumble.reference.uncertainty import standard_uncertainties
+from tumble.reference.uncertainty import by_coefficient, covariance, standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
 
 __all__ = [
@@ -18,7 +19,9 @@ __all__ = [
     "OptimalEstimate",
     "RunSeen",
     "built_in",
+    "by_coefficient",
     "closure",
+    "covariance",
     "estimate",
     "gravity_errors",
     "intrinsic",
@@ -29,4 +32,5 @@ __all__ = [
     "pooled_noise",
     "residual_rms",
     "standard_uncertainties",
+    "unseen_tilt",
 ]

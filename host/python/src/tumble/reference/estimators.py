@@ -100,7 +100,7 @@ def _mean_over_circles(schedule: Schedule, means: Floats, choosy: Flags) -> tupl
     holds = np.array([np.arange(3) != circle.normal for circle in found])
     both = holds[:, :, None] & holds[:, None, :]
     tells = np.where(choosy & both.any(axis=0), both, holds[:, None, :])
-    k, u0 = 0.0, 0.0
+    k, u0 = np.zeros((3, 3)), np.zeros(3)
     for circle, told in zip(found, tells):
         c, s, b = functionals(means[..., circle.slots, :])
         k_here = s[..., :, None] * circle.matrix[:, 0] + c[..., :, None] * circle.matrix[:, 2]

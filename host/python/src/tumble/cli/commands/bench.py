@@ -219,12 +219,14 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
 
 
 def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
+    from tumble.bench import realbus
     from tumble.files.documents import to_json
-    from tumble.solving import result
+    from tumble.solving import provenance, result
 
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if wanted.block is None else wanted.block.get("serial")
-    document = result.document(solution, item, environment, serial, "run.csv")
+    created = provenance.created(clock=arguments.bus != realbus.INPROCESS)
+    document = result.document(solution, item, environment, serial, "run.csv", created)
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})

@@ -71,6 +71,6 @@ def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     if promised is not None:
         out.print(promised.sentence)
     if found.second_order.matters:
-        for shift in found.second_order.shifts:
-            out.print(f"Beware: {shift}", style="yellow")
-        out.print("That is a bias of the scale factors, and in no column above", style="yellow")
+        for complaint in found.second_order.complaints:
+            out.print(f"Beware: {complaint}", style="yellow")
+        out.print("That is a bias, and in no column above", style="yellow")

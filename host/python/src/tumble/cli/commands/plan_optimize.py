@@ -81,8 +81,8 @@ def _show(found: Optimized) -> None:
     out.print(found.promise.sentence)
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
-    for shift in found.second_order.shifts:
-        out.print(f"Beware: {shift}", style="yellow")
+    for complaint in found.second_order.complaints:
+        out.print(f"Beware: {complaint}", style="yellow")
 
 
 def _kind(out: str | None) -> str | None:

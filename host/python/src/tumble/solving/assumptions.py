@@ -1,0 +1,50 @@
+"""What a result rests on that its run cannot test and its stand file does not declare."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import reference
+from tumble.estimators import OPTIMAL
+from tumble.solving.solution import Solution
+
+Coefficients = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """`phrase`: what is assumed, to stand behind "assuming"; `why`: in a few words. `of`: the coefficients of a
+    solution that rest on it, empty where all do; None where it need not be assumed."""
+
+    phrase: str
+    why: str
+    of: Callable[[Solution], Coefficients | None]
+
+
+def _on_a_square_seat(solution: Solution) -> Coefficients | None:
+    if solution.stand is not None and solution.stand.declares_seat:
+        return None
+    estimator = "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
+    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, estimator)
+    return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+
+
+ASSUMPTIONS: Mapping[str, Assumption] = {
+    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
+}
+
+
+def assumed(solution: Solution) -> dict[str, Coefficients]:
+    """What a solution rests on, by name and in the order of ASSUMPTIONS, and the coefficients that do."""
+    found = {name: assumption.of(solution) for name, assumption in ASSUMPTIONS.items()}
+    return {name: coefficients for name, coefficients in found.items() if coefficients is not None}
+
+
+def phrase(names: Iterable[str]) -> str:
+    """Behind a verdict, such as ", assuming a square seat"; empty for none. Names of a later version stay as they
+    are."""
+    phrases = [ASSUMPTIONS[name].phrase if name in ASSUMPTIONS else name for name in names]
+    return f", assuming {' and '.join(phrases)}" if phrases else ""
