@@ -96,3 +96,19 @@ def _table_at_fault(refusal: CoreRefusal, schedule: Schedule, mountings: list[Ta
     tables = mountings if same_mounting or refusal.name == "TUMBLE_E_SCHEDULE_ROTATION" else positions
     where: int = refusal.details["where"]
     return tables[where]
+
+
+def to_toml(schedule: Schedule) -> str:
+    """A schedule file's text, which reads back as the same schedule."""
+    return "\n".join([*map(_mounting_table, schedule.mountings), *map(_position_table, schedule.positions)])
+
+
+def _mounting_table(mounting: Mounting) -> str:
+    rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in mounting.matrix)
+    tilt = f"axis_tilt_deg = {mounting.tilt_deg!r}\n" if mounting.tilt_deg else ""
+    return f"[[mounting]]\nnumber = {mounting.number}\nmatrix = [{rows}]\n{tilt}"
+
+
+def _position_table(position: Position) -> str:
+    place = f"mounting = {position.mounting}\nposition = {position.number}\n"
+    return f'[[position]]\n{place}angle_deg = {position.angle_deg!r}\nuse = "{position.use}"\n'

@@ -14,6 +14,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
+from tumble.planning.promise import Promise
 from tumble.planning.published import NAMES
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.stand import SIGMA
@@ -62,8 +63,8 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     return Budget(which, estimator, found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case) -> dict[str, Any]:
-    """The budget for JSON, schema tumble.plan/1."""
+def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, Any]:
+    """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
     matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
     return {
@@ -80,6 +81,7 @@ def document(found: Budget, case: Case) -> dict[str, Any]:
         "u_U0": absolute[9:].tolist(),
         "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
         "second_order": found.second_order.document(),
+        "promise": None if promised is None else promised.document(),
     }
 
 

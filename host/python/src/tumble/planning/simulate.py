@@ -13,14 +13,14 @@ U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not c
 
 
 def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -> Floats:
-    """Means (runs, fit positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
+    """Means (runs, positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
 
     The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
     of a mean is normal, of the stand's noise or the converter's rounding, whichever is larger.
     """
-    stand, geometry = case.stand, reference.Geometry(case.fitted)
-    mountings, positions = len(case.fitted.mountings), len(case.fitted.positions)
-    sigma = shared_sigmas(case.fitted, stand)
+    stand, geometry = case.stand, reference.Geometry(case.schedule)
+    mountings, positions = len(case.schedule.mountings), len(case.schedule.positions)
+    sigma = shared_sigmas(case.schedule, stand)
     shared = _draws(stand.limits, rng, (runs, len(sigma))) * sigma
     yaws = np.broadcast_to(shared[:, 2:], (runs, mountings))
     delta = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")

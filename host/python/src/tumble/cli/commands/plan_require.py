@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import (
     add_case_options,
+    add_probability,
     add_subject,
     add_weights_option,
     parse_positive,
+    parse_probability,
     read_case,
     write_json,
 )
-from tumble.cli.options import Subparsers, add_limit, parse_limit
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 if TYPE_CHECKING:
@@ -31,7 +33,9 @@ def add_to(subparsers: Subparsers) -> None:
     )
     add_case_options(parser)
     add_weights_option(parser)
-    add_limit(parser)
+    add_probability(
+        parser, "what is just enough: probability of passing, and of |a| within the limit at every attitude"
+    )
     parser.add_argument(
         "--split",
         metavar="SOURCE=PART,...",
@@ -41,19 +45,22 @@ def add_to(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    limit_g = parse_limit(arguments.limit)
-    case = read_case(arguments)
-    limit_g = case.limit_g if limit_g is None else limit_g
+    probability = parse_probability(arguments.probability)
     split = _split(arguments.split)
+    case = read_case(arguments)
+    limit_g = case.limit_g
 
+    from tumble.planning.enough import enough
     from tumble.planning.headroom import headroom, margins
     from tumble.planning.require import requirements
     from tumble.planning.requirement_report import document, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
-    of_all = margins(case, limit_g) if arguments.weights == "derived" else {arguments.estimator: room.margin}
-    plan = document(found, room, of_all, case, arguments.weights, arguments.estimator, limit_g, split)
+    derived = arguments.weights == "derived"
+    of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
+    just = enough(case, arguments.estimator, found.limits, probability) if derived else None
+    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
     if arguments.json:
         write_json(plan)
     else:
