@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
 #include "core/vector.h"
@@ -16,13 +17,14 @@ typedef struct {
     double column[TUMBLE_UNKNOWNS]; /* of N^-1, the one of the unknown */
 } least_squares_t;
 
-/* Where the gains of one coefficient come from; of the three, the pointer that belongs to the kind. */
+/* Where the gains of one coefficient come from; of these, the pointers that belongs to the kind. */
 typedef struct {
     const tumble_judged_run_t *run;
     kind_t kind;
     int channel;
     int unknown;
     const tumble_harmonic_map_t *map;
+    const uint8_t *slots; /* with the map: what each position is to it */
     least_squares_t *least_squares;
     const tumble_gain_table_t *table;
 } gains_t;
@@ -46,43 +48,41 @@ typedef struct {
     double theta_n;
 } seat_t;
 
-/* The share of mounting `m` in K_ix: +-1/2 for averaged; refined takes K_yx from mounting 2 and K_zx from 1,
- * formula (7). Mounting 2 has x reversed. */
-static double share_of_mounting(const gains_t *gains, int m)
-{
-    const double sign = (m == 0) ? 1.0 : -1.0;
-    if ((gains->kind == AVERAGED) || (gains->channel == X)) {
-        return 0.5 * sign;
-    }
-    const int kept = (gains->channel == Y) ? 1 : 0;
-    return (m == kept) ? sign : 0.0;
-}
+#define NORMAL_SHIFT 4U
+#define SIXTEENTHS 0xFU
 
-/* The weight of one mean in c, s or b (estimator.c): cosine, sine or 1/2 over four; the two ends share one attitude. */
-static double harmonic_gain(const gains_t *gains, uint8_t p, int m, int l)
+/* What each mean weighs in s and c, times sine or cosine (estimator.c), and twice what it weighs in b: of nine positions
+ * 1/4, but the two ends, which share one attitude, 1/8; of the diagonals 1/2. */
+static void find_slots(const tumble_judged_run_t *run, uint8_t slots[TUMBLE_MAX_POSITIONS])
 {
-    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
-    const double weight = ((l == 0) || (l == 8)) ? 0.125 : 0.25;
-    if (gains->unknown == X) {
-        return weight * angle->sine * share_of_mounting(gains, m);
-    }
-    if (gains->unknown == BIAS) {
-        return 0.25 * weight;
-    }
-    const int tells = (gains->unknown == Y) ? 1 : 0; /* K_iy from mounting 2, K_iz from mounting 1 */
-    return (m == tells) ? (weight * angle->cosine) : 0.0;
-}
-
-static double gain_of_slot(const gains_t *gains, uint8_t p)
-{
-    for (int m = 0; m < 2; m++) {
-        for (int l = 0; l < 9; l++) {
-            if (gains->map->index[m][l] == p) {
-                return harmonic_gain(gains, p, m, l);
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        tumble_circle_t circle;
+        tumble_circle_find(run->schedule, run->measured, m, &circle);
+        for (uint32_t step = 1; (step <= TUMBLE_STEPS) && (circle.over != 0U); step++) {
+            const bool is_end = (step == 1U) || (step == TUMBLE_STEPS);
+            const uint32_t weight = is_end ? 2U : (32U / circle.over);
+            if (circle.index[step] != TUMBLE_NOWHERE) {
+                slots[circle.index[step]] = (uint8_t)(weight | ((uint32_t)circle.normal << NORMAL_SHIFT));
             }
         }
     }
-    return 0.0;
+}
+
+static double harmonic_gain(const gains_t *gains, uint8_t p)
+{
+    const uint32_t slot = gains->slots[p];
+    const double weight = (double)(slot & SIXTEENTHS) / 16.0;
+    if (gains->unknown == BIAS) {
+        return (0.5 * weight) / (double)tumble_circle_count(gains->map);
+    }
+    const uint8_t share = tumble_circle_share(gains->map, gains->kind == REFINED, gains->channel, gains->unknown,
+                                              (int)(slot >> NORMAL_SHIFT));
+    if ((slot == 0U) || (share == 0U)) {
+        return 0.0;
+    }
+    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
+    const double *axis = tumble_schedule_mounting_of(gains->run->schedule, p)->matrix[gains->unknown];
+    return (weight * ((axis[0] * angle->sine) + (axis[2] * angle->cosine))) / (double)share;
 }
 
 /* The gain that least squares gives the mean of a position in one unknown: its row times that column of N^-1. The row
@@ -139,7 +139,7 @@ static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
         g[i] = 0.0;
     }
     double row[TUMBLE_UNKNOWNS];
-    g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : gain_of_slot(gains, p);
+    g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : harmonic_gain(gains, p);
 }
 
 static double square(double x)
@@ -299,7 +299,7 @@ static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tum
     return counted ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
-static void report(tumble_refusal_t *refusal, uint32_t missing, uint8_t unidentified)
+static void report(tumble_refusal_t *refusal, uint64_t missing, uint8_t unidentified)
 {
     if (refusal != NULL) {
         *refusal = (tumble_refusal_t){missing, unidentified};
@@ -311,13 +311,18 @@ static tumble_status_t judge_harmonic(kind_t kind, const tumble_judged_run_t *ru
 {
     tumble_status_t status = check_arguments(run, uncertainty);
     tumble_harmonic_map_t map;
-    gains_t gains = {.run = run, .kind = kind, .map = &map};
-    uint32_t missing = 0;
+    uint8_t slots[TUMBLE_MAX_POSITIONS] = {0};
+    gains_t gains = {.run = run, .kind = kind, .map = &map, .slots = slots};
+    uint64_t missing = 0;
     if (status == TUMBLE_OK) {
         status = tumble_schedule_harmonic(run->schedule, run->measured, &map, &missing);
     }
     report(refusal, missing, 0);
-    return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
+    if (status == TUMBLE_OK) {
+        find_slots(run, slots);
+        status = judge(&gains, uncertainty);
+    }
+    return status;
 }
 
 tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,

@@ -60,7 +60,8 @@ def test_people_get_a_table_of_80_columns(arguments, tumble):
 
 
 def test_it_says_where_the_stand_is_too_good_or_too_bad(tumble, tmp_path):
-    stand = paper_stand(tmp_path, noise_v=0.0, remount_rad="15e-3")
+    angles = dict.fromkeys(("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad"), "10e-3")
+    stand = paper_stand(tmp_path, noise_v=0.0, **angles)
     plan = optimize(tumble, "--stand", stand)
     assert plan["noise_floored"] and plan["second_order"]["matters"]
     shown = tumble("plan", "optimize", "--stand", stand).stdout

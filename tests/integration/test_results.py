@@ -105,7 +105,8 @@ def test_unknown_is_null(tumble, tmp_path):
 
 def test_the_same_run_gives_the_same_bytes(tumble, tmp_path):
     arguments = ["solve", "paper_stand.csv", "--stand", "paper_stand.toml", "--json", "--out"]
-    first, second = (tumble(*arguments, tmp_path / name, cwd=EXAMPLES) for name in ("a.json", "b.json"))
+    dated = {"SOURCE_DATE_EPOCH": "1700000000"}
+    first, second = (tumble(*arguments, tmp_path / name, cwd=EXAMPLES, **dated) for name in ("a.json", "b.json"))
     assert first.stdout == second.stdout == (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text()
 
 

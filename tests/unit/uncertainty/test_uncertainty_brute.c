@@ -171,7 +171,7 @@ static void test_least_squares_on_any_schedule(void)
             tumble_refusal_t refusal = {1, 0};
             ASSERT_STATUS(TUMBLE_E_RANK, tumble_uncertainty_least_squares(&run, &found, &refusal));
             TEST_ASSERT_EQUAL_HEX8(unidentified, refusal.unidentified);
-            TEST_ASSERT_EQUAL_HEX32(0, refusal.missing);
+            TEST_ASSERT_EQUAL_HEX64(0, refusal.missing);
             continue;
         }
         gains_of(tumble_estimate_least_squares, &s.schedule, table);

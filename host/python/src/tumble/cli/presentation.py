@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.estimators import PAPER
+from tumble.cli import propagated
+from tumble.estimators import HARMONIC
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
@@ -23,8 +24,6 @@ _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth"
 HINT = "For uncertainties, describe the stand: --stand FILE"
 BAR_WIDTH = 36
 _UNKNOWN = "unknown"
-_FAR_ABOVE = 5.0  # times the median scatter of a channel
-_FEWEST_TO_COMPARE = 5  # positions
 
 
 @dataclass(frozen=True)
@@ -138,7 +137,8 @@ def gravity_bars(solution: Solution) -> list[GravityBar]:
 
 
 def remarks(solution: Solution) -> list[str]:
-    """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
+    """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
+    is anything to say."""
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
@@ -147,9 +147,9 @@ def remarks(solution: Solution) -> list[str]:
         for mounting, difference in solution.found.closure.items()
     ]
     if solution.found.residual_rms is not None:
-        yaw = " (yaw included)" if solution.found.estimator in PAPER else ""
+        yaw = " (yaw included)" if solution.found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
-    return lines + _stand_remarks(solution)
+    return lines + _stand_remarks(solution) + propagated.remarks(solution)
 
 
 def _stand_remarks(solution: Solution) -> list[str]:
@@ -206,25 +206,6 @@ def beware(solution: Solution) -> list[str]:
         return []
     warning = f"Beware: {complaint}. The uncertainties above are too small."
     return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
-
-
-def stray(solution: Solution) -> list[str]:
-    """Of a run that fails: the position whose samples scatter far more than those of the others, if there is one. A
-    single wrong sample shows there, while the gravity check blames every position that it spoils."""
-    several = np.flatnonzero(solution.run.samples > 1)
-    if solution.found.gravity.passed or len(several) < _FEWEST_TO_COMPARE:
-        return []
-    scatter = solution.run.scatter[several]
-    usual = np.median(scatter, axis=0)
-    excess = np.where(scatter > _FAR_ABOVE * usual, scatter, 0.0)
-    place, channel = np.unravel_index(int(excess.argmax()), excess.shape)
-    if excess[place, channel] == 0.0:
-        return []
-    unit, label = solution.run.unit, solution.schedule.positions[several[place]].label
-    return [
-        f"Largest scatter: {excess[place, channel]:.2g} {unit} of u{'xyz'[channel]} at {label}, "
-        f"{usual[channel]:.2g} {unit} elsewhere: look at its samples"
-    ]
 
 
 def verdict(solution: Solution) -> str:

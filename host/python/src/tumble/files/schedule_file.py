@@ -1,4 +1,4 @@
-"""Schedule files: mountings and test positions (TOML).
+"""Schedules by name: built-in ones, and files of mountings and test positions (TOML).
 
 [[mounting]]   number, matrix (3 x 3, rows = block axes x, y, z in the table frame h, n, v), axis_tilt_deg
 [[position]]   mounting, position, angle_deg, use = "fit" or "check"
@@ -6,20 +6,33 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
-from tumble.estimators import PAPER
+from tumble.estimators import HARMONIC
 from tumble.files.toml import Table, read_toml
-from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+from tumble.messages import tell
+from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 
 _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0
 _LARGEST_TILT_DEG = 89.0
+_EXACT = 1e-9  # of a rotation's rows and columns; what the core accepts
+_TYPED = 2e-5  # of a rotation typed to five decimals
 
 
 def read_schedule(file: str, data: bytes | None = None, estimator: str | None = None) -> CoreSchedule:
-    """Read a schedule file that identifies all coefficients and has what an `estimator` needs, if one is named. `data`:
-    what is in it, if that has been read. Raises BadInput with file, row and table."""
+    """The built-in schedule of that name, or a schedule file, which identifies all coefficients and has what an
+    `estimator` needs, if one is named. `data`: what is in it, if that has been read. Raises BadInput with file, row and
+    table."""
+    core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
+    if estimator in HARMONIC:
+        _require_positions(core_schedule, estimator, file)
+    return core_schedule
+
+
+def _read(file: str, data: bytes | None) -> CoreSchedule:
     top = read_toml(file, data)
     if "stand" in top.keys:
         raise BadInput("is a stand file (--stand), not a schedule file", file)
@@ -34,8 +47,6 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
         core_schedule.identify()
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
-    if estimator in PAPER:
-        _require_positions(core_schedule, estimator, file)
     return core_schedule
 
 
@@ -49,7 +60,21 @@ def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> Non
 def _mounting(table: Table) -> Mounting:
     table.only("number", "matrix", "axis_tilt_deg")
     tilt_deg = table.number("axis_tilt_deg", -_LARGEST_TILT_DEG, _LARGEST_TILT_DEG, default=0.0)
-    return Mounting(table.integer("number", 1, _LARGEST_NUMBER), table.matrix("matrix"), tilt_deg)
+    number = table.integer("number", 1, _LARGEST_NUMBER)
+    return Mounting(number, _rotation(table, number), tilt_deg)
+
+
+def _rotation(table: Table, number: int) -> tuple[tuple[float, ...], ...]:
+    """The matrix as it is given; where it was typed to a few decimals the nearest rotation, with a notice. One that is
+    farther off, or a reflection, is left for the core to refuse."""
+    given = table.matrix("matrix")
+    left, _, right = np.linalg.svd(np.array(given))
+    nearest = left @ right
+    off = np.abs(nearest - given).max()
+    if np.abs(np.array(given) @ np.transpose(given) - np.eye(3)).max() <= _EXACT or off > _TYPED:
+        return given
+    tell(f"{table.file}: the matrix of mounting {number} is made orthonormal; it was off by {off:.1g}")
+    return tuple(map(tuple, nearest.tolist()))
 
 
 def _position(table: Table) -> Position:

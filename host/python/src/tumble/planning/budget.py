@@ -7,7 +7,7 @@ deviations, `published` with the numbers as the stand file has them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,8 @@ from tumble.arrays import Floats
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.published import NAMES, SOURCES
-from tumble.stand import SecondOrder
+from tumble.solving.second_order import SecondOrder, second_order
+from tumble.stand import SIGMA
 
 _ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
@@ -25,7 +26,8 @@ ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set an
 @dataclass(frozen=True)
 class Budget:
     """`sizes` (sources,): the noise that of a position's mean; `terms` (12, sources) and `total` (12,): relative, of a
-    bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g."""
+    bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g; `second_order`: whether
+    the angles shift a coefficient by more than a budget, which is linear, may leave out."""
 
     weights: str
     estimator: str
@@ -33,18 +35,13 @@ class Budget:
     sizes: Floats
     terms: Floats
     reference: Floats
+    second_order: SecondOrder
 
     @property
     def total(self) -> Floats:
         """All in quadrature."""
         total: Floats = np.sqrt((self.terms**2).sum(axis=1))
         return total
-
-    @property
-    def second_order(self) -> SecondOrder:
-        """Whether the angles shift the scale factors by more than a budget, which is linear, may leave out."""
-        relative = self.total[[NAMES.index(name) for name in ("K_xx", "K_yy", "K_zz")]]
-        return SecondOrder.of(self.sizes[:3], np.ones(3), relative, self.estimator)
 
 
 def sources(case: Case, published: bool) -> tuple[str, ...]:
@@ -71,7 +68,11 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     published, k = which == "published", case.nominal_k()
     gamma = weights.published(case, estimator) if published else weights.derived(case, estimator, k)
     found = sizes(case, published)
-    return Budget(which, estimator, sources(case, published), found, gamma * found, weights.reference_values(k))
+    terms, reference = gamma * found, weights.reference_values(k)
+    stand = replace(case.stand, limits=SIGMA) if published else case.stand
+    u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
+    beyond = second_order(case.fitted, k, u, stand, estimator, step=case.step_v)
+    return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
 def document(found: Budget, case: Case) -> dict[str, Any]:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
-
-import numpy as np
 
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
-from tumble.reference.estimators import paper_slots
+from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
-from tumble.stand import SecondOrder
+from tumble.solving.second_order import SecondOrder, second_order
 
 
 @dataclass(frozen=True)
@@ -33,10 +32,11 @@ class Optimized:
         """The least possible standard deviations, from the QR factors, over those of the gains as they are."""
         return self.table.u / self.u
 
-    @property
+    @cached_property
     def second_order(self) -> SecondOrder:
         """Whether the linear theory is enough on this stand."""
-        return SecondOrder.of(self.case.stand.shared_angles, np.diag(self.table.k), self.u[[0, 4, 8]], OPTIMAL)
+        case = self.case
+        return second_order(case.fitted, self.table.k, self.u, case.stand, OPTIMAL, step=case.step_v)
 
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
@@ -47,7 +47,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     def spread(weights: Floats) -> Floats:
         return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
 
-    harmonic = paper_slots(case.fitted) is not None
+    harmonic = circles(case.fitted) is not None
     return Optimized(
         case=case,
         table=table,

@@ -21,7 +21,7 @@ from tumble.errors import UsageError
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
-from tumble.reference.estimators import paper_slots
+from tumble.reference.estimators import circles
 from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
 
@@ -150,7 +150,7 @@ def _grown(case: Case, share_of: _Shares) -> Requirements:
     It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
     felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
     """
-    estimator = "least_squares" if paper_slots(case.fitted) is None else "refined"
+    estimator = "least_squares" if circles(case.fitted) is None else "refined"
     start = worst_weights(case, estimator)
     ceiling = np.full(start.shape[1], CEILING_RAD)
     ceiling[_NOISE] = abs(case.scale)

@@ -14,7 +14,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import PAPER
+from tumble.estimators import HARMONIC
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
 from tumble.reference.estimators import paper_slots
@@ -87,7 +87,7 @@ def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
 
     Raises UsageError for an estimator that the paper does not have.
     """
-    if estimator not in PAPER:
+    if estimator not in HARMONIC:
         raise UsageError(f"--weights published: the paper has averaged and refined, not {estimator}")
     rows = {name: list(formulas) for name, formulas in TABLE_1.items()}
     for (name, source), formula in TABLE_1_CORRECTED.items():

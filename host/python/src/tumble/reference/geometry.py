@@ -16,22 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tumble.arrays import Floats
-from tumble.schedule import Mounting, Position, Schedule
+from tumble.schedule import Schedule
 
 Error = complex | Floats | NDArray[np.complex128]
-
-
-def paper_schedule() -> Schedule:
-    """The paper's schedule: nine positions 45 degrees apart in each of two mountings, the last where the first was.
-
-    Mounting 1 has the block axes (x, y, z) along (h, n, v); mounting 2, turned by 180 degrees about the bisector of y
-    and z, along (-h, v, n).
-    """
-    h, n, v = np.eye(3)
-    axes = {1: (h, n, v), 2: (-h, v, n)}
-    mountings = tuple(Mounting(number, tuple(tuple(axis + 0.0) for axis in block)) for number, block in axes.items())
-    positions = tuple(Position(number, turn, 45.0 * (turn - 1)) for number in axes for turn in range(1, 10))
-    return Schedule(mountings, positions)
 
 
 class Geometry:

@@ -16,7 +16,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.geometry import Geometry
-from tumble.reference.uncertainty import contributions, sources
+from tumble.reference.uncertainty import by_coefficient, joint, sources
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 
@@ -27,20 +27,29 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 
 @dataclass(frozen=True)
 class OptimalEstimate:
-    """What the run says: `k` (3, 3), `u0` (3,), their standard uncertainties `u_k`, `u_u0`; `alpha1`, `alpha2`,
+    """What the run says: `k` (3, 3), `u0` (3,), their `covariance` (12, 12), K row by row, then U0; `alpha1`, `alpha2`,
     `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
     coefficient; `misfit`: rms of the residuals over what the stand declares for as many samples as each mean has, about
     1 where that is true."""
 
     k: Floats
     u0: Floats
-    u_k: Floats
-    u_u0: Floats
+    covariance: Floats
     alpha1: float
     alpha2: float
     alpha3: Floats
     magnification: float
     misfit: float
+
+    @property
+    def u_k(self) -> Floats:
+        """Standard uncertainties of K (3, 3)."""
+        return by_coefficient(self.covariance)[0]
+
+    @property
+    def u_u0(self) -> Floats:
+        """Standard uncertainties of U0 (3,)."""
+        return by_coefficient(self.covariance)[1]
 
 
 def optimal(
@@ -64,8 +73,7 @@ def optimal_uncertainties(
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as
     of `optimal`."""
-    u = _Whitened(schedule, k, stand, samples, step, known_samples).standard_uncertainties()
-    return u[:9].reshape(3, 3), u[9:]
+    return by_coefficient(_Whitened(schedule, k, stand, samples, step, known_samples).covariance())
 
 
 class _Whitened:
@@ -115,12 +123,12 @@ class _Whitened:
         for _ in range(CORRECTIONS):
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
-        u = _Whitened(self.schedule, k, self.stand, self.samples, self.step).standard_uncertainties()
+        covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance()
         angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
         misfit = self._misfit(measured - self._exact(x), x)
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
-        return OptimalEstimate(k, u0, u[:9].reshape(3, 3), u[9:], *shared, largest, misfit)
+        return OptimalEstimate(k, u0, covariance, *shared, largest, misfit)
 
     def _misfit(self, residuals: Floats, x: Floats) -> float:
         """With each position's own noise, whatever the weights took it for."""
@@ -132,11 +140,11 @@ class _Whitened:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
         return noise
 
-    def standard_uncertainties(self) -> Floats:
-        """Of an estimate (12,), K row by row, that is linearised here: with each position's own noise."""
+    def covariance(self) -> Floats:
+        """Of an estimate (12, 12), K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
-        return np.sqrt(sum(part**2 for part in contributions(self._linear, errors).values()))
+        return joint(self._linear, errors)
 
     def _linear(self, means: Floats) -> Floats:
         """Coefficients, K row by row, of (draws, positions, 3)."""

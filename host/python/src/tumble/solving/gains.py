@@ -24,8 +24,8 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.estimators import OPTIMAL, PAPER
-from tumble.reference.estimators import fit_indices, paper_slots, unidentified
+from tumble.estimators import HARMONIC, OPTIMAL
+from tumble.reference.estimators import circles, fit_indices, unidentified
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand
 
@@ -80,7 +80,7 @@ def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: flo
 
 def linear_gains(schedule: Schedule, estimator: str) -> Floats:
     """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
-    if estimator in PAPER and paper_slots(schedule) is None:
+    if estimator in HARMONIC and circles(schedule) is None:
         raise UsageError(f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule")
     _require_rank(schedule)
     positions = len(schedule.positions)

@@ -59,6 +59,6 @@ def _show(found: Budget, case: Case) -> None:
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
     if found.second_order.matters:
-        for shift in found.second_order.shifts:
-            out.print(f"Beware: {shift}", style="yellow")
-        out.print("That is a bias of the scale factors, and in no column above", style="yellow")
+        for complaint in found.second_order.complaints:
+            out.print(f"Beware: {complaint}", style="yellow")
+        out.print("That is a bias, and in no column above", style="yellow")
