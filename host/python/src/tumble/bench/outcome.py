@@ -145,4 +145,6 @@ def _truth(truth: dict[str, Any]) -> Truth:
         alpha2=truth["alpha2_rad"],
         alpha3=tuple(truth["alpha3_rad"]),
         alpha4=tuple(truth["alpha4_rad"]),
+        theta_h=tuple(truth["theta_h_rad"]),
+        theta_n=tuple(truth["theta_n_rad"]),
     )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import SIZE_KEYS, sizes as declared_sizes
+from tumble.planning.budget import size_keys, sizes as declared_sizes, sources
 from tumble.planning.case import Case
 from tumble.planning.promise import Promise, promise, promises
 from tumble.planning.published import SOURCES
@@ -25,12 +25,12 @@ _STEPS = 20
 
 @dataclass(frozen=True)
 class Enough:
-    """What is just enough for `probability`: `sizes` (5,) of the sources, `factor` times the rule's, and `samples`;
+    """What is just enough for `probability`: `sizes` of the sources by key, `factor` times the rule's, and `samples`;
     None where scaling cannot reach it. `promises`: of the stand as declared, by estimator."""
 
     probability: float
     promises: dict[str, Promise]
-    sizes: Floats | None
+    sizes: dict[str, float] | None
     factor: float
     samples: int
 
@@ -39,7 +39,7 @@ class Enough:
         of_all = {name: growing(one) for name, one in self.promises.items()}
         sizes = None
         if self.sizes is not None:
-            sizes = {**dict(zip(SIZE_KEYS, self.sizes.tolist())), "samples": self.samples, "factor": self.factor}
+            sizes = {**self.sizes, "samples": self.samples, "factor": self.factor}
         return {
             "probability": self.probability,
             "promise": of_all[estimator],
@@ -59,7 +59,7 @@ def growing(found: Promise) -> dict[str, Any]:
 
 
 def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough:
-    """For requirements `limits` (5,), infinite where no row limits. Raises UsageError where no number of samples
+    """For requirements `limits`, one a source, infinite where no row limits. Raises UsageError where no number of samples
     suffices."""
     declared, limited = declared_sizes(case, False), np.isfinite(limits)
     of_all = promises(case, probability)
@@ -69,6 +69,7 @@ def enough(case: Case, estimator: str, limits: Floats, probability: float) -> En
         growth = promise(stand_of(case, sizes), estimator, probability).growth
         if abs(growth - 1.0) <= _SETTLED:
             samples = samples_for(case.stand.sigma("noise"), float(sizes[SOURCES.index("noise")]))
-            return Enough(probability, of_all, sizes, factor, samples)
+            named = dict(zip(size_keys(sources(case, False)), sizes.tolist()))
+            return Enough(probability, of_all, named, factor, samples)
         factor *= growth
     return Enough(probability, of_all, None, 0.0, 0)

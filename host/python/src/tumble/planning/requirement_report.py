@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import ALPHAS, SIZE_KEYS, numbers_are, sizes
+from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, sources
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
-from tumble.planning.published import EQUATION_18, EQUATION_19, SOURCES, evaluate
+from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
 
@@ -42,31 +42,32 @@ def document(
 ) -> dict[str, Any]:
     """The requirements for JSON, schema tumble.plan/1. `published` has (19) as printed, and beside it what
     the rule gives."""
+    names = sources(case, which == "published")
+    keys = size_keys(names)
     rule = {
-        **dict(zip(SIZE_KEYS, map(finite, found.limits))),
+        **dict(zip(keys, map(finite, found.limits))),
         "samples": found.samples,
-        "set_by": dict(zip(SOURCES, found.set_by)),
+        "set_by": dict(zip(names, found.set_by)),
     }
     head = {"schema": SCHEMA, "plan": "require", "weights": which, "estimator": estimator, "limit_g": limit_g}
     if which == "published":
         general, of_k_yy = (printed(case, formulas, limit_g) for formulas in (EQUATION_19, EQUATION_18))
-        main: dict[str, Any] = {key: finite(general[source]) for key, source in zip(SIZE_KEYS, SOURCES)}
+        main: dict[str, Any] = {key: finite(general[source]) for key, source in zip(keys, names)}
         main.update({"samples": found.samples, "set_by": _PRINTED_FROM, "rule": rule})
-        keys = dict(zip(SOURCES, SIZE_KEYS))
-        main["equation_18"] = {keys[source]: finite(limit) for source, limit in of_k_yy.items()}
+        main["equation_18"] = {keys[names.index(source)]: finite(limit) for source, limit in of_k_yy.items()}
     else:
         main = rule
     return {
         **head,
         **main,
         "numbers": numbers_are(which),
-        "split": dict(zip(SOURCES, split.tolist())),
+        "split": dict(zip(names, split.tolist())),
         "rows": {
             name: {"limit": limit_g / 3.0, "weights": weights.tolist(), "shares": shares.tolist()}
             for name, weights, shares in zip(ROWS, found.weights, found.shares)
         },
-        "declared": dict(zip(SIZE_KEYS, sizes(case, which == "published").tolist())),
-        "alone": dict(zip(SIZE_KEYS, map(finite, room.alone))),
+        "declared": dict(zip(keys, sizes(case, which == "published").tolist())),
+        "alone": dict(zip(keys, map(finite, room.alone))),
         "margin": finite(room.margin),
         "margins": {name: finite(margin) for name, margin in margins.items()},
         **(NOT_PROMISED if just is None else just.document(estimator)),
@@ -90,7 +91,8 @@ def show(plan: dict[str, Any], case: Case) -> None:
     added = "(19)" if published else f"for {_asked(plan)}"
     headings = ["", "unit", added, "at most", "set by", "stand has", "its share", "alone"]
     rows, enough = [], plan["just_enough"] or {}
-    for key, source in zip(SIZE_KEYS, SOURCES):
+    names = sources(case, published)
+    for key, source in zip(size_keys(names), names):
         limit, has = rule[key], plan["declared"][key]
         verdict = "within" if limit is None or has <= limit else "over"
         cells = [source, "rad" if key.endswith("rad") else "V, mean"]
@@ -137,7 +139,7 @@ def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
         "its share: a source may exceed it if others leave room; the end decides",
         "alone: one source, the others as the stand has them",
     ]
-    shown = [plan["alone"][key] for key in SIZE_KEYS] + [rule[key] for key in SIZE_KEYS]
+    shown = [of[key] for of in (plan["alone"], rule) for key in plan["declared"]]
     if 0.0 in shown:
         lines.append("none left: the others alone exceed the limit already")
     if None in shown:

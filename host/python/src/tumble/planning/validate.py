@@ -179,7 +179,7 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     """
     model, sigma = linearise(case.fitted), shared_sigmas(case.fitted, case.stand)
     unit = np.eye(9).reshape(9, 3, 3)
-    by_shared = np.stack([weights @ (shared_derivatives(model, one, len(sigma)) * sigma) for one in unit])
+    by_shared = np.stack([weights @ (shared_derivatives(model, one, case.stand) * sigma) for one in unit])
     by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
     by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
     noise = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0] ** 2 * (weights**2).sum(axis=1)

@@ -28,7 +28,7 @@ def add_to(subparsers: Subparsers) -> None:
         subparsers,
         "budget",
         run,
-        help="error budget: five contributions to every coefficient, and their sum",
+        help="error budget: contributions of every source to every coefficient, and their sum",
         description="Error budget: what each source of error of a stand contributes to every coefficient.",
     )
     add_case_options(parser)
@@ -59,14 +59,14 @@ def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
     out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
-    units = ("size", "rad", "rad", "rad", "rad", "V, mean", "")
+    units = ("size", *("V, mean" if source == "noise" else "rad" for source in found.sources), "")
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
     for index, name in enumerate(NAMES):
         unit = "ug" if name.startswith("a0") else "ppm"
         cells = [tables.number(1e6 * value) for value in (*found.terms[index], found.total[index])]
         rows.append((f"{name}, {unit}", *cells))
-    out.print(tables.table(("", "alpha1", "alpha2", "alpha3", "alpha4", "noise", "all"), rows))
+    out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
     if promised is not None:
         out.print(promised.sentence)

@@ -20,6 +20,7 @@ from tumble.errors import EXIT_PASS, UsageError, quoted
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
+    from tumble.planning.case import Case
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -39,16 +40,17 @@ def add_to(subparsers: Subparsers) -> None:
     parser.add_argument(
         "--split",
         metavar="SOURCE=PART,...",
-        help="how alpha1, alpha2, alpha3, alpha4 and noise share a row, as parts of its square; default: 1 each",
+        help="how alpha1 to alpha4, noise, and seat and platform if declared, share a row, as parts of its square;"
+        " default: 1 each",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
     probability = parse_probability(arguments.probability)
-    split = _split(arguments.split)
     case = read_case(arguments)
     limit_g = case.limit_g
+    split = _split(arguments.split, case, arguments.weights == "published")
 
     from tumble.planning.enough import enough
     from tumble.planning.headroom import headroom, margins
@@ -68,19 +70,19 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _split(text: str | None) -> Floats:
-    """Parts by source, in the order of SOURCES."""
+def _split(text: str | None, case: Case, published: bool) -> Floats:
+    """Parts by source, in the order of budget.sources."""
     import numpy as np
 
-    from tumble.planning.published import SOURCES
+    from tumble.planning.budget import sources
 
-    parts = dict.fromkeys(SOURCES, 1.0)
+    parts = dict.fromkeys(sources(case, published), 1.0)
     given = [] if text is None else text.split(",")
     named = [item.partition("=")[0].strip() for item in given]
     for item in given:
         source, equals, part = item.partition("=")
         if not equals or source.strip() not in parts:
-            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(SOURCES)}")
+            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(parts)}")
         if named.count(source.strip()) > 1:
             raise UsageError(f"--split: {source.strip()} is given twice")
         parts[source.strip()] = parse_positive(part.strip(), "--split")
