@@ -12,8 +12,8 @@ from documents import paper_stand
 
 from tumble import core, reference
 from tumble.core import stand_seen
+from tumble.distributions import student_quantile
 from tumble.files.stand_file import read_stand
-from tumble.fixture.distributions import student_quantile
 from tumble.schedule import CHECK, Position, Schedule
 from tumble.solving.crosscheck import compare_seen
 from tumble.solving.stand_seen import look

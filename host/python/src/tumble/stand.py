@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 from tumble.units import volts_per
 
@@ -58,6 +59,11 @@ class Stand:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
         limit: float = getattr(self, source)
         return limit / _SIGMAS_PER_LIMIT[self.limits]
+
+    def with_sigma(self, source: str, sigma: float) -> Stand:
+        """This stand with another standard deviation of a source."""
+        limit: dict[str, Any] = {source: sigma * _SIGMAS_PER_LIMIT[self.limits]}
+        return replace(self, **limit)
 
 
 PAPER_STAND = Stand(  # equation (5)

@@ -6,6 +6,7 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
+from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
@@ -18,6 +19,7 @@ __all__ = [
     "Geometry",
     "OptimalEstimate",
     "RunSeen",
+    "WholeModel",
     "built_in",
     "by_coefficient",
     "closure",
