@@ -23,7 +23,8 @@ U0 = np.array([0.01, -0.02, 0.03])
 
 
 def solve(tumble, *arguments, cwd=EXAMPLES):
-    done = tumble("solve", *arguments, "--estimator", "optimal", "--json", cwd=cwd)
+    unit = [] if "--unit" in arguments else ["--unit", "V"]
+    done = tumble("solve", *arguments, *unit, "--estimator", "optimal", "--json", cwd=cwd)
     assert done.returncode in (0, 1), done.stderr
     return json.loads(done.stdout), done.stderr
 
@@ -92,14 +93,14 @@ def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
 def test_a_large_yaw_is_flagged_but_not_for_optimal(estimator, tumble, tmp_path):
     paper_stand(tmp_path, remount_rad="15e-3")
-    arguments = ["solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml", "--json", "--estimator"]
-    done = tumble(*arguments, estimator)
+    arguments = ["solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml", "--json", "--unit", "V"]
+    done = tumble(*arguments, "--estimator", estimator)
     second_order = json.loads(done.stdout)["second_order"]
     assert second_order["matters"] and second_order["bias_K_xx_relative"] == pytest.approx(15e-3**2 / 2)
     assert [(shift["source"], shift["coefficient"]) for shift in second_order["shifts"]] == [("alpha3", "K_xx")]
     complaint = "tumble: warning: large yaw: second order shifts K_xx by 0.00011, more than 0.2 u(K_xx)/K_xx = "
     assert done.stderr.startswith(complaint) and done.stderr.count("\n") == 1
-    taken_out = tumble(*arguments, "optimal")
+    taken_out = tumble(*arguments, "--estimator", "optimal")
     assert taken_out.stderr == "" and not json.loads(taken_out.stdout)["second_order"]["matters"]
 
 
@@ -210,7 +211,7 @@ def test_a_coarse_converter_is_noise_for_every_estimator(tumble, tmp_path):
 def test_a_large_tilt_is_flagged_for_linear_estimators_alone(tumble, tmp_path):
     paper_stand(tmp_path, axis_tilt_rad="15e-3")
     arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
-    done = tumble("solve", *arguments, "--json")
+    done = tumble("solve", *arguments, "--unit", "V", "--json")
     assert {shift["source"] for shift in json.loads(done.stdout)["second_order"]["shifts"]} == {"alpha1"}
     assert done.stderr.startswith("tumble: warning: large axis tilt: second order shifts K_")
     assert done.stderr.count("\n") == 1

@@ -69,8 +69,10 @@ def test_json_of_every_estimator(estimator, tumble):
 
 
 def test_any_schedule_check_positions_left_out(tumble):
+    """They are judged all the same, so the promise knows them."""
     with_checks = plan(tumble, "budget", "--schedule", EXAMPLES / "with_checks.toml")
-    assert with_checks == {**plan(tumble, "budget"), "block": with_checks["block"]}
+    promised = with_checks["promise"]
+    assert with_checks == {**plan(tumble, "budget"), "block": with_checks["block"], "promise": promised}
     faces = plan(tumble, "budget", "--schedule", EXAMPLES / "six_faces.toml", "--estimator", "least_squares")
     assert faces["u_K_relative"][0][0] > with_checks["u_K_relative"][0][0]
 

@@ -27,7 +27,8 @@ SOLVES = {
 
 def solve(tumble, *arguments):
     """The result document of a solve in the examples folder, checked against the schema."""
-    done = tumble("solve", *arguments, "--json", cwd=EXAMPLES)
+    unit = [] if "--unit" in arguments else ["--unit", "V"]
+    done = tumble("solve", *arguments, *unit, "--json", cwd=EXAMPLES)
     result = document_of(done, codes=(0, 1))
     assert result["verification"]["pass"] == (done.returncode == 0)
     return result
@@ -156,7 +157,7 @@ def test_units_follow_the_outputs(tumble):
 def test_plain_text_has_the_numbers_of_the_result(case, tumble):
     """Every figure of the text is that of the result, rounded; 80 columns, ASCII."""
     result = solve(tumble, *SOLVES[case])
-    text = tumble("solve", *SOLVES[case], cwd=EXAMPLES).stdout
+    text = tumble("solve", *SOLVES[case], "--unit", "V", cwd=EXAMPLES).stdout
     assert text.isascii() and max(map(len, text.splitlines())) <= 80
     rows = {line.split()[0].rstrip("*"): line.split() for line in text.splitlines() if re.match(r"[KU]0?_", line)}
     assert len(rows) == 12

@@ -1,17 +1,23 @@
 """Seats and platform: what a tilt of the block against the axis costs, and when nobody can know."""
 
+import dataclasses
 import json
 
+import jsonschema
 import numpy as np
 import pytest
-from blocks import NOMINAL_K, random_block, random_rotation, usable_schedule
-from conftest import EXAMPLES
+from blocks import NOMINAL_K, random_block, random_rotation, usable_schedule, write_run
+from conftest import EXAMPLES, ROOT
 
 from tumble import core, reference
+from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import LINEAR
+from tumble.reference.estimators import dense_design
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Mounting, Position, Schedule
+from tumble.solving import gain_record, optimal_run
+from tumble.solving.gains import gains, optimal_table, standard_deviations
 from tumble.stand import Stand
 
 PAPER = reference.paper_schedule()
@@ -143,13 +149,13 @@ def with_keys(tmp_path, **keys):
 @pytest.mark.parametrize("key", ["seat_rad", "platform_rad"])
 def test_who_declares_either_is_told_of_no_assumption(key, tmp_path, tumble):
     run = EXAMPLES / "paper_stand.csv"
-    plain = tumble("solve", run, "--stand", EXAMPLES / "paper_stand.toml").stdout
+    plain = tumble("solve", run, "--unit", "V", "--stand", EXAMPLES / "paper_stand.toml").stdout
     assert plain.splitlines()[-1].startswith("PASS, assuming a square seat: ")
     assert plain.count("*") == 3  # two coefficients, and what is said of them
     declared = with_keys(tmp_path, **{key: 1e-4})
-    text = tumble("solve", run, "--stand", declared).stdout
+    text = tumble("solve", run, "--unit", "V", "--stand", declared).stdout
     assert text.splitlines()[-1].startswith("PASS: ") and "*" not in text
-    result = json.loads(tumble("solve", run, "--stand", declared, "--json").stdout)
+    result = json.loads(tumble("solve", run, "--unit", "V", "--stand", declared, "--json").stdout)
     assert (result["assumes"], result["assumed_for"]) == ([], {})
     assert result["u_K"][1][2] == pytest.approx(1.005e-4 * 2, rel=0.01)
 
@@ -159,3 +165,226 @@ def test_who_declares_either_is_told_of_no_assumption(key, tmp_path, tumble):
 def test_a_seat_that_is_none_is_refused(key, value, tmp_path, refused):
     message = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", with_keys(tmp_path, **{key: value}))
     assert key in message
+
+
+# Worst u of the norm of a with optimal weights, ug: two mountings, three; seat 0, 1e-4, 1e-3
+BOUNDS = {
+    "paper": ((14.6, 72.0, 707), (12.5, 13.4, 13.4)),
+    "angle": ((11.1, 71.4, 707), (9.7, 10.4, 10.4)),
+    "lab": ((36.7, 79.1, 707), (31.6, 33.6, 34.0)),
+}
+SEATS = (0.0, 1e-4, 1e-3)
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_a_third_mounting_frees_the_norm_of_the_seat(name):
+    """The bound by numpy's dense covariance; the table's own rows of gains reach it."""
+    for schedule, expected in zip((PAPER, THREE), BOUNDS[name]):
+        found = []
+        for seat in SEATS:
+            declared = stand(*STANDS[name], seat=seat)
+            table = optimal_table(schedule, NOMINAL_K, declared)
+            covariance = bound(schedule, declared)
+            assert table.u == pytest.approx(np.sqrt(np.diag(covariance)), rel=1e-6)
+            found.append(worst_of_norm(NOMINAL_K, covariance) * 1e6)
+        assert found == pytest.approx(expected, rel=0.01)
+
+
+def bound(schedule, declared):
+    """Cramer and Rao: (A^T C^-1 A)^-1, C of all sources."""
+    lone = np.ones(len(schedule.positions), dtype=int)
+    draws = [
+        source.sigma[:, None] * source.derivative.reshape(len(source.sigma), -1)
+        for source in sources(schedule, NOMINAL_K, declared, lone).values()
+    ]
+    covariance = sum(part.T @ part for part in draws)
+    design = dense_design(schedule)
+    found = np.linalg.inv(design.T @ np.linalg.solve(covariance, design))
+    order = [*np.arange(9).reshape(3, 3).T.ravel(), 9, 10, 11]  # K row by row, of K column by column
+    return found[np.ix_(order, order)]
+
+
+@pytest.mark.parametrize("schedule", [PAPER, THREE], ids=["two", "three"])
+@pytest.mark.parametrize("seats", [{"seat": 3e-3}, {"platform": 3e-3}, {"seat": 2e-3, "platform": 4e-3}], ids=str)
+def test_optimal_takes_seats_among_its_unknowns(schedule, seats):
+    """Core and witness agree within 1e-6 u on runs of the exact geometry, where the second order matters."""
+    rng = np.random.default_rng(903)
+    declared = stand(2e-4, 5e-4, 1e-2, 2e-4, 3e-5, **seats)
+    core_schedule, positions = core.CoreSchedule(schedule), len(schedule.positions)
+    lone, all_measured = np.ones(positions, dtype=int), np.ones(positions, dtype=bool)
+    for _ in range(2):
+        means = simulated(rng, schedule, declared, 1)[0]
+        witness = reference.optimal(schedule, means, declared, lone)
+        found = optimal_run.estimate(core_schedule, means, all_measured, optimal_run.Weighting(declared, lone))
+        assert (np.abs(found.k - witness.k) < 1e-6 * witness.u_k).all()
+        assert (np.abs(found.u0 - witness.u0) < 1e-6 * witness.u_u0).all()
+        assert found.alpha3 == pytest.approx(witness.alpha3, abs=1e-9)
+
+
+def simulated(rng, schedule, declared, runs, platform=0.0):
+    """Means (runs, positions, 3) on the exact geometry; `platform`: what it is in all of them."""
+    mountings, positions = len(schedule.mountings), len(schedule.positions)
+    shared, seats = rng.normal(size=(3, runs, 1)), rng.normal(size=(3, runs, mountings))
+    outputs = reference.Geometry(schedule).outputs(
+        NOMINAL_K,
+        np.array([0.1, -0.2, 0.3]),
+        alpha1=shared[0] * declared.axis_tilt,
+        alpha2=shared[1] * declared.level,
+        alpha3=seats[0] * declared.remount,
+        delta=rng.normal(size=(runs, positions)) * declared.angle,
+        seat_h=seats[1] * declared.seat + shared[2] * declared.platform + platform,
+        seat_n=seats[2] * declared.seat,
+    )
+    return outputs + rng.normal(size=outputs.shape) * declared.noise / np.sqrt(declared.samples)
+
+
+def test_a_record_without_seats_is_as_it_was():
+    table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"]))
+    plain = gain_record.to_bytes(gain_record.record_of(table, PAPER))
+    assert plain[13:16] == bytes(3) and len(plain) == gain_record.size_of(18, 2)
+    table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"], platform=1e-3))
+    data = gain_record.to_bytes(gain_record.record_of(table, PAPER))
+    assert data[13] == 2 and len(data) == len(plain) + 8 * 54 * 4
+    opened = GainRecord(core.CoreSchedule(PAPER), data)
+    assert np.array_equal(opened.stand_gains, table.nuisance_gains)
+    assert np.array_equal(table.nuisance_gains[4], table.nuisance_gains[5])  # of the platform, in either mounting
+    assert not table.nuisance_gains[6:].any()
+    again = gain_record.from_bytes(data)
+    assert (again.seats, gain_record.to_bytes(again)) == (2, data)
+
+
+@pytest.mark.parametrize("seats", [1, 3, 255])
+def test_a_record_of_another_number_of_seats_is_refused(seats):
+    table = optimal_table(PAPER, NOMINAL_K, stand(*STANDS["lab"], seat=1e-3))
+    record = gain_record.record_of(table, PAPER)
+    rows = np.zeros((4 + 2 * seats, 54))
+    data = gain_record.to_bytes(dataclasses.replace(record, seats=seats, nuisance_gains=rows))
+    with pytest.raises(gain_record.BadRecord):
+        gain_record.from_bytes(data)
+    with pytest.raises(core.CoreRefusal) as refusal:
+        GainRecord(core.CoreSchedule(PAPER), data)
+    assert refusal.value.name == "TUMBLE_E_GAIN_RECORD"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("schedule", [PAPER, THREE], ids=["two", "three"])
+@pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
+def test_as_many_runs_are_within_2u_as_should_be(schedule, estimator):
+    """4,000 runs of the exact geometry: 95.45 % within four standard errors, 1.3 points."""
+    declared = stand(*STANDS["paper"], seat=3e-4, platform=2e-4)
+    means = simulated(np.random.default_rng(904), schedule, declared, 4000)
+    truth = np.concatenate([NOMINAL_K.ravel(), [0.1, -0.2, 0.3]])
+    core_schedule = core.CoreSchedule(schedule)
+    if estimator == "optimal":
+        table = optimal_table(schedule, NOMINAL_K, declared)
+        record = GainRecord(core_schedule, gain_record.to_bytes(gain_record.record_of(table, schedule)))
+        found, u = optimal_runs(record, means)[0], table.u
+    else:
+        found = estimate_runs(core_schedule, means, estimator)
+        lone = np.ones(len(schedule.positions), dtype=int)
+        u_k, u_u0 = uncertainties(core_schedule, NOMINAL_K, declared, lone, estimator)
+        u = np.concatenate([u_k.ravel(), u_u0])
+    within = (np.abs(found - truth) <= 2.0 * u).mean(axis=0)
+    assert within == pytest.approx(0.9545, abs=0.0132)
+
+
+SCHEMA = {
+    kind: json.loads((ROOT / f"docs/schemas/tumble.{kind}-1.schema.json").read_text()) for kind in ("plan", "result")
+}
+
+
+@pytest.mark.parametrize("seats", [("seat",), ("platform",), ("seat", "platform")], ids=str)
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_a_budget_has_a_term_for_each(seats, estimator, tmp_path, tumble):
+    """Seat and platform after the five; all of them make up what the estimator's gains leave."""
+    declared = with_keys(tmp_path, **{f"{name}_rad": 2e-4 for name in seats})
+    done = tumble("plan", "budget", "--stand", declared, "--estimator", estimator, "--json")
+    plan = json.loads(done.stdout)
+    jsonschema.validate(plan, SCHEMA["plan"])
+    assert list(plan["sources"])[5:-1] == [f"{name}_rad" for name in seats]
+    assert all(len(row) == 5 + len(seats) for row in plan["terms"].values())
+    expected = dict.fromkeys(("K_yz", "K_zy"), [2e-4 / 0.02] * len(seats))
+    for name, terms in expected.items():
+        assert plan["terms"][name][5:] == pytest.approx(terms, rel=1e-3)
+    case = stand(*STANDS["paper"], **dict.fromkeys(seats, 2e-4))
+    weights = gains(PAPER, estimator, NOMINAL_K, case)
+    u = standard_deviations(PAPER, weights, NOMINAL_K, case, STANDS["paper"][4])
+    assert np.ravel(plan["u_K"]) == pytest.approx(u[:9], rel=1e-3)
+
+
+def test_published_weights_know_five_sources(tmp_path, tumble):
+    declared = with_keys(tmp_path, seat_rad=1e-4)
+    plan = json.loads(tumble("plan", "budget", "--stand", declared, "--weights", "published", "--json").stdout)
+    assert all(len(row) == 5 for row in plan["terms"].values()) and "seat_rad" not in plan["sources"]
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_requirements_of_a_seat(estimator, tmp_path, tumble):
+    """A seat enters the scale factors by misalignments: sqrt(2) a_ij of K_yy, both of its turns in quadrature."""
+    declared = with_keys(tmp_path, seat_rad=1e-4, platform_rad=2e-4)
+    done = tumble("plan", "require", "--stand", declared, "--estimator", estimator, "--json")
+    plan = json.loads(done.stdout)
+    jsonschema.validate(plan, SCHEMA["plan"])
+    assert (plan["declared"]["seat_rad"], plan["declared"]["platform_rad"]) == (1e-4, 2e-4)
+    names = {"alpha1", "alpha2", "alpha3", "alpha4", "noise", "seat", "platform"}
+    assert set(plan["set_by"]) == set(plan["split"]) == names
+    if estimator == "refined":
+        assert plan["seat_rad"] == pytest.approx(1e-4 / 5**0.5 / (0.02 * 2**0.5), rel=0.01)
+        assert plan["set_by"]["seat"] == "K_yy"
+    message = tumble("plan", "require", "--stand", EXAMPLES / "paper_stand.toml", "--split", "seat=2")
+    assert (message.returncode, message.stdout) == (2, "") and "seat=2" in message.stderr
+
+
+def test_simulated_runs_have_the_seats_that_were_declared(tmp_path, tumble):
+    declared = with_keys(tmp_path, seat_rad=3e-4, platform_rad=2e-4)
+    done = tumble("plan", "validate", "--stand", declared, "--runs", "4000", "--json")
+    assert done.returncode == 0
+    jsonschema.validate(json.loads(done.stdout), SCHEMA["plan"])
+
+
+def test_the_bench_draws_seats_and_tells_them(tmp_path, tumble):
+    """On the exact geometry: what it told of the stand gives the means again, to their noise."""
+    declared = with_keys(tmp_path, seat_rad=3e-3, platform_rad=2e-3)
+    result = json.loads(tumble("bench", "--stand", declared, "--seed", "3", "--out", tmp_path / "run", "--json").stdout)
+    jsonschema.validate(result, SCHEMA["result"])
+    truth = result["truth"]
+    assert result["assumes"] == [] and len(set(truth["theta_h_rad"] + truth["theta_n_rad"])) == 4
+    outputs = reference.Geometry(PAPER).outputs(
+        np.array(truth["K"]),
+        np.array(truth["U0"]),
+        alpha1=truth["alpha1_rad"],
+        alpha2=truth["alpha2_rad"],
+        alpha3=np.array(truth["alpha3_rad"]),
+        delta=np.array(truth["alpha4_rad"]),
+        seat_h=np.array(truth["theta_h_rad"]),
+        seat_n=np.array(truth["theta_n_rad"]),
+    )
+    means = np.array([mean["mean"] for mean in result["means"]])
+    assert np.abs(means - outputs).max() < 5 * 3e-4 / 50**0.5
+    plain = json.loads(tumble("bench", "--seed", "3", "--out", tmp_path / "plain", "--json").stdout)
+    assert plain["truth"]["theta_h_rad"] == plain["truth"]["theta_n_rad"] == [0.0, 0.0]
+    assert plain["assumes"] == ["seat"]
+
+
+def test_the_bench_s_firmware_takes_seats_among_its_unknowns(tmp_path, tumble):
+    declared = with_keys(tmp_path, seat_rad=1e-3)
+    arguments = ("--stand", declared, "--seed", "4", "--estimator", "optimal", "--out", tmp_path / "run", "--json")
+    done = tumble("bench", *arguments)
+    assert done.returncode in (0, 1), done.stderr  # 3, if the firmware and the witness did not agree
+    assert (tmp_path / "run/inputs/gains.bin").read_bytes()[13] == 2
+
+
+def test_runs_share_the_platform_and_draw_their_seats(tmp_path, tumble):
+    """Four runs halve what each draws anew; the platform stays as it is."""
+    rng, u = np.random.default_rng(905), {}
+    for key in ("seat", "platform"):
+        declared, platform = with_keys(tmp_path, **{f"{key}_rad": 1e-3}), 1e-3 * (key == "platform")
+        runs = []
+        for number in range(4):
+            runs.append(tmp_path / f"{key}-{number}.csv")
+            drawn = stand(*STANDS["paper"], **({"seat": 1e-3} if key == "seat" else {}))
+            write_run(runs[-1], PAPER, simulated(rng, PAPER, drawn, 1, platform)[0])
+        done = tumble("fixture", "check", "--stand", declared, "--against", "declared", *runs, "--json")
+        u[key] = json.loads(done.stdout)["combined"]["u_K"][1][2]
+    assert u["seat"] == pytest.approx(1e-3, rel=0.02)
+    assert u["platform"] == pytest.approx(2e-3, rel=0.02)

@@ -14,6 +14,7 @@ from tumble.schedule import BUILT_IN
 
 SQRT2 = Fraction(isqrt(2 * 10**80), 10**40)
 CLOSED = ("diagonal", "three_mountings")
+NO_ROTATION = "[[mounting]] is refused: a mounting matrix is not a proper rotation\n"
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
@@ -172,6 +173,72 @@ def test_a_file_of_a_schedules_name_needs_a_path(tumble, refused, tmp_path):
     run = write_run(tmp_path / "run.csv", schedule, Geometry(schedule).outputs(NOMINAL_K, [0.1, 0.2, 0.3]))
     assert tumble("solve", run, "--schedule", "paper", cwd=tmp_path).returncode == 0
     assert "paper: row 1" in refused("solve", run, "--schedule", "./paper", cwd=tmp_path)
+
+
+def schedule_text(matrix, fifth=False):
+    """A schedule file like `diagonal`, its third mounting with this matrix, with position 1 once more at the end."""
+    schedule, lines = core.built_in("diagonal"), []
+    for mounting in schedule.mountings:
+        rows = matrix if mounting.number == 3 else [list(row) for row in mounting.matrix]
+        lines += ["[[mounting]]", f"number = {mounting.number}", f"matrix = {rows}"]
+    again = [(m.number, 5, 45.0, "check") for m in schedule.mountings] if fifth else []
+    fitted = [(p.mounting, p.number, p.angle_deg, p.use) for p in schedule.positions]
+    for number, position, angle, use in fitted + again:
+        lines += ["[[position]]", f"mounting = {number}", f"position = {position}", f"angle_deg = {angle}"]
+        lines += [f'use = "{use}"']
+    return "\n".join(lines) + "\n"
+
+
+def rotation_about_x(degrees):
+    turn = np.deg2rad(degrees)
+    sine, cosine = np.sin(turn), np.cos(turn)
+    return np.array([[0, 1, 0], [-sine, 0, cosine], [cosine, 0, sine]])  # of the third mounting
+
+
+def test_a_matrix_typed_to_five_decimals_is_made_orthonormal(tumble, tmp_path):
+    exact = rotation_about_x(37.0)
+    file = tmp_path / "typed.toml"
+    file.write_text(schedule_text(np.round(exact, 5).tolist()))
+    schedule = core.built_in("diagonal")
+    turned = type(schedule)(
+        (*schedule.mountings[:2], type(schedule.mountings[0])(3, tuple(map(tuple, exact)))), schedule.positions
+    )
+    run = write_run(tmp_path / "run.csv", turned, Geometry(turned).outputs(NOMINAL_K, [0.1, 0.2, 0.3]))
+    done = tumble("solve", run, "--schedule", file, "--json")
+    assert done.returncode == 0
+    assert done.stderr.startswith(f"tumble: notice: {file}: matrix of mounting 3 made orthonormal, by ")
+    assert done.stderr.count("\n") == 1
+    assert np.array(json.loads(done.stdout)["K"]) == pytest.approx(NOMINAL_K, abs=2e-5)
+    file.write_text(schedule_text(exact.tolist()))
+    assert tumble("solve", run, "--schedule", file).stderr == ""
+
+
+@pytest.mark.parametrize("off", [1e-4, -1e-3, 1.0])
+def test_a_matrix_farther_off_is_refused(off, refused, tmp_path):
+    matrix = rotation_about_x(37.0)
+    matrix[1, 0] += off
+    file = tmp_path / "typed.toml"
+    file.write_text(schedule_text(matrix.tolist()))
+    run = tmp_path / "run.csv"
+    run.write_text("mounting,position,ux,uy,uz\n")
+    assert refused("solve", run, "--schedule", file).endswith(NO_ROTATION)
+
+
+def test_a_reflection_is_refused(refused, tmp_path):
+    file, run = tmp_path / "typed.toml", tmp_path / "run.csv"
+    file.write_text(schedule_text((-np.round(rotation_about_x(37.0), 5)).tolist()))
+    run.write_text("mounting,position,ux,uy,uz\n")
+    assert refused("solve", run, "--schedule", file).endswith(NO_ROTATION)
+
+
+def test_a_fifth_position_closes_each_mounting(tumble, tmp_path):
+    file = tmp_path / "closed.toml"
+    file.write_text(schedule_text([list(row) for row in core.built_in("diagonal").mountings[2].matrix], fifth=True))
+    done = tumble("bench", "--schedule", file, "--seed", "1", "--json", "--out", tmp_path / "run")
+    result = json.loads(done.stdout)
+    assert done.returncode == 0 and result["counters"]["positions"] == 15
+    text = tumble("solve", tmp_path / "run" / "run.csv", "--schedule", file).stdout
+    assert all(f"Closure of mounting {mounting}: " in text for mounting in (1, 2, 3))
 
 
 def test_six_faces_is_no_circle(refused, tmp_path):

@@ -574,8 +574,9 @@ typedef struct {
     uint16_t schema;
     uint8_t fit_positions;
     uint8_t mountings;
-    uint8_t yaws; /* 1: one yaw for all mountings; else one for each */
-    uint8_t reserved[3];
+    uint8_t yaws;  /* 1: one yaw for all mountings; else one for each */
+    uint8_t seats; /* 0: none is declared; else one for each mounting */
+    uint8_t reserved[2];
     uint32_t schedule_crc;
     uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
@@ -602,7 +603,8 @@ tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const t
 /* Gains of the coefficients: TUMBLE_COEFFICIENTS rows of 3 x fit_positions, as in tumble_gain_table_t. */
 const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
 
-/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, then each yaw; columns as above. */
+/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat, theta_n of each;
+ * columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
 
 /* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
@@ -611,7 +613,7 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 /* ---- The stand-optimal estimator: constant gains for one stand, twice corrected to second order.
  *
  * The gains of a record are those of generalised least squares for the stand's declared errors: twelve rows for the
- * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws). The gains are linear; the
+ * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws, seats). The gains are linear; the
  * outputs are not, and on a stand with a yaw of 15 mrad a linear estimate of K_xx is off by 16 times its uncertainty.
  * Therefore the difference between the exact geometry and its linearisation is taken out of the means and the gains are
  * applied again, twice: docs/method.md, "Stand-optimal weights".
@@ -624,7 +626,9 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 typedef struct {
     double alpha1_rad;
     double alpha2_rad;
-    double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* per mounting of the schedule, in its order; beyond: 0 */
+    double alpha3_rad[TUMBLE_MAX_MOUNTINGS];  /* per mounting of the schedule, in its order; beyond: 0 */
+    double theta_h_rad[TUMBLE_MAX_MOUNTINGS]; /* likewise; the platform's is in each */
+    double theta_n_rad[TUMBLE_MAX_MOUNTINGS];
 } tumble_stand_errors_t;
 
 /* What the estimator works with beside its stack; the caller owns it. */
@@ -633,7 +637,8 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + 64U), "with optimal a position costs 4 more");
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_MOUNTINGS) + 16U),
+              "with optimal a position costs 4 more, a mounting 24");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
  * Outputs are working memory too: on TUMBLE_E_STAND_ERROR, and where a result is not finite, they are left zero.

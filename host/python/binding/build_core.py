@@ -142,6 +142,7 @@ typedef struct {
     uint8_t fit_positions;
     uint8_t mountings;
     uint8_t yaws;
+    uint8_t seats;
     uint32_t block_crc;
     double k_v_per_g[3][3];
     double sigma_rad[4];
@@ -150,7 +151,7 @@ typedef struct {
     double u_u0_v[3];
     ...;
 } tumble_gain_record_t;
-typedef struct { double alpha1_rad; double alpha2_rad; double alpha3_rad[...]; } tumble_stand_errors_t;
+typedef struct { double alpha1_rad; double alpha2_rad; double alpha3_rad[...]; ...; } tumble_stand_errors_t;
 typedef struct { tumble_stand_errors_t stand; ...; } tumble_optimal_t;
 
 tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *,

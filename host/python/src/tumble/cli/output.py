@@ -14,6 +14,8 @@ from tumble.units import noise_unit
 
 def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
     """A line on stderr for each reason why a solution may not be what it claims. `odd`: what is odd about its K."""
+    if not solution.run.unit_told:
+        tell("tumble: warning: the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
     for sentence in odd:
         tell(f"tumble: warning: {sentence}")
     unit = solution.run.unit

@@ -47,6 +47,10 @@ def _read(file: str, data: bytes | None) -> CoreSchedule:
         core_schedule.identify()
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
+    for mounting, table in zip(schedule.mountings, mountings):
+        if (off := np.abs(np.subtract(mounting.matrix, table.matrix("matrix"))).max()) > 0.0:
+            changed = f"matrix of mounting {mounting.number} made orthonormal, by {off:.1g}"
+            tell(f"tumble: notice: {file}: {changed}")
     return core_schedule
 
 
@@ -60,21 +64,17 @@ def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> Non
 def _mounting(table: Table) -> Mounting:
     table.only("number", "matrix", "axis_tilt_deg")
     tilt_deg = table.number("axis_tilt_deg", -_LARGEST_TILT_DEG, _LARGEST_TILT_DEG, default=0.0)
-    number = table.integer("number", 1, _LARGEST_NUMBER)
-    return Mounting(number, _rotation(table, number), tilt_deg)
+    return Mounting(table.integer("number", 1, _LARGEST_NUMBER), _rotation(table.matrix("matrix")), tilt_deg)
 
 
-def _rotation(table: Table, number: int) -> tuple[tuple[float, ...], ...]:
-    """The matrix as it is given; where it was typed to a few decimals the nearest rotation, with a notice. One that is
-    farther off, or a reflection, is left for the core to refuse."""
-    given = table.matrix("matrix")
+def _rotation(given: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    """The matrix as it is given; where it was typed to a few decimals the nearest rotation. One that is farther off, or
+    a reflection, is left for the core to refuse."""
     left, _, right = np.linalg.svd(np.array(given))
     nearest = left @ right
-    off = np.abs(nearest - given).max()
-    if np.abs(np.array(given) @ np.transpose(given) - np.eye(3)).max() <= _EXACT or off > _TYPED:
-        return given
-    tell(f"{table.file}: the matrix of mounting {number} is made orthonormal; it was off by {off:.1g}")
-    return tuple(map(tuple, nearest.tolist()))
+    exact = np.abs(np.array(given) @ np.transpose(given) - np.eye(3)).max() <= _EXACT
+    typed = np.abs(nearest - given).max() <= _TYPED and np.linalg.det(nearest) > 0.0
+    return tuple(map(tuple, nearest.tolist())) if typed and not exact else given
 
 
 def _position(table: Table) -> Position:
@@ -96,3 +96,19 @@ def _table_at_fault(refusal: CoreRefusal, schedule: Schedule, mountings: list[Ta
     tables = mountings if same_mounting or refusal.name == "TUMBLE_E_SCHEDULE_ROTATION" else positions
     where: int = refusal.details["where"]
     return tables[where]
+
+
+def to_toml(schedule: Schedule) -> str:
+    """A schedule file's text, which reads back as the same schedule."""
+    return "\n".join([*map(_mounting_table, schedule.mountings), *map(_position_table, schedule.positions)])
+
+
+def _mounting_table(mounting: Mounting) -> str:
+    rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in mounting.matrix)
+    tilt = f"axis_tilt_deg = {mounting.tilt_deg!r}\n" if mounting.tilt_deg else ""
+    return f"[[mounting]]\nnumber = {mounting.number}\nmatrix = [{rows}]\n{tilt}"
+
+
+def _position_table(position: Position) -> str:
+    place = f"mounting = {position.mounting}\nposition = {position.number}\n"
+    return f'[[position]]\n{place}angle_deg = {position.angle_deg!r}\nuse = "{position.use}"\n'

@@ -9,6 +9,7 @@ from typing import Any
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
+from tumble.planning.promise import Promise, promise
 from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
@@ -18,7 +19,7 @@ from tumble.solving.second_order import SecondOrder, second_order
 @dataclass(frozen=True)
 class Optimized:
     """`u` (12,): standard deviations of the table's estimate; `u_refined`, `u_least_squares`: of those estimators, the
-    first None where the schedule has none; `efficiency`: bound over `u`."""
+    first None where the schedule has none; `efficiency`: bound over `u`; `promise`: of a run with the table."""
 
     case: Case
     table: OptimalTable
@@ -26,6 +27,7 @@ class Optimized:
     u: Floats
     u_refined: Floats | None
     u_least_squares: Floats
+    promise: Promise
 
     @property
     def efficiency(self) -> Floats:
@@ -55,6 +57,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
         u=spread(table.gains),
         u_refined=spread(linear_gains(case.fitted, "refined")) if harmonic else None,
         u_least_squares=spread(linear_gains(case.fitted, "least_squares")),
+        promise=promise(case, OPTIMAL, k=k),
     )
 
 
@@ -81,4 +84,5 @@ def document(found: Optimized) -> dict[str, Any]:
         "sigma_mean_v": table.sigma_mean,
         "noise_floored": table.floored,
         "second_order": found.second_order.document(),
+        "promise": found.promise.document(),
     }

@@ -18,7 +18,7 @@ from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.geometry import Geometry
 from tumble.reference.uncertainty import by_coefficient, joint, sources
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, Stand
+from tumble.stand import Stand
 
 CORRECTIONS = 2
 _FLOOR_G = 1e-9
@@ -90,9 +90,10 @@ class _Whitened:
         self.fit = fit_indices(schedule)
         self.geometry = Geometry(schedule)
         self.errors = sources(schedule, k, stand, samples)
-        angles = [self.errors[name] for name in ("alpha1", "alpha2", "alpha3", "alpha4")]
-        self.sigma = np.concatenate([source.sigma for source in angles])
-        derivative = np.concatenate([source.derivative for source in angles])[:, self.fit]
+        angles = {name: source for name, source in self.errors.items() if name != "noise"}
+        self.draws = {name: len(source.sigma) for name, source in angles.items()}
+        self.sigma = np.concatenate([source.sigma for source in angles.values()])
+        derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
         self.model = np.hstack([dense_design(schedule), by_error])
         self.averaged_over = np.where(samples > 1, samples, stand.samples)
@@ -121,9 +122,10 @@ class _Whitened:
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
         covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance()
-        alpha1, alpha2, alpha3, _ = self._stand(x)
+        angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
-        return OptimalEstimate(k, u0, covariance, alpha1, alpha2, alpha3, largest)
+        shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
+        return OptimalEstimate(k, u0, covariance, *shared, largest)
 
     def _noise_of_means(self) -> Floats:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
@@ -140,19 +142,24 @@ class _Whitened:
         x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[:12].T
         return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
 
-    def _stand(self, x: Floats) -> tuple[float, float, Floats, Floats]:
-        """alpha1, alpha2, alpha3 per mounting, delta per position of the schedule."""
-        errors = self.sigma * x[12:, 0]
-        positions, mountings = len(self.schedule.positions), len(self.schedule.mountings)
-        yaws = errors[2:-positions]
-        alpha3 = np.repeat(yaws, mountings) if self.stand.remounting == COMMON else yaws
-        return float(errors[0]), float(errors[1]), alpha3, errors[-positions:]
+    def _stand(self, x: Floats) -> dict[str, Floats]:
+        """Every error as `Geometry.force` has it: alpha1, alpha2, then one per mounting, delta per position."""
+        parts = np.split(self.sigma * x[12:, 0], np.cumsum(list(self.draws.values()))[:-1])
+        errors, mountings = dict(zip(self.draws, parts)), len(self.schedule.mountings)
+        seat = errors.get("seat", np.zeros(2 * mountings))
+        return {
+            "alpha1": errors["alpha1"][0],
+            "alpha2": errors["alpha2"][0],
+            "alpha3": np.resize(errors["alpha3"], mountings),
+            "delta": errors["alpha4"],
+            "seat_h": seat[:mountings] + errors.get("platform", np.zeros(1)),
+            "seat_n": seat[mountings:],
+        }
 
     def _exact(self, x: Floats) -> Floats:
         """Outputs (3 x fit positions, 1) on the exact geometry."""
-        alpha1, alpha2, alpha3, delta = self._stand(x)
         k, u0 = _coefficients(x[:12, 0])
-        outputs = self.geometry.outputs(k, u0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+        outputs = self.geometry.outputs(k, u0, **self._stand(x))
         return outputs[self.fit].reshape(-1, 1)
 
 

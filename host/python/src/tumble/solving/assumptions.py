@@ -32,8 +32,13 @@ def _on_a_square_seat(solution: Solution) -> Coefficients | None:
     return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
 
 
+def _in_volts(solution: Solution) -> Coefficients | None:
+    return None if solution.run.unit_told else ()
+
+
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
+    "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
 }
 
 

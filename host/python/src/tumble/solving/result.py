@@ -134,4 +134,6 @@ def truth(known: Truth) -> dict[str, Any]:
         "alpha2_rad": known.alpha2,
         "alpha3_rad": list(known.alpha3),
         "alpha4_rad": list(known.alpha4),
+        "theta_h_rad": list(known.theta_h),
+        "theta_n_rad": list(known.theta_n),
     }

@@ -37,8 +37,8 @@ from tumble.units import noise_unit, volts_per
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians,
-    `alpha3` by mounting and `alpha4` by position."""
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
+    platform's in it) and `theta_n` by mounting and `alpha4` by position."""
 
     k: Floats
     u0: Floats
@@ -46,6 +46,8 @@ class Truth:
     alpha2: float
     alpha3: tuple[float, ...]
     alpha4: tuple[float, ...]
+    theta_h: tuple[float, ...]
+    theta_n: tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -184,15 +184,20 @@ def _needed(
     import numpy as np
 
     from tumble.fixture.judge import Limits
+    from tumble.planning.budget import sources
     from tumble.planning.case import Case
+    from tumble.planning.published import SOURCES
     from tumble.planning.require import allowed
 
     case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
     try:
-        found = allowed(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+        names = sources(case, published=False)
+        limits = allowed(case, "derived", arguments.estimator, limit_g, np.ones(len(names))).limits
     except UsageError:
         if arguments.against == "needed":
             raise
         return None
-    found[4] *= math.sqrt(stand_file.stand.samples)
-    return Limits.needed(found, stand_file.stand.remounting, mountings)
+    found = dict(zip(names, limits.tolist()))
+    found["noise"] *= math.sqrt(stand_file.stand.samples)
+    five = [found[name] for name in SOURCES]
+    return Limits.needed(five, stand_file.stand.remounting, mountings, found.get("seat", 0.0))
