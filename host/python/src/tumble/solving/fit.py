@@ -175,12 +175,10 @@ class _Search:
             if corrected > EXPLAINED:
                 return
             alike = [] if name == NOISE else [other for other in found if self._may_be(found[name], found[other])]
-            for source in (
-                one for one in SYSTEMATIC if one in alike
-            ):  # where either may be, the declared one is the simpler
+            source = next((one for one in SYSTEMATIC if one in alike), None)
+            if source is not None:  # where either may be, the declared one is the simpler
                 alike = [name, *(other for other in alike if other != source)]
                 name, corrected = source, len(self._left) * math.exp(log_p[source])
-                break
             yield self._explanation(found.get(name), alike, corrected)
             self._take(name, found)
 
