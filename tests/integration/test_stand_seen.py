@@ -211,6 +211,13 @@ def test_a_coarse_converter_is_no_disagreement(seed, tumble, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+def test_a_run_of_another_schedule_is_no_disagreement(tumble):
+    """Taken for positions 45 degrees off, its set angles come out at 2 rad."""
+    run = EXAMPLES / "diagonal_stand.csv", "--stand", EXAMPLES / "diagonal_stand.toml"
+    done = tumble("solve", *run, "--schedule", "three_mountings", "--estimator", "least_squares")
+    assert done.returncode == 1 and "FAIL" in done.stdout, done.stderr
+
+
 @pytest.mark.parametrize("spread", [5e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9])
 def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
