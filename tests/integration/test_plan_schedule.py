@@ -223,9 +223,11 @@ def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
 
 
 def test_people_get_80_columns(tumble, tmp_path):
-    shown = tumble("plan", *OPTIONS, "--out", "quick.toml", cwd=tmp_path).stdout
-    assert max(map(len, shown.splitlines())) <= 80
-    assert "three_mountings" in shown and "tumble bench --schedule quick.toml --samples " in shown
+    paper_stand(tmp_path).rename(tmp_path / "my stand.toml")
+    shown = tumble("plan", *OPTIONS, "--stand", "my stand.toml", "--out", "quick.toml", cwd=tmp_path).stdout
+    *lines, command = shown.splitlines()
+    assert max(map(len, lines)) <= 80 and "three_mountings" in shown
+    assert command.startswith("Run it: tumble bench --schedule quick.toml --stand 'my stand.toml' --samples ")
     assert max(map(len, tumble("plan", "schedule", "--help", COLUMNS="80").stdout.splitlines())) <= 80
 
 
