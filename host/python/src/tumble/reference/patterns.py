@@ -18,7 +18,6 @@ from tumble.schedule import Schedule
 
 BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
 _MILLIONTH = 1e-6
-_STEP = 1e-30
 _WARM_UPS = (0.05, 0.1, 0.2, 0.4)  # time constants over the length of the run
 _ROUNDING = 1e-9
 _CHANNELS = "xyz"
@@ -56,8 +55,7 @@ class Scene:
 
     def by(self, **error: float | Floats) -> Floats:
         """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
-        steps = {name: 1j * _STEP * np.asarray(value) for name, value in error.items()}
-        return np.asarray(np.imag(Geometry(self.schedule).force(**steps)) / _STEP @ self.k.T)
+        return Geometry(self.schedule).derivative(self.k, **error)
 
     def in_mounting(self, index: int) -> Floats:
         """1 at the positions of a mounting, else 0: (P, 1)."""

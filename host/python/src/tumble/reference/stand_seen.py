@@ -23,7 +23,6 @@ from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
-_STEP = 1e-30
 _NULL = 1e-12
 _INESTIMABLE = 1e-6
 _SMALLEST_NOISE = 1e-7
@@ -72,12 +71,11 @@ class Model:
     alpha2, alpha3 by mounting; `by_set_angle` (P, 3P), their derivative with respect to each set angle; P positions."""
 
     def __init__(self, schedule: Schedule, k: Floats):
-        self._geometry, self._k = Geometry(schedule), k
-        positions, mountings = len(schedule.positions), len(schedule.mountings)
-        by_angle = [self._derivative(alpha1=1.0), self._derivative(alpha2=1.0)]
-        by_angle += [self._derivative(alpha3=yaw) for yaw in np.eye(mountings)]
-        self.design = np.column_stack([dense_design(schedule), *by_angle])
-        self.by_set_angle = np.array([self._derivative(delta=one) for one in np.eye(positions)])
+        geometry, positions, mountings = Geometry(schedule), len(schedule.positions), len(schedule.mountings)
+        by_angle = [geometry.derivative(k, alpha1=1.0), geometry.derivative(k, alpha2=1.0)]
+        by_angle += [geometry.derivative(k, alpha3=yaw) for yaw in np.eye(mountings)]
+        self.design = np.column_stack([dense_design(schedule), *(one.ravel() for one in by_angle)])
+        self.by_set_angle = np.array([geometry.derivative(k, delta=one).ravel() for one in np.eye(positions)])
         mean, pair = np.zeros(mountings), np.zeros(mountings)
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
         mean[used] = 1 / len(used)
@@ -87,10 +85,6 @@ class Model:
             "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
             "alpha3_difference": np.array([0.0, 0.0, *pair]) if len(used) > 1 else None,
         }
-
-    def _derivative(self, **draw: float | Floats) -> Floats:
-        force = self._geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
-        return (np.imag(force) / _STEP @ self._k.T).ravel()
 
 
 class RunSeen:
