@@ -291,5 +291,12 @@ def test_declared_seats_are_no_misfit(mountings):
     assert seen > 0.95 if mountings == 3 else seen < 0.95
 
 
+def test_a_seat_is_told_by_its_mounting():
+    """As in "seat of mounting 1, theta_n -306 +- 22 urad"."""
+    found = BY_NAME["seat"].columns(perfect(2).scene)
+    labels = [f"mounting {number}, {name}" for name in ("theta_h", "theta_n") for number in (1, 2)]
+    assert [label for columns in found for label in columns] == labels
+
+
 def test_every_pattern_is_known_by_name():
     assert len(BY_NAME) == len(PATTERNS)

@@ -114,7 +114,7 @@ def _seat(scene: Scene) -> list[Columns]:
     changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
     numbers = [mounting.number for mounting in scene.schedule.mountings]
     return [
-        {f"{name} of {number}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        {f"mounting {number}, {name}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
         for name, by in changes.items()
     ]
 
