@@ -190,7 +190,8 @@ static void test_harmonic_estimators_among_other_positions(void)
             samples[p] = 1U + dice_below(&dice, 100);
         }
         samples[1] = 0; /* of a check position: nobody asks */
-        const tumble_judged_run_t run = {&extended, &stand, &block, NULL, samples, 0};
+        const tumble_judged_run_t run = {
+            .schedule = &extended, .stand = &stand, .coefficients = &block, .samples = samples};
         for (size_t pair = 0; pair < COUNT_OF(pairs); pair++) {
             gains_of(pairs[pair].estimator, &extended, table);
             const tumble_uncertainty_t found = judged(pairs[pair].judge, &run);

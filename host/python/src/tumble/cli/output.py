@@ -24,6 +24,9 @@ def warn(solution: Solution) -> None:
         tell(f"tumble: warning: {shift}")
     if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
         tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
+    noisy = presentation.noise_notice(solution)
+    if noisy is not None:
+        tell(f"tumble: warning: {noisy}; the uncertainties count it")
     doubt = complaint(solution)
     if doubt is not None:
         tell(f"tumble: warning: {doubt}; the uncertainties are too small")
@@ -45,7 +48,7 @@ def _plain_text(solution: Solution, file: str) -> str:
     """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
     lines = [presentation.title(solution, file), ""]
     lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
-    lines += ([presentation.HINT] if solution.u_k is None else []) + [""]
+    lines += presentation.notes(solution) + presentation.uncertainty_notes(solution) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
     lines += [*presentation.remarks(solution), "", *presentation.beware(solution), *presentation.stray(solution)]

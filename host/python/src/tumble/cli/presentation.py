@@ -13,13 +13,17 @@ from tumble.estimators import PAPER
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
+from tumble.solving import noise
+from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+_HEADINGS_ALONE = ("", "value", "unit", "u, scatter alone", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
-HINT = "For uncertainties, describe the stand: --stand FILE"
+_HINT = "For uncertainties, describe the stand: --stand FILE"
+_HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
 BAR_WIDTH = 36
 _UNKNOWN = "unknown"
 _FAR_ABOVE = 5.0  # times the median scatter of a channel
@@ -47,7 +51,9 @@ def title(solution: Solution, file: str) -> str:
 
 def coefficient_headings(solution: Solution) -> tuple[str, ...]:
     """One for each column of `coefficient_rows`."""
-    return _HEADINGS if solution.truth is None else _HEADINGS_WITH_TRUTH
+    if solution.truth is not None:
+        return _HEADINGS_WITH_TRUTH
+    return _HEADINGS if solution.scatter_alone is None else _HEADINGS_ALONE
 
 
 def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
@@ -58,25 +64,47 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     angle that it is, in urad, of U0 in ug.
     """
     unit, rows = solution.run.unit, []
+    u_k, u_u0 = solution.scatter_alone or (solution.u_k, solution.u_u0)
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
-            u = None if solution.u_k is None else solution.u_k[i, j]
+            u = None if u_k is None else u_k[i, j]
             relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
             rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
-        u = None if solution.u_u0 is None else solution.u_u0[i]
+        u = None if u_u0 is None else u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
         known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
         rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
     return rows
+
+
+def notes(solution: Solution) -> list[str]:
+    """What marked coefficients, or all, rest on: one line each."""
+    rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
+    return [f"{'*' if names else 'All'} assuming {one.phrase}: {one.why}" for one, names in rests_on.items()]
+
+
+def uncertainty_notes(solution: Solution) -> list[str]:
+    """What uncertainties are made from, where that is not the stand file alone."""
+    if solution.u_k is None:
+        return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
+    told = noise_notice(solution)
+    return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+
+
+def noise_notice(solution: Solution) -> str | None:
+    """That the samples are noisier than declared, and that the uncertainties count that; None if not."""
+    if solution.stand is None:
+        return None
+    return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -221,6 +249,9 @@ def stray(solution: Solution) -> list[str]:
 def verdict(solution: Solution) -> str:
     """Pass or fail and why, in one line."""
     worst = solution.worst_position
-    outcome = "PASS" if solution.found.gravity.passed else "FAIL"
     error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
-    return f"{outcome}: largest gravity error {error}, limit {solution.limit_g:g} g; numpy agrees"
+    rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
+    if not solution.found.gravity.passed:
+        return f"FAIL: largest gravity error {rest}"
+    condition = phrase(assumed(solution))
+    return f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"

@@ -7,6 +7,7 @@ every solve, means something only as long as that holds.
 
 from tumble.reference.estimators import estimate, magnification
 from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
 from tumble.reference.stand_seen import RunSeen, pooled_noise
 from tumble.reference.uncertainty import standard_uncertainties
@@ -14,6 +15,7 @@ from tumble.reference.verification import closure, gravity_errors, intrinsic, re
 
 __all__ = [
     "Geometry",
+    "MeasuredNoise",
     "OptimalEstimate",
     "RunSeen",
     "closure",
@@ -21,6 +23,7 @@ __all__ = [
     "gravity_errors",
     "intrinsic",
     "magnification",
+    "measured_noise",
     "optimal",
     "optimal_uncertainties",
     "paper_schedule",

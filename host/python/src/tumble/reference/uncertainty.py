@@ -30,16 +30,21 @@ class Source:
     derivative: Floats
 
 
-def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
+def sources(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
+) -> dict[str, Source]:
     """Every source of error, by name as in SOURCES.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
-    for a mean of the stand's `samples`.
+    for a mean of the stand's `samples`. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
+    where it is larger than what the stand declares.
     """
     geometry = Geometry(schedule)
     positions, mountings = len(schedule.positions), len(schedule.mountings)
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
-    averaged_over = np.where(samples > 1, samples, stand.samples)
+    noise = stand.sigma("noise") / np.sqrt(np.where(samples > 1, samples, stand.samples))[:, None] * np.ones(3)
+    if mean_variance is not None:
+        noise = np.maximum(noise, np.sqrt(mean_variance))
 
     def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
         steps = [
@@ -53,7 +58,7 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
         "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
         "alpha4": angles("angle", [{"delta": one} for one in np.eye(positions)]),
         "noise": Source(
-            np.repeat(stand.sigma("noise") / np.sqrt(averaged_over), 3),
+            noise.ravel(),
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
@@ -71,7 +76,12 @@ def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> 
 
 
 def standard_uncertainties(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units. Arguments as of `sources`; `k` is the solved K."""
 
@@ -79,6 +89,6 @@ def standard_uncertainties(
         found_k, found_u0 = estimate(schedule, means, estimator)
         return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
 
-    parts = contributions(coefficients, sources(schedule, k, stand, samples))
+    parts = contributions(coefficients, sources(schedule, k, stand, samples, mean_variance))
     total = np.sqrt(sum(part**2 for part in parts.values()))
     return total[:9].reshape(3, 3), total[9:]

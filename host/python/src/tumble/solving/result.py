@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from tumble.files.documents import RESULT
-from tumble.solving import stand_seen
+from tumble.solving import noise, stand_seen
+from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
 
@@ -20,7 +21,7 @@ def document(
     run_file: str | None = None,
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved."""
-    unit = solution.run.unit
+    unit, rests_on = solution.run.unit, assumed(solution)
     return {
         "schema": RESULT,
         "run_file": run_file,
@@ -35,6 +36,10 @@ def document(
         "second_order": None if solution.second_order is None else solution.second_order.document(),
         "misfit": solution.misfit,
         "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
+        "assumes": list(rests_on),
+        "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
+        "noise": noise.document(solution.noise, solution.run.samples),
+        "scatter_alone": _scatter_alone(solution),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
@@ -53,6 +58,13 @@ def document(
         "item": item,
         "environment": environment,
     }
+
+
+def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
+    if solution.scatter_alone is None:
+        return None
+    u_k, u_u0 = solution.scatter_alone
+    return {"u_K": u_k.tolist(), "u_U0": u_u0.tolist()}
 
 
 def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:

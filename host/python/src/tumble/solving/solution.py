@@ -14,7 +14,7 @@ from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
 from tumble.schedule import Schedule
-from tumble.solving import optimal_run, uncertainty
+from tumble.solving import noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
 from tumble.solving.stand_seen import StandSeen, look
@@ -52,7 +52,8 @@ class Solution:
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
     `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
     that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
-    looked.
+    looked; `noise`: what the samples show of it; `scatter_alone`: without a declared stand, the standard uncertainties
+    of K and U0 that the noise of the samples leaves if the stand has no errors at all, None where it is not known.
     """
 
     schedule: Schedule
@@ -64,6 +65,8 @@ class Solution:
     u_u0: Floats | None
     stand: Stand | None
     stand_seen: StandSeen
+    noise: noise_of_runs.Noise
+    scatter_alone: tuple[Floats, Floats] | None = None
     misfit: float | None = None
     truth: Truth | None = None
     doubts: tuple[Doubt, ...] | None = None
@@ -125,39 +128,59 @@ def solve(
         raise BadInput(str(error), file) from None
     witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file)
+    noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
+    variance = noisy.mean_variance[run.measured]
+    optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file, variance)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
-    u_k, u_u0, misfit = None, None, None
-    if declared is not None:
-        u_k, u_u0 = _uncertainties(core_schedule, run, found.k, declared, estimator, step, file)
+    u, misfit, errors = None, None, declared or noise_of_runs.NO_STAND
+    if declared is not None or noisy.is_known:
+        u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
-            witness = reference.standard_uncertainties(witnessed, found.k, declared, samples, estimator)
+            witness = reference.standard_uncertainties(witnessed, found.k, errors, samples, estimator, variance)
         else:
             witness, misfit = (optimal.u_k, optimal.u_u0), optimal.misfit
-        compare_uncertainties((u_k, u_u0), witness, optimal is not None)
+        compare_uncertainties(u, witness, optimal is not None)
     shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
-    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, misfit)
+    u_k, u_u0 = (None, None) if stand is None or u is None else u
+    alone = u if stand is None else None
+    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, misfit)
 
 
 def _uncertainties(
-    schedule: core.CoreSchedule, run: Run, k: Floats, stand: Stand, estimator: str, step: float, file: str
+    schedule: core.CoreSchedule,
+    run: Run,
+    k: Floats,
+    stand: Stand,
+    estimator: str,
+    step: float,
+    mean_variance: Floats,
+    file: str,
 ) -> tuple[Floats, Floats]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
     try:
-        return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+        return uncertainty.standard_uncertainties(
+            schedule, run.measured, k, stand, run.samples, estimator, step, mean_variance
+        )
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
 def _witness(
-    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, file: str
+    schedule: Schedule,
+    means: Floats,
+    samples: Integers,
+    weighting: optimal_run.Weighting,
+    file: str,
+    mean_variance: Floats,
 ) -> reference.OptimalEstimate:
     """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
     for errors that are not there would mislead."""
-    known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    found = reference.optimal(schedule, means, weighting.stand, samples, weighting.step, *known)
+    known_k, known_samples = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    found = reference.optimal(
+        schedule, means, weighting.stand, samples, weighting.step, known_k, known_samples, mean_variance
+    )
     if not found.misfit <= LARGEST_MISFIT:
         raise BadInput(f"residuals {found.misfit:.2g} times what the stand declares: no optimal weights for it", file)
     return found
