@@ -144,14 +144,14 @@ static double variance_at(const tumble_judged_run_t *run, uint8_t p)
     return tumble_larger(square(run->stand->noise_v) / (double)samples, square(run->stand->least_noise_v));
 }
 
-/* What the noise of a mean adds where it was measured to be larger than declared. */
-static double excess_at(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS], double declared)
+/* What the noise of the mean of a position does. */
+static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS])
 {
-    double excess = 0.0;
-    for (int i = 0; (run->mean_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        excess += square(g[i]) * (tumble_larger(run->mean_variance_v2[p][i], declared) - declared);
+    double squared = tumble_dot(g, g) * variance_at(run, p);
+    for (int i = 0; (run->excess_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
+        squared += square(g[i]) * run->excess_variance_v2[p][i];
     }
-    return excess;
+    return squared;
 }
 
 /* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
@@ -181,8 +181,7 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
     response->alpha3[mounting - run->schedule->mountings] +=
         (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
     response->alpha4_squared += turning * turning;
-    const double declared = variance_at(run, p);
-    response->noise_squared += (tumble_dot(g, g) * declared) + excess_at(run, p, g, declared);
+    response->noise_squared += noise_squared_at(run, p, g);
 }
 
 /* All sources in quadrature; a yaw common to all mountings adds up before it is squared. */

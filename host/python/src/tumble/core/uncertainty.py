@@ -25,12 +25,14 @@ class _JudgedRun:
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
+        averaged_over = np.where(samples > 1, samples, stand.samples)
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
-        self._samples = ffi.new("uint32_t[]", np.where(samples > 1, samples, stand.samples).tolist())
+        self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
-        self._variance = None if mean_variance is None else np.ascontiguousarray(mean_variance, dtype=float)
-        variance = ffi.NULL if self._variance is None else ffi.from_buffer(self._variance)
+        declared = np.maximum(stand.sigma("noise") ** 2 / averaged_over, least_noise**2)[:, None]
+        excess = None if mean_variance is None else np.maximum(mean_variance - declared, 0.0)
+        self._excess = ffi.NULL if excess is None else ffi.from_buffer(np.ascontiguousarray(excess))
         self.struct = ffi.new(
             "tumble_judged_run_t *",
             {
@@ -39,7 +41,7 @@ class _JudgedRun:
                 "coefficients": self._coefficients,
                 "measured": self._flags,
                 "samples": self._samples,
-                "mean_variance_v2": ffi.cast("double (*)[3]", variance),
+                "excess_variance_v2": ffi.cast("double (*)[3]", self._excess),
             },
         )
 
