@@ -21,8 +21,8 @@ static void settle(tumble_store_t *store, tumble_status_t status) /* a control l
 
 int main(void)
 {
-    const tumble_averaging_config_t gates = {.saturation_counts = 5000000, .min_samples = 64, .stillness_ratio = 1};
-    const tumble_stand_record_t stand = {.noise_v = 1.5e-4, .samples = 64};
+    const tumble_averaging_config_t gates = {5000000, .min_samples = 64, .noise_counts = 148, .stillness_ratio = 1.5F};
+    const tumble_stand_record_t stand = {.noise_v = 1.5e-4, .samples = 64}; /* played: without errors of its angles */
     static tumble_averaging_t averaging;
     static tumble_means_t means;
     static tumble_store_t store;

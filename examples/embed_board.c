@@ -6,6 +6,7 @@
 
 #define V_PER_COUNT 1e-6
 #define SECTOR 4096U
+#define GRANULE 8U
 
 static const double K[3][3] = {{2.0, 0.03, -0.02}, {-0.02, -1.9, 0.03}, {0.02, -0.03, 2.1}};
 static const double U0[3] = {0.1, -0.2, 0.3};
@@ -30,6 +31,9 @@ const tumble_sample_t *board_sample(uint8_t position)
 static tumble_status_t erase(void *context, uint32_t offset)
 {
     (void)context;
+    if (((offset % SECTOR) != 0U) || (offset >= sizeof flash)) {
+        return TUMBLE_E_NV;
+    }
     memset(&flash[offset], 0xFF, SECTOR);
     return TUMBLE_OK;
 }
@@ -37,6 +41,15 @@ static tumble_status_t erase(void *context, uint32_t offset)
 static tumble_status_t program(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size)
 {
     (void)context;
+    if ((size == 0U) || (((offset | size) % GRANULE) != 0U) || (offset >= sizeof flash) ||
+        (size > (SECTOR - (offset % SECTOR)))) {
+        return TUMBLE_E_NV;
+    }
+    for (uint32_t i = 0; i < size; i++) {
+        if (flash[offset + i] != 0xFFU) { /* a granule is programmed once after each erase */
+            return TUMBLE_E_NV;
+        }
+    }
     memcpy(&flash[offset], bytes, size);
     return TUMBLE_OK;
 }
@@ -44,6 +57,9 @@ static tumble_status_t program(void *context, uint32_t offset, const uint8_t *by
 static tumble_status_t read(void *context, uint32_t offset, uint8_t *bytes, uint32_t size)
 {
     (void)context;
+    if ((offset > sizeof flash) || (size > (sizeof flash - offset))) {
+        return TUMBLE_E_NV;
+    }
     memcpy(bytes, &flash[offset], size);
     return TUMBLE_OK;
 }
@@ -51,7 +67,7 @@ static tumble_status_t read(void *context, uint32_t offset, uint8_t *bytes, uint
 const tumble_nv_t board_memory = {
     .size_bytes = sizeof flash,
     .sector_bytes = SECTOR,
-    .granule_bytes = 8,
+    .granule_bytes = GRANULE,
     .erase = erase,
     .program = program,
     .read = read,

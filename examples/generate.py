@@ -7,7 +7,7 @@ listed in RUNS. The errors of the stand are drawn once as a real stand has them:
 for each mounting, alpha4 for each position; then the noise of each sample. What was drawn is written beside the run as
 NAME.truth.json. Outputs are rounded to 1e-7 V. The same seed gives the same bytes.
 
-The script uses nothing but Python's own library; the seeds are the numbers 1 to 5 in order, not chosen for their
+The script uses nothing but Python's own library; the seeds are the numbers 1 to 7 in order, not chosen for their
 results. Geometry: h horizontal across the axis, n along the axis, v up at table angle 0; the specific force is
 
     f = (cos alpha1 sin p,  sin alpha1,  cos alpha1 cos p),     p = phi + alpha2 + alpha4
@@ -28,16 +28,24 @@ except ModuleNotFoundError:  # Python 3.10
 
 EXAMPLES = Path(__file__).resolve().parent
 
-# name of the run, stand file, schedule file (None: the paper's 2 x 9 positions), seed
+# name of the run, stand file, schedule (a file, or a name of BUILT_IN), seed
 RUNS = (
-    ("paper_stand", "paper_stand.toml", None, 1),
-    ("angle_stand", "angle_stand.toml", None, 2),
-    ("lab_stand", "lab_stand.toml", None, 3),
+    ("paper_stand", "paper_stand.toml", "paper", 1),
+    ("angle_stand", "angle_stand.toml", "paper", 2),
+    ("lab_stand", "lab_stand.toml", "paper", 3),
     ("six_faces", "paper_stand.toml", "six_faces.toml", 4),
     ("with_checks", "paper_stand.toml", "with_checks.toml", 5),
+    ("diagonal_stand", "diagonal_stand.toml", "diagonal", 6),
+    ("three_mountings_stand", "three_mountings_stand.toml", "three_mountings", 7),
 )
 
-PAPER_MATRICES = {1: ((1, 0, 0), (0, 1, 0), (0, 0, 1)), 2: ((-1, 0, 0), (0, 0, 1), (0, 1, 0))}
+MATRICES = {  # the paper's two mountings, and the third
+    1: ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    2: ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
+    3: ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
+}
+NINE, FOUR = [45.0 * turn for turn in range(9)], [45.0, 135.0, 225.0, 315.0]
+BUILT_IN = {"paper": (2, NINE), "three_mountings": (3, NINE), "diagonal": (3, FOUR)}  # mountings, angles in each
 
 
 def load(name: str) -> dict:
@@ -45,10 +53,12 @@ def load(name: str) -> dict:
     return tomllib.loads((EXAMPLES / name).read_text(encoding="utf-8"))
 
 
-def read_schedule(name: str | None) -> tuple[dict, list[tuple[int, int, float]]]:
+def read_schedule(name: str) -> tuple[dict, list[tuple[int, int, float]]]:
     """Matrices by mounting, and (mounting, position, table angle in degrees) in the order of measuring."""
-    if name is None:
-        return PAPER_MATRICES, [(mounting, turn + 1, 45.0 * turn) for mounting in (1, 2) for turn in range(9)]
+    if name in BUILT_IN:
+        mountings, angles = range(1, BUILT_IN[name][0] + 1), BUILT_IN[name][1]
+        positions = [(mounting, number, angle) for mounting in mountings for number, angle in enumerate(angles, 1)]
+        return {mounting: MATRICES[mounting] for mounting in mountings}, positions
     schedule = load(name)
     matrices = {mounting["number"]: mounting["matrix"] for mounting in schedule["mounting"]}
     return matrices, [(row["mounting"], row["position"], row["angle_deg"]) for row in schedule["position"]]
@@ -72,7 +82,7 @@ def specific_force(matrix, angle_deg: float, alpha1: float, alpha2: float, alpha
     return [row[0] * h + row[1] * n + row[2] * v for row in matrix]
 
 
-def generate(stand_name: str, schedule_name: str | None, seed: int) -> tuple[str, str]:
+def generate(stand_name: str, schedule_name: str, seed: int) -> tuple[str, str]:
     """One run: the text of the run file and of its truth."""
     stand_file = load(stand_name)
     stand, block = stand_file["stand"], stand_file["block"]["true"]

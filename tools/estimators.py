@@ -19,7 +19,7 @@ def main(arguments):
     rows = ROW.findall(HEADER.read_text(encoding="utf-8"))
     names = [name for name, _ in rows]
     module = MODULE.read_text(encoding="utf-8")
-    module = line(module, "PAPER", [name for name, needs in rows if needs == "HARMONIC"])
+    module = line(module, "HARMONIC", [name for name, needs in rows if needs == "HARMONIC"])
     module = line(module, "LINEAR", [name for name, needs in rows if needs])
     module = line(module, "ESTIMATORS", names)
     texts = {MODULE: module}

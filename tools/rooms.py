@@ -70,6 +70,9 @@ SCRIPTS = {"setup", "test", "tumble", "budget"}  # of tools/, without suffix
 
 
 def main(arguments):
+    if "--help" in arguments:
+        print(__doc__.strip())
+        return 0
     root = Path(arguments[0] if arguments else Path(__file__).resolve().parents[1])
     firmware = [path for folder in ("firmware", "boards") for path in sorted((root / folder).rglob("*.[ch]"))
                 if path.relative_to(root).parts[:2] != HOSTED]
@@ -106,9 +109,11 @@ def check_firmware(root, path):
         if include := re.match(r"\s*#\s*include\s*(.*)", line):
             if fault := include_fault(root, location, room, include[1].strip()):
                 yield number, fault
-        for name in re.findall(r"\b(\w+)\s*\(", blank_strings(line)):
-            if name in FORBIDDEN or (name == "sqrt" and location.as_posix() not in (SQUARE_ROOT, OWN_ROOT)):
-                yield number, f"{name}: " + FORBIDDEN.get(name, f"the square root is wrapped in {SQUARE_ROOT}")
+    code = blank_strings(text)
+    for call in re.finditer(r"\b(\w+)\s*\(", code):
+        name, number = call[1], code.count("\n", 0, call.start()) + 1
+        if name in FORBIDDEN or (name == "sqrt" and location.as_posix() not in (SQUARE_ROOT, OWN_ROOT)):
+            yield number, f"{name}: " + FORBIDDEN.get(name, f"the square root is wrapped in {SQUARE_ROOT}")
 
 
 def room_of(location):

@@ -54,6 +54,9 @@ CHECKS = {"layout": layout, "lint": lint, "types": types}
 
 
 def main(arguments):
+    if "--help" in arguments:
+        print(__doc__.strip())
+        return 0
     fix, names = "--fix" in arguments, [name for name in arguments if name != "--fix"] or list(CHECKS)
     if not set(names) <= set(CHECKS):
         print(f"usage: style.py [--fix] [{'|'.join(CHECKS)}]...", file=sys.stderr)

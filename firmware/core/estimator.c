@@ -1,31 +1,34 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
 
 #include <stddef.h>
 
-enum { X, Y, Z };
-
 #define SQRT2 1.41421356237309504880
 
-/* What one channel tells in one mounting: the harmonics of its nine means. */
+/* What one channel tells on one circle, times 8 for nine positions and times 4 for the diagonals. */
 typedef struct {
     double c; /* amplitude of cos phi, formula (3) */
     double s; /* amplitude of sin phi */
     double b; /* mean */
 } harmonics_t;
 
-/* c = [U1 + U9 - 2 U5 + sqrt2 (U2 + U8 - U4 - U6)] / 8
- * s = [2 (U3 - U7) + sqrt2 (U2 + U4 - U6 - U8)] / 8
- * b = [(U1 + U9)/2 + U2 + U3 + U4 + U5 + U6 + U7 + U8] / 8
- * with opposite positions paired, so that the bias cancels before anything is scaled. */
-static harmonics_t harmonics(const tumble_means_t *means, const uint8_t index[9], int channel)
+/* Of nine positions, numbered from 1:
+ *     8 c = U1 + U9 - 2 U5 + sqrt2 (U2 + U8 - U4 - U6)
+ *     8 s = 2 (U3 - U7) + sqrt2 (U2 + U4 - U6 - U8)
+ *     8 b = (U1 + U9)/2 + U2 + U3 + U4 + U5 + U6 + U7 + U8
+ * with opposite positions paired, so that the bias cancels before anything is scaled. Of the diagonals the same, less
+ * what is not there: with the U of even number 4 c, 4 s and 4 b. */
+static harmonics_t harmonics(const tumble_means_t *means, const tumble_circle_t *circle, int channel)
 {
-    double u[10]; /* numbered from 1 as in the formulas */
-    for (int l = 1; l <= 9; l++) {
-        u[l] = means->u_v[index[l - 1]][channel];
+    double u[TUMBLE_STEPS + 1U] = {0.0};
+    for (uint32_t l = 1; l <= TUMBLE_STEPS; l++) {
+        if (circle->index[l] != TUMBLE_NOWHERE) {
+            u[l] = means->u_v[circle->index[l]][channel];
+        }
     }
     double difference[5]; /* of the positions l and l + 4, and their sum */
     double sum[5];
@@ -33,10 +36,11 @@ static harmonics_t harmonics(const tumble_means_t *means, const uint8_t index[9]
         difference[l] = u[l] - u[l + 4];
         sum[l] = u[l] + u[l + 4];
     }
-    const double c = (difference[1] + (u[9] - u[5])) + (SQRT2 * (difference[2] - difference[4]));
-    const double s = (2.0 * difference[3]) + (SQRT2 * (difference[2] + difference[4]));
-    const double b = (((0.5 * (u[1] + u[9])) + u[5]) + sum[3]) + (sum[2] + sum[4]);
-    return (harmonics_t){0.125 * c, 0.125 * s, 0.125 * b};
+    return (harmonics_t){
+        .c = (difference[1] + (u[9] - u[5])) + (SQRT2 * (difference[2] - difference[4])),
+        .s = (2.0 * difference[3]) + (SQRT2 * (difference[2] + difference[4])),
+        .b = (((0.5 * (u[1] + u[9])) + u[5]) + sum[3]) + (sum[2] + sum[4]),
+    };
 }
 
 static tumble_status_t check_arguments(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -48,18 +52,32 @@ static tumble_status_t check_arguments(const tumble_schedule_t *schedule, const 
     return tumble_means_are_numbers(schedule, means) ? TUMBLE_OK : TUMBLE_E_NOT_FINITE;
 }
 
-static void report(tumble_refusal_t *refusal, uint32_t missing, uint8_t unidentified)
+static void report(tumble_refusal_t *refusal, uint64_t missing, uint8_t unidentified)
 {
     if (refusal != NULL) {
         *refusal = (tumble_refusal_t){missing, unidentified};
     }
 }
 
+/* Add what a circle tells of channel i. The force (sin, 0, cos) of the table frame makes s and c the first and last
+ * column of K M, so K_ij = M_jh s + M_jv c for both axes j of the circle. */
+static void add_circle(const harmonics_t *h, const tumble_circle_t *circle, const tumble_harmonic_map_t *map,
+                       const double matrix[3][3], bool refined, int i, tumble_coefficients_t *coefficients)
+{
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        const int share = circle->over * tumble_circle_share(map, refined, i, j, circle->normal);
+        if (share != 0) {
+            coefficients->k_v_per_g[i][j] += ((matrix[j][0] * h->s) + (matrix[j][2] * h->c)) / (double)share;
+        }
+    }
+    coefficients->u0_v[i] += h->b / (double)(circle->over * tumble_circle_count(map));
+}
+
 static tumble_status_t estimate_harmonic(const tumble_schedule_t *schedule, const tumble_means_t *means, bool refined,
                                          tumble_coefficients_t *coefficients, tumble_refusal_t *refusal)
 {
     tumble_status_t status = check_arguments(schedule, means, coefficients);
-    uint32_t missing = 0;
+    uint64_t missing = 0;
     tumble_harmonic_map_t map;
     if (status == TUMBLE_OK) {
         status = tumble_schedule_harmonic(schedule, means->measured, &map, &missing);
@@ -68,19 +86,14 @@ static tumble_status_t estimate_harmonic(const tumble_schedule_t *schedule, cons
     if (status != TUMBLE_OK) {
         return status;
     }
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const harmonics_t one = harmonics(means, map.index[0], i);
-        const harmonics_t two = harmonics(means, map.index[1], i);
-        double k_ix = 0.5 * (one.s - two.s); /* K1_ix = s1_i, K2_ix = -s2_i */
-        if (refined && (i == Y)) {
-            k_ix = -two.s; /* formula (7): K_yx = K2_yx */
-        } else if (refined && (i == Z)) {
-            k_ix = one.s; /* formula (7): K_zx = K1_zx */
+    *coefficients = (tumble_coefficients_t){0};
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        tumble_circle_t circle;
+        tumble_circle_find(schedule, means->measured, m, &circle);
+        for (int i = 0; (i < TUMBLE_CHANNELS) && (circle.over != 0U); i++) {
+            const harmonics_t h = harmonics(means, &circle, i);
+            add_circle(&h, &circle, &map, schedule->mountings[m].matrix, refined, i, coefficients);
         }
-        coefficients->k_v_per_g[i][X] = k_ix;
-        coefficients->k_v_per_g[i][Y] = two.c;
-        coefficients->k_v_per_g[i][Z] = one.c;
-        coefficients->u0_v[i] = 0.5 * (one.b + two.b);
     }
     return TUMBLE_OK;
 }

@@ -8,11 +8,11 @@
 
 #define PASSES 3 /* the gains, then twice with what is not linear taken out of the means */
 
-/* Rows of a record: the coefficients, alpha1, alpha2, the yaws. */
+/* Rows of a record: the coefficients, alpha1, alpha2, the yaws, theta_h of each seat, theta_n of each. */
 #define ALPHA1 TUMBLE_COEFFICIENTS
 #define ALPHA2 (ALPHA1 + 1)
 #define ALPHA3 (ALPHA2 + 1)
-#define MAX_ROWS (ALPHA3 + TUMBLE_MAX_MOUNTINGS)
+#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_MOUNTINGS))
 
 typedef struct {
     const tumble_gain_record_t *record;
@@ -29,14 +29,18 @@ typedef struct {
 typedef struct {
     const tumble_mounting_t *mounting;
     const tumble_angle_t *angle; /* phi */
-    const double *yaw_rad;       /* alpha3 */
+    double yaw_rad;              /* alpha3 */
+    double lean_rad;             /* theta_h */
+    double turn_rad;             /* alpha2 and theta_n */
 } pose_t;
 
 static pose_t pose_of(const work_t *work, uint8_t p)
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(work->schedule, p);
-    return (pose_t){mounting, &work->schedule->positions[p].angle,
-                    &work->stand->alpha3_rad[mounting - work->schedule->mountings]};
+    const tumble_stand_errors_t *stand = work->stand;
+    const ptrdiff_t m = mounting - work->schedule->mountings;
+    return (pose_t){mounting, &work->schedule->positions[p].angle, stand->alpha3_rad[m], stand->theta_h_rad[m],
+                    stand->alpha2_rad + stand->theta_n_rad[m]};
 }
 
 static double dot(const double a[3], const double b[3])
@@ -74,14 +78,16 @@ static void turning_force(const pose_t *at, double f_g[3])
     f_g[2] = -at->mounting->tilt.cosine * at->angle->sine;
 }
 
-/* From the ideal force to its linear change by alpha1, alpha2, alpha3. */
-static void linear_change(const pose_t *at, const tumble_stand_errors_t *stand, double f_g[3])
+/* From the ideal force to its linear change by alpha1 and what the pose has. */
+static void linear_change(const pose_t *at, double alpha1_rad, double f_g[3])
 {
     const double h = f_g[0];
-    const double lean = at->mounting->tilt.sine * stand->alpha1_rad;
-    f_g[0] = (f_g[2] * stand->alpha2_rad) - (lean * at->angle->sine) + (f_g[1] * *at->yaw_rad);
-    f_g[1] = (at->mounting->tilt.cosine * stand->alpha1_rad) - (h * *at->yaw_rad);
-    f_g[2] = -((h * stand->alpha2_rad) + (lean * at->angle->cosine));
+    const double n = f_g[1];
+    const double v = f_g[2];
+    const double tilt = at->mounting->tilt.sine * alpha1_rad;
+    f_g[0] = (v * at->turn_rad) - (tilt * at->angle->sine) + (n * at->yaw_rad);
+    f_g[1] = (at->mounting->tilt.cosine * alpha1_rad) - (h * at->yaw_rad) + (v * at->lean_rad);
+    f_g[2] = -((h * at->turn_rad) + (tilt * at->angle->cosine) + (n * at->lean_rad));
 }
 
 /* Turn the angle that has this sine and cosine further by a small x. Both series are good to a double's last bits. */
@@ -101,20 +107,21 @@ static bool is_small(double angle_rad)
     return tumble_within(angle_rad, TUMBLE_MAX_STAND_ERROR_RAD);
 }
 
-/* The force on the stand as it is, turned once by alpha1, once by alpha2 and delta, once by alpha3. False when one of
- * them is not small. */
-static bool exact_force(const pose_t *at, const tumble_stand_errors_t *stand, double delta, double f_g[3])
+/* The force on the stand as it is, turned once by alpha1, once by all that adds to the table angle, once by theta_h,
+ * once by alpha3. False when one of them is not small. */
+static bool exact_force(const pose_t *at, double alpha1_rad, double delta, double f_g[3])
 {
     double sine = at->angle->sine;
     f_g[0] = at->mounting->tilt.cosine;
     f_g[1] = at->mounting->tilt.sine;
     f_g[2] = at->angle->cosine;
-    turn(stand->alpha1_rad, &f_g[1], &f_g[0]);
-    turn(stand->alpha2_rad + delta, &sine, &f_g[2]);
+    turn(alpha1_rad, &f_g[1], &f_g[0]);
+    turn(at->turn_rad + delta, &sine, &f_g[2]);
     f_g[2] *= f_g[0];
     f_g[0] *= sine;
-    turn(*at->yaw_rad, &f_g[0], &f_g[1]); /* h' = h cos + n sin, n' = n cos - h sin */
-    return is_small(stand->alpha1_rad) && is_small(stand->alpha2_rad + delta) && is_small(*at->yaw_rad);
+    turn(at->lean_rad, &f_g[1], &f_g[2]); /* n' = n cos + v sin, v' = v cos - n sin */
+    turn(at->yaw_rad, &f_g[0], &f_g[1]);  /* h' = h cos + n sin, n' = n cos - h sin */
+    return is_small(alpha1_rad) && is_small(at->turn_rad + delta) && is_small(at->lean_rad) && is_small(at->yaw_rad);
 }
 
 /* The best estimate of an error of the table angle, from what its effect d has in common with what is left of the means:
@@ -137,7 +144,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     add_outputs(work->record->k_v_per_g, &pose, f_g, by_angle);
     ideal_force(&pose, f_g);
     add_outputs(work->block->k_v_per_g, &pose, f_g, beyond);
-    linear_change(&pose, work->stand, f_g);
+    linear_change(&pose, work->stand->alpha1_rad, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, beyond);
     const double gain = angle_gain(work->record, by_angle);
     double delta = 0.0;
@@ -148,7 +155,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         beyond[i] = -(beyond[i] + (by_angle[i] * delta));
     }
-    const bool small = exact_force(&pose, work->stand, delta, f_g);
+    const bool small = exact_force(&pose, work->stand->alpha1_rad, delta, f_g);
     add_outputs(work->block->k_v_per_g, &pose, f_g, beyond);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         u_v[i] -= beyond[i];
@@ -159,12 +166,17 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     return small && fits;
 }
 
+static int rows_of(const tumble_gain_record_t *record)
+{
+    return ALPHA3 + (int)record->yaws + (2 * (int)record->seats);
+}
+
 /* What the means of one position add to the unknowns; `column`: its first one in the record. */
 static void apply_gains(work_t *work, size_t column, const double u_v[3])
 {
     const double *gains = tumble_gain_record_gains(work->record);
     const size_t columns = (size_t)work->record->fit_positions * TUMBLE_CHANNELS;
-    for (size_t row = 0; row < ((size_t)ALPHA3 + work->record->yaws); row++) {
+    for (size_t row = 0; row < (size_t)rows_of(work->record); row++) {
         work->sum[row] += dot(&gains[(row * columns) + column], u_v);
     }
 }
@@ -173,7 +185,7 @@ static void apply_gains(work_t *work, size_t column, const double u_v[3])
 static bool take_over(const work_t *work)
 {
     bool finite = true;
-    for (int i = 0; i < (ALPHA3 + (int)work->record->yaws); i++) {
+    for (int i = 0; i < rows_of(work->record); i++) {
         finite = finite && tumble_is_finite(work->sum[i]);
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -186,6 +198,11 @@ static bool take_over(const work_t *work)
     work->stand->alpha2_rad = work->sum[ALPHA2];
     for (int m = 0; m < (int)work->record->mountings; m++) {
         work->stand->alpha3_rad[m] = work->sum[ALPHA3 + ((work->record->yaws == 1U) ? 0 : m)];
+    }
+    const double *const seats = &work->sum[ALPHA3 + (int)work->record->yaws];
+    for (int m = 0; m < (int)work->record->seats; m++) {
+        work->stand->theta_h_rad[m] = seats[m];
+        work->stand->theta_n_rad[m] = seats[(int)work->record->seats + m];
     }
     return finite;
 }

@@ -10,7 +10,6 @@
 #define MAX_ANGLE_DEG 3600.0
 #define ANGLE_TOLERANCE 1e-12
 #define ROTATION_TOLERANCE 1e-9
-#define ALL_SLOTS (((uint32_t)1U << 18U) - 1U) /* 2 x 9 */
 
 /* Taylor's series to x^17 for the sine and x^18 for the cosine: below 1e-16 of error up to 45 degrees. */
 static void sine_cosine_of_small(double x, double *sine, double *cosine)
@@ -149,86 +148,4 @@ void tumble_schedule_attitude(const tumble_schedule_t *schedule, uint8_t index, 
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         a_g[i] = tumble_dot(mounting->matrix[i], f);
     }
-}
-
-static bool same_mounting(const tumble_mounting_t *a, const tumble_mounting_t *b)
-{
-    bool same = tumble_within(a->tilt.sine, ANGLE_TOLERANCE) && tumble_is_positive(a->tilt.cosine);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            same = same && tumble_within(a->matrix[i][j] - b->matrix[i][j], ROTATION_TOLERANCE);
-        }
-    }
-    return same;
-}
-
-/* Index of the paper's mounting that this one is, or the number of those. */
-static uint8_t paper_mounting(const tumble_mounting_t *mounting)
-{
-    uint8_t m = 0;
-    while ((m < tumble_schedule_paper.mounting_count) &&
-           !same_mounting(mounting, &tumble_schedule_paper.mountings[m])) {
-        m++;
-    }
-    return m;
-}
-
-/* l - 1 of the paper's position at this angle, or 9. */
-static uint8_t paper_position(const tumble_angle_t *angle)
-{
-    const double above_deg = angle->deg + 0.5;
-    const uint32_t nearest_deg =
-        tumble_is_positive(above_deg) ? (uint32_t)tumble_whole(above_deg) : 1U; /* 1 is no position */
-    const bool there = (nearest_deg <= 360U) && ((nearest_deg % 45U) == 0U) &&
-                       tumble_within(angle->deg - (double)nearest_deg, ROTATION_TOLERANCE);
-    return there ? (uint8_t)(nearest_deg / 45U) : 9U;
-}
-
-/* The paper's slots, one bit each: those for which the schedule has a fit position, and those for which one counts. The
- * first that counts goes into the map. */
-typedef struct {
-    uint32_t planned;
-    uint32_t filled;
-} slots_t;
-
-static slots_t fill_slots(const tumble_schedule_t *schedule, const bool *measured, tumble_harmonic_map_t *map)
-{
-    slots_t slots = {0, 0};
-    uint8_t m = 0;
-    const tumble_mounting_t *mounting = NULL;
-    for (uint8_t p = 0; p < schedule->position_count; p++) {
-        const tumble_position_t *position = &schedule->positions[p];
-        if ((mounting == NULL) || (mounting->number != position->mounting)) {
-            mounting = tumble_schedule_mounting_of(schedule, p);
-            m = paper_mounting(mounting);
-        }
-        const uint8_t l = paper_position(&position->angle);
-        if ((position->use == TUMBLE_USE_FIT) && (m < 2U) && (l < 9U)) {
-            const uint32_t slot = (uint32_t)1U << (((uint32_t)m * 9U) + (uint32_t)l);
-            slots.planned |= slot;
-            if (((slots.filled & slot) == 0U) && ((measured == NULL) || measured[p])) {
-                slots.filled |= slot;
-                map->index[m][l] = p;
-            }
-        }
-    }
-    return slots;
-}
-
-tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
-                                         tumble_harmonic_map_t *map, uint32_t *missing)
-{
-    if ((schedule == NULL) || (map == NULL)) {
-        return TUMBLE_E_ARGUMENT;
-    }
-    tumble_harmonic_map_t found;
-    const slots_t slots = fill_slots(schedule, measured, &found);
-    if (missing != NULL) {
-        *missing = ALL_SLOTS & ~slots.filled;
-    }
-    if (slots.filled == ALL_SLOTS) {
-        *map = found;
-        return TUMBLE_OK;
-    }
-    return (slots.planned == ALL_SLOTS) ? TUMBLE_E_MISSING_POSITION : TUMBLE_E_NOT_HARMONIC;
 }

@@ -1,11 +1,13 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/harmonic.h"
 
 #include <stddef.h>
 
 #define MOUNTINGS 2
 #define POSITIONS 9
+#define ROTATION_TOLERANCE 1e-9
 #define ROOT_2 1.4142135623730951
 
 /* A quantity of the closed form: the sum over the paper's positions of weight times (y component of the specific force
@@ -43,7 +45,7 @@ static double slope_of(const closed_form_t *form, uint8_t paper)
     return (paper < POSITIONS) ? (form->z * slope) : slope;
 }
 
-static tumble_seen_t closed_form(const closed_form_t *form, const tumble_harmonic_map_t *map,
+static tumble_seen_t closed_form(const closed_form_t *form, const uint8_t index[MOUNTINGS * POSITIONS],
                                  const tumble_means_t *means, const tumble_calibration_t *calibration,
                                  const tumble_random_errors_t *errors)
 {
@@ -56,7 +58,7 @@ static tumble_seen_t closed_form(const closed_form_t *form, const tumble_harmoni
     double sum = 0.0;
     double variance = 0.0;
     for (uint8_t paper = 0; paper < (MOUNTINGS * POSITIONS); paper++) {
-        const uint8_t p = map->index[paper / POSITIONS][paper % POSITIONS];
+        const uint8_t p = index[paper];
         const double *u = means->u_v[p];
         const double weight = form->factor * form->weights[paper % POSITIONS];
         const double signed_weight = (paper < POSITIONS) ? weight : (form->second * weight);
@@ -67,6 +69,34 @@ static tumble_seen_t closed_form(const closed_form_t *form, const tumble_harmoni
         }
     }
     return (tumble_seen_t){sum, tumble_sqrt(variance), true};
+}
+
+static bool is_alike(const tumble_mounting_t *a, const tumble_mounting_t *b)
+{
+    bool alike = true;
+    for (int i = 0; i < (TUMBLE_CHANNELS * TUMBLE_CHANNELS); i++) {
+        alike = alike && tumble_within(a->matrix[i / 3][i % 3] - b->matrix[i / 3][i % 3], ROTATION_TOLERANCE);
+    }
+    return alike;
+}
+
+/* Where the paper's positions are. False when one is not there, or when there are other circles. */
+static bool find_paper(const tumble_schedule_t *schedule, const bool *measured, uint8_t index[MOUNTINGS * POSITIONS])
+{
+    uint8_t circles = 0;
+    uint8_t found = 0;
+    for (uint8_t m = 0; m < schedule->mounting_count; m++) {
+        tumble_circle_t circle;
+        tumble_circle_find(schedule, measured, m, &circle);
+        circles = (uint8_t)(circles + ((circle.over != 0U) ? 1U : 0U));
+        for (uint8_t paper = 0; (paper < MOUNTINGS) && (circle.over == 8U); paper++) {
+            if (is_alike(&schedule->mountings[m], &tumble_schedule_paper.mountings[paper])) {
+                (void)memcpy(&index[POSITIONS * paper], &circle.index[1], POSITIONS);
+                found++;
+            }
+        }
+    }
+    return (found == MOUNTINGS) && (circles == MOUNTINGS);
 }
 
 tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -85,11 +115,15 @@ tumble_status_t tumble_seen_angles(const tumble_schedule_t *schedule, const tumb
         return TUMBLE_E_ARGUMENT;
     }
     tumble_harmonic_map_t map;
-    const tumble_status_t status = tumble_schedule_harmonic(schedule, means->measured, &map, NULL);
+    uint8_t index[MOUNTINGS * POSITIONS];
+    tumble_status_t status = tumble_schedule_harmonic(schedule, means->measured, &map, NULL);
+    if ((status == TUMBLE_OK) && !find_paper(schedule, means->measured, index)) {
+        status = TUMBLE_E_NOT_HARMONIC;
+    }
     if (status == TUMBLE_OK) {
-        angles->alpha1 = closed_form(&closed_forms[0], &map, means, calibration, errors);
-        angles->alpha2_plus_alpha3 = closed_form(&closed_forms[1], &map, means, calibration, errors);
-        angles->alpha3_difference = closed_form(&closed_forms[2], &map, means, calibration, errors);
+        angles->alpha1 = closed_form(&closed_forms[0], index, means, calibration, errors);
+        angles->alpha2_plus_alpha3 = closed_form(&closed_forms[1], index, means, calibration, errors);
+        angles->alpha3_difference = closed_form(&closed_forms[2], index, means, calibration, errors);
     }
     return status;
 }

@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
 #include "core/vector.h"
@@ -16,13 +17,14 @@ typedef struct {
     double column[TUMBLE_UNKNOWNS]; /* of N^-1, the one of the unknown */
 } least_squares_t;
 
-/* Where the gains of one coefficient come from; of the three, the pointer that belongs to the kind. */
+/* Where the gains of one coefficient come from; of these, the pointers that belongs to the kind. */
 typedef struct {
     const tumble_judged_run_t *run;
     kind_t kind;
     int channel;
     int unknown;
     const tumble_harmonic_map_t *map;
+    const uint8_t *slots; /* with the map: what each position is to it */
     least_squares_t *least_squares;
     const tumble_gain_table_t *table;
 } gains_t;
@@ -31,48 +33,56 @@ typedef struct {
 typedef struct {
     double alpha1;
     double alpha2;
-    double alpha3[TUMBLE_MAX_MOUNTINGS];
     double alpha4_squared;
     double noise_squared;
+    double yaw; /* of alpha3 and theta_h common to all mountings, and of those of each */
+    double yaws_squared;
+    double lean;
+    double seats_squared;
 } response_t;
 
-/* The share of mounting `m` in K_ix: +-1/2 for averaged; refined takes K_yx from mounting 2 and K_zx from 1,
- * formula (7). Mounting 2 has x reversed. */
-static double share_of_mounting(const gains_t *gains, int m)
-{
-    const double sign = (m == 0) ? 1.0 : -1.0;
-    if ((gains->kind == AVERAGED) || (gains->channel == X)) {
-        return 0.5 * sign;
-    }
-    const int kept = (gains->channel == Y) ? 1 : 0;
-    return (m == kept) ? sign : 0.0;
-}
+/* The same of the errors that each mounting has for itself, for one of them. */
+typedef struct {
+    double alpha3;
+    double theta_h;
+    double theta_n;
+} seat_t;
 
-/* The weight of one mean in c, s or b (estimator.c): cosine, sine or 1/2 over four; the two ends share one attitude. */
-static double harmonic_gain(const gains_t *gains, uint8_t p, int m, int l)
-{
-    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
-    const double weight = ((l == 0) || (l == 8)) ? 0.125 : 0.25;
-    if (gains->unknown == X) {
-        return weight * angle->sine * share_of_mounting(gains, m);
-    }
-    if (gains->unknown == BIAS) {
-        return 0.25 * weight;
-    }
-    const int tells = (gains->unknown == Y) ? 1 : 0; /* K_iy from mounting 2, K_iz from mounting 1 */
-    return (m == tells) ? (weight * angle->cosine) : 0.0;
-}
+#define NORMAL_SHIFT 4U
+#define SIXTEENTHS 0xFU
 
-static double gain_of_slot(const gains_t *gains, uint8_t p)
+/* What each mean weighs in s and c, times sine or cosine (estimator.c), and twice what it weighs in b: of nine positions
+ * 1/4, but the two ends, which share one attitude, 1/8; of the diagonals 1/2. */
+static void find_slots(const tumble_judged_run_t *run, uint8_t slots[TUMBLE_MAX_POSITIONS])
 {
-    for (int m = 0; m < 2; m++) {
-        for (int l = 0; l < 9; l++) {
-            if (gains->map->index[m][l] == p) {
-                return harmonic_gain(gains, p, m, l);
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        tumble_circle_t circle;
+        tumble_circle_find(run->schedule, run->measured, m, &circle);
+        for (uint32_t step = 1; (step <= TUMBLE_STEPS) && (circle.over != 0U); step++) {
+            const bool is_end = (step == 1U) || (step == TUMBLE_STEPS);
+            const uint32_t weight = is_end ? 2U : (32U / circle.over);
+            if (circle.index[step] != TUMBLE_NOWHERE) {
+                slots[circle.index[step]] = (uint8_t)(weight | ((uint32_t)circle.normal << NORMAL_SHIFT));
             }
         }
     }
-    return 0.0;
+}
+
+static double harmonic_gain(const gains_t *gains, uint8_t p)
+{
+    const uint32_t slot = gains->slots[p];
+    const double weight = (double)(slot & SIXTEENTHS) / 16.0;
+    if (gains->unknown == BIAS) {
+        return (0.5 * weight) / (double)tumble_circle_count(gains->map);
+    }
+    const uint8_t share = tumble_circle_share(gains->map, gains->kind == REFINED, gains->channel, gains->unknown,
+                                              (int)(slot >> NORMAL_SHIFT));
+    if ((slot == 0U) || (share == 0U)) {
+        return 0.0;
+    }
+    const tumble_angle_t *angle = &gains->run->schedule->positions[p].angle;
+    const double *axis = tumble_schedule_mounting_of(gains->run->schedule, p)->matrix[gains->unknown];
+    return (weight * ((axis[0] * angle->sine) + (axis[2] * angle->cosine))) / (double)share;
 }
 
 /* The gain that least squares gives the mean of a position in one unknown: its row times that column of N^-1. The row
@@ -129,7 +139,7 @@ static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
         g[i] = 0.0;
     }
     double row[TUMBLE_UNKNOWNS];
-    g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : gain_of_slot(gains, p);
+    g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : harmonic_gain(gains, p);
 }
 
 static double square(double x)
@@ -158,11 +168,12 @@ static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p, const 
  * frame, g^T K M. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) at zero error:
  *     alpha1           (-sin t sin p, cos t, -sin t cos p)
  *     alpha2, delta    ( cos t cos p,     0, -cos t sin p)
- *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n */
-static void add_position(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS],
-                         response_t *response)
+ *     theta_n          the same
+ *     alpha3           ( sin t, -cos t sin p, 0)               the yaw turns h towards n
+ *     theta_h          (0, cos t cos p, -sin t)                the tilt turns n towards v */
+static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t *mounting, uint8_t p,
+                         const double g[TUMBLE_CHANNELS], response_t *response, seat_t *seat)
 {
-    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
     const tumble_angle_t *angle = &run->schedule->positions[p].angle;
     double w[3] = {0.0, 0.0, 0.0};
     for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -178,41 +189,54 @@ static void add_position(const tumble_judged_run_t *run, uint8_t p, const double
     const double turning = mounting->tilt.cosine * ((w[0] * angle->cosine) - (w[2] * angle->sine));
     response->alpha1 += (w[1] * mounting->tilt.cosine) - (across * mounting->tilt.sine);
     response->alpha2 += turning;
-    response->alpha3[mounting - run->schedule->mountings] +=
-        (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
+    seat->alpha3 += (w[0] * mounting->tilt.sine) - (w[1] * mounting->tilt.cosine * angle->sine);
+    seat->theta_h += (w[1] * mounting->tilt.cosine * angle->cosine) - (w[2] * mounting->tilt.sine);
+    seat->theta_n += turning;
     response->alpha4_squared += turning * turning;
     response->noise_squared += noise_squared_at(run, p, g);
 }
 
-/* All sources in quadrature; a yaw common to all mountings adds up before it is squared. */
-static double combined(const tumble_judged_run_t *run, const response_t *response)
+/* What is common to all mountings adds up before it is squared. */
+static void add_seat(const seat_t *seat, response_t *response)
 {
-    double yaw = 0.0;
-    double yaws_squared = 0.0;
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        yaw += response->alpha3[m];
-        yaws_squared += square(response->alpha3[m]);
-    }
-    const tumble_stand_record_t *stand = run->stand;
-    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
-                       (square(stand->remount_rad) * (stand->common_yaw ? square(yaw) : yaws_squared)) +
-                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared);
+    response->yaw += seat->alpha3;
+    response->yaws_squared += square(seat->alpha3);
+    response->lean += seat->theta_h;
+    response->seats_squared += square(seat->theta_h) + square(seat->theta_n);
 }
 
+/* All sources in quadrature. */
+static double combined(const tumble_stand_record_t *stand, const response_t *response)
+{
+    const double yaws_squared = stand->common_yaw ? square(response->yaw) : response->yaws_squared;
+    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
+                       (square(stand->remount_rad) * yaws_squared) +
+                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
+                       (square(stand->seat_rad) * response->seats_squared) +
+                       square(stand->platform_rad * response->lean));
+}
+
+/* Mounting by mounting, so that no number has to be kept for each. */
 static double uncertainty_of(const gains_t *gains)
 {
     const tumble_judged_run_t *run = gains->run;
     response_t response = {0};
-    size_t fit = 0;
-    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        if (tumble_normal_uses(run->schedule, run->measured, p)) {
-            double g[TUMBLE_CHANNELS];
-            gains_at(gains, p, fit, g);
-            add_position(run, p, g, &response);
-            fit++;
+    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
+        const tumble_mounting_t *mounting = &run->schedule->mountings[m];
+        seat_t seat = {0};
+        size_t fit = 0;
+        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
+            const bool used = tumble_normal_uses(run->schedule, run->measured, p);
+            if (used && (run->schedule->positions[p].mounting == mounting->number)) {
+                double g[TUMBLE_CHANNELS];
+                gains_at(gains, p, fit, g);
+                add_position(run, mounting, p, g, &response, &seat);
+            }
+            fit += used ? 1U : 0U;
         }
+        add_seat(&seat, &response);
     }
-    return combined(run, &response);
+    return combined(run->stand, &response);
 }
 
 static bool is_wanted(const gains_t *gains)
@@ -266,7 +290,9 @@ static bool stand_is_valid(const tumble_stand_record_t *stand)
     return is_sigma(stand->axis_tilt_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->level_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
+           is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
            is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) && (stand->samples >= 1U);
 }
 
@@ -283,7 +309,7 @@ static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tum
     return counted ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
-static void report(tumble_refusal_t *refusal, uint32_t missing, uint8_t unidentified)
+static void report(tumble_refusal_t *refusal, uint64_t missing, uint8_t unidentified)
 {
     if (refusal != NULL) {
         *refusal = (tumble_refusal_t){missing, unidentified};
@@ -295,13 +321,18 @@ static tumble_status_t judge_harmonic(kind_t kind, const tumble_judged_run_t *ru
 {
     tumble_status_t status = check_arguments(run, uncertainty);
     tumble_harmonic_map_t map;
-    gains_t gains = {.run = run, .kind = kind, .map = &map};
-    uint32_t missing = 0;
+    uint8_t slots[TUMBLE_MAX_POSITIONS] = {0};
+    gains_t gains = {.run = run, .kind = kind, .map = &map, .slots = slots};
+    uint64_t missing = 0;
     if (status == TUMBLE_OK) {
         status = tumble_schedule_harmonic(run->schedule, run->measured, &map, &missing);
     }
     report(refusal, missing, 0);
-    return (status == TUMBLE_OK) ? judge(&gains, uncertainty) : status;
+    if (status == TUMBLE_OK) {
+        find_slots(run, slots);
+        status = judge(&gains, uncertainty);
+    }
+    return status;
 }
 
 tumble_status_t tumble_uncertainty_averaged(const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty,

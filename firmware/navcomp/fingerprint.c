@@ -1,5 +1,6 @@
 #include "navcomp/fingerprint.h"
 
+#include "core/arith.h"
 #include "core/bytes.h"
 #include "core/crc32.h"
 #include "navcomp/fields.h"
@@ -32,7 +33,8 @@ static uint32_t add_numbers(uint32_t crc, const double *numbers, size_t count)
 
 #define ADD(crc, numbers) add_numbers((crc), (numbers), sizeof(numbers) / sizeof((numbers)[0]))
 
-/* What is declared of it, and how it is turned. */
+/* What is declared of it, and how it is turned. Sets in memory bear this number: a stand that declares no seat keeps the
+ * one that it had before seats could be declared. */
 uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
@@ -43,6 +45,10 @@ uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
             stand->axis_tilt_rad, stand->level_rad,     stand->remount_rad,           stand->angle_rad,
             stand->noise_v,       stand->least_noise_v, stand->common_yaw ? 1.0 : 0.0};
         crc = ADD(crc, numbers);
+        const double seats[] = {stand->seat_rad, stand->platform_rad};
+        if (tumble_is_positive(stand->seat_rad + stand->platform_rad)) {
+            crc = ADD(crc, seats);
+        }
     }
     double numbers[TUMBLE_STAND_NUMBERS] = {0};
     crc = add_numbers(crc, numbers, tumble_stand_numbers(config->stand, config->stand_profile, numbers));

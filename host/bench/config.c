@@ -190,6 +190,8 @@ static void declare_stand(bench_config_t *config)
         .noise_v = noise_sigma(&config->scenario.block.sensor),
         .samples = config->procedure.samples,
         .common_yaw = stand->remount == SIM_REMOUNT_COMMON,
+        .seat_rad = sigma_of(stand->seat_rad, stand->law),
+        .platform_rad = sigma_of(stand->platform_rad, stand->law),
     };
     if (needs_gains(config)) {
         declare_weighted_noise(config);

@@ -163,6 +163,8 @@ static void put_truth(const bench_world_t *world, bench_json_t *json)
     bench_json_number(json, "alpha2_rad", truth->alpha2_rad);
     bench_json_vector(json, "alpha3_rad", truth->alpha3_rad, schedule->mounting_count);
     bench_json_vector(json, "alpha4_rad", truth->alpha4_rad, schedule->position_count);
+    bench_json_vector(json, "theta_h_rad", truth->theta_h_rad, schedule->mounting_count);
+    bench_json_vector(json, "theta_n_rad", truth->theta_n_rad, schedule->mounting_count);
     bench_json_close(json, '}');
 }
 

@@ -35,7 +35,9 @@ void bench_world_mount(bench_world_t *world, uint8_t index)
     if (world->person.mounted[index]++ > 0U) {
         sim_truth_remount(&world->truth, scenario, index);
     }
-    sim_geometry_init(&geometry, &scenario->schedule.mountings[index], world->truth.alpha1_rad, world->truth.alpha2_rad,
-                      world->truth.alpha3_rad[index]);
+    const sim_truth_t *const truth = &world->truth;
+    const sim_seat_t seat = {truth->alpha1_rad, truth->alpha2_rad, truth->alpha3_rad[index], truth->theta_h_rad[index],
+                             truth->theta_n_rad[index]};
+    sim_geometry_init(&geometry, &scenario->schedule.mountings[index], &seat);
     sim_block_mount(&world->block, &geometry);
 }

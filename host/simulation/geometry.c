@@ -2,20 +2,22 @@
 
 #include "simulation/maths.h"
 
-void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, double alpha1_rad,
-                       double alpha2_rad, double alpha3_rad)
+void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, const sim_seat_t *seat)
 {
     double sin_t;
     double cos_t;
     double sin_3;
     double cos_3;
-    sim_sincos_deg(mounting->tilt.deg + alpha1_rad * SIM_DEG_PER_RAD, &sin_t, &cos_t);
-    sim_sincos_deg(alpha3_rad * SIM_DEG_PER_RAD, &sin_3, &cos_3);
+    double sin_h;
+    double cos_h;
+    sim_sincos_deg(mounting->tilt.deg + seat->alpha1_rad * SIM_DEG_PER_RAD, &sin_t, &cos_t);
+    sim_sincos_deg(seat->alpha3_rad * SIM_DEG_PER_RAD, &sin_3, &cos_3);
+    sim_sincos_deg(seat->theta_h_rad * SIM_DEG_PER_RAD, &sin_h, &cos_h);
     const double turned[3][3] = {
         /* of sin p, of cos p, of 1 */
-        {cos_t * cos_3, 0.0, sin_t * sin_3},  /* h' */
-        {-cos_t * sin_3, 0.0, sin_t * cos_3}, /* n' */
-        {0.0, cos_t, 0.0},                    /* v' */
+        {cos_t * cos_3, cos_t * sin_h * sin_3, sin_t * cos_h * sin_3},  /* h' */
+        {-cos_t * sin_3, cos_t * sin_h * cos_3, sin_t * cos_h * cos_3}, /* n' */
+        {0.0, cos_t * cos_h, -sin_t * sin_h},                           /* v' */
     };
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
@@ -23,7 +25,7 @@ void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounti
             geometry->a[i][j] = m[i][0] * turned[0][j] + m[i][1] * turned[1][j] + m[i][2] * turned[2][j];
         }
     }
-    geometry->level_deg = alpha2_rad * SIM_DEG_PER_RAD;
+    geometry->level_deg = (seat->alpha2_rad + seat->theta_n_rad) * SIM_DEG_PER_RAD;
 }
 
 void sim_geometry_force(const sim_geometry_t *geometry, double actual_deg, double a_g[3])

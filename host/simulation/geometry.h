@@ -1,7 +1,9 @@
 /* geometry.h - the exact geometry of a block on a stand that is not quite level (docs/method.md, "Stand, mountings").
  *
  * In the table frame (h horizontal across the axis, n along the axis, v up at table angle 0) the specific force is
- *     f = (cos t sin p, sin t, cos t cos p),   p = table angle + alpha2 + delta,   t = known tilt + alpha1;
+ *     f = (cos t sin p, sin t, cos t cos p),   p = table angle + alpha2 + theta_n + delta,   t = known tilt + alpha1;
+ * a seat that leans turns it about h,
+ *     (n, v) -> (n cos theta_h + v sin theta_h, v cos theta_h - n sin theta_h);
  * the block's yaw alpha3 turns it about v,
  *     h' = h cos alpha3 + n sin alpha3,  n' = -h sin alpha3 + n cos alpha3,  v' = v;
  * the mounting's matrix M brings it to the block's axes: a = M (h', n', v'). All of it is linear in (sin p, cos p, 1),
@@ -14,12 +16,19 @@
 
 typedef struct {
     double a[3][3];   /* block axes x, y, z over (sin p, cos p, 1) */
-    double level_deg; /* alpha2 */
+    double level_deg; /* alpha2 + theta_n */
 } sim_geometry_t;
 
-/* The block in `mounting` with yaw alpha3, on a stand with alpha1 and alpha2; radians. */
-void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, double alpha1_rad,
-                       double alpha2_rad, double alpha3_rad);
+/* The errors of the stand that do not change as long as a block stays mounted. */
+typedef struct {
+    double alpha1_rad;
+    double alpha2_rad;
+    double alpha3_rad;
+    double theta_h_rad;
+    double theta_n_rad;
+} sim_seat_t;
+
+void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, const sim_seat_t *seat);
 
 /* Specific force (g) on the block's axes with the table at `actual_deg` (its own error delta included). */
 void sim_geometry_force(const sim_geometry_t *geometry, double actual_deg, double a_g[3]);

@@ -24,6 +24,8 @@ typedef struct {
     double level_rad;     /* alpha2 */
     double remount_rad;   /* alpha3 */
     double angle_rad;     /* alpha4 */
+    double seat_rad;      /* theta_h and theta_n of a mounting */
+    double platform_rad;  /* theta_h of them all */
     sim_law_t law;
     sim_remount_t remount;
 } sim_stand_t;

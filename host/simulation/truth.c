@@ -29,12 +29,19 @@ static void draw_block(tumble_coefficients_t *block, const sim_block_config_t *c
     }
 }
 
+static void draw_seat(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m)
+{
+    truth->theta_h_rad[m] = truth->platform_rad + sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
+    truth->theta_n_rad[m] = sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
+}
+
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed)
 {
     const sim_stand_t *const stand = &scenario->stand;
     memset(truth, 0, sizeof *truth);
     truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, seed, SIM_CAUSE_AXIS_TILT);
     truth->alpha2_rad = draw_once(stand, stand->level_rad, seed, SIM_CAUSE_LEVEL);
+    truth->platform_rad = draw_once(stand, stand->platform_rad, seed, SIM_CAUSE_PLATFORM);
     if (scenario->block.given) {
         memcpy(truth->block.k_v_per_g, scenario->block.sensor.k_v_per_g, sizeof truth->block.k_v_per_g);
         memcpy(truth->block.u0_v, scenario->block.sensor.u0_v, sizeof truth->block.u0_v);
@@ -45,12 +52,15 @@ void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t
         const uint32_t index = (stand->remount == SIM_REMOUNT_COMMON) ? 0U : scenario->schedule.mountings[m].number;
         sim_random_open(&truth->remount[m], seed, SIM_CAUSE_REMOUNT, index);
         truth->alpha3_rad[m] = sim_law_draw(stand->law, stand->remount_rad, &truth->remount[m]);
+        sim_random_open(&truth->seat[m], seed, SIM_CAUSE_SEAT, scenario->schedule.mountings[m].number);
+        draw_seat(truth, stand, m);
     }
 }
 
 void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index)
 {
     const sim_stand_t *const stand = &scenario->stand;
+    draw_seat(truth, stand, mounting_index);
     if (stand->remount == SIM_REMOUNT_INDEPENDENT) {
         truth->alpha3_rad[mounting_index] =
             sim_law_draw(stand->law, stand->remount_rad, &truth->remount[mounting_index]);

@@ -13,13 +13,18 @@ typedef struct {
     double alpha2_rad;
     double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* by mounting of the schedule; of its last mounting */
     double alpha4_rad[TUMBLE_MAX_POSITIONS]; /* by position of the schedule; when it was last averaged */
+    double platform_rad;
+    double theta_h_rad[TUMBLE_MAX_MOUNTINGS]; /* as alpha3_rad; the platform's is in it */
+    double theta_n_rad[TUMBLE_MAX_MOUNTINGS];
     sim_random_t remount[TUMBLE_MAX_MOUNTINGS];
+    sim_random_t seat[TUMBLE_MAX_MOUNTINGS];
 } sim_truth_t;
 
-/* Draw what is fixed for a run: K, U0, alpha1, alpha2, and the first yaw of every mounting. */
+/* Draw what is fixed for a run: K, U0, alpha1, alpha2, the platform, and the first yaw and seat of every mounting. */
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed);
 
-/* The block has been mounted again: a new yaw for this mounting (index in the schedule), unless one serves all. */
+/* The block has been mounted again: a new seat for this mounting (index in the schedule), and a new yaw, unless one
+ * serves all. */
 void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index);
 
 #endif

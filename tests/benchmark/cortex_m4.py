@@ -53,14 +53,17 @@ CANDIDATES = {
     "uncertainties of `refined`": 13,
     "uncertainties of `least_squares`": 14,
     "uncertainties of `optimal`": 15,
+    "refined, three mountings": 16,
+    "refined, diagonal": 17,
 }
+OTHERS = ("three_mountings", "diagonal")  # schedules beside the paper's
 SAMPLES = 512  # in one loop, as benchmark.h has it
 BUDGETS = "build/{0}/boards/*/budget_*.csv"  # by preset
 PRESETS = ("cortex-m4", "zcu102")
 SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt", "cmake/*")
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= dict.fromkeys((6, 7, 12), "least_squares")
-KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal"}
+KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal", 16: OTHERS[0], 17: OTHERS[1]}
 LOOP, SAMPLE_PATHS = "a loop over samples", ("a sample, without gates", "a sample, with gates")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}
 # The target's library rounds a sum wrongly, by one unit in the last place, where the exponents of its terms differ by
@@ -75,7 +78,7 @@ HONEST = """
 Ratios are to `refined`, from means to coefficients; the division that makes the means stands apart, since all need it.
 The honest comparison is with the shared normal matrix of four unknowns: what one would write who has thought about it,
 for the same model and the same means. Dense rows for twelve unknowns do the same work several times over. Mind that
-`refined` needs the 2 x 9 positions of the paper and does not have the least noise; `least_squares` takes any schedule,
+`refined` needs circles of nine or four positions and does not have the least noise; `least_squares` takes any schedule,
 tells whether it has full rank, and corrects its solution once."""
 REPEATS, INSTRUCTIONS_PER_TICK = 25, 40
 NOT_THERE = 77
@@ -219,6 +222,7 @@ def write_data(path):
     means = Geometry(schedule.data).outputs(k, np.array([0.01, -0.02, 0.03]), **errors) + 4e-5 * rng.normal(
         size=(18, 3)
     )
+    others = {name: Geometry(core.built_in(name)).outputs(k, np.array([0.01, -0.02, 0.03])) for name in OTHERS}
     written = gain_record.record_of(gains.optimal_table(schedule.data, k, PAPER_STAND), schedule.data)
     sigmas = ", ".join(
         PAPER_STAND.sigma(source).hex() for source in ("axis_tilt", "level", "remount", "angle", "noise")
@@ -228,9 +232,10 @@ def write_data(path):
         + f"""#include "data.h"
 const tumble_means_t benchmark_means = {{.u_v = {{{rows_of(means)}}},
     .measured = {{{", ".join(["true"] * 18)}}}}};
+{"".join(means_as_c(name, outputs) for name, outputs in others.items())}
 const tumble_gain_record_t *const benchmark_record = &tumble_optimal_gains.head;
 const tumble_gain_table_t benchmark_table = {{tumble_optimal_gains.gains[0], 18}};
-const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false}};
+const tumble_stand_record_t benchmark_stand = {{{sigmas}, 0.0, {PAPER_STAND.samples}, false, 0.0, 0.0}};
 const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k)}}}}};
 """
     )
@@ -241,8 +246,15 @@ const tumble_coefficients_t benchmark_coefficients = {{.k_v_per_g = {{{rows_of(k
     once = np.ones(18, dtype=int)
     for name in ("refined", "least_squares"):
         found[f"u {name}"] = uncertainty.uncertainties(schedule, k, PAPER_STAND, once, name)
+    for name, outputs in others.items():
+        found[name] = core.estimate(core.CoreSchedule.built_in(name), outputs)
     found["u optimal"] = uncertainty.uncertainties_of_gains(schedule, k, PAPER_STAND, once, written.gains)
     return {name: np.concatenate([k.ravel(), u0]) for name, (k, u0) in found.items()}
+
+
+def means_as_c(name, means):
+    measured = ", ".join(["true"] * len(means))
+    return f"const tumble_means_t benchmark_{name} = {{.u_v = {{{rows_of(means)}}}, .measured = {{{measured}}}}};\n"
 
 
 def rows_of(matrix):

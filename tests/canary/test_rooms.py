@@ -51,6 +51,7 @@ DEFECTS = {
     "stdio": ("firmware/core/means.c", "#include <stdio.h>\n", "1: <stdio.h> is not among the headers"),
     "math": ("firmware/core/means.c", "#include <math.h>\n", "1: <math.h> is not among the headers"),
     "heap": ("firmware/core/means.c", "int a;\nvoid *b = malloc(4);\n", "2: malloc: heap, libc I/O"),
+    "heap on two lines": ("firmware/core/means.c", "int a;\nvoid *b = malloc\n    (4);\n", "2: malloc: heap, libc I/O"),
     "heap on a board": ("boards/demo/port.c", "void *b = calloc (4, 1);\n", "1: calloc: heap, libc I/O"),
     "print": ("firmware/core/means.c", "int a = printf(text);\n", "1: printf: heap, libc I/O"),
     "sine": ("firmware/core/arith.h", "double b = sin(a);\n", "1: sin: of <math.h> firmware may use sqrt alone"),

@@ -79,5 +79,5 @@ def write_run(path, schedule, means, digits=17):
         f"{position.mounting},{position.number}," + ",".join(f"{u:.{digits}g}" for u in mean)
         for position, mean in zip(schedule.positions, means)
     ]
-    path.write_text("mounting,position,ux,uy,uz\n" + "\n".join(rows) + "\n")
+    path.write_text("mounting,position,ux [V],uy [V],uz [V]\n" + "\n".join(rows) + "\n")
     return path

@@ -29,6 +29,8 @@ BAD_STANDS = {
     "empty": ("", "", "no table [stand]"),
     "binary": (b"[stand]\n\xff\xfe", "row 2", "not UTF-8"),
     "not TOML": (*changed(STAND, "level_rad = 2e-5", "level_rad 2e-5"), "not valid TOML"),
+    "decimal comma": (*changed(STAND, "level_rad = 2e-5", "level_rad = 0,00002"), "a decimal point and no unit"),
+    "unit": (*changed(STAND, "level_rad = 2e-5", "level_rad = 2e-5 rad"), "a decimal point and no unit"),
     "cut off": (STAND[: STAND.index("4e-4")], "row 7", "not valid TOML"),
     "key twice": (*changed(STAND, "noise_v =", "axis_tilt_rad ="), "not valid TOML"),
     "too deep": (DEEP, "row 1", "not valid TOML"),

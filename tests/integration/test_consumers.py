@@ -195,6 +195,20 @@ def test_a_board_outside_the_repository(tmp_path):
     assert not (build / "host").exists()
 
 
+def test_a_memory_alone(tmp_path):
+    """The page's command: the memory that the example has passes, and fails where it takes a granule twice."""
+    page = (ROOT / "docs/porting.md").read_text(encoding="utf-8").partition("### Your memory alone")[2]
+    shown, command = re.search(r"```c\n(.*?)```.*?\$ (cc .*?) -o memory", page, re.DOTALL).groups()
+    assert shown in (CONSUMERS / "memory.c").read_text(encoding="utf-8")
+    good, check = "examples/embed_board.c", "if (flash[offset + i] != 0xFFU)"
+    spoilt = tmp_path / "spoilt.c"
+    spoilt.write_text((ROOT / good).read_text(encoding="utf-8").replace(check, "if (0)"), encoding="utf-8")
+    for source, code in ((good, 0), (spoilt, 1)):
+        run("sh", "-e", "-c", f"cd '{ROOT}'\n{command.replace(good, str(source))} -o '{tmp_path}/memory'")
+        said = run(tmp_path / "memory", code=code)
+        assert ("FAILED  nv: a granule is programmed once" in said) == (code == 1) and said.count("passed") == 8 - code
+
+
 def test_without_a_build_system(tmp_path):
     """The page's commands, with the options that the libraries are compiled with."""
     page = (ROOT / "docs/embedding.md").read_text(encoding="utf-8")

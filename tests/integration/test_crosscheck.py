@@ -87,7 +87,7 @@ def test_a_defect_in_the_paper_schedule_is_seen(monkeypatch, capsys, tmp_path):
     """The witness has its own idea of the default schedule: one angle a millionth of a degree off is a disagreement."""
     right = reference.paper_schedule()
     wrong = [replace(p, angle_deg=p.angle_deg + 1e-6) if p.label == "2.4" else p for p in right.positions]
-    monkeypatch.setattr(reference, "paper_schedule", lambda: replace(right, positions=tuple(wrong)))
+    monkeypatch.setattr(reference, "built_in", lambda _: replace(right, positions=tuple(wrong)))
     code, out, err = solve_with_defect(capsys, tmp_path, "--estimator", "least_squares")
     assert (code, out) == (3, "") and "K differs" in err
 

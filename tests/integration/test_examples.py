@@ -1,8 +1,10 @@
 """The examples: made by the script from stated truth, and solved as the documentation says."""
 
+import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES
 
@@ -19,6 +21,16 @@ def test_generating_again_gives_the_same_bytes(tmp_path):
 def test_the_stands(stand, tumble):
     done = tumble("solve", f"{stand}.csv", "--stand", f"{stand}.toml", cwd=EXAMPLES)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("schedule", ["diagonal", "three_mountings"])
+def test_the_stands_of_three_mountings(schedule, tumble):
+    name = f"{schedule}_stand"
+    done = tumble("solve", f"{name}.csv", "--schedule", schedule, "--stand", f"{name}.toml", "--json", cwd=EXAMPLES)
+    assert (done.returncode, done.stderr) == (0, "")
+    result, truth = json.loads(done.stdout), json.loads((EXAMPLES / f"{name}.truth.json").read_text())
+    errors = np.subtract([*result["K"], result["U0"]], [*truth["K"], truth["U0"]])
+    assert np.abs(errors / [*result["u_K"], result["u_U0"]]).max() < 4.0
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,7 @@ def run_of(samples, unit="V"):
     count = samples.shape[1]
     scatter = samples.std(axis=1, ddof=1) if count > 1 else np.full((len(samples), 3), np.nan)
     counts, rows = np.full(len(samples), count), [*samples]
-    return Run(counts, samples.mean(axis=1), scatter, unit, {}, blocks_of(rows))
+    return Run(counts, samples.mean(axis=1), scatter, unit, {}, blocks=blocks_of(rows))
 
 
 def noisy_run(rng, samples, rho=0.0, sigma=PAPER_STAND.noise, step=0.0):
@@ -171,7 +171,8 @@ def test_limits_are_never_below_the_quantile(freedom):
 
 def test_noise_as_declared_changes_nothing():
     solution = solved(noisy_run(np.random.default_rng(54), 50))
-    assert not solution.noise.exceeds.any() and not assumed(solution) and not solution.noise.mean_variance.any()
+    assert not solution.noise.exceeds.any() and not solution.noise.mean_variance.any()
+    assert assumed(solution).keys() == {"seat"}
     samples = np.full(POSITIONS, 50)
     u_k, _ = reference.standard_uncertainties(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
     np.testing.assert_allclose(solution.u_k, u_k, rtol=1e-9)
@@ -206,7 +207,7 @@ def test_scatter_alone_is_all_that_is_known_without_a_stand(samples):
 
 def test_a_run_of_means_assumes_white_noise():
     run = noisy_run(np.random.default_rng(57), 1)
-    assert assumed(solved(run)) == {"white_noise": ()}
+    assert assumed(solved(run))["white_noise"] == ()
     assert solved(run, None).scatter_alone is None and solved(run, None).noise.measured is None
 
 

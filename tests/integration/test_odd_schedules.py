@@ -32,7 +32,7 @@ def solve(tumble, folder, schedule, outputs, estimator):
         ",".join([str(p.mounting), str(p.number), *(repr(float(u)) for u in output)])
         for p, output in zip(schedule.positions, outputs)
     ]
-    (folder / "run.csv").write_text("\n".join(["mounting,position,ux,uy,uz", *rows]) + "\n")
+    (folder / "run.csv").write_text("\n".join(["mounting,position,ux [V],uy [V],uz [V]", *rows]) + "\n")
     arguments = ["--schedule", "schedule.toml", "--estimator", estimator, "--json"]
     done = tumble("solve", "run.csv", *arguments, cwd=folder)
     assert done.stderr == ""

@@ -60,7 +60,8 @@ def test_people_get_a_table_of_80_columns(arguments, tumble):
 
 
 def test_it_says_where_the_stand_is_too_good_or_too_bad(tumble, tmp_path):
-    stand = paper_stand(tmp_path, noise_v=0.0, remount_rad="15e-3")
+    angles = dict.fromkeys(("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad"), "10e-3")
+    stand = paper_stand(tmp_path, noise_v=0.0, **angles)
     plan = optimize(tumble, "--stand", stand)
     assert plan["noise_floored"] and plan["second_order"]["matters"]
     shown = tumble("plan", "optimize", "--stand", stand).stdout
@@ -171,7 +172,7 @@ def test_the_record_is_laid_out_as_documented():
     numbers, _ = golden()
     tables = np.array(numbers[26:]).reshape(-1, 6)
     made = gain_record.Record(
-        *(2, 1, 1, 0x01234567, 0x89ABCDEF),
+        *(2, 1, 1, 0, 0x01234567, 0x89ABCDEF),
         k=np.reshape(numbers[:9], (3, 3)),
         sigma=np.array(numbers[9:13]),
         sigma_mean=numbers[13],
@@ -200,6 +201,6 @@ def test_a_spoilt_record_is_no_record():
 
 def test_a_record_of_no_position_is_no_record():
     parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12)}
-    empty = gain_record.Record(0, 1, 1, 0, 0, **parts, gains=np.empty((12, 0)), nuisance_gains=np.empty((3, 0)))
+    empty = gain_record.Record(0, 1, 1, 0, 0, 0, **parts, gains=np.empty((12, 0)), nuisance_gains=np.empty((3, 0)))
     with pytest.raises(gain_record.BadRecord):
         gain_record.from_bytes(gain_record.to_bytes(empty))

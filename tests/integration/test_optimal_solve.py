@@ -86,18 +86,21 @@ def test_a_run_that_fits_its_stand_badly_is_warned_of(tumble, tmp_path):
     paper_stand(tmp_path, noise_v="3e-5")
     result, warnings = solve(tumble, "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     assert result["misfit"] > 2 and "times what the stand declares" in warnings
-    assert "noise above the declared 3.0e-05 V: 3.0e-04 V in ux" in warnings and warnings.count("\n") == 2
+    assert "noise above the declared 3.0e-05 V: 2.9e-04 V in ux" in warnings and warnings.count("\n") == 3
 
 
-@pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares", "optimal"])
-def test_a_large_yaw_is_flagged_whatever_the_estimator(estimator, tumble, tmp_path):
+@pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
+def test_a_large_yaw_is_flagged_but_not_for_optimal(estimator, tumble, tmp_path):
     paper_stand(tmp_path, remount_rad="15e-3")
-    arguments = ["--stand", tmp_path / "stand.toml", "--estimator", estimator, "--json"]
-    done = tumble("solve", EXAMPLES / "paper_stand.csv", *arguments)
+    arguments = ["solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml", "--json", "--unit", "V"]
+    done = tumble(*arguments, "--estimator", estimator)
     second_order = json.loads(done.stdout)["second_order"]
     assert second_order["matters"] and second_order["bias_K_xx_relative"] == pytest.approx(15e-3**2 / 2)
-    assert done.stderr.startswith("tumble: warning: large yaw: alpha3^2/2 = 0.00011 exceeds 0.2 u(K_xx)/K_xx = ")
-    assert done.stderr.count("\n") == 1
+    assert [(shift["source"], shift["coefficient"]) for shift in second_order["shifts"]] == [("alpha3", "K_xx")]
+    complaint = "tumble: warning: large yaw: second order shifts K_xx by 0.00011, more than 0.2 u(K_xx)/K_xx = "
+    assert done.stderr.startswith(complaint) and done.stderr.count("\n") == 1
+    taken_out = tumble(*arguments, "--estimator", "optimal")
+    assert taken_out.stderr == "" and not json.loads(taken_out.stdout)["second_order"]["matters"]
 
 
 def test_an_impossible_stand_error_is_bad_input(refused, tmp_path):
@@ -201,7 +204,7 @@ def test_a_coarse_converter_is_noise_that_no_averaging_helps(estimator, tumble, 
         paper_stand(tmp_path, block=block, noise_v=repr(noise))
         arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml", "--estimator", estimator)
         u.append(json.loads(tumble("solve", *arguments, "--json").stdout))
-    assert u[0]["assumes"] == ["undithered"] and u[0]["noise"]["undithered"] == ["ux", "uy", "uz"]
+    assert "undithered" in u[0]["assumes"] and u[0]["noise"]["undithered"] == ["ux", "uy", "uz"]
     if estimator != "optimal":  # whose weights are those of the declared noise
         np.testing.assert_allclose(u[0]["u_K"], u[1]["u_K"], rtol=1e-6)
         np.testing.assert_allclose(u[0]["u_U0"], u[1]["u_U0"], rtol=1e-6)
@@ -212,6 +215,7 @@ def test_a_large_tilt_is_flagged_for_linear_estimators_alone(tumble, tmp_path):
     paper_stand(tmp_path, axis_tilt_rad="15e-3")
     arguments = (EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
     done = tumble("solve", *arguments, "--json")
-    assert [shift["source"] for shift in json.loads(done.stdout)["second_order"]["shifts"]] == ["alpha1"]
-    assert done.stderr.startswith("tumble: warning: large axis tilt: alpha1^2/2 = 0.00011 exceeds 0.2 u(K_")
+    assert {shift["source"] for shift in json.loads(done.stdout)["second_order"]["shifts"]} == {"alpha1"}
+    assert done.stderr.startswith("tumble: warning: large axis tilt: second order shifts K_")
+    assert done.stderr.count("\n") == 1
     assert solve(tumble, *arguments)[0]["second_order"]["shifts"] == []

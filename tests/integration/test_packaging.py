@@ -58,7 +58,7 @@ def test_version(tumble):
     assert tumble("--version").stdout == f"tumble {__version__}\n"
 
 
-def test_help_names_every_option_and_exit_code(tumble):
+def test_help_names_options_and_exit_codes(tumble):
     text = tumble("solve", "--help").stdout
     for word in (
         "--estimator",

@@ -14,7 +14,7 @@ from conftest import EXAMPLES
 
 pytestmark = pytest.mark.python
 
-SOLVE = [sys.executable, "-m", "tumble", "solve", "paper_stand.csv", "--stand", "paper_stand.toml"]
+SOLVE = [sys.executable, "-m", "tumble", "solve", "paper_stand.csv", "--unit", "V", "--stand", "paper_stand.toml"]
 
 
 def on_terminal(command, columns=80, **environment):

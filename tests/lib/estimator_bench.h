@@ -24,7 +24,7 @@ static inline tumble_coefficients_t estimate_with(estimator_t *estimator, const 
     tumble_coefficients_t again;
     tumble_refusal_t refusal = {0xFFFFFFFFU, 0xFF};
     ASSERT_STATUS(TUMBLE_OK, estimator(schedule, means, &coefficients, &refusal));
-    TEST_ASSERT_EQUAL_HEX32(0, refusal.missing);
+    TEST_ASSERT_EQUAL_HEX64(0, refusal.missing);
     TEST_ASSERT_EQUAL_HEX8(0, refusal.unidentified);
     ASSERT_STATUS(TUMBLE_OK, estimator(schedule, means, &again, NULL));
     assert_same_coefficients(&coefficients, &again);
@@ -42,7 +42,7 @@ static inline void assert_estimator_refuses(estimator_t *estimator, const tumble
     memset(&coefficients, 0x5A, sizeof coefficients);
     as_they_were = coefficients;
     ASSERT_STATUS(expected, estimator(schedule, means, &coefficients, &refusal));
-    TEST_ASSERT_EQUAL_HEX32(reason.missing, refusal.missing);
+    TEST_ASSERT_EQUAL_HEX64(reason.missing, refusal.missing);
     TEST_ASSERT_EQUAL_HEX8(reason.unidentified, refusal.unidentified);
     ASSERT_STATUS(expected, estimator(schedule, means, &coefficients, NULL));
     TEST_ASSERT_EQUAL_MEMORY(&as_they_were, &coefficients, sizeof coefficients);

@@ -1,5 +1,7 @@
 #include "navcomp_sdo.h"
 
+#include <stdio.h>
+
 void ask(const uint8_t request[8], uint8_t answer[8])
 {
     tumble_can_frame_t frame = fake_frame(0x601, 8, request);
@@ -130,7 +132,10 @@ static bool answers(const tumble_entry_t *entry, uint16_t index, uint8_t subinde
         TEST_ASSERT_TRUE((size == entry->size) || (entry->type == TUMBLE_TYPE_VISIBLE_STRING));
     }
     if ((entry->access & TUMBLE_ACCESS_READ) != 0U) {
-        TEST_ASSERT_TRUE_MESSAGE((abort == 0U) || (abort == TUMBLE_ABORT_NO_DATA), "a reason to be without a value");
+        char message[64];
+        (void)snprintf(message, sizeof message, "%04Xh:%u cannot be read: abort code %08X", index, subindex,
+                       (unsigned)abort);
+        TEST_ASSERT_TRUE_MESSAGE((abort == 0U) || (abort == TUMBLE_ABORT_NO_DATA), message);
     } else {
         TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_WRITE_ONLY, abort);
         TEST_ASSERT_EQUAL_HEX8(TUMBLE_ACCESS_WRITE, entry->access & 3U);

@@ -7,7 +7,8 @@ import re
 from dataclasses import replace
 
 from kinds import Entry
-from model import MAX_CONSUMERS, Node, Object, Pdo, slug
+from model import MAX_CONSUMERS, Node, Object, Pdo
+from rules import slug
 from standard import MAX_MAPPED, PDO_INVALID
 
 NOTICE = "Written by tools/objects/generate from tools/objects/{file}: change it there."

@@ -28,6 +28,7 @@ from rules import (
     check_entry,
     check_keys,
     check_names,
+    slug,
     text_size,
 )
 from standard import MAX_MAPPED, PDO_INVALID, dummy_objects, pdo_objects
@@ -91,11 +92,6 @@ class Node:
     @property
     def entries(self) -> list[Entry]:
         return [entry for item in self.objects for entry in item.entries]
-
-
-def slug(name: str) -> str:
-    """A C identifier from an object's name."""
-    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
 def expanded(tables: list[dict]) -> list[dict]:
@@ -239,9 +235,9 @@ class NodeReader:
     def read_object(self, table: dict) -> Object:
         index = table.get("index")
         where = f"{self.file}: object {index:04X}h" if isinstance(index, int) else f"{self.file}: an object"
-        check_keys(table, OBJECT_KEYS | ENTRY_KEYS, where)
-        check("index" in table and "name" in table, where, "needs index and name")
         kind = table.get("kind", "var")
+        check_keys(table, OBJECT_KEYS | (ENTRY_KEYS if kind == "var" else SHARED_KEYS), where)
+        check("index" in table and "name" in table, where, "needs index and name")
         check(kind in KINDS, where, f"kind is not one of {', '.join(KINDS)}")
         check(0 < table["index"] <= 0xFFFF, where, "index is out of range")
         item = Object(table["index"], table["name"], kind, table.get("about", ""), table.get("values"), [],

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinds import Entry
-from model import Node, Object, check, read_toml, slug
+from model import Node, Object, read_toml
+from rules import check, slug
 
-LAST = 0xFFFF
+LAST, VALIDITY_BITS = 0xFFFF, 16  # the last register's number; bits of one
 SERVICE_KEY = 0x2006_01
 COLUMNS = 120
-VALIDITY_BITS = 16
 MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
 OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
 OWN_TYPES = ("u16", "u32", "i32", "f32", "f64")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from headers import OWN
 from kinds import Entry, TableError, Type
@@ -56,10 +57,20 @@ def check_keys(table: object, allowed: set[str], where: str) -> None:
         check(isinstance(value, wanted), where, f"{key} has a value of the wrong type")
 
 
+def slug(name: str) -> str:
+    """A C identifier from an object's name."""
+    return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+
+
 def check_names(names: list[str], where: str) -> None:
-    """Tools find objects by their names."""
+    """Tools find objects by their names, C by the identifiers made of them; both stand in comments of C."""
     twice = sorted({name for name in names if names.count(name) > 1})
     check(not twice, where, f"the name {', '.join(twice)} is there twice")
+    for name in names:
+        alike = [other for other in names if slug(other) == slug(name)]
+        check(slug(name) != "" and name.isprintable(), where, f"the name {name!r} is no identifier of C")
+        check(len(alike) == 1, where, f"the names {' and '.join(alike)} are one identifier of C")
+        check("*/" not in name and "/*" not in name, where, f"the name {name!r} would end or begin a comment of C")
 
 
 def text_size(table: dict, kind: Type, value: object, home: str) -> int:
@@ -75,6 +86,7 @@ def check_entry(entry: Entry, where: str) -> None:
     check(entry.map in MAPS, where, "map is not receive, transmit or both")
     check(1 <= entry.size <= MAX_BYTES, where, f"its size is not within 1 to {MAX_BYTES} bytes")
     check(entry.home != "value" or entry.value is not None, where, "home value without a value")
+    check(entry.home != "computed" or entry.value is None, where, "a computed value has no power-on value")
     check(entry.home != "value" or entry.access in ("ro", "const") or entry.index < 0x1000, where,
           "a constant that can be written")
     check(entry.home != "other" or (entry.struct and entry.member), where, "home other needs struct and member")

@@ -140,6 +140,19 @@ typedef struct {
  * turned by 180 degrees about the bisector of the block's y and z axes. */
 extern const tumble_schedule_t tumble_schedule_paper;
 
+/* The paper's schedule and a third mounting like it, x, y, z along n, v, h: every pair of block axes shares a circle, so
+ * the length of a measured acceleration does not depend on how square stand and block are (docs/method.md). 27 positions.
+ */
+extern const tumble_schedule_t tumble_schedule_three_mountings;
+
+/* The same three mountings, each at 45, 135, 225 and 315 degrees: as good on a square stand as the paper's, with 12
+ * positions. */
+extern const tumble_schedule_t tumble_schedule_diagonal;
+
+/* Each face of the block up once, in the paper's two mountings, with the numbers that these positions have there. Only
+ * tumble_estimate_least_squares and gains solve it. */
+extern const tumble_schedule_t tumble_schedule_six_faces;
+
 /* Is this schedule usable data? Checks the sizes, then every mounting (number, rotation, tilt), then every position
  * (mounting, number, use, angle), and stops at the first fault. `where` (may be null) then receives the index of that
  * mounting or position; it is left alone when the fault has no place.
@@ -173,18 +186,22 @@ tumble_status_t tumble_schedule_identify(const tumble_schedule_t *schedule, cons
  * mean square over the positions. Below it the noise of a mean would be magnified about a thousandfold. */
 #define TUMBLE_MIN_SENSITIVITY_G 1e-3
 
-/* Where a schedule holds the positions of the paper: index of the fit position in each slot [mounting - 1][l - 1]. */
+/* The circles that a schedule holds for the closed forms. */
 typedef struct {
-    uint8_t index[2][9];
+    uint8_t circles[TUMBLE_CHANNELS]; /* how many have the block's x, y, z along the stand's axis, normal to them */
 } tumble_harmonic_map_t;
 
-/* Find the 2 x 9 positions of the paper among the fit positions, by geometry (matrix, tilt, angle), whatever their
- * numbers; extra positions do no harm. With `measured` (may be null) only measured ones count.
- * `missing` (may be null) receives one bit per empty slot, bit (mounting - 1) * 9 + (l - 1), also on a refusal.
- * Returns TUMBLE_OK; TUMBLE_E_NOT_HARMONIC when the schedule itself lacks one; TUMBLE_E_MISSING_POSITION when it has
- * them all but not all are measured; TUMBLE_E_ARGUMENT (null). */
+/* Find the circles of a schedule by geometry (matrix, tilt, angle), whatever their numbers. A mounting is one if a block
+ * axis lies along the level axis of the stand, so that the circle lies in the two others, and if its fit positions hold
+ * either all nine table angles 0, 45, ... 360 degrees or of these exactly the four diagonals 45, 135, 225, 315. Other
+ * positions and mountings do no harm. Every block axis must lie in some circle: two different ones are enough. With
+ * `measured` (may be null) only measured positions count; of several at one angle the first does.
+ * `map` means something on TUMBLE_OK alone. `missing` (may be null) receives one bit for every position of the schedule
+ * that is needed and was not measured, by its index, also on a refusal.
+ * Returns TUMBLE_OK; TUMBLE_E_NOT_HARMONIC when the schedule itself lacks circles; TUMBLE_E_MISSING_POSITION when it has
+ * them but not all positions are measured; TUMBLE_E_ARGUMENT (null). */
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, const bool *measured,
-                                         tumble_harmonic_map_t *map, uint32_t *missing);
+                                         tumble_harmonic_map_t *map, uint64_t *missing);
 
 /* ---- Averaging: exact integer averaging of raw samples, position by position, with gates.
  *
@@ -213,7 +230,8 @@ typedef struct {
     uint16_t stuck_run;        /* equal values in a row that call a channel stuck, or all of a position with fewer
                                 * samples (but more than one); at least 2, or 0: gate off */
     float noise_counts;        /* declared standard deviation of one sample, finite; 0: unknown, stillness gate off */
-    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0 */
+    float stillness_ratio;     /* scatter over declared noise that still counts as still; finite, above 0, also
+                                * where the gate is off */
 } tumble_averaging_config_t;
 
 /* Monotonic since init, over all positions; they stop at UINT32_MAX instead of wrapping. */
@@ -340,7 +358,7 @@ typedef enum {
 
 /* What an estimator needs of a schedule. */
 enum {
-    TUMBLE_NEEDS_HARMONIC = 0, /* the 2 x 9 positions of the paper */
+    TUMBLE_NEEDS_HARMONIC = 0, /* circles: see tumble_schedule_harmonic */
     TUMBLE_NEEDS_RANK,         /* positions that identify all twelve coefficients */
     TUMBLE_NEEDS_GAINS         /* a gain record made for it */
 };
@@ -353,18 +371,20 @@ typedef struct {
 /* Which positions or coefficients made an estimator refuse; bits as tumble_schedule_harmonic and
  * tumble_schedule_identify have them. Zero when they do not apply. */
 typedef struct {
-    uint32_t missing;
+    uint64_t missing;
     uint8_t unidentified;
 } tumble_refusal_t;
 
-/* `averaged`: the mean of what the two mountings say: K_ix = (K1_ix + K2_ix)/2, U0_i = (U1_0i + U2_0i)/2.
+/* `averaged`: K_ij is the mean of what all circles say that hold the axis j, U0_i that of all circles. In the paper's
+ * schedule: K_ix = (K1_ix + K2_ix)/2, U0_i = (U1_0i + U2_0i)/2.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION (then refusal->missing),
  * TUMBLE_E_NOT_FINITE. `refusal` may be null. */
 tumble_status_t tumble_estimate_averaged(const tumble_schedule_t *schedule, const tumble_means_t *means,
                                          tumble_coefficients_t *coefficients, tumble_refusal_t *refusal);
 
-/* `refined`, formula (7): as averaged, but K_yx from mounting 2 and K_zx from mounting 1, which keeps the yaw of the
- * block on the platform out of them.
+/* `refined`, formula (7): as averaged, but K_ij and K_ji only from the circles that hold both axes i and j, if there are
+ * any. In the paper's schedule: K_yx from mounting 2 and K_zx from mounting 1. A yaw of the block on the platform, or a
+ * tilt of its seat, then turns the block and changes nothing else.
  * Returns as tumble_estimate_averaged: TUMBLE_OK, TUMBLE_E_ARGUMENT, TUMBLE_E_NOT_HARMONIC, TUMBLE_E_MISSING_POSITION
  * (then refusal->missing), TUMBLE_E_NOT_FINITE. */
 tumble_status_t tumble_estimate_refined(const tumble_schedule_t *schedule, const tumble_means_t *means,
@@ -493,6 +513,9 @@ typedef struct {
     double least_noise_v; /* of a mean, however many samples it has: it never counts as less; 0 to TUMBLE_MAX_MEAN_V */
     uint32_t samples;     /* in a mean, where the run does not say; at least 1 */
     bool common_yaw;      /* every mounting has the same yaw */
+    double seat_rad; /* theta_h, theta_n: how far a mounting tilts the block against the axis, and turns it about it;
+                           * one of each for each mounting */
+    double platform_rad; /* theta_h of the platform: one for all mountings */
 } tumble_stand_record_t;
 
 /* The run whose estimate is judged. */
@@ -554,8 +577,9 @@ typedef struct {
     uint16_t schema;
     uint8_t fit_positions;
     uint8_t mountings;
-    uint8_t yaws; /* 1: one yaw for all mountings; else one for each */
-    uint8_t reserved[3];
+    uint8_t yaws;  /* 1: one yaw for all mountings; else one for each */
+    uint8_t seats; /* 0: none is declared; else one for each mounting */
+    uint8_t reserved[2];
     uint32_t schedule_crc;
     uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
@@ -582,7 +606,8 @@ tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const t
 /* Gains of the coefficients: TUMBLE_COEFFICIENTS rows of 3 x fit_positions, as in tumble_gain_table_t. */
 const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
 
-/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, then each yaw; columns as above. */
+/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat, theta_n of each;
+ * columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
 
 /* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
@@ -591,7 +616,7 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 /* ---- The stand-optimal estimator: constant gains for one stand, twice corrected to second order.
  *
  * The gains of a record are those of generalised least squares for the stand's declared errors: twelve rows for the
- * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws). The gains are linear; the
+ * coefficients, further rows for the errors that a run shares (axis tilt, level, yaws, seats). The gains are linear; the
  * outputs are not, and on a stand with a yaw of 15 mrad a linear estimate of K_xx is off by 16 times its uncertainty.
  * Therefore the difference between the exact geometry and its linearisation is taken out of the means and the gains are
  * applied again, twice: docs/method.md, "Stand-optimal weights".
@@ -604,7 +629,9 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 typedef struct {
     double alpha1_rad;
     double alpha2_rad;
-    double alpha3_rad[TUMBLE_MAX_MOUNTINGS]; /* per mounting of the schedule, in its order; beyond: 0 */
+    double alpha3_rad[TUMBLE_MAX_MOUNTINGS];  /* per mounting of the schedule, in its order; beyond: 0 */
+    double theta_h_rad[TUMBLE_MAX_MOUNTINGS]; /* likewise; the platform's is in each */
+    double theta_n_rad[TUMBLE_MAX_MOUNTINGS];
 } tumble_stand_errors_t;
 
 /* What the estimator works with beside its stack; the caller owns it. */
@@ -613,7 +640,8 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + 64U), "with optimal a position costs 4 more");
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_MOUNTINGS) + 16U),
+              "with optimal a position costs 4 more, a mounting 24");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
  * Outputs are working memory too: on TUMBLE_E_STAND_ERROR, and where a result is not finite, they are left zero.

@@ -50,11 +50,14 @@ typedef struct {
     /* `offset` is that of a sector. */
     tumble_status_t (*erase)(void *context, uint32_t offset);
 
-    /* `offset` and `size` are whole granules, all of one sector. `bytes` may have any alignment. They stay where and as
+    /* `offset` and `size` are whole granules, all of one sector. Refuses (TUMBLE_E_NV) a granule that has been programmed
+     * since its sector was erased. `bytes` may have any alignment. They stay where and as
      * they are from the first call until one returns anything but TUMBLE_E_PORT_BUSY, and no longer; until then the
      * driver may read them between calls too, as by DMA. (Initialising a store anew gives up the call under way.) */
     tumble_status_t (*program)(void *context, uint32_t offset, const uint8_t *bytes, uint32_t size);
 
+    /* Any bytes; beyond the end TUMBLE_E_NV. Of a granule that a loss of power has torn the bytes come as they are, with
+     * TUMBLE_OK, also if the memory reports an uncorrectable error: checksums judge them. */
     tumble_status_t (*read)(void *context, uint32_t offset, uint8_t *bytes, uint32_t size);
 } tumble_nv_t;
 

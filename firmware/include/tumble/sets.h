@@ -155,7 +155,7 @@ enum {
 #define TUMBLE_SET_FLAGS 0x007FU
 
 typedef struct {
-    /* Written by the store; what a caller puts here is not read. */
+    /* Written by the store's jobs, which do not read what a caller puts here. For tumble_set_encode the caller fills them. */
     uint32_t sequence; /* one more with each commit; of a proposal, that which it would have had; 0: factory */
     uint32_t restores; /* origin rolled back: the sequence of the set that was brought back; else 0 */
     uint32_t from_crc; /* origin accepted or rolled back: CRC-32 at the end of the proposal's record; else 0 */

@@ -20,7 +20,7 @@ extern "C" {
     X(TUMBLE_E_SCHEDULE_ANGLE, "an angle is out of range or disagrees with its sine and cosine")                       \
     X(TUMBLE_E_SCHEDULE_MOUNTING, "a position refers to a mounting that the schedule does not have")                   \
     X(TUMBLE_E_SCHEDULE_DUPLICATE, "two mountings or two positions have the same number")                              \
-    X(TUMBLE_E_NOT_HARMONIC, "a harmonic estimator needs the 2 x 9 positions, which the schedule does not have")       \
+    X(TUMBLE_E_NOT_HARMONIC, "a harmonic estimator needs circles through all block axes, which the schedule lacks")    \
     X(TUMBLE_E_MISSING_POSITION, "a position that is needed was not measured")                                         \
     X(TUMBLE_E_RANK, "the measured positions cannot identify all twelve coefficients")                                 \
     X(TUMBLE_E_SINGULAR, "the matrix K cannot be inverted: a channel is dead or two channels are parallel")            \

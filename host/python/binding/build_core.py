@@ -45,14 +45,17 @@ typedef struct {
     uint8_t position_count;
 } tumble_schedule_t;
 typedef struct { double u_v[...][3]; bool measured[...]; } tumble_means_t;
-typedef struct { uint8_t index[2][9]; } tumble_harmonic_map_t;
+typedef struct { uint8_t circles[3]; ...; } tumble_harmonic_map_t;
 
 extern const tumble_schedule_t tumble_schedule_paper;
+extern const tumble_schedule_t tumble_schedule_three_mountings;
+extern const tumble_schedule_t tumble_schedule_diagonal;
+extern const tumble_schedule_t tumble_schedule_six_faces;
 tumble_status_t tumble_schedule_validate(const tumble_schedule_t *, uint8_t *where);
 void tumble_schedule_attitude(const tumble_schedule_t *, uint8_t index, double *a_g);
 tumble_status_t tumble_schedule_identify(const tumble_schedule_t *, const bool *measured, uint8_t *unidentified);
 tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *, const bool *measured, tumble_harmonic_map_t *,
-                                         uint32_t *missing);
+                                         uint64_t *missing);
 """
 
 AVERAGING = """
@@ -89,7 +92,7 @@ tumble_status_t tumble_averaging_means(const tumble_averaging_t *, double v_per_
 
 ESTIMATOR = """
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_coefficients_t;
-typedef struct { uint32_t missing; uint8_t unidentified; } tumble_refusal_t;
+typedef struct { uint64_t missing; uint8_t unidentified; } tumble_refusal_t;
 typedef struct { const double *gains; uint8_t fit_positions; } tumble_gain_table_t;
 
 tumble_status_t tumble_estimate_gains(const tumble_gain_table_t *, const tumble_schedule_t *, const tumble_means_t *,
@@ -139,6 +142,7 @@ typedef struct {
     uint8_t fit_positions;
     uint8_t mountings;
     uint8_t yaws;
+    uint8_t seats;
     uint32_t block_crc;
     double k_v_per_g[3][3];
     double sigma_rad[4];
@@ -147,7 +151,7 @@ typedef struct {
     double u_u0_v[3];
     ...;
 } tumble_gain_record_t;
-typedef struct { double alpha1_rad; double alpha2_rad; double alpha3_rad[...]; } tumble_stand_errors_t;
+typedef struct { double alpha1_rad; double alpha2_rad; double alpha3_rad[...]; ...; } tumble_stand_errors_t;
 typedef struct { tumble_stand_errors_t stand; ...; } tumble_optimal_t;
 
 tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const tumble_schedule_t *,
@@ -192,6 +196,8 @@ typedef struct {
     double least_noise_v;
     uint32_t samples;
     bool common_yaw;
+    double seat_rad;
+    double platform_rad;
 } tumble_stand_record_t;
 typedef struct {
     const tumble_schedule_t *schedule;

@@ -5,6 +5,8 @@
 #include "tumble/core.h"
 
 extern const tumble_means_t benchmark_means;
+extern const tumble_means_t benchmark_three_mountings;
+extern const tumble_means_t benchmark_diagonal;
 extern const tumble_gain_record_t *const benchmark_record;
 extern const tumble_gain_table_t benchmark_table;
 extern const tumble_stand_record_t benchmark_stand;

@@ -53,11 +53,15 @@ static const tumble_gain_record_t *record;
 #define ESTIMATE() tumble_uncertainty_refined(&judged, &uncertainty, NULL)
 #elif CANDIDATE == 14
 #define ESTIMATE() tumble_uncertainty_least_squares(&judged, &uncertainty, NULL)
+#elif CANDIDATE == 16
+#define ESTIMATE() tumble_estimate_refined(&tumble_schedule_three_mountings, &benchmark_three_mountings, &found, NULL)
+#elif CANDIDATE == 17
+#define ESTIMATE() tumble_estimate_refined(&tumble_schedule_diagonal, &benchmark_diagonal, &found, NULL)
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
 #endif
 
-#if CANDIDATE >= 13
+#if CANDIDATE >= 13 && CANDIDATE <= 15
 static tumble_uncertainty_t uncertainty;
 static const tumble_judged_run_t judged = {
     &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0, NULL};

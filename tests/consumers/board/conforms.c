@@ -14,7 +14,7 @@ static void report(void *context, const char *check, conformance_verdict_t verdi
 static const tumble_nv_t *reopen(void *context)
 {
     (void)context;
-    return &mine_memory;
+    return &board_memory;
 }
 
 int main(void)

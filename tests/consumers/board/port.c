@@ -49,6 +49,6 @@ static tumble_status_t receive(void *context, tumble_can_frame_t *frame)
 }
 
 const tumble_port_t mine_ports[2] = {
-    {.context = &nodes[0], .now_us = now_us, .can_send = send, .can_receive = receive, .nv = &mine_memory},
+    {.context = &nodes[0], .now_us = now_us, .can_send = send, .can_receive = receive, .nv = &board_memory},
     {.context = &nodes[1], .now_us = now_us, .can_send = send, .can_receive = receive},
 };

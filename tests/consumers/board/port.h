@@ -2,12 +2,13 @@
 #ifndef MINE_PORT_H
 #define MINE_PORT_H
 
+#include "embed_board.h" /* board_memory */
+
 #include <tumble/port.h>
 
 #define MINE_QUEUE 64U /* frames that may wait; then the sender is told to wait */
 
 extern const tumble_port_t mine_ports[2]; /* the first has the memory */
-extern const tumble_nv_t mine_memory;
 
 void mine_pass(void *context, uint32_t us);
 

@@ -156,7 +156,7 @@ static void test_they_name_the_missing_positions(void)
     }
 }
 
-static void test_they_refuse_a_schedule_without_the_positions_of_the_paper(void)
+static void test_they_refuse_a_schedule_without_circles(void)
 {
     static tumble_means_t means;
     dice_t dice = {16};

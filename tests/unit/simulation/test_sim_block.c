@@ -49,7 +49,7 @@ static void set_up(void)
            sizeof config.sensor.k_v_per_g);
     sim_block_init(&block, &config, &config.sensor, 5, &virtual_clock, &bus, BLOCK, &axis);
     sim_bus_attach(&bus, LISTENER, SIM_ACTOR_NAVCOMP);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], 0.0, 0.0, 0.0);
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0});
     sim_block_mount(&block, &geometry);
     heard_count = 0;
     heartbeats = 0;

@@ -24,6 +24,12 @@ static vector_t yawed(vector_t f, double alpha3)
     return (vector_t){f.x * cos(alpha3) + f.y * sin(alpha3), -f.x * sin(alpha3) + f.y * cos(alpha3), f.z};
 }
 
+/* A seat that leans turns n towards v. */
+static vector_t leaning(vector_t f, double theta_h)
+{
+    return (vector_t){f.x, f.y * cos(theta_h) + f.z * sin(theta_h), f.z * cos(theta_h) - f.y * sin(theta_h)};
+}
+
 static void assert_force(vector_t expected, const double a_g[3], double tolerance)
 {
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected.x, a_g[0]);
@@ -39,14 +45,18 @@ static void test_both_mountings_of_the_paper(void)
         const double alpha1 = 0.3 * dice_signed_unit(&dice);
         const double alpha2 = 0.3 * dice_signed_unit(&dice);
         const double alpha3 = 0.3 * dice_signed_unit(&dice);
+        const double theta_h = 0.3 * dice_signed_unit(&dice);
+        const double theta_n = 0.3 * dice_signed_unit(&dice);
         const double actual_deg = 400.0 * dice_signed_unit(&dice);
-        const vector_t t = yawed(table_force(alpha1, actual_deg / DEG + alpha2), alpha3);
+        const vector_t f = table_force(alpha1, actual_deg / DEG + alpha2 + theta_n);
+        const vector_t t = yawed(leaning(f, theta_h), alpha3);
+        const sim_seat_t seat = {alpha1, alpha2, alpha3, theta_h, theta_n};
         sim_geometry_t geometry;
         double a_g[3];
-        sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], alpha1, alpha2, alpha3);
+        sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &seat);
         sim_geometry_force(&geometry, actual_deg, a_g);
         assert_force((vector_t){t.x, t.y, t.z}, a_g, 3e-15);
-        sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], alpha1, alpha2, alpha3);
+        sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], &seat);
         sim_geometry_force(&geometry, actual_deg, a_g);
         assert_force((vector_t){-t.x, t.z, t.y}, a_g, 3e-15);
     }
@@ -65,7 +75,7 @@ static void test_any_mounting_and_tilt(void)
         random_rotation(&dice, mounting.matrix);
         sim_geometry_t geometry;
         double a_g[3];
-        sim_geometry_init(&geometry, &mounting, alpha1, 0.0, alpha3);
+        sim_geometry_init(&geometry, &mounting, &(sim_seat_t){alpha1, 0.0, alpha3, 0.0, 0.0});
         sim_geometry_force(&geometry, actual_deg, a_g);
         const vector_t t = yawed(table_force(tilt_deg / DEG + alpha1, actual_deg / DEG), alpha3);
         for (int i = 0; i < 3; i++) {
@@ -83,7 +93,7 @@ static void test_the_ideal_stand_is_the_schedules(void)
         sim_geometry_t geometry;
         double a_g[3];
         double ideal_g[3];
-        sim_geometry_init(&geometry, tumble_schedule_mounting_of(&tumble_schedule_paper, i), 0.0, 0.0, 0.0);
+        sim_geometry_init(&geometry, tumble_schedule_mounting_of(&tumble_schedule_paper, i), &(sim_seat_t){0});
         sim_geometry_force(&geometry, tumble_schedule_paper.positions[i].angle.deg, a_g);
         tumble_schedule_attitude(&tumble_schedule_paper, i, ideal_g);
         assert_force((vector_t){ideal_g[0], ideal_g[1], ideal_g[2]}, a_g, 2.3e-16);
@@ -96,16 +106,16 @@ static void test_signs_at_the_first_position(void)
 {
     sim_geometry_t geometry;
     double a_g[3];
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], 0.0, 1e-3, 0.0);
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1e-3, a_g[0]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], 0.0, 1e-3, 0.0);
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -1e-3, a_g[0]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], 1e-3, 0.0, 0.0);
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){1e-3, 0.0, 0.0, 0.0, 0.0});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1e-3, a_g[1]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], 0.0, 0.0, 1e-3);
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 0.0, 1e-3, 0.0, 0.0});
     sim_geometry_force(&geometry, 90.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -1e-3, a_g[1]);
 }

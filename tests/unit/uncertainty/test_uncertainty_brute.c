@@ -26,7 +26,7 @@ static void gains_of(estimator_t *estimator, const tumble_schedule_t *schedule, 
 
 /* Every error of a stand is a change of the schedule's data: this moves one position, by the sine and cosine of a
  * small x. */
-typedef enum { ALPHA1, ALPHA2, ALPHA3 } error_t;
+typedef enum { ALPHA1, ALPHA2, ALPHA3, THETA_H, ERRORS } error_t;
 
 static void move_position(tumble_mounting_t *mounting, tumble_angle_t *angle, error_t error, double sine, double cosine)
 {
@@ -38,12 +38,19 @@ static void move_position(tumble_mounting_t *mounting, tumble_angle_t *angle, er
         const tumble_angle_t level = *angle;
         angle->sine = level.sine * cosine + level.cosine * sine;
         angle->cosine = level.cosine * cosine - level.sine * sine;
-    } else {
+    } else if (error == ALPHA3) {
         for (int i = 0; i < 3; i++) {
             const double h = mounting->matrix[i][0];
             const double n = mounting->matrix[i][1];
             mounting->matrix[i][0] = h * cosine - n * sine;
             mounting->matrix[i][1] = n * cosine + h * sine;
+        }
+    } else {
+        for (int i = 0; i < 3; i++) {
+            const double n = mounting->matrix[i][1];
+            const double v = mounting->matrix[i][2];
+            mounting->matrix[i][1] = n * cosine - v * sine;
+            mounting->matrix[i][2] = v * cosine + n * sine;
         }
     }
 }
@@ -76,15 +83,15 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
 {
     const tumble_schedule_t *schedule = run->schedule;
     const tumble_stand_record_t *stand = run->stand;
-    double sums[3] = {0};
-    double yaws[256] = {0};
+    double sums[ERRORS] = {0};
+    double by_mounting[ERRORS][256] = {{0}};
     double squares = 0.0;
     for (unsigned p = 0; p < schedule->position_count; p++) {
         if (schedule->positions[p].use != TUMBLE_USE_FIT) {
             continue;
         }
         const double n = (double)((run->samples != NULL) ? run->samples[p] : stand->samples);
-        for (int error = 0; error < 3; error++) {
+        for (int error = 0; error < ERRORS; error++) {
             double force[3];
             double effect = 0.0;
             force_derivative(schedule, p, (error_t)error, force);
@@ -94,7 +101,7 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
                 }
             }
             sums[error] += effect;
-            yaws[schedule->positions[p].mounting] += (error == ALPHA3) ? effect : 0.0;
+            by_mounting[error][schedule->positions[p].mounting] += effect;
             squares += (error == ALPHA2) ? stand->angle_rad * stand->angle_rad * effect * effect : 0.0;
         }
         for (int i = 0; i < 3; i++) {
@@ -107,11 +114,15 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
     }
     const double tilt = stand->axis_tilt_rad * sums[ALPHA1];
     const double level = stand->level_rad * sums[ALPHA2];
+    const double platform = stand->platform_rad * sums[THETA_H];
     double yaw = stand->common_yaw ? sums[ALPHA3] * sums[ALPHA3] : 0.0;
-    for (int m = 0; (m < 256) && !stand->common_yaw; m++) {
-        yaw += yaws[m] * yaws[m];
+    double seat = 0.0;
+    for (int m = 0; m < 256; m++) {
+        yaw += stand->common_yaw ? 0.0 : by_mounting[ALPHA3][m] * by_mounting[ALPHA3][m];
+        seat += by_mounting[THETA_H][m] * by_mounting[THETA_H][m] + by_mounting[ALPHA2][m] * by_mounting[ALPHA2][m];
     }
-    return sqrt(tilt * tilt + level * level + stand->remount_rad * stand->remount_rad * yaw + squares);
+    return sqrt(tilt * tilt + level * level + platform * platform + stand->remount_rad * stand->remount_rad * yaw +
+                stand->seat_rad * stand->seat_rad * seat + squares);
 }
 
 static tumble_stand_record_t random_stand(dice_t *dice)
@@ -125,6 +136,8 @@ static tumble_stand_record_t random_stand(dice_t *dice)
         .least_noise_v = 1e-4 * magnitude(dice_signed_unit(dice)),
         .samples = 1U + dice_below(dice, 100),
         .common_yaw = dice_below(dice, 2) == 0U,
+        .seat_rad = 1e-3 * magnitude(dice_signed_unit(dice)),
+        .platform_rad = 1e-3 * magnitude(dice_signed_unit(dice)),
     };
 }
 
@@ -160,7 +173,7 @@ static void test_least_squares_on_any_schedule(void)
             tumble_refusal_t refusal = {1, 0};
             ASSERT_STATUS(TUMBLE_E_RANK, tumble_uncertainty_least_squares(&run, &found, &refusal));
             TEST_ASSERT_EQUAL_HEX8(unidentified, refusal.unidentified);
-            TEST_ASSERT_EQUAL_HEX32(0, refusal.missing);
+            TEST_ASSERT_EQUAL_HEX64(0, refusal.missing);
             continue;
         }
         gains_of(tumble_estimate_least_squares, &s.schedule, table);

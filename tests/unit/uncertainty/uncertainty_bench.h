@@ -14,7 +14,7 @@ static inline tumble_uncertainty_t judged(judge_t *judge, const tumble_judged_ru
     tumble_uncertainty_t again;
     tumble_refusal_t refusal = {0xFFFFFFFFU, 0xFF};
     ASSERT_STATUS(TUMBLE_OK, judge(run, &found, &refusal));
-    TEST_ASSERT_EQUAL_HEX32(0, refusal.missing);
+    TEST_ASSERT_EQUAL_HEX64(0, refusal.missing);
     TEST_ASSERT_EQUAL_HEX8(0, refusal.unidentified);
     ASSERT_STATUS(TUMBLE_OK, judge(run, &again, NULL));
     TEST_ASSERT_EQUAL_MEMORY(&found, &again, sizeof found);

@@ -4,7 +4,7 @@ The tuples are written by tools/estimators.py from the table in tumble/core.h: a
 core.
 """
 
-PAPER = ("averaged", "refined")  # closed forms on the paper's positions
+HARMONIC = ("averaged", "refined")  # closed forms, on circles through two block axes
 LINEAR = ("averaged", "refined", "least_squares")  # that need no stand
 ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 OPTIMAL = "optimal"  # weighs by the stand's errors

@@ -12,6 +12,15 @@ from dataclasses import dataclass
 FIT = "fit"
 CHECK = "check"
 
+# Built-in schedules: the core and its witness each have their own. --schedule takes these names; a file of the same
+# name is given with a path.
+BUILT_IN = ("paper", "three_mountings", "diagonal", "six_faces")
+
+
+def file_of(name: str | None) -> str | None:
+    """The file that --schedule names; None for a built-in schedule."""
+    return None if name in BUILT_IN else name
+
 
 @dataclass(frozen=True)
 class Mounting:

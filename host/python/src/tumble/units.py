@@ -1,5 +1,8 @@
 """Units of a block's outputs: the volt, its multiples, and whatever a run file names."""
 
+from __future__ import annotations
+
+import math
 import re
 
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
@@ -12,6 +15,11 @@ def volts_per(unit: str) -> float:
     return _VOLTS_PER_UNIT.get(unit, 1.0)
 
 
+def unit_of(volts: float) -> str | None:
+    """The unit of this size; None where the volt has no such multiple."""
+    return next((unit for unit, size in _VOLTS_PER_UNIT.items() if math.isclose(size, volts)), None)
+
+
 def noise_unit(unit: str) -> str:
     """The unit that noise is declared and reported in, for outputs in `unit`."""
     return "V" if unit in _VOLTS_PER_UNIT else unit
@@ -20,3 +28,8 @@ def noise_unit(unit: str) -> str:
 def per_g(unit: str) -> str:
     """The unit of K for outputs in `unit`."""
     return f"({unit})/g" if "/" in unit else f"{unit}/g"
+
+
+def per_m_s2(unit: str) -> str:
+    """The same for an acceleration in m/s^2."""
+    return f"({unit})/(m/s^2)" if "/" in unit else f"{unit}/(m/s^2)"

@@ -17,6 +17,7 @@ from tumble.bench.setup import Setup, step_v
 from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
+from tumble.files.run_layout import Wishes
 from tumble.fixture.stand_doubts import look_for_doubts
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.solution import Solution, Truth, solve
@@ -60,7 +61,7 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     confirm it within 1e-12 of max|K| (the optimal estimator: 1e-6 of u), once from these means and once from the
     samples in run.csv, averaged anew. And it must confirm the standard uncertainties that the firmware states.
     """
-    recorded = read_run(str(stage / "run.csv"), setup.schedule.data)
+    recorded = read_run(str(stage / "run.csv"), setup.schedule.data, Wishes(unit="V"))
     run = _as_averaged(recorded, document)
     try:
         solution = solve(
@@ -144,4 +145,6 @@ def _truth(truth: dict[str, Any]) -> Truth:
         alpha2=truth["alpha2_rad"],
         alpha3=tuple(truth["alpha3_rad"]),
         alpha4=tuple(truth["alpha4_rad"]),
+        theta_h=tuple(truth["theta_h_rad"]),
+        theta_n=tuple(truth["theta_n_rad"]),
     )

@@ -77,6 +77,9 @@ def _numbers(*values: float) -> str:
 def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
     for key in ("axis_tilt", "level", "remount", "angle"):
         yield f"stand.{key}_rad", _numbers(getattr(stand, key))
+    for key in ("seat", "platform"):
+        if getattr(stand, key) > 0.0:
+            yield f"stand.{key}_rad", _numbers(getattr(stand, key))
     yield "stand.limits", stand.limits
     yield "stand.remount", stand.remounting
     yield "block.noise_v", _numbers(stand.noise, stand.noise, stand.noise)

@@ -1,17 +1,22 @@
-"""Coefficients in the formats of other tools: 17 digits, unit and standard uncertainty with every number."""
+"""Coefficients in the formats of other tools: 17 digits, with every number its unit and its standard uncertainty."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
-from tumble.units import per_g
+import numpy as np
+
+from tumble.solving import si
+from tumble.solving.assumptions import phrase
+from tumble.units import per_g, per_m_s2
 
 _C_HEADER = """\
 /* Coefficients of a three-axis block of accelerometers: U = U0 + K a
  *
- * U: outputs in {unit}; a: specific force in units of local gravity; K_ij in {k_unit}: response of channel i to
+ * U: outputs in {unit}; a: specific force in {force}; K_ij in {k_unit}: response of channel i to
  * acceleration along axis j; U0_i in {unit}. Estimator: {estimator}.
  * Gravity check: {verdict}, largest error {largest!r} g, limit {limit!r} g.
  * Standard uncertainties (one sigma): {known}.
@@ -20,6 +25,7 @@ _C_HEADER = """\
 #define TUMBLE_COEFFICIENTS_H
 
 #define TUMBLE_OUTPUT_UNIT "{unit}"
+#define TUMBLE_FORCE_UNIT "{force_unit}"
 #define TUMBLE_GRAVITY_CHECK_PASSED {passed}
 #define TUMBLE_UNCERTAINTY_KNOWN {is_known}
 
@@ -34,53 +40,112 @@ typedef struct {{
 #define TUMBLE_COEFFICIENTS_INITIALIZER \\
     {{ {{ {rows} }}, \\
       {{ {biases} }} }}
-
+{covariance}
 #endif
 """
 
 
-def _coefficients(result: dict[str, Any]) -> Iterator[tuple[str, float, str, float | None]]:
-    """Name, value, unit and standard uncertainty (None: unknown) of the twelve."""
-    unit, u_k, u_u0 = result["unit"], result["u_K"], result["u_U0"]
-    for i, channel in enumerate("xyz"):
-        for j, axis in enumerate("xyz"):
-            yield f"K_{channel}{axis}", result["K"][i][j], per_g(unit), None if u_k is None else u_k[i][j]
-    for i, channel in enumerate("xyz"):
-        yield f"U0_{channel}", result["U0"][i], unit, None if u_u0 is None else u_u0[i]
+FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
+NAMES = tuple([f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"])
 
 
-def to_csv(result: dict[str, Any]) -> str:
-    """One row a coefficient. An unknown uncertainty is an empty field."""
-    rows = ["coefficient,value,unit,standard_uncertainty,uncertainty_unit"]
-    for name, value, unit, u in _coefficients(result):
-        rows.append(f"{name},{value:.17g},{unit},{'' if u is None else format(u, '.17g')},{unit}")
+def _assumed(result: dict[str, Any], coefficient: str) -> list[str]:
+    """Names of what a coefficient rests on."""
+    of = result["assumed_for"]
+    return [name for name in result["assumes"] if coefficient in (of.get(name) or [coefficient])]
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What is exported: the twelve in the order of NAMES, each with its unit and its standard uncertainty, and their
+    covariance (None: unknown), for accelerations in `force_unit`, one of FORCE_UNITS."""
+
+    values: list[float]
+    units: list[str]
+    uncertainties: list[float] | None
+    covariance: list[list[float]] | None
+    force_unit: str
+
+    @classmethod
+    def of(cls, result: dict[str, Any], force_unit: str = "g") -> Coefficients:
+        """Of a result. Raises ValueError for m/s2 where its environment names no gravity."""
+        unit, u_k = result["unit"], result["u_K"]
+        units = [per_g(unit) if force_unit == "g" else per_m_s2(unit)] * 9 + [unit] * 3
+        if force_unit == "g":
+            values = [*chain(*result["K"]), *result["U0"]]
+            stated = None if u_k is None else [*chain(*u_k), *result["u_U0"]]
+            return cls(values, units, stated, result["covariance"], force_unit)
+        gravity, u_gravity = si.gravity_of(result["environment"])
+        if gravity is None:
+            raise ValueError("its environment has no gravity_m_s2")
+        known = None if result["covariance"] is None else np.array(result["covariance"])
+        found = si.converted(np.array(result["K"]), np.array(result["U0"]), known, gravity, u_gravity)
+        joint = found.covariance
+        stated = None if joint is None else np.sqrt(np.diag(joint)).tolist()
+        values = [*found.k.ravel().tolist(), *result["U0"]]
+        return cls(values, units, stated, None if joint is None else joint.tolist(), force_unit)
+
+
+def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
+    """One row a coefficient, its covariances with all twelve at the end. What is unknown is an empty field."""
+    them = Coefficients.of(result, force_unit)
+    joint_names = ",".join(f"covariance_{name}" for name in NAMES)
+    rows = [f"coefficient,value,unit,standard_uncertainty,uncertainty_unit,assumes,{joint_names}"]
+    for i, (name, value, unit) in enumerate(zip(NAMES, them.values, them.units)):
+        u = "" if them.uncertainties is None else format(them.uncertainties[i], ".17g")
+        joint = [""] * 12 if them.covariance is None else [format(one, ".17g") for one in them.covariance[i]]
+        assumed = " ".join(_assumed(result, name))
+        rows.append(",".join([name, format(value, ".17g"), unit, u, unit, assumed, *joint]))
     return "\n".join(rows) + "\n"
 
 
-def to_c(result: dict[str, Any]) -> str:
+def to_c(result: dict[str, Any], force_unit: str = "g") -> str:
     """A header of constants that needs nothing else. Unknown uncertainties are left out, not invented."""
-    definitions = []
-    for name, value, unit, u in _coefficients(result):
-        definitions.append(f"#define TUMBLE_{name.upper()} ({_literal(value)}) /* {unit} */")
-        if u is not None:
-            definitions.append(f"#define TUMBLE_U_{name.upper()} ({_literal(u)}) /* {unit}, standard uncertainty */")
+    them, definitions = Coefficients.of(result, force_unit), []
+    for i, (name, value, unit) in enumerate(zip(NAMES, them.values, them.units)):
+        condition = phrase(_assumed(result, name))
+        definitions.append(f"#define TUMBLE_{name.upper()} ({_literal(value)}) /* {unit}{condition} */")
+        if them.uncertainties is not None:
+            u = _literal(them.uncertainties[i])
+            definitions.append(f"#define TUMBLE_U_{name.upper()} ({u}) /* {unit}, standard uncertainty */")
     verification = result["verification"]
-    is_known = result["u_K"] is not None
+    is_known = them.uncertainties is not None
     return _C_HEADER.format(
         unit=result["unit"],
-        k_unit=per_g(result["unit"]),
+        k_unit=them.units[0],
+        force=FORCE_UNITS[force_unit],
+        force_unit=force_unit,
         estimator=result["estimator"],
-        verdict="passed" if verification["pass"] else "FAILED",
+        verdict=f"passed{phrase(result['assumes'])}" if verification["pass"] else "FAILED",
         largest=verification["max_abs_delta_g_g"],
         limit=verification["limit_g"],
-        known="TUMBLE_U_..., below" if is_known else "unknown, no stand was declared",
+        known="TUMBLE_U_..., below" if is_known else f"unknown, {_why_unknown(result)}",
         origin="".join(f" * {line}\n" for line in _origin(result)),
         passed=int(verification["pass"]),
         is_known=int(is_known),
         definitions="\n".join(definitions),
         rows=", \\\n        ".join(f"{{ {', '.join(f'TUMBLE_K_{i}{j}' for j in 'XYZ')} }}" for i in "XYZ"),
         biases=", ".join(f"TUMBLE_U0_{i}" for i in "XYZ"),
+        covariance=_covariance(them),
     )
+
+
+def _why_unknown(result: dict[str, Any]) -> str:
+    return "no stand was declared" if result["u_K"] is None else "that of gravity is not told"
+
+
+def _covariance(them: Coefficients) -> str:
+    """The macro for an array [12][12]; nothing where it is unknown."""
+    if them.covariance is None:
+        return ""
+    rows = []
+    for row in them.covariance:
+        numbers = [_literal(value) for value in row]
+        lines = [", ".join(numbers[start : start + 4]) for start in (0, 4, 8)]
+        rows.append("{ " + ", \\\n        ".join(lines) + " }")
+    body = ", \\\n      ".join(rows)
+    about = "/* Of the twelve, K row by row, then U0, in the products of their units: double covariance[12][12]. */"
+    return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
 def warnings(result: dict[str, Any]) -> list[str]:

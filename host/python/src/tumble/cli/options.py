@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
+from tumble.schedule import BUILT_IN
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
@@ -27,7 +28,9 @@ def add_subjects(subparsers: Subparsers, name: str, about: str, description: str
 
 def add_schedule(parser: argparse.ArgumentParser) -> None:
     """--schedule."""
-    parser.add_argument("--schedule", metavar="FILE", help="schedule file (TOML); default: the paper's 2 x 9 positions")
+    names = ", ".join(BUILT_IN[1:])
+    about = f"{names}, or a schedule file (TOML); default: paper, its 2 x 9 positions"
+    parser.add_argument("--schedule", metavar="NAME", help=about)
 
 
 def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:

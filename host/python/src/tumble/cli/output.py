@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 
-from tumble.cli import presentation
+from tumble.cli import presentation, propagated
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.fixture.stand_doubts import complaint
 from tumble.messages import tell
@@ -14,19 +15,25 @@ from tumble.units import noise_unit
 _NOTABLE_MISFIT = 2.0
 
 
-def warn(solution: Solution) -> None:
-    """A line on stderr for each reason why a solution's uncertainties may not be what they claim."""
+def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
+    """A line on stderr for each reason why a solution may not be what it claims. `odd`: what is odd about its K."""
+    if not solution.run.unit_told:
+        tell("tumble: warning: the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
+    for sentence in odd:
+        tell(f"tumble: warning: {sentence}")
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V":
         noise = f"noise_v of the stand file, {solution.stand.noise:g}"
         tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
-    for shift in [] if solution.second_order is None else solution.second_order.shifts:
-        tell(f"tumble: warning: {shift}")
+    for beyond in [] if solution.second_order is None else solution.second_order.complaints:
+        tell(f"tumble: warning: {beyond}")
     if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
         tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
     noisy = presentation.noise_notice(solution)
     if noisy is not None:
         tell(f"tumble: warning: {noisy}; the uncertainties count it")
+    if solution.monte_carlo is not None and (open_or_not := propagated.complaint(solution.monte_carlo)):
+        tell(f"tumble: warning: {open_or_not}")
     doubt = complaint(solution)
     if doubt is not None:
         tell(f"tumble: warning: {doubt}; the uncertainties are too small")
@@ -51,7 +58,7 @@ def _plain_text(solution: Solution, file: str) -> str:
     lines += presentation.notes(solution) + presentation.uncertainty_notes(solution) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
-    lines += [*presentation.remarks(solution), "", *presentation.beware(solution), *presentation.stray(solution)]
+    lines += [*presentation.remarks(solution), "", *presentation.beware(solution)]
     lines += [presentation.verdict(solution)]
     return "\n".join(lines) + "\n"
 

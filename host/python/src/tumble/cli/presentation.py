@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.estimators import PAPER
+from tumble.cli import propagated
+from tumble.estimators import HARMONIC
 from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
@@ -26,8 +27,6 @@ _HINT = "For uncertainties, describe the stand: --stand FILE"
 _HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
 BAR_WIDTH = 36
 _UNKNOWN = "unknown"
-_FAR_ABOVE = 5.0  # times the median scatter of a channel
-_FEWEST_TO_COMPARE = 5  # positions
 
 
 @dataclass(frozen=True)
@@ -61,10 +60,11 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     simulated run also the true value, and the error (estimate less truth) over the standard uncertainty.
 
     An uncertainty is given over the scale of its row, K_ii: of K_ii itself in ppm, of a cross-axis sensitivity as the
-    angle that it is, in urad, of U0 in ug.
+    angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
     """
     unit, rows = solution.run.unit, []
     u_k, u_u0 = solution.scatter_alone or (solution.u_k, solution.u_u0)
+    marked = {name for names in assumed(solution).values() for name in names}
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
@@ -75,7 +75,8 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
             known = () if truth is None or errors is None else _known(truth.k[i, j], errors[0][i, j], decimals)
-            rows.append((f"K_{channel}{axis}", value, per_g(unit), _u(u), relative, difference, *known))
+            name = f"K_{channel}{axis}"
+            rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
         u = None if u_u0 is None else u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
@@ -157,7 +158,8 @@ def gravity_bars(solution: Solution) -> list[GravityBar]:
 
 
 def remarks(solution: Solution) -> list[str]:
-    """Closure, residuals and the stand as the run shows it: one line each, where there is anything to say."""
+    """Closure, residuals, the stand as the run shows it, what follows from the coefficients: one line each, where there
+    is anything to say."""
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
@@ -166,9 +168,9 @@ def remarks(solution: Solution) -> list[str]:
         for mounting, difference in solution.found.closure.items()
     ]
     if solution.found.residual_rms is not None:
-        yaw = " (yaw included)" if solution.found.estimator in PAPER else ""
+        yaw = " (yaw included)" if solution.found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
-    return lines + _stand_remarks(solution)
+    return lines + _stand_remarks(solution) + propagated.remarks(solution)
 
 
 def _stand_remarks(solution: Solution) -> list[str]:
@@ -225,25 +227,6 @@ def beware(solution: Solution) -> list[str]:
         return []
     warning = f"Beware: {complaint}. The uncertainties above are too small."
     return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
-
-
-def stray(solution: Solution) -> list[str]:
-    """Of a run that fails: the position whose samples scatter far more than those of the others, if there is one. A
-    single wrong sample shows there, while the gravity check blames every position that it spoils."""
-    several = np.flatnonzero(solution.run.samples > 1)
-    if solution.found.gravity.passed or len(several) < _FEWEST_TO_COMPARE:
-        return []
-    scatter = solution.run.scatter[several]
-    usual = np.median(scatter, axis=0)
-    excess = np.where(scatter > _FAR_ABOVE * usual, scatter, 0.0)
-    place, channel = np.unravel_index(int(excess.argmax()), excess.shape)
-    if excess[place, channel] == 0.0:
-        return []
-    unit, label = solution.run.unit, solution.schedule.positions[several[place]].label
-    return [
-        f"Largest scatter: {excess[place, channel]:.2g} {unit} of u{'xyz'[channel]} at {label}, "
-        f"{usual[channel]:.2g} {unit} elsewhere: look at its samples"
-    ]
 
 
 def verdict(solution: Solution) -> str:

@@ -32,8 +32,6 @@ def show(solution: Solution, file: str) -> None:
     console.print()
     for line in presentation.beware(solution):
         console.print(Text(line, style="yellow"))
-    for line in presentation.stray(solution):
-        console.print(Text(line, style="yellow"))
     console.print(Text(presentation.verdict(solution), style=_colour(solution.found.gravity.passed) + " bold"))
 
 

@@ -125,8 +125,9 @@ class CoreSchedule:
     Raises CoreRefusal(where=index of the mounting or position at fault) when the core does not accept it.
     """
 
-    def __init__(self, schedule: Schedule):
-        self.data = schedule
+    def __init__(self, schedule: Schedule, name: str | None = None):
+        """`name`: of a built-in schedule, where it is one."""
+        self.data, self.name = schedule, name
         self._mountings = ffi.new(
             "tumble_mounting_t[]",
             [{"number": m.number, "matrix": m.matrix, "tilt": _angle(m.tilt_deg)} for m in schedule.mountings],
@@ -136,6 +137,11 @@ class CoreSchedule:
         self.struct = ffi.new("tumble_schedule_t *", [self._mountings, self._positions, *counts])
         where = ffi.new("uint8_t *")
         require_ok(lib.tumble_schedule_validate(self.struct, where), where=where[0])
+
+    @classmethod
+    def built_in(cls, name: str) -> CoreSchedule:
+        """The core's own schedule of that name."""
+        return cls(built_in(name), name)
 
     @staticmethod
     def _position(position: Position) -> dict[str, Any]:
@@ -163,20 +169,15 @@ class CoreSchedule:
         status = lib.tumble_schedule_identify(self.struct, self.flags(measured), bits)
         require_ok(status, unidentified=_coefficient_names(bits[0]))
 
-    def harmonic(self, measured: Flags | None = None) -> Integers:
-        """Where the paper's positions are: indices (2, 9). Raises CoreRefusal(missing=labels in paper's numbers)."""
-        harmonic_map, bits = ffi.new("tumble_harmonic_map_t *"), ffi.new("uint32_t *")
+    def harmonic(self, measured: Flags | None = None) -> None:
+        """Raise CoreRefusal(missing=labels of positions) unless the closed forms of averaged and refined apply."""
+        harmonic_map, bits = ffi.new("tumble_harmonic_map_t *"), ffi.new("uint64_t *")
         status = lib.tumble_schedule_harmonic(self.struct, self.flags(measured), harmonic_map, bits)
-        require_ok(status, missing=[f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits[0])])
-        return np.array(list(map(list, harmonic_map.index)))
+        require_ok(status, missing=self.labels(bits[0]))
 
-    def missing_labels(self, bits: int) -> list[str]:
-        """The labels of empty slots of the paper's schedule: in this schedule's numbers where it has the positions."""
-        try:
-            indices = self.harmonic().ravel()
-        except CoreRefusal:
-            return [f"{1 + slot // 9}.{1 + slot % 9}" for slot in _set_bits(bits)]
-        return [self.data.positions[indices[slot]].label for slot in _set_bits(bits)]
+    def labels(self, bits: int) -> list[str]:
+        """The labels of the positions with these bits, each by its index."""
+        return [self.data.positions[index].label for index in _set_bits(bits)]
 
     def flags(self, measured: Flags | None) -> CData:
         """One flag per position as the core has them; null for None. Raises ValueError for another number of them."""
@@ -203,15 +204,20 @@ def _set_bits(bits: int) -> list[int]:
     return [bit for bit in range(bits.bit_length()) if bits >> bit & 1]
 
 
-def paper_schedule() -> Schedule:
-    """The default schedule as the core holds it: the paper's two mountings of nine positions."""
-    paper = lib.tumble_schedule_paper
-    mountings = [paper.mountings[m] for m in range(paper.mounting_count)]
-    positions = [paper.positions[p] for p in range(paper.position_count)]
+def built_in(name: str) -> Schedule:
+    """A schedule of tumble.schedule.BUILT_IN as the core holds it."""
+    held = getattr(lib, f"tumble_schedule_{name}")
+    mountings = [held.mountings[m] for m in range(held.mounting_count)]
+    positions = [held.positions[p] for p in range(held.position_count)]
     return Schedule(
         tuple(Mounting(m.number, tuple(map(tuple, m.matrix)), m.tilt.deg) for m in mountings),
         tuple(Position(p.mounting, p.number, p.angle.deg, CHECK if p.use else FIT) for p in positions),
     )
+
+
+def paper_schedule() -> Schedule:
+    """The default schedule as the core holds it: the paper's two mountings of nine positions."""
+    return built_in("paper")
 
 
 def pack(k: Floats, u0: Floats) -> CData:
@@ -243,7 +249,7 @@ def estimate(
 def require_estimable(schedule: CoreSchedule, status: int, refusal: CData) -> None:
     """Raise CoreRefusal(missing=..., unidentified=...) unless `status` is TUMBLE_OK; `refusal`: a tumble_refusal_t."""
     if status != lib.TUMBLE_OK:
-        missing, unidentified = schedule.missing_labels(refusal.missing), _coefficient_names(refusal.unidentified)
+        missing, unidentified = schedule.labels(refusal.missing), _coefficient_names(refusal.unidentified)
         raise CoreRefusal(status, missing=missing, unidentified=unidentified)
 
 

@@ -44,8 +44,9 @@ class GainRecord:
 
     @property
     def stand_gains(self) -> Floats:
-        """The rows of alpha1, alpha2 and the yaws: (2 + yaws, 3 x fit positions)."""
-        return self._table(lib.tumble_gain_record_stand_gains(self.struct), 2 + self.struct.yaws)
+        """The rows of alpha1, alpha2, the yaws and the seats: (2 + yaws + 2 seats, 3 x fit positions)."""
+        rows = 2 + self.struct.yaws + 2 * self.struct.seats
+        return self._table(lib.tumble_gain_record_stand_gains(self.struct), rows)
 
     def _table(self, numbers: CData, rows: int) -> Floats:
         shape = rows, 3 * int(self.struct.fit_positions)
@@ -83,7 +84,7 @@ def optimal_runs(record: GainRecord, means: Floats) -> tuple[Floats, Floats]:
     """As estimate_runs, by `optimal`: coefficients (runs, 12) and the stand's errors (runs, 2 + mountings): alpha1,
     alpha2, alpha3 by mounting, rad."""
     means, found, where = _arrays(record.schedule, means)
-    stand = np.empty((len(means), 2 + lib.TUMBLE_MAX_MOUNTINGS))
+    stand = np.empty((len(means), ffi.sizeof("tumble_stand_errors_t") // 8))
     pointers = [ffi.from_buffer("double[]", array) for array in (means, found, stand)]
     status = lib.batch_optimal(record.struct, record.schedule.struct, len(means), *pointers, where)
     require_ok(status, run=where[0])

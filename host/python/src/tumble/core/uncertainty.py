@@ -25,14 +25,16 @@ class _JudgedRun:
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
+        record += [stand.sigma(source) for source in ("seat", "platform")]
         averaged_over = np.where(samples > 1, samples, stand.samples)
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
-        declared = np.maximum(stand.sigma("noise") ** 2 / averaged_over, least_noise**2)[:, None]
-        excess = None if mean_variance is None else np.maximum(mean_variance - declared, 0.0)
-        self._excess = ffi.NULL if excess is None else ffi.from_buffer(np.ascontiguousarray(excess))
+        self._excess = ffi.NULL
+        if mean_variance is not None:
+            declared = np.maximum(stand.sigma("noise") ** 2 / averaged_over, least_noise**2)
+            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared[:, None], 0.0))
         self.struct = ffi.new(
             "tumble_judged_run_t *",
             {

@@ -16,6 +16,7 @@ from tumble.files.disk import read_bytes
 from tumble.units import UNIT
 
 RESULT = "tumble.result/1"
+_NAME = re.compile("[A-Za-z0-9_]+")
 
 Check = Callable[[Any], bool]
 
@@ -28,7 +29,8 @@ def to_json(result: dict[str, Any]) -> str:
 
 def read_coefficients(file: str) -> dict[str, Any]:
     """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
-    it has them serial, run_file, item, environment and stand_doubts, else None.
+    it has them covariance, serial, run_file, item, environment and stand_doubts, else None; assumes and assumed_for,
+    else empty.
 
     Raises BadInput.
     """
@@ -44,6 +46,7 @@ def read_coefficients(file: str) -> dict[str, Any]:
     }
     for key, is_valid in checks.items():
         _require(result, key, is_valid, file)
+    _require(result, "covariance", _null_or_covariance, file, default=None)
     if (result["u_K"] is None) != (result["u_U0"] is None):
         raise BadInput("u_K and u_U0 must be both known or both null", file)
     _require(result, "verification", lambda value: isinstance(value, dict), file)
@@ -55,6 +58,12 @@ def read_coefficients(file: str) -> dict[str, Any]:
         _require(result["verification"], key, is_valid, file, "verification.")
     for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
         _require(result, key, _null_or(kind), file, default=None)
+    _require(result, "assumes", _is_names, file, default=[])
+    _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})
+    environment = result["environment"] or {}
+    for key in environment.keys() & {"gravity_m_s2", "u_gravity_m_s2"}:
+        is_valid = _is_uncertainty if key.startswith("u_") else lambda value: _is_uncertainty(value) and value > 0
+        _require(environment, key, is_valid, file, "environment.")
     return result
 
 
@@ -85,6 +94,18 @@ def _require(table: dict[str, Any], key: str, is_valid: Check, file: str, prefix
 
 def _null_or(kind: type) -> Check:
     return lambda value: value is None or isinstance(value, kind)
+
+
+def _is_names(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(name, str) and _NAME.fullmatch(name) for name in value)
+
+
+def _is_table(value: Any, is_item: Check) -> bool:
+    return isinstance(value, dict) and all(map(is_item, value.values()))
+
+
+def _null_or_covariance(value: Any) -> bool:
+    return value is None or _is_array(value, 12, lambda row: _is_array(row, 12, _is_number))
 
 
 def _is_number(value: Any) -> bool:

@@ -10,6 +10,7 @@ every complaint knows its row.
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import math
 from collections.abc import Iterable
@@ -44,8 +45,10 @@ class Run:
     """A recorded run, position by position in the schedule's order.
 
     `samples` (positions,): rows of each, 0 where none; `means` (positions, 3); `scatter` (positions, 3): standard
-    deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file.
-    `blocks`: how its samples move together (files.run_blocks).
+    deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
+    `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file; `unit_told`: by the file or by
+    the user, not assumed; `table`: the rows themselves, None where nobody has them; `blocks`: how they move together
+    (files.run_blocks).
     """
 
     samples: Integers
@@ -53,6 +56,9 @@ class Run:
     scatter: Floats
     unit: str
     counters: dict[str, int]
+    sha256: str = ""
+    unit_told: bool = True
+    table: RunTable | None = None
     blocks: Blocks = NO_BLOCKS
 
     @property
@@ -77,7 +83,8 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
         "comment_lines": table.comments,
         "columns_ignored": layout.width - len(COLUMNS),
     }
-    return Run(samples, means, scatter, layout.unit, counters, blocks)
+    digest = hashlib.sha256(data).hexdigest()
+    return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks)
 
 
 def _require_text(data: bytes, file: str) -> None:
@@ -92,10 +99,12 @@ def _require_text(data: bytes, file: str) -> None:
 
 @dataclass(frozen=True)
 class RunTable:
-    """`index` (rows,): each row's position in the schedule; `outputs` (rows, 3); lines that were passed over."""
+    """`index` (rows,): each row's position in the schedule; `outputs` (rows, 3); `lines` (rows,): their numbers in the
+    file, from 1; lines that were passed over."""
 
     index: Integers
     outputs: Floats
+    lines: Integers
     blanks: int
     comments: int
 
@@ -165,8 +174,8 @@ def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTabl
     body = _end_of_line(data, layout.header_row)
     if not _is_plain(data, body, layout):
         return None
-    blanks = _blank_lines(data, body, layout)
-    if blanks is None:
+    full = _full_lines(data, body, layout)
+    if full is None:
         return None
     if layout.decimal == ",":
         data = data.replace(b",", b".")
@@ -186,7 +195,9 @@ def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTabl
     outputs = values[:, 2:]
     if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
         return None
-    return RunTable(index, outputs, layout.blanks + blanks, layout.comments)
+    lines = layout.header_row + 1 + np.flatnonzero(full)
+    blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
+    return RunTable(index, outputs, lines, layout.blanks + blanks, layout.comments)
 
 
 def _end_of_line(data: bytes, row: int) -> int:
@@ -209,24 +220,23 @@ def _is_plain(data: bytes, body: int, layout: Layout) -> bool:
     )
 
 
-def _blank_lines(data: bytes, body: int, layout: Layout) -> int | None:
-    """How many lines of the body are empty; None unless each of the others has as many fields as the header."""
+def _full_lines(data: bytes, body: int, layout: Layout) -> Flags | None:
+    """Which lines of the body hold a row, what follows the last line end being one more; None unless each has as many
+    fields as the header, or nothing."""
     signs = np.frombuffer(data, dtype=np.uint8)[body:]
     ends = np.append(np.flatnonzero(signs == ord("\n")), len(signs))
     delimiters = np.searchsorted(np.flatnonzero(signs == ord(layout.delimiter)), ends)
     lengths = np.diff(ends, prepend=-1) - 1
     carriage_returns = np.zeros(len(ends), dtype=bool)
     carriage_returns[lengths == 1] = signs[ends[lengths == 1] - 1] == ord("\r")
-    empty = (lengths == 0) | carriage_returns
+    empty: Flags = (lengths == 0) | carriage_returns
     full = np.diff(delimiters, prepend=0) == layout.width - 1
-    if not (empty | full).all() or empty.all():
-        return None
-    return int(empty.sum()) - (1 if empty[-1] else 0)  # what follows the last line end is no line
+    return None if not (empty | full).all() or empty.all() else ~empty
 
 
 def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
     """All rows, line by line."""
-    indices, outputs = [], []
+    indices, outputs, lines = [], [], []
     blanks, comments = layout.blanks, layout.comments
     for row, line in enumerate(io.StringIO(decoded(data), newline=None), start=1):
         if row <= layout.header_row:
@@ -240,9 +250,10 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
             raise BadInput(str(refused), file, row, refused.column) from None
         indices.append(index)
         outputs.append(values)
+        lines.append(row)
     if not indices:
         raise BadInput("no samples after the header", file, layout.header_row)
-    return RunTable(np.array(indices), np.array(outputs), blanks, comments)
+    return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
 
 
 def _read_row(line: str, layout: Layout, positions: PositionIndex) -> tuple[int, list[float]]:

@@ -47,7 +47,8 @@ NO_WISHES = Wishes()
 
 @dataclass(frozen=True)
 class Layout:
-    """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns."""
+    """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns; the
+    `unit` of the outputs is `unit_told`, or assumed."""
 
     header_row: int
     comments: int
@@ -57,6 +58,7 @@ class Layout:
     indices: tuple[int, ...]
     width: int
     unit: str
+    unit_told: bool
 
 
 def decoded(data: bytes) -> str:
@@ -122,7 +124,7 @@ def _from_header(
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit or _DEFAULT_UNIT, unit is not None)
     if _TOML.match(line):
         raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)
@@ -160,12 +162,12 @@ def _bare(name: str) -> str:
     return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
 
 
-def _detect_unit(names: list[str], file: str, row: int) -> str:
-    """The unit in brackets after the names of the outputs, V where none has one. Raises BadInput if they differ."""
+def _detect_unit(names: list[str], file: str, row: int) -> str | None:
+    """The unit in brackets after the names of the outputs, None where none has one. Raises BadInput if they differ."""
     units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
     if len(set(units)) > 1:
         raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
-    return units[0] if UNIT.fullmatch(units[0]) else _DEFAULT_UNIT
+    return units[0] if UNIT.fullmatch(units[0]) else None
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

@@ -1,4 +1,4 @@
-"""Schedule files: mountings and test positions (TOML).
+"""Schedules by name: built-in ones, and files of mountings and test positions (TOML).
 
 [[mounting]]   number, matrix (3 x 3, rows = block axes x, y, z in the table frame h, n, v), axis_tilt_deg
 [[position]]   mounting, position, angle_deg, use = "fit" or "check"
@@ -6,20 +6,33 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
-from tumble.estimators import PAPER
+from tumble.estimators import HARMONIC
 from tumble.files.toml import Table, read_toml
-from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
+from tumble.messages import tell
+from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 
 _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0
 _LARGEST_TILT_DEG = 89.0
+_EXACT = 1e-9  # of a rotation's rows and columns; what the core accepts
+_TYPED = 2e-5  # of a rotation typed to five decimals
 
 
 def read_schedule(file: str, data: bytes | None = None, estimator: str | None = None) -> CoreSchedule:
-    """Read a schedule file that identifies all coefficients and has what an `estimator` needs, if one is named. `data`:
-    what is in it, if that has been read. Raises BadInput with file, row and table."""
+    """The built-in schedule of that name, or a schedule file, which identifies all coefficients and has what an
+    `estimator` needs, if one is named. `data`: what is in it, if that has been read. Raises BadInput with file, row and
+    table."""
+    core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
+    if estimator in HARMONIC:
+        _require_positions(core_schedule, estimator, file)
+    return core_schedule
+
+
+def _read(file: str, data: bytes | None) -> CoreSchedule:
     top = read_toml(file, data)
     if "stand" in top.keys:
         raise BadInput("is a stand file (--stand), not a schedule file", file)
@@ -34,8 +47,10 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
         core_schedule.identify()
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
-    if estimator in PAPER:
-        _require_positions(core_schedule, estimator, file)
+    for mounting, table in zip(schedule.mountings, mountings):
+        if (off := np.abs(np.subtract(mounting.matrix, table.matrix("matrix"))).max()) > 0.0:
+            changed = f"matrix of mounting {mounting.number} made orthonormal, by {off:.1g}"
+            tell(f"tumble: notice: {file}: {changed}")
     return core_schedule
 
 
@@ -49,7 +64,17 @@ def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> Non
 def _mounting(table: Table) -> Mounting:
     table.only("number", "matrix", "axis_tilt_deg")
     tilt_deg = table.number("axis_tilt_deg", -_LARGEST_TILT_DEG, _LARGEST_TILT_DEG, default=0.0)
-    return Mounting(table.integer("number", 1, _LARGEST_NUMBER), table.matrix("matrix"), tilt_deg)
+    return Mounting(table.integer("number", 1, _LARGEST_NUMBER), _rotation(table.matrix("matrix")), tilt_deg)
+
+
+def _rotation(given: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+    """The matrix as it is given; where it was typed to a few decimals the nearest rotation. One that is farther off, or
+    a reflection, is left for the core to refuse."""
+    left, _, right = np.linalg.svd(np.array(given))
+    nearest = left @ right
+    exact = np.abs(np.array(given) @ np.transpose(given) - np.eye(3)).max() <= _EXACT
+    typed = np.abs(nearest - given).max() <= _TYPED and np.linalg.det(nearest) > 0.0
+    return tuple(map(tuple, nearest.tolist())) if typed and not exact else given
 
 
 def _position(table: Table) -> Position:
@@ -71,3 +96,19 @@ def _table_at_fault(refusal: CoreRefusal, schedule: Schedule, mountings: list[Ta
     tables = mountings if same_mounting or refusal.name == "TUMBLE_E_SCHEDULE_ROTATION" else positions
     where: int = refusal.details["where"]
     return tables[where]
+
+
+def to_toml(schedule: Schedule) -> str:
+    """A schedule file's text, which reads back as the same schedule."""
+    return "\n".join([*map(_mounting_table, schedule.mountings), *map(_position_table, schedule.positions)])
+
+
+def _mounting_table(mounting: Mounting) -> str:
+    rows = ", ".join(f"[{', '.join(map(repr, row))}]" for row in mounting.matrix)
+    tilt = f"axis_tilt_deg = {mounting.tilt_deg!r}\n" if mounting.tilt_deg else ""
+    return f"[[mounting]]\nnumber = {mounting.number}\nmatrix = [{rows}]\n{tilt}"
+
+
+def _position_table(position: Position) -> str:
+    place = f"mounting = {position.mounting}\nposition = {position.number}\n"
+    return f'[[position]]\n{place}angle_deg = {position.angle_deg!r}\nuse = "{position.use}"\n'

@@ -1,11 +1,13 @@
 """Stand files: what a stand, its block and its limits are declared to be (TOML).
 
-[stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount
+[stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount,
+               seat_rad, platform_rad
 [block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
 [block.true]   K, U0                                               for simulation
 [motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
 [item]         labels of your own: serial numbers, operator, date; carried into the result
-[environment]  gravity_m_s2, temperature_c, pressure_hpa, humidity_percent, and texts; carried into the result
+[environment]  gravity_m_s2 with its standard uncertainty u_gravity_m_s2, temperature_c, pressure_hpa, humidity_percent,
+               and texts; carried into the result
 [accept]       delta_g_limit_g
 """
 
@@ -24,6 +26,7 @@ _LARGEST_ANGLE_RAD = 0.5
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
+    "u_gravity_m_s2": (0.0, 0.2),
     "temperature_c": (-100.0, 300.0),
     "pressure_hpa": (0.0, 2000.0),
     "humidity_percent": (0.0, 100.0),
@@ -98,7 +101,8 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 
 def _stand(table: Table) -> Stand:
     angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
-    table.only("name", *angles, "noise_v", "samples", "limits", "remount")
+    seats = ("seat_rad", "platform_rad")
+    table.only("name", *angles, "noise_v", "samples", "limits", "remount", *seats)
     axis_tilt, level, remount, angle = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in angles)
     return Stand(
         axis_tilt=axis_tilt,
@@ -110,6 +114,7 @@ def _stand(table: Table) -> Stand:
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
+        **{key.removesuffix("_rad"): table.number(key, 0.0, _LARGEST_ANGLE_RAD, default=0.0) for key in seats},
     )
 
 
@@ -154,6 +159,8 @@ def _environment(table: Table) -> dict[str, Any]:
             table.number(key, *_ENVIRONMENT_RANGES[key])
         elif not isinstance(label, str):
             table.only(*_ENVIRONMENT_RANGES, *(other for other in labels if other != key))
+    if "u_gravity_m_s2" in labels and "gravity_m_s2" not in labels:
+        raise table.refuse("needs gravity_m_s2", "u_gravity_m_s2")
     return labels
 
 

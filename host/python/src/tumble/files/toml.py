@@ -14,6 +14,7 @@ from tumble.files.disk import read_bytes
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"^\s*([\w.\"'-]+(?:\s*\.\s*[\w\"'-]+)*)\s*=")
 _PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)")
+_NO_NUMBER = re.compile(r"^[^=]*=\s*[-+]?[\d.]+(?:,\d|[eE][-+]?\d+\s+\w|\s+[A-Za-z])")
 _REQUIRED: Any = object()
 
 Path = tuple[str | int, ...]
@@ -32,7 +33,8 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
         place = _PLACE.search(str(error))
         row, column = place.groups() if place else (text.count("\n") + 1, None)
         message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")
-        raise BadInput(f"not valid TOML: {message.lower()}", file, int(row), column) from None
+        hint = _number_hint((text.splitlines() or [""])[min(int(row), text.count("\n") + 1) - 1])
+        raise BadInput(f"not valid TOML: {message.lower()}{hint}", file, int(row), column) from None
     except RecursionError:
         raise BadInput("not valid TOML: nested too deeply", file, 1) from None
     return Table(file, values, (), _rows(text))
@@ -44,6 +46,11 @@ def _loads(text: str) -> dict[str, Any]:
     else:
         from tomli import loads
     return loads(text)
+
+
+def _number_hint(line: str) -> str:
+    """What people write who don't know TOML."""
+    return "; a number has a decimal point and no unit" if _NO_NUMBER.match(line) else ""
 
 
 def _rows(text: str) -> dict[Path, int]:

@@ -1,12 +1,13 @@
 """The error budget, forward: what a stand leaves of the accuracy of every coefficient.
 
-Each of the twelve has five terms, gamma times the size of the source, as in equation (2); their signs being unknown,
-they add in quadrature. `derived` works in standard deviations, `published` with the numbers as the stand file has them.
+Each of the twelve has five terms, gamma times the size of the source, as in equation (2), and derived ones for seat and
+platform where the stand declares them; their signs being unknown, they add in quadrature. `derived` works in standard
+deviations, `published` with the numbers as the stand file has them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,42 +15,52 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.planning import weights
 from tumble.planning.case import SCHEMA, Case
-from tumble.planning.published import NAMES
-from tumble.stand import SecondOrder
+from tumble.planning.promise import Promise
+from tumble.planning.published import NAMES, SOURCES
+from tumble.solving.second_order import SecondOrder, second_order
+from tumble.stand import SIGMA
 
-_ATTRIBUTES = ("axis_tilt", "level", "remount", "angle", "noise")
+_ATTRIBUTES = dict(zip(SOURCES, ("axis_tilt", "level", "remount", "angle", "noise")))
 ALPHAS = "alpha1 axis tilt, alpha2 level, alpha3 yaw of the block, alpha4 set angles"
-SIZE_KEYS = ("alpha1_rad", "alpha2_rad", "alpha3_rad", "alpha4_rad", "noise_v")
 
 
 @dataclass(frozen=True)
 class Budget:
-    """`sizes` (5,): of the sources, the noise that of a position's mean; `terms` (12, 5) and `total` (12,): relative,
-    of a bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g."""
+    """`sizes` (sources,): the noise that of a position's mean; `terms` (12, sources) and `total` (12,): relative, of a
+    bias in g, NaN where a coefficient is zero; `reference` (12,): what is related to, V/g; `second_order`: whether
+    the angles shift a coefficient by more than a budget, which is linear, may leave out."""
 
     weights: str
     estimator: str
+    sources: tuple[str, ...]
     sizes: Floats
     terms: Floats
     reference: Floats
+    second_order: SecondOrder
 
     @property
     def total(self) -> Floats:
-        """All five in quadrature."""
+        """All in quadrature."""
         total: Floats = np.sqrt((self.terms**2).sum(axis=1))
         return total
 
-    @property
-    def second_order(self) -> SecondOrder:
-        """Whether the angles shift the scale factors by more than a budget, which is linear, may leave out."""
-        relative = self.total[[NAMES.index(name) for name in ("K_xx", "K_yy", "K_zz")]]
-        return SecondOrder.of(self.sizes[:3], np.ones(3), relative, self.estimator)
+
+def sources(case: Case, published: bool) -> tuple[str, ...]:
+    """Names of the sources that count; the paper has no seat."""
+    return SOURCES if published else weights.sources_of(case.stand)
+
+
+def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Keys of sources in documents."""
+    return tuple("noise_v" if name == "noise" else f"{name}_rad" for name in names)
 
 
 def sizes(case: Case, published: bool) -> Floats:
-    """Sizes (5,) of the sources: as declared, or as standard deviations; the noise is that of a mean."""
-    of = [getattr(case.stand, name) if published else case.stand.sigma(name) for name in _ATTRIBUTES]
-    found: Floats = np.array(of) / np.array([1.0, 1.0, 1.0, 1.0, case.stand.samples**0.5])
+    """Sizes of the sources: as declared, or as standard deviations; the noise is that of a mean."""
+    names = sources(case, published)
+    attributes = [_ATTRIBUTES.get(name, name) for name in names]
+    of = [getattr(case.stand, name) if published else case.stand.sigma(name) for name in attributes]
+    found: Floats = np.array(of) / [case.stand.samples**0.5 if name == "noise" else 1.0 for name in names]
     return found
 
 
@@ -58,11 +69,15 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     published, k = which == "published", case.nominal_k()
     gamma = weights.published(case, estimator) if published else weights.derived(case, estimator, k)
     found = sizes(case, published)
-    return Budget(which, estimator, found, gamma * found, weights.reference_values(k))
+    terms, reference = gamma * found, weights.reference_values(k)
+    stand = replace(case.stand, limits=SIGMA) if published else case.stand
+    u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
+    beyond = second_order(case.fitted, k, u, stand, estimator, step=case.step_v)
+    return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 
-def document(found: Budget, case: Case) -> dict[str, Any]:
-    """The budget for JSON, schema tumble.plan/1."""
+def document(found: Budget, case: Case, promised: Promise | None) -> dict[str, Any]:
+    """The budget for JSON, schema tumble.plan/1. The paper's weights promise nothing."""
     total, absolute = found.total, found.total * found.reference
     matrix = [[known(value) for value in row] for row in total[:9].reshape(3, 3)]
     return {
@@ -72,13 +87,14 @@ def document(found: Budget, case: Case) -> dict[str, Any]:
         "estimator": found.estimator,
         "numbers": numbers_are(found.weights),
         "block": {"scale_v_per_g": case.scale, "misalignment_rad": case.misalignment},
-        "sources": {**dict(zip(SIZE_KEYS, found.sizes.tolist())), "samples": case.stand.samples},
+        "sources": {**dict(zip(size_keys(found.sources), found.sizes.tolist())), "samples": case.stand.samples},
         "u_K_relative": matrix,
         "u_a0_g": total[9:].tolist(),
         "u_K": [[known(value) for value in row] for row in absolute[:9].reshape(3, 3)],
         "u_U0": absolute[9:].tolist(),
         "terms": {name: [known(value) for value in row] for name, row in zip(NAMES, found.terms)},
         "second_order": found.second_order.document(),
+        "promise": None if promised is None else promised.document(),
     }
 
 

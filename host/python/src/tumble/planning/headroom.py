@@ -27,7 +27,7 @@ _NOISE = SOURCES.index("noise")
 
 @dataclass(frozen=True)
 class Headroom:
-    """`alone` (5,): infinite where nothing limits, 0 where the others take all; `margin`: below 1 on a stand that
+    """`alone` (sources,): infinite where nothing limits, 0 where the others take all; `margin`: below 1 on a stand that
     fails; infinite for a stand without errors."""
 
     alone: Floats
@@ -40,7 +40,7 @@ def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom
     gamma = _weights(case, which, estimator, sizes)
     if estimator == "optimal":
         declared = stand_of(case, sizes)
-        alone = np.array([_bisect(declared, sizes, source, row_limit) for source in range(len(SOURCES))])
+        alone = np.array([_bisect(declared, sizes, source, row_limit) for source in range(len(sizes))])
     else:
         alone = _closed_form(gamma, sizes, row_limit)
     return Headroom(alone, _margin(gamma, sizes, row_limit))

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
-
-import numpy as np
 
 from tumble.arrays import Floats
 from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.planning.case import SCHEMA, Case
-from tumble.reference.estimators import paper_slots
+from tumble.planning.promise import Promise, promise
+from tumble.reference.estimators import circles
 from tumble.solving.gain_record import Record, record_of
 from tumble.solving.gains import OptimalTable, linear_gains, optimal_table, standard_deviations
-from tumble.stand import SecondOrder
+from tumble.solving.second_order import SecondOrder, second_order
 
 
 @dataclass(frozen=True)
 class Optimized:
     """`u` (12,): standard deviations of the table's estimate; `u_refined`, `u_least_squares`: of those estimators, the
-    first None where the schedule has none; `efficiency`: bound over `u`."""
+    first None where the schedule has none; `efficiency`: bound over `u`; `promise`: of a run with the table."""
 
     case: Case
     table: OptimalTable
@@ -27,16 +27,18 @@ class Optimized:
     u: Floats
     u_refined: Floats | None
     u_least_squares: Floats
+    promise: Promise
 
     @property
     def efficiency(self) -> Floats:
         """The least possible standard deviations, from the QR factors, over those of the gains as they are."""
         return self.table.u / self.u
 
-    @property
+    @cached_property
     def second_order(self) -> SecondOrder:
         """Whether the linear theory is enough on this stand."""
-        return SecondOrder.of(self.case.stand.shared_angles, np.diag(self.table.k), self.u[[0, 4, 8]], OPTIMAL)
+        case = self.case
+        return second_order(case.fitted, self.table.k, self.u, case.stand, OPTIMAL, step=case.step_v)
 
 
 def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> Optimized:
@@ -47,7 +49,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
     def spread(weights: Floats) -> Floats:
         return standard_deviations(case.fitted, weights, k, case.stand, table.sigma_mean)
 
-    harmonic = paper_slots(case.fitted) is not None
+    harmonic = circles(case.fitted) is not None
     return Optimized(
         case=case,
         table=table,
@@ -55,6 +57,7 @@ def optimize(case: Case, k: Floats | None = None, serial: str | None = None) -> 
         u=spread(table.gains),
         u_refined=spread(linear_gains(case.fitted, "refined")) if harmonic else None,
         u_least_squares=spread(linear_gains(case.fitted, "least_squares")),
+        promise=promise(case, OPTIMAL, k=k),
     )
 
 
@@ -81,4 +84,5 @@ def document(found: Optimized) -> dict[str, Any]:
         "sigma_mean_v": table.sigma_mean,
         "noise_floored": table.floored,
         "second_order": found.second_order.document(),
+        "promise": found.promise.document(),
     }

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from tumble.errors import UsageError
 from tumble.planning import weights
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, SOURCES
-from tumble.reference.estimators import paper_slots
+from tumble.reference.estimators import circles
 from tumble.solving.gains import linearise
 from tumble.stand import COMMON, Stand
 
@@ -35,7 +36,7 @@ _BISECTIONS = 50
 
 @dataclass(frozen=True)
 class Requirements:
-    """Per source (5,): `limits`, infinite where nothing limits; `set_by`, the row that does, or None. Per row (7, 5):
+    """Per source: `limits`, infinite where nothing limits; `set_by`, the row that does, or None. Per row (7, sources):
     `weights`, and `shares` of the row's limit. `samples`: the fewest that bring the noise of a mean under its limit."""
 
     limits: Floats
@@ -46,7 +47,7 @@ class Requirements:
 
 
 def requirements(case: Case, which: str, estimator: str, limit_g: float, split: Floats) -> Requirements:
-    """What a limit in g asks of the stand. `split` (5,): how the sources of a row share it, as parts of its square.
+    """What a limit in g asks of the stand. `split` (sources,): how those of a row share it, as parts of its square.
 
     Raises UsageError where weights do not exist or no number of samples suffices.
     """
@@ -79,21 +80,21 @@ def samples_for(noise_v: float, limit_v: float) -> int:
 
 
 def worst_weights(case: Case, estimator: str) -> Floats:
-    """Weights (7, 5) of ROWS, each under the signs of the misalignments that are worst for it."""
+    """Weights (7, sources) of ROWS, each under the signs of the misalignments that are worst for it."""
     worst: Floats = weights_by_pattern(case, estimator, sign_patterns()).max(axis=0)
     return worst
 
 
 def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
-    """Weights (n, 7, 5) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
+    """Weights (n, 7, sources) of ROWS for choices of the misalignments' signs, `patterns` (n, 3, 3)."""
     model, common = linearise(case.fitted), case.stand.remounting == COMMON
     fixed = None if estimator == "optimal" else weights.estimator_gains(case, estimator, case.nominal_k())
     found = []
     for pattern in patterns:
         k = case.nominal_k(pattern)
         gain_rows = weights.estimator_gains(case, estimator, k) if fixed is None else fixed
-        gamma = weights.absolute_weights(model, common, k, gain_rows) / weights.reference_values(k)[:, None]
-        found.append(with_noise_row(case, gamma))
+        gamma = weights.absolute_weights(model, common, k, gain_rows, weights.sources_of(case.stand))
+        found.append(with_noise_row(case, gamma / weights.reference_values(k)[:, None]))
     return np.array(found)
 
 
@@ -105,8 +106,8 @@ def sign_patterns() -> Floats:
 
 
 def with_noise_row(case: Case, gamma: Floats) -> Floats:
-    """Weights (12, 5) of all coefficients to those (7, 5) of ROWS."""
-    noise_alone = np.zeros(len(SOURCES))
+    """Weights (12, sources) of all coefficients to those (7, sources) of ROWS."""
+    noise_alone = np.zeros(gamma.shape[1])
     noise_alone[_NOISE] = 1.0 / abs(case.scale)
     return np.vstack([gamma[_ROW_INDICES], noise_alone])
 
@@ -137,8 +138,9 @@ class _Shares:
 
 def stand_of(case: Case, sizes: Floats) -> Case:
     """The case on a stand with these standard deviations; the noise is that of a mean."""
-    axis_tilt, level, remount, angle, noise = map(float, sizes)
-    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting)
+    axis_tilt, level, remount, angle, noise, *rest = map(float, sizes)
+    seats: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
+    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting, **seats)
     return replace(case, stand=stand, step_v=0.0)
 
 
@@ -148,15 +150,17 @@ def _grown(case: Case, share_of: _Shares) -> Requirements:
     It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
     felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
     """
-    estimator = "least_squares" if paper_slots(case.fitted) is None else "refined"
+    estimator = "least_squares" if circles(case.fitted) is None else "refined"
     start = worst_weights(case, estimator)
-    ceiling = np.array([CEILING_RAD] * _NOISE + [abs(case.scale)])
+    ceiling = np.full(start.shape[1], CEILING_RAD)
+    ceiling[_NOISE] = abs(case.scale)
     sizes = np.minimum(share_of.requirements(start, start > 0.0).limits, ceiling)
     rows = _Rows(case, share_of.row_limit)
     if not rows.fit(sizes):
         raise UsageError("unreachable: no optimal weights can be made for noise as low as this limit asks for")
-    raised = [np.where(np.arange(len(sizes)) == angle, ceiling, sizes) for angle in range(_NOISE)]
-    for angle in np.argsort([rows.terms(one)[1].max() for one in raised]):
+    angles = np.flatnonzero(np.arange(len(sizes)) != _NOISE)
+    raised = [np.where(np.arange(len(sizes)) == angle, ceiling, sizes) for angle in angles]
+    for angle in angles[np.argsort([rows.terms(one)[1].max() for one in raised])]:
         tried = np.where(np.arange(len(sizes)) == angle, ceiling, sizes)
         sizes = tried if rows.fit(tried) else sizes
     set_by: list[str | None] = [None] * len(sizes)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import ALPHAS, SIZE_KEYS, numbers_are, sizes
+from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, sources
 from tumble.planning.case import SCHEMA, Case
+from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
-from tumble.planning.published import EQUATION_18, EQUATION_19, SOURCES, evaluate
+from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 # Which row each printed formula of (19) comes from; that for alpha3 comes from none.
 _PRINTED_FROM = {"alpha1": "a0_y", "alpha2": "K_yy", "alpha3": None, "alpha4": "K_yy", "noise": "noise"}
@@ -29,6 +33,7 @@ def document(
     found: Requirements,
     room: Headroom,
     margins: dict[str, float],
+    just: Enough | None,
     case: Case,
     which: str,
     estimator: str,
@@ -37,33 +42,35 @@ def document(
 ) -> dict[str, Any]:
     """The requirements for JSON, schema tumble.plan/1. `published` has (19) as printed, and beside it what
     the rule gives."""
+    names = sources(case, which == "published")
+    keys = size_keys(names)
     rule = {
-        **dict(zip(SIZE_KEYS, map(finite, found.limits))),
+        **dict(zip(keys, map(finite, found.limits))),
         "samples": found.samples,
-        "set_by": dict(zip(SOURCES, found.set_by)),
+        "set_by": dict(zip(names, found.set_by)),
     }
     head = {"schema": SCHEMA, "plan": "require", "weights": which, "estimator": estimator, "limit_g": limit_g}
     if which == "published":
         general, of_k_yy = (printed(case, formulas, limit_g) for formulas in (EQUATION_19, EQUATION_18))
-        main: dict[str, Any] = {key: finite(general[source]) for key, source in zip(SIZE_KEYS, SOURCES)}
+        main: dict[str, Any] = {key: finite(general[source]) for key, source in zip(keys, names)}
         main.update({"samples": found.samples, "set_by": _PRINTED_FROM, "rule": rule})
-        keys = dict(zip(SOURCES, SIZE_KEYS))
-        main["equation_18"] = {keys[source]: finite(limit) for source, limit in of_k_yy.items()}
+        main["equation_18"] = {keys[names.index(source)]: finite(limit) for source, limit in of_k_yy.items()}
     else:
         main = rule
     return {
         **head,
         **main,
         "numbers": numbers_are(which),
-        "split": dict(zip(SOURCES, split.tolist())),
+        "split": dict(zip(names, split.tolist())),
         "rows": {
             name: {"limit": limit_g / 3.0, "weights": weights.tolist(), "shares": shares.tolist()}
             for name, weights, shares in zip(ROWS, found.weights, found.shares)
         },
-        "declared": dict(zip(SIZE_KEYS, sizes(case, which == "published").tolist())),
-        "alone": dict(zip(SIZE_KEYS, map(finite, room.alone))),
+        "declared": dict(zip(keys, sizes(case, which == "published").tolist())),
+        "alone": dict(zip(keys, map(finite, room.alone))),
         "margin": finite(room.margin),
         "margins": {name: finite(margin) for name, margin in margins.items()},
+        **(NOT_PROMISED if just is None else just.document(estimator)),
     }
 
 
@@ -81,24 +88,36 @@ def show(plan: dict[str, Any], case: Case) -> None:
     out.print(tables.heading(f"Requirements for {plan['limit_g']:g} g, {plan['weights']} weights, {plan['estimator']}"))
     out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad; numbers are {plan['numbers']}")
     rule = plan["rule"] if published else plan
-    headings = ["", "unit", *(["(19)"] if published else []), "at most", "set by", "stand has", "its share", "alone"]
-    rows = []
-    for key, source in zip(SIZE_KEYS, SOURCES):
+    added = "(19)" if published else f"for {_asked(plan)}"
+    headings = ["", "unit", added, "at most", "set by", "stand has", "its share", "alone"]
+    rows, enough = [], plan["just_enough"] or {}
+    names = sources(case, published)
+    for key, source in zip(size_keys(names), names):
         limit, has = rule[key], plan["declared"][key]
         verdict = "within" if limit is None or has <= limit else "over"
         cells = [source, "rad" if key.endswith("rad") else "V, mean"]
-        cells += [tables.scientific(plan[key])] if published else []
+        cells += [tables.scientific(plan[key]) if published else _for_it(enough.get(key), limit)]
         cells += [_limit(limit), rule["set_by"][source] or "-"]
         cells += [tables.scientific(has), verdict, _limit(plan["alone"][key])]
         rows.append(cells)
     out.print(tables.table(headings, rows, left=(0, 1)))
-    out.print(f"Samples at each position: {plan['samples']} at least; the stand has {case.stand.samples}")
+    out.print(f"Samples at each position: {_samples(plan)}; the stand has {case.stand.samples}")
     for line in _explanations(plan, rule):
         out.print(line)
     if published:
         out.print("(19): as printed; at most: what its own rule gives (see tumble plan paper)")
     out.print()
-    out.print(_sentence(plan), style="bold")
+    if published:
+        out.print(_sentence(plan), style="bold")
+    else:
+        _show_promises(out, plan)
+
+
+def _for_it(size: float | None, limit: float | None) -> str:
+    """For the probability asked for."""
+    from tumble.planning import tables
+
+    return "as it is" if limit is None and size is not None else tables.scientific(size)
 
 
 def _limit(value: float | None) -> str:
@@ -108,18 +127,19 @@ def _limit(value: float | None) -> str:
 
 
 _AT_MOST = "at most: all sources at once, each at an equal share of the row named (--split)"
-_AT_MOST_OPTIMAL = "at most: all sources at once; as refined allows, scaled until the named row is full"
+_AT_MOST_OPTIMAL = "at most: all at once; as refined allows, scaled until the named row is full"
 
 
 def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
     """Of the words in the table."""
     lines = [
         ALPHAS,
+        *_for_probability(plan),
         _AT_MOST_OPTIMAL if plan["estimator"] == "optimal" else _AT_MOST,
-        "its share: a source may exceed it if others leave room; the last line decides",
+        "its share: a source may exceed it if others leave room; the end decides",
         "alone: one source, the others as the stand has them",
     ]
-    shown = [plan["alone"][key] for key in SIZE_KEYS] + [rule[key] for key in SIZE_KEYS]
+    shown = [of[key] for of in (plan["alone"], rule) for key in plan["declared"]]
     if 0.0 in shown:
         lines.append("none left: the others alone exceed the limit already")
     if None in shown:
@@ -128,16 +148,73 @@ def _explanations(plan: dict[str, Any], rule: dict[str, Any]) -> list[str]:
     return lines
 
 
+def _for_probability(plan: dict[str, Any]) -> list[str]:
+    """Of the column that is only there with derived weights."""
+    if plan["weights"] == "published":
+        return []
+    if plan["just_enough"] is None:
+        return [f"for {_asked(plan)}: out of reach while sources without a limit stay as they are"]
+    times = f"{plan['just_enough']['factor']:.3g} times at most"
+    return [f"for {_asked(plan)}: {times}; then run and |a| are within the limit with {_asked(plan)}"]
+
+
 def _sentence(plan: dict[str, Any]) -> str:
-    """Whether the stand will do, with every estimator."""
+    """Whether the stand will do, by the paper's rule."""
     width = max(map(len, plan["margins"]))
     found = [
         f"  with {name + ':':{width + 1}} " + ("yes (no errors)" if margin is None else _reached(margin))
         for name, margin in plan["margins"].items()
     ]
-    meaning = "Margin: the factor by which all its errors may grow together; 1 is just enough."
+    meaning = "Margin: the factor by which all its errors may grow until a row is full."
     return "\n".join([f"This stand reaches {plan['limit_g']:g} g", *found, meaning])
 
 
 def _reached(margin: float) -> str:
     return f"{'yes' if margin >= 1.0 else 'no'} (margin {margin:.3g})"
+
+
+_PROMISED = (
+    "passes: probability that a run passes the gravity check; every attitude: that",
+    "the error of |a| is within the limit at all of them; both of the nominal block",
+    "may grow: factor for all errors of the stand until the lower of these is {asked}",
+    "margin: factor until a third of the limit is the standard deviation of a row of",
+    "scale factors, biases or noise; at 1 it promises no probability",
+)
+
+
+def _show_promises(out: Console, plan: dict[str, Any]) -> None:
+    """Whether the stand will do, with every estimator."""
+    from tumble.planning import tables
+
+    asked = _asked(plan)
+    out.print(f"Does this stand reach {plan['limit_g']:g} g with a probability of {asked}?", style="bold")
+    rows = [
+        (
+            name,
+            "yes" if one["growth"] is None or one["growth"] >= 1.0 else "no",
+            tables.percent(one["passes"]),
+            tables.percent(one["every_attitude"]),
+            _factor(one["growth"]),
+            _factor(plan["margins"][name]),
+        )
+        for name, one in plan["promises"].items()
+    ]
+    out.print(tables.table(("with", "", "passes", "every attitude", "may grow", "margin"), rows, left=(0, 1)))
+    for line in _PROMISED:
+        out.print(line.format(asked=asked))
+
+
+def _asked(plan: dict[str, Any]) -> str:
+    """As 95 %."""
+    return f"{100.0 * plan['probability']:g} %"
+
+
+def _factor(value: float | None) -> str:
+    return "no errors" if value is None else f"{value:.3g}"
+
+
+def _samples(plan: dict[str, Any]) -> str:
+    """How many it takes."""
+    rule = f"{plan['samples']} at least"
+    enough = plan["just_enough"]
+    return rule if enough is None else f"{rule}, {enough['samples']} for {_asked(plan)}"

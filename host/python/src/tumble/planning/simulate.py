@@ -7,24 +7,28 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Floats
 from tumble.planning.case import Case
-from tumble.solving.gains import mean_sigma, shared_sigmas
+from tumble.solving.gains import mean_sigma, shared_sigmas, yaws_of
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
 
 def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -> Floats:
-    """Means (runs, fit positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
+    """Means (runs, positions, 3) in V of a block of sensitivity `k` (V/g) and offsets U0_V.
 
     The stand's errors are drawn anew for every run: normal, or uniform where the stand declares half-widths. The noise
     of a mean is normal, of the stand's noise or the converter's rounding, whichever is larger.
     """
-    stand, geometry = case.stand, reference.Geometry(case.fitted)
-    mountings, positions = len(case.fitted.mountings), len(case.fitted.positions)
-    sigma = shared_sigmas(case.fitted, stand)
+    stand, geometry = case.stand, reference.Geometry(case.schedule)
+    mountings, positions = len(case.schedule.mountings), len(case.schedule.positions)
+    sigma = shared_sigmas(case.schedule, stand)
     shared = _draws(stand.limits, rng, (runs, len(sigma))) * sigma
-    yaws = np.broadcast_to(shared[:, 2:], (runs, mountings))
-    delta = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")
-    outputs = geometry.outputs(k, np.array(U0_V), alpha1=shared[:, :1], alpha2=shared[:, 1:2], alpha3=yaws, delta=delta)
+    alpha1, alpha2, yaws, seats = np.split(shared, [1, 2, 2 + yaws_of(case.fitted, stand)], axis=1)
+    errors = {"alpha1": alpha1, "alpha2": alpha2, "alpha3": np.broadcast_to(yaws, (runs, mountings))}
+    if stand.declares_seat:
+        platform, leaning, turned = np.split(seats, [1, 1 + mountings], axis=1)
+        errors |= {"seat_h": platform + leaning, "seat_n": turned}
+    errors["delta"] = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")
+    outputs = geometry.outputs(k, np.array(U0_V), **errors)
     noise = mean_sigma(k, stand, case.step_v, stand.samples)[0]
     return outputs + noise * rng.standard_normal(outputs.shape)
 

@@ -40,6 +40,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
+def percent(probability: float) -> str:
+    """To a tenth, which is as good as probabilities are computed."""
+    return "> 99.9 %" if probability > 0.9995 else f"{100.0 * probability:.1f} %"
+
+
 def scientific(value: float | None, digits: int = 2) -> str:
     """As 1.15e-04; a dash for what does not exist."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}e}"

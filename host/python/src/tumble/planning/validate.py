@@ -17,7 +17,10 @@ from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.errors import UsageError
 from tumble.estimators import LINEAR
 from tumble.planning.case import Case
+from tumble.planning.error_field import largest_over_attitudes, norm_forms
+from tumble.planning.promise import Promise, promise
 from tumble.planning.simulate import U0_V, position_means
+from tumble.reference.estimators import fit_indices
 from tumble.solving import optimal_run
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import (
@@ -40,9 +43,12 @@ HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
 @dataclass
 class Tally:
     """What is kept of an estimator's runs: sums over `runs` of the errors (12,) and their squares, how many errors were
-    within k u (3, 12), and histograms (12, bins) of error over u."""
+    within k u (3, 12), and histograms (12, bins) of error over u; how many `passed` the gravity check,
+    and how many have |a| within its limit `everywhere`."""
 
     runs: int = 0
+    passed: int = 0
+    everywhere: int = 0
     total: Floats = field(default_factory=lambda: np.zeros(12))
     squares: Floats = field(default_factory=lambda: np.zeros(12))
     within: Integers = field(default_factory=lambda: np.zeros((len(COVERAGE_FACTORS), 12), dtype=int))
@@ -59,6 +65,11 @@ class Tally:
         scores = np.clip(errors / u, low, np.nextafter(high, low))
         self.histograms = self.histograms + np.array([np.histogram(score, bins, (low, high))[0] for score in scores.T])
 
+    def judge(self, check: Floats, everywhere: Floats, limit_g: float) -> None:
+        """The largest errors (runs,) of the gravity check, and of (|a|^2 - 1)/2 over all attitudes."""
+        self.passed += int((check <= limit_g).sum())
+        self.everywhere += int((everywhere <= limit_g).sum())
+
     @property
     def bias(self) -> Floats:
         """Mean error (12,)."""
@@ -72,12 +83,14 @@ class Tally:
 
 @dataclass(frozen=True)
 class Validated:
-    """One estimator's tally beside what was claimed: `u` (12,) as planned, `bound` (12,) the least possible."""
+    """One estimator's tally beside what was claimed: `u` (12,) as planned, `bound` (12,) the least possible, `promise`
+    of the gravity check."""
 
     estimator: str
     tally: Tally
     u: Floats
     bound: Floats
+    promise: Promise
 
 
 def validate(
@@ -95,18 +108,42 @@ def validate(
     k = case.nominal_k()
     solvers = {estimator: _solver(case, estimator, k, table) for estimator in estimators}
     tallies = {estimator: Tally() for estimator in estimators}
+    fit = fit_indices(case.schedule)
     rng, truth = np.random.default_rng(seed), np.concatenate([k.ravel(), U0_V])
     for start in range(0, runs, _CHUNK):
         means = position_means(case, k, min(_CHUNK, runs - start), rng)
         for estimator, solver in solvers.items():
             try:
-                found, u = solver(means)
+                found, u = solver(means[:, fit])
             except core.CoreRefusal as refusal:
                 raise UsageError(f"a run on such a stand cannot be solved by {estimator}: {refusal}") from None
             tallies[estimator].add(found - truth, u)
+            tallies[estimator].judge(largest_gravity_errors(means, found), _everywhere(found, k), case.limit_g)
         progress(len(means))
     bound = optimal_table(case.fitted, k, case.stand, case.step_v).u
-    return [Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound) for estimator in estimators]
+    return [
+        Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound, promise(case, estimator))
+        for estimator in estimators
+    ]
+
+
+def largest_gravity_errors(means: Floats, found: Floats) -> Floats:
+    """Of (8) over the positions, without sign: (runs,). `means` (runs, positions, 3), `found` (runs, 12)."""
+    k, u0 = found[:, :9].reshape(-1, 3, 3), found[:, None, 9:]
+    force = np.linalg.solve(k, np.swapaxes(means - u0, 1, 2))
+    largest: Floats = np.abs((force**2).sum(axis=1) - 1.0).max(axis=1) / 2.0
+    return largest
+
+
+def _everywhere(found: Floats, k: Floats) -> Floats:
+    """The largest of (8) over all attitudes at rest, without noise, for runs that found (runs, 12) of a block with `k`
+    and U0_V."""
+    turned = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), np.broadcast_to(k, (len(found), 3, 3)))
+    shift = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), (np.array(U0_V) - found[:, 9:])[..., None])
+    transposed = np.swapaxes(turned, 1, 2)
+    constant = ((shift**2).sum(axis=(1, 2)) - 1.0)[:, None, None] * np.eye(3)
+    forms = norm_forms((transposed @ turned + constant) / 2.0, (transposed @ shift)[..., 0])
+    return largest_over_attitudes(forms)
 
 
 def _planned(case: Case, estimator: str, k: Floats) -> Floats:
@@ -142,7 +179,7 @@ def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     """
     model, sigma = linearise(case.fitted), shared_sigmas(case.fitted, case.stand)
     unit = np.eye(9).reshape(9, 3, 3)
-    by_shared = np.stack([weights @ (shared_derivatives(model, one, len(sigma)) * sigma) for one in unit])
+    by_shared = np.stack([weights @ (shared_derivatives(model, one, case.stand) * sigma) for one in unit])
     by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
     by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
     noise = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0] ** 2 * (weights**2).sum(axis=1)

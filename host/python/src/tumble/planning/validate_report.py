@@ -52,7 +52,13 @@ def _figures(found: Validated, judged: Judged) -> dict[str, Any]:
             for row, factor in enumerate(COVERAGE_FACTORS)
         },
         "outside": judged.outside,
+        "promise": found.promise.document(),
+        "simulated": {name: count / found.tally.runs for name, count in _kept(found).items()},
     }
+
+
+def _kept(found: Validated) -> dict[str, int]:
+    return {"passes": found.tally.passed, "every_attitude": found.tally.everywhere}
 
 
 def _binomial(judged: Judged) -> dict[str, Any]:
@@ -68,12 +74,25 @@ def show(case: Case, found: list[tuple[Validated, Judged]], seed: int) -> None:
     for one, judged in found:
         out.print(tables.heading(f"\n{one.estimator}"))
         out.print(tables.table(headings, [_row(one, judged, index) for index in range(len(COEFFICIENTS))]))
+        out.print(_promised(one))
         for complaint in judged.outside:
             out.print(f"Outside: {complaint}", style="red")
     out.print("k = 1, 2, 3: % of runs within k of their own stated standard uncertainties")
     outside = sum(len(judged.outside) for _, judged in found)
     verdict = f"FAIL: {outside} figures lie outside their limits" if outside else _HONEST
     out.print(verdict, style="red bold" if outside else "green bold")
+
+
+def _promised(found: Validated) -> str:
+    """Beside what was simulated, with its standard error."""
+    runs, promised = found.tally.runs, found.promise
+    shares = {name: count / runs for name, count in _kept(found).items()}
+    seen = {name: f"{100 * p:.1f} +- {100 * (p * (1 - p) / runs) ** 0.5:.1f} %" for name, p in shares.items()}
+    return (
+        f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes.value)}"
+        f" (seen {seen['passes']}),\n"
+        f"|a| within it at every attitude {tables.percent(promised.everywhere.value)} (seen {seen['every_attitude']})"
+    )
 
 
 def _row(found: Validated, judged: Judged, index: int) -> tuple[str, ...]:

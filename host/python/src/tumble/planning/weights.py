@@ -1,6 +1,7 @@
 """The weights gamma1 to gamma5 of equation (2): what one unit of each source does to each coefficient.
 
-Weights have the shape (12, 5): rows as in published.NAMES, columns as in published.SOURCES. A coefficient of K counts
+Weights have the shape (12, 5): rows as in published.NAMES, columns as in published.SOURCES; derived ones have a further
+column for seat and for platform, where the stand declares them. A coefficient of K counts
 relative to itself, a bias as U0_i/K_ii in g; angles are in radians and the noise is that of a position's mean. A row
 is NaN where the coefficient is zero, and so has no relative error. Signs being unknown, weights are not negative.
 """
@@ -13,13 +14,14 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import PAPER
+from tumble.estimators import HARMONIC
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
 from tumble.reference.estimators import paper_slots
 from tumble.solving.gains import Linearised, gains, linearise
-from tumble.stand import COMMON
+from tumble.stand import COMMON, Stand
 
+SEATS = ("seat", "platform")
 WORST = "worst"
 QUADRATURE = "quadrature"
 _ROUNDING = 1e-13
@@ -30,8 +32,15 @@ def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
     return gains(case.fitted, estimator, k, case.stand, case.step_v)
 
 
-def absolute_weights(model: Linearised, common_yaw: bool, k: Floats, gain_rows: Floats) -> Floats:
-    """Weights (rows, 5) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the fit positions.
+def sources_of(stand: Stand) -> tuple[str, ...]:
+    """The columns of derived weights: published.SOURCES, and those of SEATS that the stand declares."""
+    return (*SOURCES, *(name for name in SEATS if getattr(stand, name) > 0.0))
+
+
+def absolute_weights(
+    model: Linearised, common_yaw: bool, k: Floats, gain_rows: Floats, sources: tuple[str, ...] = SOURCES
+) -> Floats:
+    """Weights (rows, sources) in the units of the rows (V/g, V), for any linear gains (rows, 3P) of the fit positions.
 
     Draws of one kind are independent: yaws of several mountings, set angles and noise add in quadrature. What cancels
     to rounding is zero.
@@ -48,16 +57,16 @@ def absolute_weights(model: Linearised, common_yaw: bool, k: Floats, gain_rows: 
         return sizes
 
     together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
-    return np.stack(
-        [
-            of(model.alpha1, together),
-            of(model.delta, together),
-            of(model.alpha3, yaws),
-            of(model.delta, each),
-            np.linalg.norm(gain_rows, axis=1),
-        ],
-        axis=1,
-    )
+    found = {
+        "alpha1": of(model.alpha1, together),
+        "alpha2": of(model.delta, together),
+        "alpha3": of(model.alpha3, yaws),
+        "alpha4": of(model.delta, each),
+        "noise": np.linalg.norm(gain_rows, axis=1),
+        "seat": np.hypot(of(model.theta_h, mountings), of(model.delta, mountings)),
+        "platform": of(model.theta_h, together),
+    }
+    return np.stack([found[source] for source in sources], axis=1)
 
 
 def reference_values(k: Floats) -> Floats:
@@ -69,7 +78,8 @@ def reference_values(k: Floats) -> Floats:
 def derived(case: Case, estimator: str, k: Floats) -> Floats:
     """The weights of an estimator on the exact geometry, to first order, for a block of sensitivity `k`."""
     model, common = linearise(case.fitted), case.stand.remounting == COMMON
-    return absolute_weights(model, common, k, estimator_gains(case, estimator, k)) / reference_values(k)[:, None]
+    rows, sources = estimator_gains(case, estimator, k), sources_of(case.stand)
+    return absolute_weights(model, common, k, rows, sources) / reference_values(k)[:, None]
 
 
 def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
@@ -77,7 +87,7 @@ def published_formulas(estimator: str) -> dict[str, tuple[str, ...]]:
 
     Raises UsageError for an estimator that the paper does not have.
     """
-    if estimator not in PAPER:
+    if estimator not in HARMONIC:
         raise UsageError(f"--weights published: the paper has averaged and refined, not {estimator}")
     rows = {name: list(formulas) for name, formulas in TABLE_1.items()}
     for (name, source), formula in TABLE_1_CORRECTED.items():

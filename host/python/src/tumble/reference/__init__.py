@@ -6,11 +6,13 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
-from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.reference.geometry import Geometry
 from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.schedules import built_in, paper_schedule
+from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
-from tumble.reference.uncertainty import standard_uncertainties
+from tumble.reference.uncertainty import by_coefficient, covariance, standard_uncertainties
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
 
 __all__ = [
@@ -18,7 +20,10 @@ __all__ = [
     "MeasuredNoise",
     "OptimalEstimate",
     "RunSeen",
+    "built_in",
+    "by_coefficient",
     "closure",
+    "covariance",
     "estimate",
     "gravity_errors",
     "intrinsic",
@@ -30,4 +35,5 @@ __all__ = [
     "pooled_noise",
     "residual_rms",
     "standard_uncertainties",
+    "unseen_tilt",
 ]

@@ -6,14 +6,19 @@ maps derivatives of outputs to derivatives of coefficients.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from tumble.arrays import Floats, Integers
-from tumble.reference.geometry import Geometry, paper_schedule
+from tumble.arrays import Flags, Floats, Integers
+from tumble.reference.geometry import Geometry
+from tumble.reference.schedules import paper_schedule
 from tumble.schedule import FIT, Mounting, Schedule
 
 _SAME = 1e-9
 _SQRT2 = np.sqrt(2.0)
+_NINE = [45.0 * turn for turn in range(9)]
+_FOUR = [45.0, 135.0, 225.0, 315.0]
 _SENSITIVITY = 1e-3
 _NULL_COMPONENT = 1e-7
 
@@ -23,37 +28,54 @@ def fit_indices(schedule: Schedule) -> list[int]:
     return [index for index, position in enumerate(schedule.positions) if position.use == FIT]
 
 
-def paper_slots(schedule: Schedule) -> Integers | None:
-    """Indices (2, 9) of the paper's positions in a schedule, found by mounting and angle; None if one is not there.
+@dataclass(frozen=True)
+class Circle:
+    """A mounting that the closed forms use: its circle lies in two block axes. `normal`: the third axis (0 to 2);
+    `matrix` (3, 3); `slots`: indices of its nine positions in the schedule, or of its four on the diagonals."""
+
+    normal: int
+    matrix: Floats
+    slots: Integers
+
+
+def circles(schedule: Schedule) -> list[Circle] | None:
+    """The circles of a schedule, found by mounting and angle; None where they do not hold every block axis.
 
     The attitude alone would not do: a block yawed about the vertical feels the same force at 0 and 180 degrees.
     """
-    paper = paper_schedule()
-    slots = [_slot(schedule, paper.mountings[place.mounting - 1], place.angle_deg) for place in paper.positions]
-    return None if None in slots else np.array(slots).reshape(2, 9)
+    found = [circle for circle in (_circle(schedule, mounting) for mounting in schedule.mountings) if circle]
+    return found if len({circle.normal for circle in found}) > 1 else None
 
 
-def _slots(schedule: Schedule) -> Integers:
-    """The same, where whoever asks for this estimator has seen to it that they are there."""
-    slots = paper_slots(schedule)
-    assert slots is not None
-    return slots
+def _circle(schedule: Schedule, mounting: Mounting) -> Circle | None:
+    matrix = np.array(mounting.matrix, dtype=float)
+    normal = int(np.abs(matrix[:, 1]).argmax())
+    if np.abs(np.abs(matrix[:, 1]) - np.eye(3)[normal]).max() > _SAME or abs(mounting.tilt_deg) > _SAME:
+        return None
+    at: dict[float, int] = {}
+    for index in fit_indices(schedule):
+        position = schedule.positions[index]
+        nearest = 45.0 * round(position.angle_deg / 45.0)
+        if position.mounting == mounting.number and nearest in _NINE and abs(position.angle_deg - nearest) < _SAME:
+            at.setdefault(nearest, index)
+    angles = sorted(at)
+    return Circle(normal, matrix, np.array([at[a] for a in angles])) if angles in (_NINE, _FOUR) else None
 
 
-def _slot(schedule: Schedule, mounting: Mounting, angle_deg: float) -> int | None:
-    """Index of the first fit position at an angle in a mounting like this one; None if there is none."""
-    alike = {
-        other.number
-        for other in schedule.mountings
-        if np.abs(np.subtract(other.matrix, mounting.matrix)).max() < _SAME and abs(other.tilt_deg) < _SAME
-    }
-    positions = schedule.positions
-    found = (i for i in fit_indices(schedule) if positions[i].mounting in alike)
-    return next((i for i in found if abs(positions[i].angle_deg - angle_deg) < _SAME), None)
+def paper_slots(schedule: Schedule) -> Integers | None:
+    """Indices (2, 9) of the paper's positions; None if one is not there, or where there are other circles."""
+    found = circles(schedule) or []
+    paper = [np.array(mounting.matrix) for mounting in paper_schedule().mountings]
+    alike = [[c.slots for c in found if len(c.slots) == 9 and np.abs(c.matrix - m).max() < _SAME] for m in paper]
+    return np.array(alike)[:, 0] if len(found) == 2 and all(alike) else None
 
 
 def functionals(u: Floats) -> tuple[Floats, Floats, Floats]:
-    """c, s, b of one mounting: amplitudes of cos phi (formula 3) and sin phi, mean. u (..., 9, 3) -> (..., 3)."""
+    """c, s, b of one circle: amplitudes of cos phi (formula 3) and sin phi, mean. u (..., 9 or 4, 3) -> (..., 3)."""
+    if u.shape[-2] == 4:
+        u1, u2, u3, u4 = np.moveaxis(u, -2, 0)
+        root8 = 2 * _SQRT2
+        return (u1 - u2 - u3 + u4) / root8, (u1 + u2 - u3 - u4) / root8, (u1 + u2 + u3 + u4) / 4
     u1, u2, u3, u4, u5, u6, u7, u8, u9 = np.moveaxis(u, -2, 0)
     c = (u1 + u9 - 2 * u5 + _SQRT2 * (u2 + u8 - u4 - u6)) / 8
     s = (2 * (u3 - u7) + _SQRT2 * (u2 + u4 - u6 - u8)) / 8
@@ -62,21 +84,28 @@ def functionals(u: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def averaged(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
-    """The earlier formulas: what both mountings tell is averaged."""
-    slots = _slots(schedule)
-    c1, s1, b1 = functionals(means[..., slots[0], :])
-    c2, s2, b2 = functionals(means[..., slots[1], :])
-    k1_x, k2_x = s1, -s2
-    return np.stack([(k1_x + k2_x) / 2, c2, c1], axis=-1), (b1 + b2) / 2
+    """The earlier formulas: K_ij is the mean over all circles that hold the axis j, U0 that over all circles."""
+    return _mean_over_circles(schedule, means, np.zeros((3, 3), dtype=bool))
 
 
 def refined(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
-    """Formula (7): as averaged, but K_yx from mounting 2 alone and K_zx from mounting 1 alone."""
-    slots = _slots(schedule)
-    k, u0 = averaged(schedule, means)
-    k[..., 1, 0] = -functionals(means[..., slots[1], :])[1][..., 1]
-    k[..., 2, 0] = functionals(means[..., slots[0], :])[1][..., 2]
-    return k, u0
+    """Formula (7), of any circles: as averaged, but K_ij and K_ji only from those that hold both axes i and j."""
+    return _mean_over_circles(schedule, means, ~np.eye(3, dtype=bool))
+
+
+def _mean_over_circles(schedule: Schedule, means: Floats, choosy: Flags) -> tuple[Floats, Floats]:
+    """`choosy` (3, 3): the K_ij that are taken only from circles that hold both axes, where there are any."""
+    found = circles(schedule)
+    assert found is not None  # whoever asks for this estimator has seen to it
+    holds = np.array([np.arange(3) != circle.normal for circle in found])
+    both = holds[:, :, None] & holds[:, None, :]
+    tells = np.where(choosy & both.any(axis=0), both, holds[:, None, :])
+    k, u0 = np.zeros((3, 3)), np.zeros(3)
+    for circle, told in zip(found, tells):
+        c, s, b = functionals(means[..., circle.slots, :])
+        k_here = s[..., :, None] * circle.matrix[:, 0] + c[..., :, None] * circle.matrix[:, 2]
+        k, u0 = k + np.where(told, k_here, 0.0), u0 + b
+    return k / tells.sum(axis=0), u0 / len(found)
 
 
 def dense_design(schedule: Schedule) -> Floats:

@@ -4,9 +4,10 @@ The table frame turns with the table: h horizontal across the axis, n along the 
 radians: alpha1 the axis is not level, alpha2 the zero of the table angle, alpha3 the yaw of the block on the platform,
 delta the error of one set angle. In units of local g the specific force in the table frame is the unit vector
 
-    f = (cos(t + alpha1) sin p,  sin(t + alpha1),  cos(t + alpha1) cos p),     p = phi + alpha2 + delta
+    f = (cos(t + alpha1) sin p,  sin(t + alpha1),  cos(t + alpha1) cos p),     p = phi + alpha2 + theta_n + delta
 
-with t the known tilt of the axis; a yaw about v and the mounting's rotation bring it to the block.
+with t the known tilt of the axis. A tilt theta_h of the block against the axis turns it about h, n towards v; then a
+yaw about v and the mounting's rotation bring it to the block. theta_h and theta_n are the seat of a mounting.
 """
 
 from __future__ import annotations
@@ -15,22 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tumble.arrays import Floats
-from tumble.schedule import Mounting, Position, Schedule
+from tumble.schedule import Schedule
 
 Error = complex | Floats | NDArray[np.complex128]
-
-
-def paper_schedule() -> Schedule:
-    """The paper's schedule: nine positions 45 degrees apart in each of two mountings, the last where the first was.
-
-    Mounting 1 has the block axes (x, y, z) along (h, n, v); mounting 2, turned by 180 degrees about the bisector of y
-    and z, along (-h, v, n).
-    """
-    h, n, v = np.eye(3)
-    axes = {1: (h, n, v), 2: (-h, v, n)}
-    mountings = tuple(Mounting(number, tuple(tuple(axis + 0.0) for axis in block)) for number, block in axes.items())
-    positions = tuple(Position(number, turn, 45.0 * (turn - 1)) for number in axes for turn in range(1, 10))
-    return Schedule(mountings, positions)
 
 
 class Geometry:
@@ -44,21 +32,35 @@ class Geometry:
         self._tilt = np.deg2rad([schedule.mountings[index].tilt_deg for index in self.mounting_index])
         self._phi = np.deg2rad([position.angle_deg for position in schedule.positions])
 
-    def force(self, alpha1: Error = 0.0, alpha2: Error = 0.0, alpha3: Error = 0.0, delta: Error = 0.0) -> Floats:
+    def force(
+        self,
+        alpha1: Error = 0.0,
+        alpha2: Error = 0.0,
+        alpha3: Error = 0.0,
+        delta: Error = 0.0,
+        seat_h: Error = 0.0,
+        seat_n: Error = 0.0,
+    ) -> Floats:
         """Specific force (g) on the block axes x, y, z: (positions, 3).
 
-        alpha1, alpha2: scalars; alpha3: one yaw, or one per mounting; delta: one error, or one per position. Radians,
-        real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1), alpha3
-        (..., mountings), delta (..., positions).
+        alpha1, alpha2: scalars; alpha3, seat_h, seat_n: one, or one per mounting; delta: one error, or one per
+        position. Radians, real or complex. For many runs at once, (..., positions, 3): alpha1 and alpha2 (..., 1),
+        those by mounting (..., mountings), delta (..., positions).
         """
         tilt = self._tilt + alpha1
-        phi = self._phi + alpha2 + delta
-        yaws = np.broadcast_to(alpha3, (*np.shape(alpha3)[:-1], len(self.schedule.mountings)))
-        yaw = yaws[..., self.mounting_index]
+        phi = self._phi + alpha2 + delta + self._by_mounting(seat_n)
+        lean, yaw = self._by_mounting(seat_h), self._by_mounting(alpha3)
         h, n, v = np.cos(tilt) * np.sin(phi), np.sin(tilt), np.cos(tilt) * np.cos(phi)
+        n, v = n * np.cos(lean) + v * np.sin(lean), v * np.cos(lean) - n * np.sin(lean)
         yawed = np.stack([h * np.cos(yaw) + n * np.sin(yaw), n * np.cos(yaw) - h * np.sin(yaw), v + 0 * yaw], axis=-1)
         force: Floats = np.einsum("pij,...pj->...pi", self._rotation, yawed)
         return force
+
+    def _by_mounting(self, error: Error) -> Floats:
+        """One error, or one per mounting, for every position."""
+        errors = np.broadcast_to(error, (*np.shape(error)[:-1], len(self.schedule.mountings)))
+        by_position: Floats = errors[..., self.mounting_index]
+        return by_position
 
     def outputs(self, k: Floats, u0: Floats, **errors: Error) -> Floats:
         """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""

@@ -16,9 +16,9 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.geometry import Geometry
-from tumble.reference.uncertainty import contributions, sources
+from tumble.reference.uncertainty import by_coefficient, joint, sources
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, Stand
+from tumble.stand import Stand
 
 CORRECTIONS = 2
 _FLOOR_G = 1e-9
@@ -27,20 +27,29 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 
 @dataclass(frozen=True)
 class OptimalEstimate:
-    """What the run says: `k` (3, 3), `u0` (3,), their standard uncertainties `u_k`, `u_u0`; `alpha1`, `alpha2`,
+    """What the run says: `k` (3, 3), `u0` (3,), their `covariance` (12, 12), K row by row, then U0; `alpha1`, `alpha2`,
     `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
     coefficient; `misfit`: rms of the residuals over what the stand declares for as many samples as each mean has, about
     1 where that is true."""
 
     k: Floats
     u0: Floats
-    u_k: Floats
-    u_u0: Floats
+    covariance: Floats
     alpha1: float
     alpha2: float
     alpha3: Floats
     magnification: float
     misfit: float
+
+    @property
+    def u_k(self) -> Floats:
+        """Standard uncertainties of K (3, 3)."""
+        return by_coefficient(self.covariance)[0]
+
+    @property
+    def u_u0(self) -> Floats:
+        """Standard uncertainties of U0 (3,)."""
+        return by_coefficient(self.covariance)[1]
 
 
 def optimal(
@@ -66,8 +75,7 @@ def optimal_uncertainties(
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as
     of `optimal`."""
-    u = _Whitened(schedule, k, stand, samples, step, known_samples).standard_uncertainties()
-    return u[:9].reshape(3, 3), u[9:]
+    return by_coefficient(_Whitened(schedule, k, stand, samples, step, known_samples).covariance())
 
 
 class _Whitened:
@@ -86,9 +94,10 @@ class _Whitened:
         self.fit = fit_indices(schedule)
         self.geometry = Geometry(schedule)
         self.errors = sources(schedule, k, stand, samples)
-        angles = [self.errors[name] for name in ("alpha1", "alpha2", "alpha3", "alpha4")]
-        self.sigma = np.concatenate([source.sigma for source in angles])
-        derivative = np.concatenate([source.derivative for source in angles])[:, self.fit]
+        angles = {name: source for name, source in self.errors.items() if name != "noise"}
+        self.draws = {name: len(source.sigma) for name, source in angles.items()}
+        self.sigma = np.concatenate([source.sigma for source in angles.values()])
+        derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
         self.model = np.hstack([dense_design(schedule), by_error])
         self.averaged_over = np.where(samples > 1, samples, stand.samples)
@@ -116,11 +125,12 @@ class _Whitened:
         for _ in range(CORRECTIONS):
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
-        u = _Whitened(self.schedule, k, self.stand, self.samples, self.step).standard_uncertainties(mean_variance)
-        alpha1, alpha2, alpha3, _ = self._stand(x)
+        covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance(mean_variance)
+        angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
         misfit = self._misfit(measured - self._exact(x), x)
-        return OptimalEstimate(k, u0, u[:9].reshape(3, 3), u[9:], alpha1, alpha2, alpha3, largest, misfit)
+        shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
+        return OptimalEstimate(k, u0, covariance, *shared, largest, misfit)
 
     def _misfit(self, residuals: Floats, x: Floats) -> float:
         """With each position's own noise, whatever the weights took it for."""
@@ -132,32 +142,37 @@ class _Whitened:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
         return noise
 
-    def standard_uncertainties(self, mean_variance: Floats | None = None) -> Floats:
-        """Of an estimate (12,), K row by row, that is linearised here: with each position's own noise."""
+    def covariance(self, mean_variance: Floats | None = None) -> Floats:
+        """Of an estimate (12, 12), K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
         if mean_variance is not None:
             noise = np.maximum(noise, np.sqrt(mean_variance).ravel())
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
-        return np.sqrt(sum(part**2 for part in contributions(self._linear, errors).values()))
+        return joint(self._linear, errors)
 
     def _linear(self, means: Floats) -> Floats:
         """Coefficients, K row by row, of (draws, positions, 3)."""
         x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[:12].T
         return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
 
-    def _stand(self, x: Floats) -> tuple[float, float, Floats, Floats]:
-        """alpha1, alpha2, alpha3 per mounting, delta per position of the schedule."""
-        errors = self.sigma * x[12:, 0]
-        positions, mountings = len(self.schedule.positions), len(self.schedule.mountings)
-        yaws = errors[2:-positions]
-        alpha3 = np.repeat(yaws, mountings) if self.stand.remounting == COMMON else yaws
-        return float(errors[0]), float(errors[1]), alpha3, errors[-positions:]
+    def _stand(self, x: Floats) -> dict[str, Floats]:
+        """Every error as `Geometry.force` has it: alpha1, alpha2, then one per mounting, delta per position."""
+        parts = np.split(self.sigma * x[12:, 0], np.cumsum(list(self.draws.values()))[:-1])
+        errors, mountings = dict(zip(self.draws, parts)), len(self.schedule.mountings)
+        seat = errors.get("seat", np.zeros(2 * mountings))
+        return {
+            "alpha1": errors["alpha1"][0],
+            "alpha2": errors["alpha2"][0],
+            "alpha3": np.resize(errors["alpha3"], mountings),
+            "delta": errors["alpha4"],
+            "seat_h": seat[:mountings] + errors.get("platform", np.zeros(1)),
+            "seat_n": seat[mountings:],
+        }
 
     def _exact(self, x: Floats) -> Floats:
         """Outputs (3 x fit positions, 1) on the exact geometry."""
-        alpha1, alpha2, alpha3, delta = self._stand(x)
         k, u0 = _coefficients(x[:12, 0])
-        outputs = self.geometry.outputs(k, u0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+        outputs = self.geometry.outputs(k, u0, **self._stand(x))
         return outputs[self.fit].reshape(-1, 1)
 
 

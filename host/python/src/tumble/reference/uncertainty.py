@@ -24,16 +24,18 @@ SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
 @dataclass(frozen=True)
 class Source:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
-    outputs with respect to each draw."""
+    outputs with respect to each draw, `errors`: a unit of each draw as Geometry.force takes it; none for noise, of
+    which the outputs are linear."""
 
     sigma: Floats
     derivative: Floats
+    errors: tuple[dict[str, float | Floats], ...] = ()
 
 
 def sources(
     schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
 ) -> dict[str, Source]:
-    """Every source of error, by name as in SOURCES.
+    """Every source of error, by name as in SOURCES; `seat` and `platform` where the stand declares them.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
     for a mean of the stand's `samples`. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
@@ -50,9 +52,9 @@ def sources(
         steps = [
             geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()}) for draw in draws
         ]
-        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T)
+        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T, tuple(draws))
 
-    return {
+    found = {
         "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
         "alpha2": angles("level", [{"alpha2": 1.0}]),
         "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
@@ -62,6 +64,27 @@ def sources(
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
+    if stand.seat > 0.0:
+        found["seat"] = angles("seat", [{name: one} for name in ("seat_h", "seat_n") for one in np.eye(mountings)])
+    if stand.platform > 0.0:
+        found["platform"] = angles("platform", [{"seat_h": 1.0}])
+    return found
+
+
+def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, errors: dict[str, Source], draws: Floats) -> Floats:
+    """Outputs (runs, positions, 3) of the exact geometry for `draws` (runs, all draws of the sources in their order),
+    in units of their standard deviations."""
+    given: dict[str, Floats] = {}
+    linear, start = np.zeros((len(draws), len(schedule.positions), 3)), 0
+    for source in errors.values():
+        sizes = draws[:, start : start + len(source.sigma)] * source.sigma
+        start += len(source.sigma)
+        for one, size in zip(source.errors, sizes.T):
+            for name, unit in one.items():
+                given[name] = given.get(name, np.zeros(1)) + size[:, None] * np.atleast_1d(unit)
+        if not source.errors:
+            linear += np.tensordot(sizes, source.derivative, axes=1)
+    return Geometry(schedule).outputs(k, u0, **given) + linear
 
 
 def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> dict[str, Floats]:
@@ -75,20 +98,39 @@ def contributions(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> 
     }
 
 
-def standard_uncertainties(
+def joint(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> Floats:
+    """Covariance (n, n) that all sources together bring to a linear function of the means, as in `contributions`."""
+    draws = np.concatenate([of(source.derivative) * source.sigma[:, None] for source in errors.values()])
+    product: Floats = draws.T @ draws
+    return (product + product.T) / 2.0
+
+
+def covariance(
     schedule: Schedule,
     k: Floats,
     stand: Stand,
     samples: Integers,
     estimator: str,
     mean_variance: Floats | None = None,
-) -> tuple[Floats, Floats]:
-    """u_K (3, 3) and u_U0 (3,) of an estimate, in its units. Arguments as of `sources`; `k` is the solved K."""
+) -> Floats:
+    """Covariance (12, 12) of an estimate, K row by row, then U0, in its units. Arguments as of `sources`; `k` is the
+    solved K."""
 
     def coefficients(means: Floats) -> Floats:
         found_k, found_u0 = estimate(schedule, means, estimator)
         return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
 
-    parts = contributions(coefficients, sources(schedule, k, stand, samples, mean_variance))
-    total = np.sqrt(sum(part**2 for part in parts.values()))
-    return total[:9].reshape(3, 3), total[9:]
+    return joint(coefficients, sources(schedule, k, stand, samples, mean_variance))
+
+
+def standard_uncertainties(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
+) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of an estimate: the roots of the diagonal of its covariance."""
+    return by_coefficient(covariance(schedule, k, stand, samples, estimator))
+
+
+def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:
+    """u_K (3, 3) and u_U0 (3,) of a covariance (12, 12)."""
+    u = np.sqrt(np.diag(covariance))
+    return u[:9].reshape(3, 3), u[9:]

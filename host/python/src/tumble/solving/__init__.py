@@ -7,8 +7,11 @@ The core computes, the numpy witness confirms, and only then is there a solution
     optimal_run  the optimal estimator for one run: weights made for it (gains, gain_record), evaluated by the core
     uncertainty  the standard uncertainties that a result states
     noise        the noise that a run itself shows, and where it counts
-    assumptions  what a result rests on that nobody tested
+    covariance   what the covariance of the coefficients says of what is computed from them (si: in units of the SI)
+    second_order what these leave out; monte_carlo: whether simulated runs confirm them (many_runs: solved at once)
+    provenance   when, by what and from what a result was made
     stand_seen   the stand's errors as the run shows them
+    assumptions  what a result rests on that nobody tested
     crosscheck   core against witness; a disagreement gives no result
     result       the document that is written of a solution, schema tumble.result/1
 """

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from tumble import reference
+from tumble.estimators import OPTIMAL
 from tumble.solving.solution import Solution
 
 Coefficients = tuple[str, ...]
-_ALL: Coefficients = ()
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
 
 
@@ -22,15 +25,29 @@ class Assumption:
     of: Callable[[Solution], Coefficients | None]
 
 
+def _on_a_square_seat(solution: Solution) -> Coefficients | None:
+    if solution.stand is not None and solution.stand.declares_seat:
+        return None
+    estimator = "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
+    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, estimator)
+    return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+
+
+def _in_volts(solution: Solution) -> Coefficients | None:
+    return None if solution.run.unit_told else ()
+
+
 def _on_white_noise(solution: Solution) -> Coefficients | None:
-    return None if solution.run.samples.max() >= _FEWEST_TO_TEST else _ALL
+    return None if solution.run.samples.max() >= _FEWEST_TO_TEST else ()
 
 
 def _on_rounding(solution: Solution) -> Coefficients | None:
-    return _ALL if solution.noise.undithered.any() else None
+    return () if solution.noise.undithered.any() else None
 
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
+    "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
+    "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
 }

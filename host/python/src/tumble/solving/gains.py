@@ -8,7 +8,8 @@ The optimal estimator is generalised least squares of the outputs, linearised at
 
     y = A beta + J s + D delta + e
 
-in which beta are the twelve coefficients, s = (alpha1, alpha2, alpha3 of each mounting, or one alpha3 for all) and
+in which beta are the twelve coefficients, s = (alpha1, alpha2, alpha3 of each mounting, or one alpha3 for all; where
+seats are declared, theta_h of the platform, then theta_h and theta_n of each mounting) and
 delta the errors of the set angles, with the stand's variances as their prior, and e the noise of the means. It is
 solved by QR of the whitened system, augmented by the prior: no covariance matrix is ever inverted, so sources may be
 zero or large.
@@ -23,8 +24,8 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Floats, Integers
 from tumble.errors import UsageError
-from tumble.estimators import OPTIMAL, PAPER
-from tumble.reference.estimators import fit_indices, paper_slots, unidentified
+from tumble.estimators import HARMONIC, OPTIMAL
+from tumble.reference.estimators import circles, fit_indices, unidentified
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand
 
@@ -37,29 +38,34 @@ _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are re
 class Linearised:
     """The outputs of the fit positions to first order: ideal force and its derivatives in g, (P, 3) each.
 
-    `alpha3` is the derivative by the yaw of a position's own mounting; `delta` also that by alpha2. `mounting` (P,):
-    index of each position's mounting.
+    `alpha3` and `theta_h` are the derivatives by the yaw and the seat of a position's own mounting; `delta` also those
+    by alpha2 and by theta_n. `mounting` (P,): index of each position's mounting, of so many `mountings`.
     """
 
     force: Floats
     alpha1: Floats
     alpha3: Floats
+    theta_h: Floats
     delta: Floats
     mounting: Integers
+    mountings: int
 
 
 @dataclass(frozen=True)
 class OptimalTable:
     """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
 
-    `gains` (12, 3P); `nuisance_gains` (2 + yaws, 3P): alpha1, alpha2, alpha3...; `sigma_shared` (2 + yaws,) and
-    `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u` (12,): standard deviations of the estimate,
-    which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
+    `gains` (12, 3P); `nuisance_gains` (2 + `yaws` + 2 `seats`, 3P): alpha1, alpha2, alpha3..., and where seats are
+    declared theta_h of each mounting, the platform's in it, then theta_n of each; `sigma_shared`, as shared_sigmas has
+    it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u` (12,): standard deviations of the
+    estimate, which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
     """
 
     k: Floats
     gains: Floats
     nuisance_gains: Floats
+    yaws: int
+    seats: int
     sigma_shared: Floats
     sigma_angle: float
     sigma_mean: float
@@ -74,7 +80,7 @@ def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: flo
 
 def linear_gains(schedule: Schedule, estimator: str) -> Floats:
     """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
-    if estimator in PAPER and paper_slots(schedule) is None:
+    if estimator in HARMONIC and circles(schedule) is None:
         raise UsageError(f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule")
     _require_rank(schedule)
     positions = len(schedule.positions)
@@ -96,7 +102,7 @@ def optimal_table(
     sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
     shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
     model = linearise(schedule)
-    system = _augmented(model, k, shared, angle, sigma_mean)
+    system = _augmented(model, k, stand, shared, angle, sigma_mean)
     nuisances = len(shared) + len(model.force)
     q, r = np.linalg.qr(system)
     data = q[: 3 * len(model.force)].T
@@ -108,23 +114,32 @@ def optimal_table(
         claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
     if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
         raise UsageError("no optimal weights: the stand's errors are too large, or too unequal, to compute with")
-    return OptimalTable(k, beta, shared[:, None] * prior[: len(shared)], shared, angle, sigma_mean, u, floored)
+    nuisance_gains = _by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
+    counts = yaws_of(schedule, stand), len(schedule.mountings) if stand.declares_seat else 0
+    return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
 
 
 def standard_deviations(schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float) -> Floats:
     """Standard deviations (12,) of an estimate with gains `weights` (12, 3P), for a block of sensitivity `k`."""
     model, shared = linearise(schedule), shared_sigmas(schedule, stand)
-    by_shared = weights @ (shared_derivatives(model, k, len(shared)) * shared)
+    by_shared = weights @ (shared_derivatives(model, k, stand) * shared)
     by_angle = np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ k.T) * stand.sigma("angle")
     by_noise = (weights**2).sum(axis=1) * sigma_mean**2
     sigmas: Floats = np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + by_noise)
     return sigmas
 
 
+def yaws_of(schedule: Schedule, stand: Stand) -> int:
+    """How many yaws there are: one for each mounting, or for all."""
+    return 1 if stand.remounting == COMMON else len(schedule.mountings)
+
+
 def shared_sigmas(schedule: Schedule, stand: Stand) -> Floats:
-    """Standard deviations of what positions share: alpha1, alpha2, then alpha3 of each mounting or of all."""
-    yaws = 1 if stand.remounting == COMMON else len(schedule.mountings)
-    return np.array([stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws])
+    """Standard deviations of what positions share: alpha1, alpha2, then alpha3 of each mounting or of all; where seats
+    are declared theta_h of the platform, then theta_h and theta_n of each mounting."""
+    angles = [stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws_of(schedule, stand)]
+    seats = [stand.sigma("platform"), *[stand.sigma("seat")] * (2 * len(schedule.mountings))]
+    return np.array(angles + (seats if stand.declares_seat else []))
 
 
 def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
@@ -154,8 +169,10 @@ def linearise(schedule: Schedule) -> Linearised:
         force=on_block(cosine * s, sine, cosine * c),
         alpha1=on_block(-sine * s, cosine, -sine * c),
         alpha3=on_block(sine, -cosine * s, zero),
+        theta_h=on_block(zero, cosine * c, -sine),
         delta=on_block(cosine * c, zero, -cosine * s),
         mounting=mounting,
+        mountings=len(schedule.mountings),
     )
 
 
@@ -166,19 +183,31 @@ def design(model: Linearised) -> Floats:
     return np.concatenate([by_channel[..., :3].reshape(-1, 9), by_channel[..., 3].reshape(-1, 3)], axis=1)
 
 
-def shared_derivatives(model: Linearised, k: Floats, shared: int) -> Floats:
-    """J (3P, shared): outputs by alpha1, alpha2 and each alpha3, `shared` of them in all."""
-    yaws = np.eye(shared - 2)[model.mounting] if shared > 3 else np.ones((len(model.force), shared - 2))
-    force = np.concatenate([model.alpha1[:, None], model.delta[:, None], yaws[..., None] * model.alpha3[:, None]], 1)
-    return np.swapaxes(force @ k.T, 1, 2).reshape(-1, shared)
+def shared_derivatives(model: Linearised, k: Floats, stand: Stand) -> Floats:
+    """J (3P, shared): outputs by what positions share, in the order of shared_sigmas."""
+    one, each = np.ones((len(model.force), 1)), np.eye(model.mountings)[model.mounting]
+    errors = [(one, model.alpha1), (one, model.delta), (one if stand.remounting == COMMON else each, model.alpha3)]
+    if stand.declares_seat:
+        errors += [(one, model.theta_h), (each, model.theta_h), (each, model.delta)]
+    force = np.concatenate([draws[..., None] * by_error[:, None] for draws, by_error in errors], axis=1)
+    return np.swapaxes(force @ k.T, 1, 2).reshape(3 * len(force), -1)
 
 
-def _augmented(model: Linearised, k: Floats, shared: Floats, angle: float, sigma_mean: float) -> Floats:
+def _by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
+    """Gains of what positions share, with that of the platform in the seat of each mounting, where it is felt."""
+    if not stand.declares_seat:
+        return found
+    angles, mountings = 2 + yaws_of(schedule, stand), len(schedule.mountings)
+    platform, leaning, turned = np.split(found[angles:], [1, 1 + mountings])
+    return np.concatenate([found[:angles], platform + leaning, turned])
+
+
+def _augmented(model: Linearised, k: Floats, stand: Stand, shared: Floats, angle: float, sigma_mean: float) -> Floats:
     """[J S, D sigma4, A] over the prior's rows, all times the noise: unknowns of the prior have unit variance."""
     positions = len(model.force)
     by_angle = np.zeros((positions, 3, positions))
     by_angle[np.arange(positions), :, np.arange(positions)] = angle * model.delta @ k.T
-    errors = np.column_stack([shared_derivatives(model, k, len(shared)) * shared, by_angle.reshape(-1, positions)])
+    errors = np.column_stack([shared_derivatives(model, k, stand) * shared, by_angle.reshape(-1, positions)])
     data = np.column_stack([errors, design(model)])
     return np.vstack([data, sigma_mean * np.eye(errors.shape[1], data.shape[1])])
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import noise, stand_seen
+from tumble.solving import noise, si, stand_seen
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
@@ -19,12 +20,17 @@ def document(
     environment: dict[str, Any] | None,
     serial: str | None = None,
     run_file: str | None = None,
+    created: str | None = None,
 ) -> dict[str, Any]:
-    """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved."""
+    """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
+    when, None where no clock was looked at."""
     unit, rests_on = solution.run.unit, assumed(solution)
     return {
         "schema": RESULT,
+        "created": created,
+        "tumble": __version__,
         "run_file": run_file,
+        "run_sha256": solution.run.sha256 or None,
         "serial": serial,
         "estimator": solution.found.estimator,
         "unit": unit,
@@ -33,7 +39,10 @@ def document(
         "U0": solution.found.u0.tolist(),
         "u_K": None if solution.u_k is None else solution.u_k.tolist(),
         "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
+        "covariance": None if solution.covariance is None else solution.covariance.tolist(),
+        "u_norm_g": _worst_norm(solution),
         "second_order": None if solution.second_order is None else solution.second_order.document(),
+        "monte_carlo": None if solution.monte_carlo is None else solution.monte_carlo.document(),
         "misfit": solution.misfit,
         "stand_doubts": None if solution.doubts is None else [doubt.source for doubt in solution.doubts],
         "assumes": list(rests_on),
@@ -47,6 +56,8 @@ def document(
             "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),
             "bias_g": solution.found.intrinsic.bias.tolist(),
         },
+        "si": si.document(solution.found.k, solution.found.u0, solution.covariance, environment, unit),
+        "u_intrinsic": _intrinsic_uncertainties(solution),
         "reference": {
             "max_abs_difference_K": float(np.abs(solution.comparison.k).max()),
             "max_abs_difference_U0": float(np.abs(solution.comparison.u0).max()),
@@ -65,6 +76,19 @@ def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
         return None
     u_k, u_u0 = solution.scatter_alone
     return {"u_K": u_k.tolist(), "u_U0": u_u0.tolist()}
+
+
+def _intrinsic_uncertainties(solution: Solution) -> dict[str, Any] | None:
+    u = solution.u_intrinsic
+    if u is None:
+        return None
+    angles = dict(zip(("xy", "xz", "yz"), u.angles.tolist()))
+    return {"scale": u.scale.tolist(), "angle_rad": angles, "bias_g": u.bias.tolist()}
+
+
+def _worst_norm(solution: Solution) -> dict[str, Any] | None:
+    u = solution.u_norm
+    return None if u is None else {"worst_g": u.worst, "attitude": u.attitude.tolist()}
 
 
 def _places(solution: Solution) -> list[tuple[int, dict[str, Any]]]:
@@ -116,4 +140,6 @@ def truth(known: Truth) -> dict[str, Any]:
         "alpha2_rad": known.alpha2,
         "alpha3_rad": list(known.alpha3),
         "alpha4_rad": list(known.alpha4),
+        "theta_h_rad": list(known.theta_h),
+        "theta_n_rad": list(known.theta_n),
     }

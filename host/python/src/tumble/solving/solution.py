@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -16,9 +17,12 @@ from tumble.files.run_file import Run
 from tumble.schedule import Schedule
 from tumble.solving import noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
+from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
+from tumble.solving.monte_carlo import MonteCarlo, simulate
+from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import StandSeen, look
-from tumble.stand import SecondOrder, Stand
+from tumble.stand import Stand
 from tumble.units import volts_per
 
 LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
@@ -26,8 +30,8 @@ LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refu
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians,
-    `alpha3` by mounting and `alpha4` by position."""
+    """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
+    platform's in it) and `theta_n` by mounting and `alpha4` by position."""
 
     k: Floats
     u0: Floats
@@ -35,6 +39,8 @@ class Truth:
     alpha2: float
     alpha3: tuple[float, ...]
     alpha4: tuple[float, ...]
+    theta_h: tuple[float, ...]
+    theta_n: tuple[float, ...]
 
 
 class Doubt(Protocol):
@@ -53,7 +59,9 @@ class Solution:
     `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
     that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
     looked; `noise`: what the samples show of it; `scatter_alone`: without a declared stand, the standard uncertainties
-    of K and U0 that the noise of the samples leaves if the stand has no errors at all, None where it is not known.
+    of K and U0 that the noise of the samples leaves if the stand has no errors at all, None where it is not known;
+    `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
+    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
     """
 
     schedule: Schedule
@@ -70,6 +78,9 @@ class Solution:
     misfit: float | None = None
     truth: Truth | None = None
     doubts: tuple[Doubt, ...] | None = None
+    covariance: Floats | None = None
+    step: float = 0.0
+    monte_carlo: MonteCarlo | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -82,13 +93,44 @@ class Solution:
         assert self.stand is not None
         return self.stand.in_unit(self.run.unit)
 
-    @property
+    @cached_property
     def second_order(self) -> SecondOrder | None:
         """Whether the declared stand is good enough for the linear theory of uncertainties; None without a stand."""
-        if self.stand is None or self.u_k is None:
+        if self.stand is None:
             return None
-        claimed = np.diag(self.found.k), np.diag(self.u_k)
-        return SecondOrder.of(self.stand.shared_angles, *claimed, self.found.estimator)
+        schedule, stand, samples = self._as_propagated
+        return second_order(schedule, self.found.k, self._u, stand, self.found.estimator, samples)
+
+    def simulated(self, runs: int, seed: int) -> Solution:
+        """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
+        schedule, stand, samples = self._as_propagated
+        given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
+        variance = self.noise.mean_variance[self.run.measured]
+        return replace(self, monte_carlo=simulate(*given, runs, seed, variance))
+
+    @property
+    def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
+        """What the uncertainties come from: measured positions, the stand, rows of each position."""
+        stand = self.declared.with_step(self.step)
+        return self.measured_schedule, stand, self.run.samples[self.run.measured]
+
+    @property
+    def _u(self) -> Floats:
+        """Standard uncertainties (12,), where there are any."""
+        assert self.u_k is not None and self.u_u0 is not None
+        return np.concatenate([self.u_k.ravel(), self.u_u0])
+
+    @cached_property
+    def u_norm(self) -> WorstNorm | None:
+        """Where the calibrated block shows the length of gravity worst; None without a stand."""
+        return None if self.covariance is None else worst_norm(self.found.k, self.covariance)
+
+    @property
+    def u_intrinsic(self) -> IntrinsicUncertainties | None:
+        """Of the intrinsic parameters; None without a stand."""
+        if self.covariance is None:
+            return None
+        return intrinsic_uncertainties(self.found.k, self.found.u0, self.covariance)
 
     @property
     def worst_position(self) -> int:
@@ -115,7 +157,7 @@ def solve(
     """
     step = step_v / volts_per(run.unit)
     declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
-    core_schedule = schedule or core.CoreSchedule(core.paper_schedule())
+    core_schedule = schedule or core.CoreSchedule.built_in("paper")
     weighting = None
     if estimator == OPTIMAL:
         assert declared is not None  # as documented
@@ -126,26 +168,31 @@ def solve(
         raise BadInput(_explain(refusal, estimator), file) from None
     except DeadChannels as error:
         raise BadInput(str(error), file) from None
-    witnessed = (reference.paper_schedule() if schedule is None else schedule.data).part(run.measured)
+    name = core_schedule.name
+    witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
     variance = noisy.mean_variance[run.measured]
     optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file, variance)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
-    u, misfit, errors = None, None, declared or noise_of_runs.NO_STAND
+    u, covariance, misfit, errors = None, None, None, declared or noise_of_runs.NO_STAND
     if declared is not None or noisy.is_known:
         u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
-            witness = reference.standard_uncertainties(witnessed, found.k, errors, samples, estimator, variance)
+            covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
         else:
-            witness, misfit = (optimal.u_k, optimal.u_u0), optimal.misfit
-        compare_uncertainties(u, witness, optimal is not None)
+            covariance, misfit = optimal.covariance, optimal.misfit
+        compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
     shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
-    return Solution(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, misfit)
+    return Solution(
+        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, misfit),
+        covariance=None if stand is None else covariance,
+        step=step,
+    )
 
 
 def _uncertainties(
@@ -190,7 +237,7 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
     """A refusal of the core, in terms of what the user gave."""
     if refusal.name == "TUMBLE_E_MISSING_POSITION":
         missing = ", ".join(refusal.details["missing"])
-        return f"{estimator} needs all 2 x 9 positions (for other ones: --schedule FILE); missing {missing}"
+        return f"{estimator} needs every fit position (another schedule: --schedule); missing {missing}"
     if refusal.name == "TUMBLE_E_NOT_HARMONIC":
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":

@@ -44,6 +44,8 @@ def standard_uncertainties(
         level=stand.sigma("level"),
         remount=stand.sigma("remount"),
         angle=stand.sigma("angle"),
+        seat=stand.sigma("seat"),
+        platform=stand.sigma("platform"),
         noise=one_sample,
         limits="sigma1",
     )

@@ -20,6 +20,7 @@ from tumble.errors import (
 )
 from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.bench.folder import RunFolder
@@ -107,7 +108,7 @@ def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:
     """The given files and what is in them. Each is read once, as it may be a pipe. Raises BadInput."""
     from tumble.files.disk import read_bytes
 
-    given = (arguments.stand, arguments.block, arguments.schedule)
+    given = (arguments.stand, arguments.block, file_of(arguments.schedule))
     return {file: read_bytes(file) for file in dict.fromkeys(given) if file is not None}
 
 
@@ -162,12 +163,10 @@ def _parse_budget(text: str | None) -> float:
 
 def _read_schedule(arguments: argparse.Namespace, given: dict[str, bytes]) -> CoreSchedule:
     """The schedule in use. The estimators of the paper need the paper's positions. Raises BadInput."""
-    from tumble.core import CoreSchedule, paper_schedule
     from tumble.files.schedule_file import read_schedule
 
-    if arguments.schedule is None:
-        return CoreSchedule(paper_schedule())
-    return read_schedule(arguments.schedule, given[arguments.schedule], arguments.estimator)
+    name = arguments.schedule or "paper"
+    return read_schedule(name, given.get(name), arguments.estimator)
 
 
 def _simulate(arguments: argparse.Namespace, wanted: Setup, scenario_path: Path, made: RunFolder) -> dict[str, Any]:
@@ -220,12 +219,14 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
 
 
 def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
+    from tumble.bench import realbus
     from tumble.files.documents import to_json
-    from tumble.solving import result
+    from tumble.solving import provenance, result
 
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if wanted.block is None else wanted.block.get("serial")
-    document = result.document(solution, item, environment, serial, "run.csv")
+    created = provenance.created(clock=arguments.bus != realbus.INPROCESS)
+    document = result.document(solution, item, environment, serial, "run.csv", created)
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})

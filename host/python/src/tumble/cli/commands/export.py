@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from tumble.cli.options import Subparsers
-from tumble.errors import EXIT_PASS, file_name
+from tumble.errors import EXIT_PASS, BadInput, file_name
 from tumble.messages import tell
 
 FORMATS = ("c", "csv")
@@ -22,6 +22,12 @@ def add_to(subparsers: Subparsers) -> None:
     )
     parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
     parser.add_argument("--format", choices=FORMATS, required=True, help="c: a header; csv: one row a coefficient")
+    parser.add_argument(
+        "--unit",
+        choices=("g", "m/s2"),
+        default="g",
+        help="of accelerations; m/s2 needs gravity_m_s2 in the result's environment; default: g",
+    )
     parser.add_argument("--out", metavar="FILE", help="default: standard output")
     parser.set_defaults(run_command=run)
 
@@ -34,9 +40,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     refuse_overwriting(arguments.out, arguments.result)
     result = read_coefficients(arguments.result)
+    try:
+        text = {"c": to_c, "csv": to_csv}[arguments.format](result, arguments.unit)
+    except ValueError as error:
+        raise BadInput(f"no coefficients in m/s2: {error}", arguments.result) from None
     for warning in warnings(result):
         tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
-    text = {"c": to_c, "csv": to_csv}[arguments.format](result)
     if arguments.out is None:
         sys.stdout.write(text)
     else:

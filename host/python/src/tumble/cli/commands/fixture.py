@@ -18,7 +18,7 @@ from tumble.cli.options import (
     parse_limit,
     parse_number,
 )
-from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, quoted
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 
 if TYPE_CHECKING:
     from tumble.core import CoreSchedule
@@ -148,8 +148,11 @@ def _views(
 ) -> list[RunView]:
     """Every run, solved and looked at. Raises TumbleError."""
     from tumble.core import CoreSchedule, paper_schedule
+    from tumble.files import run_rows
     from tumble.files.run_file import read_run
     from tumble.fixture.judge import RunView
+    from tumble.messages import tell
+    from tumble.solving import plausibility
     from tumble.solving.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())
@@ -158,7 +161,10 @@ def _views(
         run = read_run(file, core_schedule.data)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
+        odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
         solution = solve(run, schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
+        for odd in (*odd_rows, *plausibility.require(solution, stand_file, file)):
+            tell(f"tumble: warning: {file_name(file)}: {odd}")
         views.append(RunView.of(solution, core_schedule, file))
     return views
 
@@ -178,15 +184,20 @@ def _needed(
     import numpy as np
 
     from tumble.fixture.judge import Limits
+    from tumble.planning.budget import sources
     from tumble.planning.case import Case
+    from tumble.planning.published import SOURCES
     from tumble.planning.require import allowed
 
     case = Case.of(stand_file, arguments.stand, None if schedule is None else schedule.data)
     try:
-        found = allowed(case, "derived", arguments.estimator, limit_g, np.ones(5)).limits.copy()
+        names = sources(case, published=False)
+        limits = allowed(case, "derived", arguments.estimator, limit_g, np.ones(len(names))).limits
     except UsageError:
         if arguments.against == "needed":
             raise
         return None
-    found[4] *= math.sqrt(stand_file.stand.samples)
-    return Limits.needed(found, stand_file.stand.remounting, mountings)
+    found = dict(zip(names, limits.tolist()))
+    found["noise"] *= math.sqrt(stand_file.stand.samples)
+    five = [found[name] for name in SOURCES]
+    return Limits.needed(five, stand_file.stand.remounting, mountings, found.get("seat", 0.0))

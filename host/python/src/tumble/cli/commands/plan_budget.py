@@ -5,13 +5,21 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from tumble.cli.commands.plan_options import add_case_options, add_subject, add_weights_option, read_case, write_json
+from tumble.cli.commands.plan_options import (
+    DERIVED,
+    add_case_options,
+    add_subject,
+    add_weights_option,
+    read_case,
+    write_json,
+)
 from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS
 
 if TYPE_CHECKING:
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
+    from tumble.planning.promise import Promise
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -20,7 +28,7 @@ def add_to(subparsers: Subparsers) -> None:
         subparsers,
         "budget",
         run,
-        help="error budget: five contributions to every coefficient, and their sum",
+        help="error budget: contributions of every source to every coefficient, and their sum",
         description="Error budget: what each source of error of a stand contributes to every coefficient.",
     )
     add_case_options(parser)
@@ -31,16 +39,18 @@ def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
     case = read_case(arguments)
     from tumble.planning.budget import budget, document
+    from tumble.planning.promise import promise
 
     found = budget(case, arguments.weights, arguments.estimator)
+    promised = promise(case, arguments.estimator) if arguments.weights == DERIVED else None
     if arguments.json:
-        write_json(document(found, case))
+        write_json(document(found, case, promised))
     else:
-        _show(found, case)
+        _show(found, case, promised)
     return EXIT_PASS
 
 
-def _show(found: Budget, case: Case) -> None:
+def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     from tumble.planning import tables
     from tumble.planning.budget import ALPHAS, numbers_are
     from tumble.planning.published import NAMES
@@ -49,16 +59,18 @@ def _show(found: Budget, case: Case) -> None:
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
     out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
-    units = ("size", "rad", "rad", "rad", "rad", "V, mean", "")
+    units = ("size", *("V, mean" if source == "noise" else "rad" for source in found.sources), "")
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
     for index, name in enumerate(NAMES):
         unit = "ug" if name.startswith("a0") else "ppm"
         cells = [tables.number(1e6 * value) for value in (*found.terms[index], found.total[index])]
         rows.append((f"{name}, {unit}", *cells))
-    out.print(tables.table(("", "alpha1", "alpha2", "alpha3", "alpha4", "noise", "all"), rows))
+    out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
+    if promised is not None:
+        out.print(promised.sentence)
     if found.second_order.matters:
-        for shift in found.second_order.shifts:
-            out.print(f"Beware: {shift}", style="yellow")
-        out.print("That is a bias of the scale factors, and in no column above", style="yellow")
+        for complaint in found.second_order.complaints:
+            out.print(f"Beware: {complaint}", style="yellow")
+        out.print("That is a bias, and in no column above", style="yellow")

@@ -13,6 +13,7 @@ from tumble.cli.commands.plan_options import add_case_options, add_subject, read
 from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.estimators import COEFFICIENTS
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
@@ -48,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.planning import optimize
 
-    refuse_overwriting(arguments.out, arguments.stand, arguments.schedule, arguments.result)
+    refuse_overwriting(arguments.out, arguments.stand, file_of(arguments.schedule), arguments.result)
     case = read_case(arguments)
     k = None if arguments.result is None else _last_known_k(arguments.result)
     found = optimize.optimize(case, k, _serial(arguments.stand))
@@ -77,10 +78,11 @@ def _show(found: Optimized) -> None:
     ]
     headings = ("", "unit", "u, optimal", f"u, {other}", "gain", "efficiency")
     out.print(tables.table(headings, rows, left=(0, 1)))
+    out.print(found.promise.sentence)
     if found.table.floored:
         out.print("Beware: the stand declares no noise; weights for 1e-9 g of it mean little.", style="yellow")
-    for shift in found.second_order.shifts:
-        out.print(f"Beware: {shift}", style="yellow")
+    for complaint in found.second_order.complaints:
+        out.print(f"Beware: {complaint}", style="yellow")
 
 
 def _kind(out: str | None) -> str | None:

@@ -5,14 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import Subparsers, add_estimator, add_schedule, parse_number
+from tumble.cli.options import Subparsers, add_estimator, add_limit, add_schedule, parse_limit, parse_number
 from tumble.errors import UsageError, quoted
 
 if TYPE_CHECKING:
     from tumble.planning.case import Case
 
+DEFAULT_PROBABILITY = 0.95
+_LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
 PUBLISHED = "published"
 DERIVED = "derived"
 EXIT_CODES = "Exit codes: 0 done, 2 bad input, 130 interrupted."
@@ -29,11 +32,32 @@ def add_subject(
 
 
 def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
-    """--stand, --schedule, and --estimator if there is a choice of one."""
-    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    """--stand, --schedule, --limit, and --estimator if there is a choice of one."""
+    add_limit_options(parser)
     add_schedule(parser)
     if choose_estimator:
         add_estimator(parser)
+
+
+def add_limit_options(parser: argparse.ArgumentParser) -> None:
+    """--stand and --limit."""
+    parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand, equation (5)")
+    add_limit(parser)
+
+
+def add_probability(parser: argparse.ArgumentParser, what: str) -> None:
+    """--probability."""
+    about = f"{what}; {_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}, default: {DEFAULT_PROBABILITY:g}"
+    parser.add_argument("--probability", metavar="P", help=about)
+
+
+def parse_probability(text: str | None) -> float:
+    """The value of --probability. Raises UsageError."""
+    probability = DEFAULT_PROBABILITY if text is None else parse_number(text)
+    if not _LEAST_PROBABLE <= probability <= _MOST_PROBABLE:
+        allowed = f"{_LEAST_PROBABLE:g} to {_MOST_PROBABLE:g}"
+        raise UsageError(f"--probability: {quoted(str(text))} is not a number from {allowed}")
+    return probability
 
 
 def add_weights_option(parser: argparse.ArgumentParser) -> None:
@@ -51,17 +75,19 @@ def read_case(arguments: argparse.Namespace) -> Case:
     from tumble.planning.case import Case
 
     stand_file = schedule = None
+    limit_g = parse_limit(arguments.limit)
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
 
         stand_file = read_stand(arguments.stand)
-    if arguments.schedule is not None:
+    if getattr(arguments, "schedule", None) is not None:
         from tumble.files.schedule_file import read_schedule
 
         derived = getattr(arguments, "weights", DERIVED) == DERIVED
         estimator = getattr(arguments, "estimator", None) if derived else None
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
-    return Case.of(stand_file, arguments.stand, schedule)
+    case = Case.of(stand_file, arguments.stand, schedule)
+    return case if limit_g is None else replace(case, limit_g=limit_g)
 
 
 def parse_positive(text: str, option: str) -> float:

@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING
 
 from tumble.cli.commands.plan_options import (
     add_case_options,
+    add_probability,
     add_subject,
     add_weights_option,
     parse_positive,
+    parse_probability,
     read_case,
     write_json,
 )
-from tumble.cli.options import Subparsers, add_limit, parse_limit
+from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError, quoted
 
 if TYPE_CHECKING:
     from tumble.arrays import Floats
+    from tumble.planning.case import Case
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -31,29 +34,35 @@ def add_to(subparsers: Subparsers) -> None:
     )
     add_case_options(parser)
     add_weights_option(parser)
-    add_limit(parser)
+    add_probability(
+        parser, "what is just enough: probability of passing, and of |a| within the limit at every attitude"
+    )
     parser.add_argument(
         "--split",
         metavar="SOURCE=PART,...",
-        help="how alpha1, alpha2, alpha3, alpha4 and noise share a row, as parts of its square; default: 1 each",
+        help="how alpha1 to alpha4, noise, and seat and platform if declared, share a row, as parts of its square;"
+        " default: 1 each",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
-    limit_g = parse_limit(arguments.limit)
+    probability = parse_probability(arguments.probability)
     case = read_case(arguments)
-    limit_g = case.limit_g if limit_g is None else limit_g
-    split = _split(arguments.split)
+    limit_g = case.limit_g
+    split = _split(arguments.split, case, arguments.weights == "published")
 
+    from tumble.planning.enough import enough
     from tumble.planning.headroom import headroom, margins
     from tumble.planning.require import requirements
     from tumble.planning.requirement_report import document, show
 
     found = requirements(case, arguments.weights, arguments.estimator, limit_g, split)
     room = headroom(case, arguments.weights, arguments.estimator, limit_g)
-    of_all = margins(case, limit_g) if arguments.weights == "derived" else {arguments.estimator: room.margin}
-    plan = document(found, room, of_all, case, arguments.weights, arguments.estimator, limit_g, split)
+    derived = arguments.weights == "derived"
+    of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
+    just = enough(case, arguments.estimator, found.limits, probability) if derived else None
+    plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
     if arguments.json:
         write_json(plan)
     else:
@@ -61,19 +70,19 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _split(text: str | None) -> Floats:
-    """Parts by source, in the order of SOURCES."""
+def _split(text: str | None, case: Case, published: bool) -> Floats:
+    """Parts by source, in the order of budget.sources."""
     import numpy as np
 
-    from tumble.planning.published import SOURCES
+    from tumble.planning.budget import sources
 
-    parts = dict.fromkeys(SOURCES, 1.0)
+    parts = dict.fromkeys(sources(case, published), 1.0)
     given = [] if text is None else text.split(",")
     named = [item.partition("=")[0].strip() for item in given]
     for item in given:
         source, equals, part = item.partition("=")
         if not equals or source.strip() not in parts:
-            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(SOURCES)}")
+            raise UsageError(f"--split: {quoted(item)} is not SOURCE=PART with one of {', '.join(parts)}")
         if named.count(source.strip()) > 1:
             raise UsageError(f"--split: {source.strip()} is given twice")
         parts[source.strip()] = parse_positive(part.strip(), "--split")

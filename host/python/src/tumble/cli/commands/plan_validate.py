@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
 from tumble.cli.options import Subparsers, add_seed, parse_seed, parse_whole
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
-from tumble.estimators import ESTIMATORS, PAPER
+from tumble.estimators import ESTIMATORS, HARMONIC
 from tumble.messages import on_terminal
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.planning.case import Case
@@ -61,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.planning.validate import validate
     from tumble.planning.verdict import judge
 
-    refuse_overwriting(arguments.plot, arguments.stand, arguments.schedule, option="--plot")
+    refuse_overwriting(arguments.plot, arguments.stand, file_of(arguments.schedule), option="--plot")
     with _progress(runs) as progress:
         found = validate(case, _estimators(arguments, case), runs, seed, arguments.table, progress)
     judged = [(one, judge(one)) for one in found]
@@ -76,12 +77,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
-    from tumble.reference.estimators import paper_slots
+    from tumble.reference.estimators import circles
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
-    harmonic = paper_slots(case.fitted) is not None
-    return tuple(name for name in ESTIMATORS if harmonic or name not in PAPER)
+    harmonic = circles(case.fitted) is not None
+    return tuple(name for name in ESTIMATORS if harmonic or name not in HARMONIC)
 
 
 @contextmanager

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import OPTIMAL
+from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.files.run_layout import Wishes
 
+FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
 
@@ -31,6 +33,13 @@ def add_to(subparsers: options.Subparsers) -> None:
     options.add_limit(parser)
     options.add_json(parser)
     parser.add_argument("--out", metavar="RESULT.json", help="write the result to a file as well")
+    parser.add_argument(
+        "--monte-carlo",
+        metavar="N",
+        help="simulate N runs on the declared stand at the result, and hold its uncertainties against theirs (100000"
+        " decide nearly all); 1000 to 1000000; needs --stand",
+    )
+    parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
     layout = parser.add_argument_group("layout of the run file", "detected, unless given")
     layout.add_argument("--columns", metavar="NAME=COLUMN,...", help="names of its columns, such as ux=AccX,uy=AccY")
     layout.add_argument("--delimiter", metavar="SIGN", help="comma, semicolon, tab or another sign")
@@ -44,18 +53,21 @@ def run(arguments: argparse.Namespace) -> int:
     limit_g = options.parse_limit(arguments.limit)
     if arguments.estimator == OPTIMAL and arguments.stand is None:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
+    runs, seed = _parse_monte_carlo(arguments)
     wishes = _wishes(arguments)
 
     from tumble import core
     from tumble.cli.output import print_solution, warn
+    from tumble.files import run_rows
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
     from tumble.files.run_file import read_run
     from tumble.fixture.stand_doubts import look_for_doubts
-    from tumble.solving import result
+    from tumble.solving import plausibility, provenance, result
     from tumble.solving.solution import solve
 
-    refuse_overwriting(arguments.out, arguments.run, arguments.stand, arguments.schedule)
+    created = provenance.created()
+    refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     stand_file = schedule = None
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
@@ -66,7 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
         from tumble.files.schedule_file import read_schedule
 
         schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
-    recorded = read_run(arguments.run, core.paper_schedule() if schedule is None else schedule.data, wishes)
+    planned = core.paper_schedule() if schedule is None else schedule.data
+    recorded = read_run(arguments.run, planned, wishes)
+    odd_rows = run_rows.require(recorded, planned, stand_file, arguments.run)
     step_v = 0.0 if stand_file is None else stand_file.step_v
     solution = solve(
         recorded,
@@ -77,16 +91,19 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.run,
         step_v,
     )
+    odd = plausibility.require(solution, stand_file, arguments.run)
     solution = look_for_doubts(solution, schedule or core.CoreSchedule(core.paper_schedule()), step_v)
+    if runs is not None:
+        solution = solution.simulated(runs, seed)
     text = ""
     if arguments.json or arguments.out is not None:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
         name = os.path.basename(arguments.run)
-        text = to_json(result.document(solution, item, environment, serial, name))
+        text = to_json(result.document(solution, item, environment, serial, name, created))
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(solution)
+    warn(solution, (*odd_rows, *odd))
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.found.gravity.passed else EXIT_LIMITS_FAILED
 
@@ -101,6 +118,18 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
         decimal=arguments.decimal,
         unit=None if arguments.unit is None else _parse_unit(arguments.unit),
     )
+
+
+def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
+    """Runs to simulate, None for no such wish, and the seed. Raises UsageError."""
+    if arguments.monte_carlo is None:
+        if arguments.seed is not None:
+            raise UsageError("--seed: without --monte-carlo there is nothing to draw")
+        return None, 0
+    if arguments.stand is None:
+        raise UsageError("--monte-carlo draws the stand's errors: it needs --stand FILE")
+    runs = options.parse_whole(arguments.monte_carlo, "--monte-carlo", FEWEST_SIMULATED, MOST_SIMULATED)
+    return runs, options.parse_seed("1" if arguments.seed is None else arguments.seed)
 
 
 def _parse_columns(text: str) -> dict[str, str]:

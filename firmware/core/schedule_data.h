@@ -1,0 +1,44 @@
+/* schedule_data.h - what the built-in schedules are made of (private to the core). */
+#ifndef TUMBLE_CORE_SCHEDULE_DATA_H
+#define TUMBLE_CORE_SCHEDULE_DATA_H
+
+#include "tumble/core.h"
+
+#define TUMBLE_HALF_SQRT2 0.70710678118654752440
+
+/* clang-format off */
+#define TUMBLE_AT_0   {  0.0,                0.0,                1.0}
+#define TUMBLE_AT_45  { 45.0,  TUMBLE_HALF_SQRT2,  TUMBLE_HALF_SQRT2}
+#define TUMBLE_AT_90  { 90.0,                1.0,                0.0}
+#define TUMBLE_AT_135 {135.0,  TUMBLE_HALF_SQRT2, -TUMBLE_HALF_SQRT2}
+#define TUMBLE_AT_180 {180.0,                0.0,               -1.0}
+#define TUMBLE_AT_225 {225.0, -TUMBLE_HALF_SQRT2, -TUMBLE_HALF_SQRT2}
+#define TUMBLE_AT_270 {270.0,               -1.0,                0.0}
+#define TUMBLE_AT_315 {315.0, -TUMBLE_HALF_SQRT2,  TUMBLE_HALF_SQRT2}
+#define TUMBLE_AT_360 {360.0,                0.0,                1.0}
+
+#define TUMBLE_NINE_POSITIONS(mounting)            \
+    {(mounting), 1, TUMBLE_USE_FIT, TUMBLE_AT_0},   \
+    {(mounting), 2, TUMBLE_USE_FIT, TUMBLE_AT_45},  \
+    {(mounting), 3, TUMBLE_USE_FIT, TUMBLE_AT_90},  \
+    {(mounting), 4, TUMBLE_USE_FIT, TUMBLE_AT_135}, \
+    {(mounting), 5, TUMBLE_USE_FIT, TUMBLE_AT_180}, \
+    {(mounting), 6, TUMBLE_USE_FIT, TUMBLE_AT_225}, \
+    {(mounting), 7, TUMBLE_USE_FIT, TUMBLE_AT_270}, \
+    {(mounting), 8, TUMBLE_USE_FIT, TUMBLE_AT_315}, \
+    {(mounting), 9, TUMBLE_USE_FIT, TUMBLE_AT_360}
+
+/* x, y, z along: */
+#define TUMBLE_H_N_V {1, {{ 1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, TUMBLE_AT_0} /* ( h, n, v) */
+#define TUMBLE_MH_V_N {2, {{-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}}, TUMBLE_AT_0} /* (-h, v, n) */
+#define TUMBLE_N_V_H {3, {{ 0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, TUMBLE_AT_0} /* ( n, v, h) */
+/* clang-format on */
+
+/* The schedule of a file's `mountings` and `positions`. */
+#define TUMBLE_SCHEDULE_OF_THIS_FILE                                                                                   \
+    {.mountings = mountings,                                                                                           \
+     .positions = positions,                                                                                           \
+     .mounting_count = sizeof mountings / sizeof mountings[0],                                                         \
+     .position_count = sizeof positions / sizeof positions[0]}
+
+#endif

@@ -1,0 +1,105 @@
+"""The errors that a stand leaves, to first order: of the gravity check at every position, of |a| at every attitude.
+
+All are linear in independent draws of unit variance, one for each error of the stand and of its noise. The estimator
+sees the same draws as the check: on fitted positions the check judges residuals.
+
+The error of |a| at a unit attitude a is a'S a + b'a: `forms` holds S by its six elements, then b. (8) is its exact
+counterpart, (|a|^2 - 1)/2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble import reference
+from tumble.arrays import Floats, Integers
+from tumble.planning.case import Case
+from tumble.planning.weights import estimator_gains
+from tumble.reference.estimators import fit_indices
+from tumble.reference.uncertainty import sources
+
+_ROWS, _COLUMNS = np.triu_indices(3)
+_BISECTIONS = 26
+_MANY = 10_000
+
+
+@dataclass(frozen=True)
+class ErrorField:
+    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g."""
+
+    gravity: Floats
+    forms: Floats
+
+
+def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
+    """Of an estimator, for a block of sensitivity `k` (V/g). Raises UsageError where the schedule does not allow it."""
+    positions = case.schedule.positions
+    lone: Integers = np.ones(len(positions), dtype=int)
+    all_sources = sources(case.schedule, k, case.stand, lone).values()
+    outputs = np.concatenate([source.derivative * source.sigma[:, None, None] for source in all_sources])
+    weights = estimator_gains(case, estimator, k)
+    found = outputs[:, fit_indices(case.schedule)].reshape(len(outputs), -1) @ weights.T
+    found_k, found_u0 = found[:, :9].reshape(-1, 3, 3), found[:, 9:]
+
+    force, to_g = reference.Geometry(case.schedule).force(), np.linalg.inv(k)
+    left = outputs - force @ np.swapaxes(found_k, 1, 2) - found_u0[:, None]
+    gravity = np.einsum("dpi,pi->dp", left @ to_g.T, force)
+    return ErrorField(gravity, norm_forms(-to_g @ found_k, -found_u0 @ to_g.T))
+
+
+def norm_forms(matrix: Floats, vector: Floats) -> Floats:
+    """Forms (n, 9) of a'M a + v'a for M (n, 3, 3) and v (n, 3)."""
+    symmetric = (matrix + np.swapaxes(matrix, 1, 2)) / 2.0
+    return np.hstack([symmetric[:, _ROWS, _COLUMNS], vector])
+
+
+def features(at: Floats) -> Floats:
+    """What forms are multiplied by at unit attitudes (n, 3): (n, 9)."""
+    twice = np.where(_ROWS == _COLUMNS, 1.0, 2.0)
+    return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
+
+
+def attitudes(count: int) -> Floats:
+    """So many unit vectors spread evenly over the sphere, on a spiral: (count, 3)."""
+    height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    turn = np.pi * (3.0 - 5.0**0.5) * np.arange(count)
+    radius = np.sqrt(1.0 - height**2)
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)
+
+
+def worst_norm(forms: Floats) -> tuple[float, Floats]:
+    """The worst u(|a|) over all attitudes, g, and where; for forms (draws, 9). To 0.1 %."""
+    at = attitudes(_MANY)
+    u = np.linalg.norm(features(at) @ forms.T, axis=1)
+    return float(u.max()), at[u.argmax()]
+
+
+def largest_over_attitudes(forms: Floats) -> Floats:
+    """The largest |a'S a + b'a| over all unit a, for forms (n, 9): (n,)."""
+    s = np.empty((len(forms), 3, 3))
+    s[:, _ROWS, _COLUMNS] = s[:, _COLUMNS, _ROWS] = forms[:, :6]
+    values, axes = np.linalg.eigh(s)
+    half_b = np.einsum("nij,ni->nj", axes, forms[:, 6:]) / 2.0
+    return np.maximum(_maximum(values, half_b), _maximum(-values[:, ::-1], half_b[:, ::-1]))
+
+
+def _maximum(values: Floats, half_b: Floats) -> Floats:
+    """Of a'S a + b'a on the unit sphere, in the axes of S, by its eigenvalues in rising order. A maximum has
+    (lambda - S) a = b/2 with lambda beyond all eigenvalues, where such an a has length 1. The length falls with lambda,
+    so bisection finds it; the value is then right to 1e-8 of b at least."""
+    top = values[:, 2]
+    low, high = top + np.abs(half_b[:, 2]), top + np.linalg.norm(half_b, axis=1)
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2.0
+        short = ((half_b / _gaps(middle, values)) ** 2).sum(axis=1) < 1.0
+        low, high = np.where(short, low, middle), np.where(short, middle, high)
+    lengthwise = np.minimum(half_b**2 / _gaps(high, values), np.abs(half_b))  # no component of a is longer than 1
+    found: Floats = high + lengthwise.sum(axis=1)
+    return found
+
+
+def _gaps(lam: Floats, values: Floats) -> Floats:
+    """lambda less each eigenvalue; not 0, where only a b of 0 to rounding leads."""
+    return np.maximum(lam[:, None] - values, np.finfo(float).tiny ** 0.5)

@@ -1,0 +1,140 @@
+"""What a stand promises: the probabilities that a run passes the gravity check, and that |a| is within the limit at
+every attitude.
+
+The errors are jointly normal, to first order. A normal vector is a length, whose law is chi, times a direction, all of
+which are alike; and what is asked for, the largest of its errors, grows with the length in proportion. So
+
+    P(largest <= limit) = mean over directions of F_chi(limit / largest of the direction)
+
+and the same directions serve every limit. They are drawn once, from a fixed seed; the standard error of the mean is
+given with each probability.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.errors import UsageError
+from tumble.estimators import ESTIMATORS
+from tumble.planning.case import Case
+from tumble.planning.error_field import error_field, largest_over_attitudes
+from tumble.planning.tables import percent
+
+_ANY = 0.95  # of a growth that nobody asks for
+_SEED = 1
+_DIRECTIONS = {"positions": 32768, "attitudes": 8192}
+_BISECTIONS = 30
+_TINY = 1e-300
+_FAR = 37.0  # standard deviations: beyond them nothing is left in a double
+
+
+@dataclass(frozen=True)
+class Chance:
+    """A probability, and the standard error with which it is computed."""
+
+    value: float
+    u: float
+
+
+@dataclass(frozen=True)
+class Law:
+    """The law of a largest error: `sizes` (directions,), g, of unit draws in `freedom` dimensions, an even number."""
+
+    sizes: Floats
+    freedom: int
+
+    @classmethod
+    def of(cls, draws: Floats, directions: int, largest: Callable[[Floats], Floats]) -> Law:
+        """`draws` (n, m): m errors by independent draws of unit variance; `largest`: from (directions, m) to
+        (directions,). The symmetric root of the errors' covariance changes no more than the errors do, so near stands
+        have near probabilities."""
+        _, singular, axes = np.linalg.svd(draws, full_matrices=False)
+        root = axes.T * singular @ axes
+        unit = _unit_vectors(directions, len(root) + len(root) % 2)  # one more that does nothing: even laws are sums
+        return cls(largest(unit[:, : len(root)] @ root), unit.shape[1])
+
+    def chance(self, limit_g: float) -> Chance:
+        """That the largest error is within a limit."""
+        half = np.minimum(limit_g / np.maximum(self.sizes, _TINY), _FAR) ** 2 / 2.0
+        term = np.exp(-half)
+        beyond = term.copy()
+        for index in range(1, self.freedom // 2):
+            term *= half / index
+            beyond += term
+        return Chance(float(1.0 - beyond.mean()), float(beyond.std() / len(beyond) ** 0.5))
+
+    def limit(self, probability: float) -> float:
+        """The limit that is kept with a probability, g."""
+        low, high = 0.0, float(self.sizes.max()) * _FAR
+        for _ in range(_BISECTIONS):
+            middle = (low + high) / 2.0
+            low, high = (low, middle) if self.chance(middle).value >= probability else (middle, high)
+        return high
+
+
+@cache
+def _unit_vectors(count: int, dimensions: int) -> Floats:
+    normal = np.random.default_rng(_SEED).standard_normal((count, dimensions))
+    unit: Floats = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return unit
+
+
+@dataclass(frozen=True)
+class Promise:
+    """For a limit in g: `passes`, the gravity check at all positions; `everywhere`, |a| at every attitude. `growth`:
+    the factor by which all errors may grow together until the less probable of both is as asked; infinite without
+    errors."""
+
+    limit_g: float
+    passes: Chance
+    everywhere: Chance
+    growth: float
+
+    @property
+    def sentence(self) -> str:
+        """For people, in two lines."""
+        return (
+            f"A run passes the gravity check of {self.limit_g:g} g with a probability of"
+            f" {percent(self.passes.value)};\n"
+            f"|a| is within that limit at every attitude with {percent(self.everywhere.value)}."
+        )
+
+    def document(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        return {
+            "limit_g": self.limit_g,
+            "passes": self.passes.value,
+            "u_passes": self.passes.u,
+            "every_attitude": self.everywhere.value,
+            "u_every_attitude": self.everywhere.u,
+        }
+
+
+def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | None = None) -> Promise:
+    """Of the case's stand and limit, for a block of sensitivity `k` (V/g), the nominal one unless given.
+
+    Raises UsageError where the schedule does not allow the estimator.
+    """
+    field = error_field(case, estimator, case.nominal_k() if k is None else k)
+    check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
+    norm = Law.of(field.forms, _DIRECTIONS["attitudes"], largest_over_attitudes)
+    needed = max(check.limit(probability), norm.limit(probability))
+    growth = case.limit_g / needed if needed > 0.0 else np.inf
+    return Promise(case.limit_g, check.chance(case.limit_g), norm.chance(case.limit_g), growth)
+
+
+def promises(case: Case, probability: float) -> dict[str, Promise]:
+    """Of every estimator that the schedule allows."""
+    found = {}
+    for estimator in ESTIMATORS:
+        try:
+            found[estimator] = promise(case, estimator, probability)
+        except UsageError:  # the schedule lacks positions that it needs
+            continue
+    return found

@@ -1,0 +1,155 @@
+"""The schedule that reaches a worst u(|a|) in the least test time.
+
+For every set of mountings: from all table angles the one is left out that is needed least, again and again, and each
+time the samples are counted that what is left needs. The quickest of all these is then improved by exchanges of one
+angle for another, as long as that saves time. It is a search, and proves no optimum; it always finds the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tumble.arrays import Flags
+from tumble.core import MAX_POSITIONS, MAX_SAMPLES
+from tumble.planning.case import Case
+from tumble.planning.duration import Duration, Pace
+from tumble.planning.error_field import error_field, worst_norm
+from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, without_unused
+from tumble.planning.norm_spread import NormSpread
+from tumble.schedule import Position, Schedule
+
+_FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
+_ALL_SETS = 3  # of so many mountings; more are added one by one
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A schedule that reaches what was asked for: with so many `samples` at each position, `norm_g` the worst u(|a|)
+    that it was held to."""
+
+    schedule: Schedule
+    samples: int
+    norm_g: float
+    duration: Duration
+
+
+def fewest_samples(spread: NormSpread, chosen: Flags, norm_g: float) -> int | None:
+    """The fewest samples with which a subset reaches a worst u(|a|); None if none do."""
+
+    def reached(samples: int) -> bool:
+        return bool(spread.worst(chosen[None], samples)[0] <= norm_g)
+
+    if not reached(MAX_SAMPLES):
+        return None
+    low, high = 0, 1
+    while not reached(high):
+        low, high = high, min(2 * high, MAX_SAMPLES)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if reached(middle) else (middle, high)
+    return high
+
+
+@dataclass(frozen=True)
+class _Candidates:
+    """All angles in a set of mountings."""
+
+    spread: NormSpread
+    pace: Pace
+    norm_g: float
+
+    def timed(self, chosen: Flags) -> Timed | None:
+        """What a subset takes; None if it cannot do it, or has too many positions to be measured."""
+        samples = fewest_samples(self.spread, chosen, self.norm_g)
+        if samples is None:
+            return None
+        schedule = without_unused(self.spread.schedule.part(chosen))
+        return Timed(schedule, samples, self.norm_g, self.pace.duration(schedule, samples))
+
+    def quickest(self) -> Timed | None:
+        """By leaving out, then by exchange."""
+        best, chosen = self._left_out()
+        if best is None:
+            return None
+        while True:
+            tried = self._swapped(chosen, best.samples)
+            found = self.timed(tried)
+            if found is None or found.duration.total >= best.duration.total:
+                return best
+            best, chosen = found, tried
+
+    def _left_out(self) -> tuple[Timed | None, Flags]:
+        chosen = np.ones(len(self.spread.schedule.positions), dtype=bool)
+        best, best_chosen = None, chosen
+        while chosen.sum() >= _FEWEST_POSITIONS and (found := self.timed(chosen)) is not None:
+            if chosen.sum() <= MAX_POSITIONS and (best is None or found.duration.total < best.duration.total):
+                best, best_chosen = found, chosen
+            fewer = chosen & ~np.eye(len(chosen), dtype=bool)[chosen]
+            chosen = fewer[self.spread.worst(fewer, found.samples).argmin()]
+        return best, best_chosen
+
+    def _swapped(self, chosen: Flags, samples: int) -> Flags:
+        """The exchange of one position for another that is best for the norm."""
+        one = np.eye(len(chosen), dtype=bool)
+        swaps = [(chosen & ~one[out]) | one[into] for out in np.flatnonzero(chosen) for into in np.flatnonzero(~chosen)]
+        if not swaps:
+            return chosen
+        best: Flags = swaps[int(self.spread.worst(np.array(swaps), samples).argmin())]
+        return best
+
+
+def quickest(
+    case: Case,
+    estimator: str,
+    norm_g: float,
+    pace: Pace,
+    step_deg: float,
+    most_mountings: int,
+    progress: Callable[[int, int], None] = lambda done, of: None,
+) -> Timed | None:
+    """The quickest schedule of at most so many mountings, with table angles of multiples of `step_deg`; None if there
+    is none. `progress`: sets of mountings done, and their number as far as it is known."""
+    sets = [one for count in range(2, min(most_mountings, _ALL_SETS) + 1) for one in mounting_sets(count)]
+    best, best_set, done = None, sets[0], 0
+    for more in reversed(range(max(0, most_mountings - _ALL_SETS) + 1)):
+        for kinds in sets:
+            hopeless = best is not None and pace.remounting * (len(kinds) - 1) >= best.duration.total
+            found = None if hopeless else _of_set(case, estimator, norm_g, pace, step_deg, kinds)
+            if found is not None and (best is None or found.duration.total < best.duration.total):
+                best, best_set = found, kinds
+            done += 1
+            progress(done, len(sets))
+        if more:
+            sets = [(*best_set, kind) for kind in KINDS if kind not in best_set]
+    return best
+
+
+def _of_set(
+    case: Case, estimator: str, norm_g: float, pace: Pace, step_deg: float, kinds: tuple[int, ...]
+) -> Timed | None:
+    angles = [index * step_deg for index in range(round(360.0 / step_deg))]
+    block = mountings(kinds)
+    positions = tuple(Position(one.number, index, angle) for one in block for index, angle in enumerate(angles, 1))
+    spread = NormSpread(case, Schedule(block, positions), estimator)
+    return _Candidates(spread, pace, norm_g).quickest()
+
+
+def held_to(case: Case, estimator: str, schedule: Schedule, norm_g: float, pace: Pace) -> Timed | None:
+    """What a given schedule takes; None if it does not get there."""
+    spread = NormSpread(case, schedule, estimator)
+    samples = fewest_samples(spread, np.ones(len(schedule.positions), dtype=bool), norm_g)
+    return None if samples is None else Timed(schedule, samples, norm_g, pace.duration(schedule, samples))
+
+
+def measured_with(case: Case, timed: Timed) -> Case:
+    """The case with a schedule and its samples."""
+    return replace(case, own_schedule=timed.schedule, stand=replace(case.stand, samples=timed.samples))
+
+
+def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
+    """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
+    u, attitude = worst_norm(error_field(case, estimator, case.nominal_k()).forms)
+    return u, attitude.tolist()

@@ -1,0 +1,136 @@
+"""What the covariance of the coefficients says of whatever is computed from them: of the specific force that the
+calibrated block shows, of its length, of the intrinsic parameters.
+
+A covariance is (12, 12), K row by row, then U0, as reference.covariance gives it. A block at the attitude n, a unit
+vector, puts out U = U0 + K n. Calibrated with coefficients that are off by dK and dU0 it shows
+
+    a = (K + dK)^-1 (U - U0 - dU0) = n - K^-1 (dK n + dU0)
+
+to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.arrays import Floats
+
+PAIRS = ((0, 1), (0, 2), (1, 2))
+_START = 5000  # attitudes: a polynomial of degree four is then within 1 % of its maximum at one of them
+_BEST = 100  # of these are refined
+_ROUNDS = 80
+_FIRST_STEP = 0.05
+_LAST_STEP = 1e-9
+
+
+@dataclass(frozen=True)
+class WorstNorm:
+    """The largest standard uncertainty of |a|, in g, and the `attitude` (3,) where it is."""
+
+    worst: float
+    attitude: Floats
+
+
+@dataclass(frozen=True)
+class IntrinsicUncertainties:
+    """Standard uncertainties of what core.Intrinsic has: `scale` (3,), `angles` (3,) xy, xz, yz in rad, `bias` (3,)
+    in g."""
+
+    scale: Floats
+    angles: Floats
+    bias: Floats
+
+
+def force_covariance(k: Floats, covariance: Floats, attitudes: Floats) -> Floats:
+    """Covariance (..., 3, 3), g^2, of the specific force that the calibrated block shows at `attitudes` (..., 3)."""
+    n = np.asarray(attitudes, dtype=float)
+    by_k = np.einsum("ic,...j->...icj", np.linalg.inv(k), n)
+    by_u0 = np.broadcast_to(np.linalg.inv(k), (*n.shape[:-1], 3, 3))
+    by_coefficient = np.concatenate([by_k.reshape(*n.shape[:-1], 3, 9), by_u0], axis=-1)
+    found: Floats = by_coefficient @ covariance @ np.swapaxes(by_coefficient, -1, -2)
+    return found
+
+
+def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats) -> Floats:
+    """Standard uncertainty (...), g, of the length of that specific force at `attitudes` (..., 3), unit vectors."""
+    n = np.asarray(attitudes, dtype=float)
+    w = n @ np.linalg.inv(k)
+    gradient = np.concatenate([np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9), w], axis=-1)
+    found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
+    return found
+
+
+def worst_norm(k: Floats, covariance: Floats) -> WorstNorm:
+    """The attitude at which the length of the shown specific force is least certain.
+
+    The square of that uncertainty is a polynomial of degree four in the attitude. It is computed at many, and climbed
+    from the best of them, around each in eight directions, with steps that are halved where none leads up.
+    """
+    best = _spread_attitudes(_START)
+    best = best[np.argsort(norm_uncertainty(k, covariance, best))[-_BEST:]]
+    height, step = norm_uncertainty(k, covariance, best), np.full(len(best), _FIRST_STEP)
+    for _ in range(_ROUNDS):
+        around = _around(best, step)
+        heights = norm_uncertainty(k, covariance, around)
+        upward = heights.argmax(axis=1)
+        highest = np.take_along_axis(heights, upward[:, None], axis=1)[:, 0]
+        leads_up = highest > height
+        best = np.where(leads_up[:, None], around[np.arange(len(best)), upward], best)
+        height, step = np.where(leads_up, highest, height), np.where(leads_up, step, step / 2.0)
+        if step.max() < _LAST_STEP:
+            break
+    top = int(height.argmax())
+    return WorstNorm(float(height[top]), best[top])
+
+
+def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
+    """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
+    length = np.linalg.norm(k, axis=1)
+    axis = k / length[:, None]
+    by_scale, by_angle = np.zeros((2, 3, 12))
+    for i in range(3):
+        by_scale[i, 3 * i : 3 * i + 3] = axis[i]
+    for place, (i, j) in enumerate(PAIRS):
+        cosine = axis[i] @ axis[j]
+        sine = np.linalg.norm(np.cross(axis[i], axis[j]))
+        for one, other in ((i, j), (j, i)):
+            by_angle[place, 3 * one : 3 * one + 3] = (cosine * axis[one] - axis[other]) / (sine * length[one])
+    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in (by_scale, by_angle, by_bias(k, u0))))
+
+
+def by_bias(k: Floats, u0: Floats) -> Floats:
+    """Derivatives (3, 12) of U0_i over the length of row i by the coefficients."""
+    length, found = np.linalg.norm(k, axis=1), np.zeros((3, 12))
+    for i in range(3):
+        found[i, 3 * i : 3 * i + 3] = -u0[i] / length[i] ** 3 * k[i]
+        found[i, 9 + i] = 1.0 / length[i]
+    return found
+
+
+def _spread(gradients: Floats, covariance: Floats) -> Floats:
+    """Standard uncertainties (n,) of what has these gradients (n, 12)."""
+    spread: Floats = np.sqrt(np.maximum(((gradients @ covariance) * gradients).sum(axis=1), 0.0))
+    return spread
+
+
+def _spread_attitudes(count: int) -> Floats:
+    """Unit vectors (count, 3) all over the sphere, on a spiral of the golden angle."""
+    index = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * index / count, np.pi * (3.0 - np.sqrt(5.0)) * index
+    radius = np.sqrt(1.0 - z**2)
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+
+
+def _around(attitudes: Floats, step: Floats) -> Floats:
+    """Eight neighbours of each (n, 8, 3), `step` (n,) away."""
+    least = np.eye(3)[np.abs(attitudes).argmin(axis=1)]
+    first = np.cross(attitudes, least)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.cross(attitudes, first)
+    turn = np.arange(8) * np.pi / 4.0
+    ways = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
+    found = attitudes[:, None] + step[:, None, None] * ways
+    moved: Floats = found / np.linalg.norm(found, axis=2)[..., None]
+    return moved

@@ -1,0 +1,192 @@
+"""Monte Carlo of one result, after supplement 1 of the GUM (JCGM 101:2008): are its uncertainties, which are linear,
+those of the exact geometry?
+
+Runs are drawn from the declared stand at the coefficients found, and each is solved by the same estimator. An interval
+of 95 % is what the errors of the runs leave of the value. It is held against the value -+ 1.96 u by the rule of clause
+8.1: the ends may differ by half a unit of the first digit of u. The ends of the simulated one are known as far as their
+runs go; where that leaves the outcome open, it says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.core import CoreRefusal
+from tumble.errors import UsageError
+from tumble.estimators import COEFFICIENTS
+from tumble.reference.uncertainty import Source, exact_outputs, sources
+from tumble.schedule import Schedule
+from tumble.solving.many_runs import ManyRuns, estimator_for
+from tumble.stand import Stand
+
+COVERAGE = 0.95
+LEVEL = 0.999  # of the range in which an end of a simulated interval lies
+NORMAL_COVERAGE = 1.959963984540054
+_NORMAL_LEVEL = 3.2905267314919255
+_CHUNK = 2000  # runs at a time: part of what a seed means
+_ROUNDING = 1e-12  # of max|K|
+
+
+class Verdict(Enum):
+    """On one coefficient."""
+
+    AGREES = "agrees"
+    DIFFERS = "differs"
+    CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """All (12,), in the coefficients' units: `shift`: mean error of an estimate; `u`: its standard deviation; `low` and
+    `high`: the interval of the coefficient; `linear_low`, `linear_high`: that of the stated u; `tolerance` for the
+    difference of their ends, which is `least` to `most`."""
+
+    runs: int
+    seed: int
+    shift: Floats
+    u: Floats
+    low: Floats
+    high: Floats
+    linear_low: Floats
+    linear_high: Floats
+    tolerance: Floats
+    least: Floats
+    most: Floats
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """One for each coefficient."""
+        agrees, differs = self.most <= self.tolerance, self.least > self.tolerance
+        told = {True: Verdict.AGREES, False: Verdict.CANNOT_TELL}
+        return [Verdict.DIFFERS if far else told[near] for near, far in zip(agrees.tolist(), differs.tolist())]
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether all do; None where it cannot be told."""
+        verdicts = self.verdicts
+        if Verdict.DIFFERS in verdicts:
+            return False
+        return None if Verdict.CANNOT_TELL in verdicts else True
+
+    def where(self, verdict: Verdict) -> list[str]:
+        """Names of the coefficients with this verdict."""
+        return [name for name, own in zip(COEFFICIENTS, self.verdicts) if own is verdict]
+
+    def document(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        difference = np.maximum(np.abs(self.low - self.linear_low), np.abs(self.high - self.linear_high))
+        return {
+            "runs": self.runs,
+            "seed": self.seed,
+            "coverage": COVERAGE,
+            "level": LEVEL,
+            "agrees": self.agrees,
+            "coefficients": [
+                {
+                    "name": name,
+                    "shift": float(self.shift[i]),
+                    "u": float(self.u[i]),
+                    "interval": [float(self.low[i]), float(self.high[i])],
+                    "linear_interval": [float(self.linear_low[i]), float(self.linear_high[i])],
+                    "difference": float(difference[i]),
+                    "tolerance": float(self.tolerance[i]),
+                    "verdict": verdict.value,
+                }
+                for i, (name, verdict) in enumerate(zip(COEFFICIENTS, self.verdicts))
+            ],
+        }
+
+
+def simulate(
+    schedule: Schedule,
+    k: Floats,
+    u0: Floats,
+    u: Floats,
+    stand: Stand,
+    estimator: str,
+    samples: Integers,
+    runs: int,
+    seed: int,
+    mean_variance: Floats | None = None,
+) -> MonteCarlo:
+    """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
+    `samples` (positions,) rows each. `stand` in the unit of the outputs; `mean_variance` as of
+    `sources`. The same seed gives the same numbers.
+
+    Raises UsageError where a run on such a stand cannot be solved.
+    """
+    estimate = estimator_for(schedule, k, stand, estimator, samples)
+    errors = sources(schedule, k, stand, samples, mean_variance)
+    try:
+        found = _estimates(schedule, k, u0, errors, stand.limits, estimate, runs, seed)
+    except CoreRefusal as refusal:
+        raise UsageError(f"--monte-carlo: a run on such a stand cannot be solved: {refusal}") from None
+    value = np.concatenate([k.ravel(), u0])
+    return compare(found - value, value, u, seed, _ROUNDING * float(np.abs(k).max()))
+
+
+def compare(errors: Floats, value: Floats, u: Floats, seed: int, rounding: float) -> MonteCarlo:
+    """`errors` (runs, 12) of simulated estimates, beside `value` and stated `u` (12,)."""
+    ordered, runs = np.sort(errors, axis=0), len(errors)
+    tail = (1.0 - COVERAGE) / 2.0
+    known = _NORMAL_LEVEL * (runs * tail * (1.0 - tail)) ** 0.5
+    # what lies above the truth by an error makes the coefficient lie below the estimate by it
+    ends = {}
+    for name, share in (("low", 1.0 - tail), ("high", tail)):
+        places = np.clip(np.rint(share * runs + np.array([-known, 0.0, known])), 1, runs).astype(int) - 1
+        ends[name] = value - ordered[places]
+    linear = {"low": value - NORMAL_COVERAGE * u, "high": value + NORMAL_COVERAGE * u}
+    least, most = (np.max([bound(ends[name], linear[name]) for name in ends], axis=0) for bound in (_least, _most))
+    tolerance = np.maximum([_tolerance(one) for one in u.tolist()], rounding)
+    return MonteCarlo(
+        *(runs, seed, errors.mean(axis=0), errors.std(axis=0, ddof=1), ends["low"][1], ends["high"][1]),
+        *(linear["low"], linear["high"], tolerance, least, most),
+    )
+
+
+def _least(ends: Floats, linear: Floats) -> Floats:
+    """How far a linear end is from the range (3, 12) of a simulated one: 0 within."""
+    least: Floats = np.maximum(np.maximum(ends.min(axis=0) - linear, linear - ends.max(axis=0)), 0.0)
+    return least
+
+
+def _most(ends: Floats, linear: Floats) -> Floats:
+    most: Floats = np.abs(ends - linear).max(axis=0)
+    return most
+
+
+def _tolerance(u: float) -> float:
+    """Half a unit of the first digit of u (clause 7.9.2, one digit)."""
+    return 0.5 * 10.0 ** int(f"{u:.0e}".partition("e")[2]) if u > 0.0 else 0.0
+
+
+def _estimates(
+    schedule: Schedule,
+    k: Floats,
+    u0: Floats,
+    errors: dict[str, Source],
+    limits: str,
+    estimate: ManyRuns,
+    runs: int,
+    seed: int,
+) -> Floats:
+    """Coefficients (runs, 12)."""
+    rng, found = np.random.default_rng(seed), []
+    for start in range(0, runs, _CHUNK):
+        count = min(_CHUNK, runs - start)
+        draws = [_draws(rng, source, limits, count) for source in errors.values()]
+        found.append(estimate(exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))))
+    return np.concatenate(found)
+
+
+def _draws(rng: np.random.Generator, source: Source, limits: str, runs: int) -> Floats:
+    """Numbers of mean 0 and variance 1; angles of a uniform law where the stand declares half-widths."""
+    shape = (runs, len(source.sigma))
+    if limits == "uniform" and source.errors:
+        return rng.uniform(-(3.0**0.5), 3.0**0.5, shape)
+    return rng.standard_normal(shape)

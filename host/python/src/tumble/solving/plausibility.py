@@ -1,0 +1,260 @@
+"""Is K that of the declared block? Gravity looks the same in many wrong set-ups: exchanged channels or mountings, a
+table that turned the other way, millivolts for volts all pass the gravity check.
+
+A K that is not near a declared one is held against hypotheses. Each undoes one or several such mistakes; where K is
+then near the declared one, that is what happened, and the fewest mistakes win. Without a declared block only the
+structure of K can tell, and nothing is refused.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.core import AXES
+from tumble.errors import BadInput
+from tumble.files.stand_file import StandFile
+from tumble.reference import Geometry
+from tumble.schedule import FIT, Position, Schedule
+from tumble.solving.solution import Solution
+from tumble.units import noise_unit, per_g, unit_of, volts_per
+
+_SIGMAS = 4.0  # of a declared misalignment: six of them exceed it in 4 runs of 10,000
+_LEAST_RAD = 5e-3  # a misalignment declared to be smaller is not taken at its word
+_LARGEST_RAD = 0.6  # beyond it another axis is as near
+_SCALE = 1.25  # factor by which a scale may differ from the nominal one
+_ROUGHLY_RAD, _ROUGHLY_SCALE = 0.5, 1.6  # of a K once its mistakes are undone: near enough to name them
+_MOST_MOUNTINGS = 3  # whose every order is tried; of more, exchanges of two
+_MOST_NAMED = 3
+_AS_WELL = 1.5  # times the rms of the residuals: fits no worse
+
+
+@dataclass(frozen=True)
+class Plausibility:
+    """What speaks against K: `refusal` says by which mistake it comes from the declared block, `warnings` what else is
+    odd. Sentences for people."""
+
+    refusal: str | None = None
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """`words` say what happened; `count` is how many single mistakes that takes."""
+
+    count: int
+    words: tuple[str, ...] = ()
+
+    def __add__(self, other: Mistake) -> Mistake:
+        return Mistake(self.count + other.count, self.words + other.words)
+
+
+def examine(solution: Solution, stand_file: StandFile | None) -> Plausibility:
+    """Hold K against the block that the stand file declares, or against itself where none is."""
+    if stand_file is None or stand_file.block is None:
+        return Plausibility(warnings=_structure(solution))
+    unit = volts_per(solution.run.unit)
+    nominal = stand_file.block["scale_v_per_g"] / unit * np.eye(3)
+    known = [] if stand_file.truth is None else [np.array(stand_file.truth["K"], dtype=float) / unit]
+    spread = 0.0 if solution.u_k is None else float((solution.u_k / np.abs(np.diag(nominal))[:, None]).max())
+    misalignment = max(stand_file.block["misalignment_rad"], _LEAST_RAD)
+    allowed = min(_SIGMAS * math.hypot(misalignment, spread), _LARGEST_RAD)
+    if any(_is_near(solution.found.k, declared, allowed, _SCALE) for declared in (nominal, *known)):
+        return Plausibility()
+    for declared in (nominal, *known):
+        mistakes = _explain(solution, declared)
+        if mistakes:
+            said = " or ".join(" and ".join(mistake.words) for mistake in mistakes[:_MOST_NAMED])
+            return Plausibility(refusal=f"{said}: {_worst(solution, declared, misalignment)}")
+    odd = "; ".join(_departures(solution, nominal, misalignment, allowed)[:_MOST_NAMED])
+    return Plausibility(warnings=(f"K is not that of the declared block: {odd}",))
+
+
+def require(solution: Solution, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
+    """The warnings about K. Raises BadInput for a K that a mistake has made of the declared one; `file`: the run's."""
+    found = examine(solution, stand_file)
+    if found.refusal is not None:
+        raise BadInput(found.refusal, file)
+    return found.warnings
+
+
+def _is_near(k: Floats, declared: Floats, allowed: float, scale: float) -> bool:
+    """Are the large elements of K within a factor `scale` of the declared ones, and the small ones within `allowed` of
+    their row's length?"""
+    return not _far(k, declared, allowed, scale).any()
+
+
+def _far(k: Floats, declared: Floats, allowed: float, scale: float) -> Floats:
+    length = np.linalg.norm(declared, axis=1)[:, None]
+    is_large = np.abs(declared) > length / 2
+    ratio = np.where(is_large, k, 1.0) / np.where(is_large, declared, 1.0)
+    far: Floats = np.where(is_large, (ratio < 1 / scale) | (ratio > scale), np.abs(k - declared) > allowed * length)
+    return far
+
+
+# What the declared block would have to suffer.
+
+
+def _explain(solution: Solution, declared: Floats) -> list[Mistake]:
+    """The mistakes that lead from the declared block to this K, the fewest; several where they look the same, none
+    where K is roughly the declared one as it stands."""
+    found: list[tuple[Mistake, float]] = []
+    for of_stand, k, residual in _resolved(solution):
+        of_unit, factor = _unit_mistake(solution.run.unit, k, declared)
+        for of_channels, undo in _CHANNELS:
+            if _is_near(undo @ k / factor, declared, _ROUGHLY_RAD, _ROUGHLY_SCALE):
+                found.append((of_unit + of_channels + of_stand, residual))
+    fewest = min((mistake.count for mistake, _ in found), default=0)
+    best = [(mistake, residual) for mistake, residual in found if mistake.count == fewest > 0]
+    smallest = min((residual for _, residual in best), default=0.0)
+    return [mistake for mistake, residual in best if residual <= _AS_WELL * smallest]
+
+
+def _channel_mistakes() -> Iterator[tuple[Mistake, Floats]]:
+    """All orders and signs of the channels, each with the matrix that undoes it."""
+    names = [f"u{axis}" for axis in AXES]
+    for order in itertools.permutations(range(3)):
+        moved = [index for index in range(3) if order[index] != index]
+        exchanged = Mistake(0)
+        if moved:
+            words = " and ".join(names[index] for index in moved) if len(moved) == 2 else "ux, uy and uz"
+            exchanged = Mistake(len(moved) - 1, (f"channels {words} look exchanged (--columns)",))
+        for signs in itertools.product((1.0, -1.0), repeat=3):
+            reversed_ones = [names[index] for index in range(3) if signs[index] < 0]
+            yield exchanged + _reversal(reversed_ones), np.eye(3)[list(order)].T * np.array(signs)
+
+
+def _reversal(names: list[str]) -> Mistake:
+    if len(names) == 3:
+        return Mistake(1, ("all channels look reversed (the sign of scale_v_per_g?)",))
+    if not names:
+        return Mistake(0)
+    words = f"channel {names[0]} looks" if len(names) == 1 else f"channels {' and '.join(names)} look"
+    return Mistake(len(names), (f"{words} reversed",))
+
+
+_CHANNELS = tuple(_channel_mistakes())
+
+
+def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, float]:
+    """A power of 1000 between K and the declared one, as a unit; of no unit that is no multiple of the volt."""
+    thousands = round(math.log(_size(k) / _size(declared), 1000.0)) if noise_unit(unit) == "V" else 0
+    if thousands == 0:
+        return Mistake(0), 1.0
+    factor = 1000.0**thousands
+    other = unit_of(volts_per(unit) / factor)
+    if other is None:
+        return Mistake(1, (f"outputs look {factor:g} times too large (--unit)",)), factor
+    return Mistake(1, (f"outputs look to be in {other}, not in {unit} (--unit {other})",)), factor
+
+
+def _size(k: Floats) -> float:
+    return float(np.median(np.linalg.norm(k, axis=1)))
+
+
+def _resolved(solution: Solution) -> Iterator[tuple[Mistake, Floats, float]]:
+    """K as it would be had the stand been used in another way, with the rms of the residuals; only where the run fits
+    that no worse than its own schedule."""
+    measured = solution.measured_schedule
+    rows = [index for index, position in enumerate(measured.positions) if position.use == FIT]
+    means = solution.run.means[solution.run.measured][rows]
+    fitted = Schedule(measured.mountings, tuple(measured.positions[index] for index in rows))
+    told = _least_squares(fitted, means)
+    assert told is not None  # there is a solution
+    rounding = 1e-9 * float(np.abs(means).max())
+    yield Mistake(0), solution.found.k, told[1] + rounding
+    for mistake, positions in _stand_mistakes(fitted):
+        other = _least_squares(Schedule(fitted.mountings, positions), means)
+        if other is not None and other[1] <= _AS_WELL * told[1] + rounding:
+            yield mistake, other[0], other[1] + rounding
+
+
+def _least_squares(schedule: Schedule, means: Floats) -> tuple[Floats, float] | None:
+    """K and the rms of the residuals; None where the positions do not determine it."""
+    design = np.column_stack([Geometry(schedule).force(), np.ones(len(means))])
+    found, _, rank, _ = np.linalg.lstsq(design, means, rcond=1e-6)
+    if rank < 4:
+        return None
+    return np.array(found[:3].T, dtype=np.float64), float(np.sqrt(np.mean((means - design @ found) ** 2)))
+
+
+def _stand_mistakes(schedule: Schedule) -> Iterator[tuple[Mistake, tuple[Position, ...]]]:
+    """Mountings in another order, a table that turned the other way, or both; with what was measured in truth."""
+    told = schedule.positions
+    numbers = [mounting.number for mounting in schedule.fitted_mountings]
+    orders: list[tuple[int, ...]] = list(itertools.permutations(numbers))
+    if len(numbers) > _MOST_MOUNTINGS:
+        orders = [tuple(numbers), *_exchanges(numbers)]
+    for order in orders:
+        truly = dict(zip(numbers, order))
+        moved = [number for number in numbers if truly[number] != number]
+        words = (f"mountings {_listed(moved)} look exchanged",) if moved else ()
+        exchanged = Mistake(max(0, len(moved) - 1), words)
+        positions = tuple(replace(position, mounting=truly[position.mounting]) for position in told)
+        if moved:
+            yield exchanged, positions
+        for turned in ([], *([number] for number in numbers)):
+            where = f" in mounting {turned[0]}" if turned else ""
+            mistake = Mistake(1, (f"the table looks to have turned the other way{where}",))
+            backwards = turned or numbers
+            yield (
+                exchanged + mistake,
+                tuple(
+                    replace(position, angle_deg=-position.angle_deg) if one.mounting in backwards else position
+                    for position, one in zip(positions, told)
+                ),
+            )
+
+
+def _exchanges(numbers: list[int]) -> Iterator[tuple[int, ...]]:
+    for one, other in itertools.combinations(numbers, 2):
+        pair = {one: other, other: one}
+        yield tuple(pair.get(number, number) for number in numbers)
+
+
+def _listed(numbers: list[int]) -> str:
+    return f"{', '.join(map(str, numbers[:-1]))} and {numbers[-1]}"
+
+
+# What is said of it.
+
+
+def _worst(solution: Solution, declared: Floats, misalignment: float) -> str:
+    """The element of K that is farthest from the declared one; of several, one that should be small."""
+    excess = np.abs(solution.found.k - declared) * np.where(np.abs(declared) > np.abs(declared).max() / 2, 0.75, 1.0)
+    row, column = np.unravel_index(int(excess.argmax()), excess.shape)
+    return _element(solution, declared, misalignment, int(row), int(column))
+
+
+def _departures(solution: Solution, declared: Floats, misalignment: float, allowed: float) -> list[str]:
+    far = np.argwhere(_far(solution.found.k, declared, allowed, _SCALE))
+    return [_element(solution, declared, misalignment, int(row), int(column)) for row, column in far]
+
+
+def _element(solution: Solution, declared: Floats, misalignment: float, row: int, column: int) -> str:
+    unit, value = per_g(solution.run.unit), declared[row, column]
+    length = float(np.linalg.norm(declared[row]))
+    spread = "" if abs(value) > length / 2 else f" +- {misalignment * length:.2g}"
+    name = f"K_{AXES[row]}{AXES[column]}"
+    return f"{name} = {solution.found.k[row, column]:.4g} {unit} where {value:.4g}{spread} is declared"
+
+
+def _structure(solution: Solution) -> tuple[str, ...]:
+    """What is odd about a K of which nothing is declared but that channel x measures along x."""
+    k, unit = solution.found.k, per_g(solution.run.unit)
+    for row, column in enumerate(np.abs(k).argmax(axis=1).tolist()):
+        if column != row:
+            small, large = f"K_{AXES[row]}{AXES[row]}", f"K_{AXES[row]}{AXES[column]}"
+            values = f"{large} = {k[row, column]:.4g} {unit}, {small} = {k[row, row]:.4g} {unit}"
+            return (f"channel u{AXES[row]} measures along {AXES[column]}: {values}; channels or mountings exchanged?",)
+    signs = np.sign(np.diag(k))
+    if abs(signs.sum()) == 3:
+        return ()
+    odd = int(np.flatnonzero(signs == -np.sign(signs.sum()))[0])
+    value = f"K_{AXES[odd]}{AXES[odd]} = {k[odd, odd]:.4g} {unit}"
+    return (f"{value} has another sign than the other two: a channel reversed, or the table turned the other way?",)

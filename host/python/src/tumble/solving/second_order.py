@@ -1,0 +1,166 @@
+"""What the linear theory of uncertainties leaves out: the bias that squares of a stand's errors leave in an estimate.
+
+A mean over errors of a normal law is a sum over nodes (McNamee and Stenger): none, one, or two of the errors are off by
+sqrt(3) standard deviations, in either direction, the others zero. It is exact for polynomials of degree five, so it has
+all half squares, and the products of two squares, which are what the optimal estimator leaves of the second order. The
+outputs come from the exact geometry and go through the estimator itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble import core
+from tumble.arrays import Floats, Integers
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.reference.estimators import fit_indices
+from tumble.reference.uncertainty import exact_outputs, sources
+from tumble.schedule import Schedule
+from tumble.solving.many_runs import ManyRuns, estimator_for, table_at
+from tumble.stand import Stand
+
+SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
+_NODE = 3.0**0.5
+_ROUNDING = 1e-12  # of max|K|
+_CHUNK = 2000  # pairs at a time
+_PLAIN = {"alpha1": "axis tilt", "alpha2": "level error", "alpha3": "yaw", "alpha4": "errors of set angles"}
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A coefficient that is biased by more than its uncertainty covers: `bias` and `limit` relative to the scale of its
+    row, K_ii; `source` that has the largest part in it, such as "alpha3"."""
+
+    source: str
+    coefficient: str
+    bias: float
+    limit: float
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """`bias` (12,): expected of the estimate, less the truth, in its units; `parts`: of each source alone, (12,);
+    `u` (12,): what is claimed, NaN where nothing is; `scale` (12,): of each coefficient's row, |K_ii|; `yaw`: the
+    declared alpha3, rad."""
+
+    bias: Floats
+    parts: dict[str, Floats]
+    u: Floats
+    scale: Floats
+    yaw: float
+
+    @property
+    def shifts(self) -> list[Shift]:
+        """One for every coefficient whose bias matters."""
+        rounding = _ROUNDING * float(self.scale.max())
+        with np.errstate(invalid="ignore"):
+            matters = np.abs(self.bias) > SHARE * self.u + rounding
+        return [
+            Shift(
+                max(self.parts, key=lambda source: float(abs(self.parts[source][i]))),
+                COEFFICIENTS[i],
+                float(abs(self.bias[i]) / self.scale[i]),
+                float(SHARE * self.u[i] / self.scale[i]),
+            )
+            for i in np.flatnonzero(matters)
+        ]
+
+    @property
+    def matters(self) -> bool:
+        """Whether the linear theory says too little."""
+        return bool(self.shifts)
+
+    @property
+    def complaints(self) -> list[str]:
+        """For people, one for each source that has the largest part in some coefficient's bias."""
+        shifts, found = self.shifts, []
+        for source in dict.fromkeys(shift.source for shift in shifts):
+            own = [shift for shift in shifts if shift.source == source]
+            worst = max(own, key=lambda shift: shift.bias / shift.limit if shift.limit else np.inf)
+            name, others = worst.coefficient, [shift.coefficient for shift in own if shift is not worst]
+            beside = f"0.2 u({name})/{_scale_of(name)} = {worst.limit:.2g}"
+            also = f" (also {', '.join(others)})" if others else ""
+            found.append(
+                f"large {_PLAIN.get(source, source)}: second order shifts {name} by {worst.bias:.2g},"
+                f" more than {beside}{also}"
+            )
+        return found
+
+    def document(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        return {
+            "bias_K_xx_relative": self.yaw**2 / 2.0,
+            "limit": float(SHARE * self.u[0] / self.scale[0]),
+            "matters": self.matters,
+            "shifts": [
+                {"source": one.source, "coefficient": one.coefficient, "bias_relative": one.bias, "limit": one.limit}
+                for one in self.shifts
+            ],
+            "bias": {"K": self.bias[:9].reshape(3, 3).tolist(), "U0": self.bias[9:].tolist()},
+        }
+
+
+def second_order(
+    schedule: Schedule,
+    k: Floats,
+    u: Floats,
+    stand: Stand,
+    estimator: str,
+    samples: Integers | None = None,
+    step: float = 0.0,
+) -> SecondOrder:
+    """For an estimate on `schedule`, all of it measured, of a block of sensitivity `k`, with claimed standard
+    uncertainties `u` (12,). `stand` and the converter's `step` in the outputs' unit; `samples` (positions,): rows of
+    each position; default: lone ones, means of the stand's samples."""
+    rows = np.ones(len(schedule.positions), dtype=int) if samples is None else samples
+    errors = {name: source for name, source in sources(schedule, k, stand, rows).items() if source.errors}
+    errors = {name: source for name, source in errors.items() if source.sigma.any()}
+    count = sum(len(source.sigma) for source in errors.values())
+    estimate = _estimator(schedule, k, stand, estimator, rows, step)
+
+    def moved(draws: Floats) -> Floats:
+        found: Floats = estimate(exact_outputs(schedule, k, np.zeros(3), errors, draws)) - ideal
+        return found
+
+    ideal = np.concatenate([k.ravel(), np.zeros(3)])
+    lone = _NODE * np.eye(count)
+    single = moved(lone) + moved(-lone) if count else np.zeros((0, 12))
+    bias = (4.0 - count) / 18.0 * single.sum(axis=0) + _pairs(moved, lone) / 36.0
+    ends = np.cumsum([len(source.sigma) for source in errors.values()])[:-1]
+    parts = {name: part.sum(axis=0) / 6.0 for name, part in zip(errors, np.split(single, ends))}
+    scale = np.abs(np.diag(k))
+    scale = np.where(scale > 0.0, scale, np.linalg.norm(k, axis=1))
+    return SecondOrder(bias, parts, u, np.concatenate([np.repeat(scale, 3), scale]), stand.sigma("remount"))
+
+
+def _pairs(moved: ManyRuns, lone: Floats) -> Floats:
+    """Sum (12,) over both signs of both of all pairs."""
+    one, other = np.triu_indices(len(lone), 1)
+    total = np.zeros(12)
+    for start in range(0, len(one), _CHUNK):
+        first, second = lone[one[start : start + _CHUNK]], lone[other[start : start + _CHUNK]]
+        for both in (first + second, first - second):
+            total += moved(both).sum(axis=0) + moved(-both).sum(axis=0)
+    return total
+
+
+def _scale_of(name: str) -> str:
+    return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"
+
+
+def _estimator(schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float) -> ManyRuns:
+    """The estimator; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says enough."""
+    estimate = estimator_for(schedule, k, stand, estimator, samples, step)
+
+    def or_linear(means: Floats) -> Floats:
+        try:
+            return estimate(means)
+        except core.CoreRefusal:
+            weights = table_at(schedule, k, stand, samples, step).gains
+            linear: Floats = means[:, fit_indices(schedule)].reshape(len(means), -1) @ weights.T
+            return linear
+
+    return or_linear if estimator == OPTIMAL else estimate

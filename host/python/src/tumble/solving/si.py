@@ -1,0 +1,73 @@
+"""Coefficients in units of the SI: responses to an acceleration in m/s^2 in place of g.
+
+K is in the unit of the outputs per g; with the local gravity G, known to u(G), it is K/G per m/s^2. An error of G is
+common to all nine, so they are correlated by it. A bias in m/s^2 is that in g times G.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.solving.covariance import by_bias
+from tumble.units import per_m_s2
+
+
+@dataclass(frozen=True)
+class SiCoefficients:
+    """`k` (3, 3) in the outputs' unit per m/s^2, `bias` (3,): U0 over the length of its row, in m/s^2; `covariance`
+    (12, 12) of K row by row and U0, `u_bias` (3,), None where the coefficients' or gravity's uncertainty is unknown."""
+
+    k: Floats
+    bias: Floats
+    covariance: Floats | None
+    u_bias: Floats | None
+
+    @property
+    def u_k(self) -> Floats | None:
+        """Standard uncertainties of `k` (3, 3)."""
+        return None if self.covariance is None else np.sqrt(np.diag(self.covariance)[:9]).reshape(3, 3)
+
+
+def converted(
+    k: Floats, u0: Floats, covariance: Floats | None, gravity: float, u_gravity: float | None
+) -> SiCoefficients:
+    """Coefficients that were found in g; `gravity` in m/s^2 with its standard uncertainty, None where unknown."""
+    bias = u0 / np.linalg.norm(k, axis=1)
+    if covariance is None or u_gravity is None:
+        return SiCoefficients(k / gravity, bias * gravity, None, None)
+    factor = np.repeat([1.0 / gravity, 1.0], [9, 3])
+    by_gravity = np.concatenate([-k.ravel() / gravity**2, np.zeros(3)]) * u_gravity
+    in_si = factor[:, None] * covariance * factor + np.outer(by_gravity, by_gravity)
+    gradient = by_bias(k, u0)
+    variance = np.einsum("ri,ij,rj->r", gradient, covariance, gradient) * gravity**2 + (bias * u_gravity) ** 2
+    return SiCoefficients(k / gravity, bias * gravity, in_si, np.sqrt(variance))
+
+
+def document(
+    k: Floats, u0: Floats, covariance: Floats | None, environment: dict[str, Any] | None, unit: str
+) -> dict[str, Any] | None:
+    """As it stands in a result; None where the environment names no gravity."""
+    gravity, u_gravity = gravity_of(environment)
+    if gravity is None:
+        return None
+    found = converted(k, u0, covariance, gravity, u_gravity)
+    return {
+        "gravity_m_s2": gravity,
+        "u_gravity_m_s2": u_gravity,
+        "units": {"K": per_m_s2(unit), "bias": "m/s^2"},
+        "K": found.k.tolist(),
+        "u_K": None if found.u_k is None else found.u_k.tolist(),
+        "bias": found.bias.tolist(),
+        "u_bias": None if found.u_bias is None else found.u_bias.tolist(),
+    }
+
+
+def gravity_of(environment: dict[str, Any] | None) -> tuple[float | None, float | None]:
+    """Local gravity and its standard uncertainty, m/s^2; None for what is not told."""
+    told = environment or {}
+    gravity, u_gravity = told.get("gravity_m_s2"), told.get("u_gravity_m_s2")
+    return None if gravity is None else float(gravity), None if u_gravity is None else float(u_gravity)
