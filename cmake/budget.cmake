@@ -1,7 +1,8 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
 # The parts that are measured, by their sources, which tumble::core and tumble::navcomp hold among others.
-set(part_optimal core/crc32.c core/gain_record.c core/optimal.c)
+set(part_optimal core/crc32.c core/gain_record.c core/optimal.c core/turn.c)
+set(part_whole_model core/whole_model.c)
 set(part_uncertainty core/uncertainty.c)
 set(part_misfit core/misfit.c)
 set(part_stand_seen core/stand_fit.c core/stand_seen.c)
@@ -12,7 +13,7 @@ foreach(room core sets sample canopen stand procedure navcomp)
   file(GLOB part_${room} CONFIGURE_DEPENDS RELATIVE ${folder} ${folder}/${room}/*.c ${folder}/${room}/*/*.c)
 endforeach()
 list(REMOVE_ITEM part_core ${part_optimal} ${part_uncertainty} ${part_misfit} ${part_stand_seen} ${part_schedules}
-  core/optimal_uncertainty.c)
+  ${part_whole_model} core/optimal_uncertainty.c)
 set(part_keeper ${part_navcomp})
 list(FILTER part_keeper INCLUDE REGEX "/(keeper[a-z_]*|fingerprint|parameters)\\.c$")
 list(REMOVE_ITEM part_navcomp ${part_keeper} ${part_navcomp_uncertainty} navcomp/stand_view.c)

@@ -47,6 +47,8 @@ MATRICES = {  # the paper's two mountings, and the third
 NINE, FOUR = [45.0 * turn for turn in range(9)], [45.0, 135.0, 225.0, 315.0]
 BUILT_IN = {"paper": (2, NINE), "three_mountings": (3, NINE), "diagonal": (3, FOUR)}  # mountings, angles in each
 
+UNITS_TOLD = ("diagonal", "three_mountings")  # in the header; scripts know the columns of the older runs without
+
 
 def load(name: str) -> dict:
     """A TOML file of this folder."""
@@ -90,7 +92,8 @@ def generate(stand_name: str, schedule_name: str, seed: int) -> tuple[str, str]:
     rng = random.Random(seed)
     errors = draw_errors(stand, matrices, positions, rng)
     yaw = dict(zip(matrices, errors["alpha3_rad"]))
-    lines = ["mounting,position,ux,uy,uz"]
+    unit = " [V]" if schedule_name in UNITS_TOLD else ""
+    lines = ["mounting,position," + ",".join(f"{name}{unit}" for name in ("ux", "uy", "uz"))]
     for (mounting, position, angle_deg), alpha4 in zip(positions, errors["alpha4_rad"]):
         angles = errors["alpha1_rad"], errors["alpha2_rad"], yaw[mounting], alpha4
         a = specific_force(matrices[mounting], angle_deg, *angles)

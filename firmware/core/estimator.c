@@ -24,11 +24,10 @@ typedef struct {
  * what is not there: with the U of even number 4 c, 4 s and 4 b. */
 static harmonics_t harmonics(const tumble_means_t *means, const tumble_circle_t *circle, int channel)
 {
-    double u[TUMBLE_STEPS + 1U] = {0.0};
+    double u[TUMBLE_STEPS + 1U];
     for (uint32_t l = 1; l <= TUMBLE_STEPS; l++) {
-        if (circle->index[l] != TUMBLE_NOWHERE) {
-            u[l] = means->u_v[circle->index[l]][channel];
-        }
+        const uint8_t p = circle->index[l];
+        u[l] = (p != TUMBLE_NOWHERE) ? means->u_v[p][channel] : 0.0;
     }
     double difference[5]; /* of the positions l and l + 4, and their sum */
     double sum[5];

@@ -53,7 +53,7 @@ void tumble_circle_find(const tumble_schedule_t *schedule, const bool *measured,
             if ((*at == TUMBLE_NOWHERE) || ((measured != NULL) && !measured[*at])) {
                 *at = p;
             }
-            planned |= 1U << step;
+            planned |= (uint32_t)1U << step;
         }
     }
     planned &= NINE;
@@ -84,7 +84,7 @@ tumble_status_t tumble_schedule_harmonic(const tumble_schedule_t *schedule, cons
         }
         if (circle.over != 0U) {
             map->circles[circle.normal]++;
-            normals |= 1U << circle.normal;
+            normals |= (uint32_t)1U << circle.normal;
         }
     }
     /* Two different circles hold all three axes. */

@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/means.h"
+#include "core/turn.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -90,18 +91,6 @@ static void linear_change(const pose_t *at, double alpha1_rad, double f_g[3])
     f_g[2] = -((h * at->turn_rad) + (tilt * at->angle->cosine) + (n * at->lean_rad));
 }
 
-/* Turn the angle that has this sine and cosine further by a small x. Both series are good to a double's last bits. */
-static void turn(double x, double *sine, double *cosine)
-{
-    const double q = x * x;
-    const double s =
-        x * (1.0 + (q * ((-1.0 / 6.0) + (q * ((1.0 / 120.0) + (q * ((-1.0 / 5040.0) + (q * (1.0 / 362880.0)))))))));
-    const double c_less_1 = q * (-0.5 + (q * ((1.0 / 24.0) + (q * ((-1.0 / 720.0) + (q * (1.0 / 40320.0)))))));
-    const double before = *sine;
-    *sine += (before * c_less_1) + (*cosine * s);
-    *cosine += (*cosine * c_less_1) - (before * s);
-}
-
 static bool is_small(double angle_rad)
 {
     return tumble_within(angle_rad, TUMBLE_MAX_STAND_ERROR_RAD);
@@ -115,12 +104,12 @@ static bool exact_force(const pose_t *at, double alpha1_rad, double delta, doubl
     f_g[0] = at->mounting->tilt.cosine;
     f_g[1] = at->mounting->tilt.sine;
     f_g[2] = at->angle->cosine;
-    turn(alpha1_rad, &f_g[1], &f_g[0]);
-    turn(at->turn_rad + delta, &sine, &f_g[2]);
+    tumble_turn(alpha1_rad, &f_g[1], &f_g[0]);
+    tumble_turn(at->turn_rad + delta, &sine, &f_g[2]);
     f_g[2] *= f_g[0];
     f_g[0] *= sine;
-    turn(at->lean_rad, &f_g[1], &f_g[2]); /* n' = n cos + v sin, v' = v cos - n sin */
-    turn(at->yaw_rad, &f_g[0], &f_g[1]);  /* h' = h cos + n sin, n' = n cos - h sin */
+    tumble_turn(at->lean_rad, &f_g[1], &f_g[2]); /* n' = n cos + v sin, v' = v cos - n sin */
+    tumble_turn(at->yaw_rad, &f_g[0], &f_g[1]);  /* h' = h cos + n sin, n' = n cos - h sin */
     return is_small(alpha1_rad) && is_small(at->turn_rad + delta) && is_small(at->lean_rad) && is_small(at->yaw_rad);
 }
 

@@ -17,7 +17,7 @@ typedef struct {
     double column[TUMBLE_UNKNOWNS]; /* of N^-1, the one of the unknown */
 } least_squares_t;
 
-/* Where the gains of one coefficient come from; of these, the pointers that belongs to the kind. */
+/* Where the gains of one coefficient come from; of the pointers those that belong to the kind. */
 typedef struct {
     const tumble_judged_run_t *run;
     kind_t kind;

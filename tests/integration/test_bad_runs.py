@@ -191,7 +191,7 @@ def test_standard_output_that_is_full(tumble, tmp_path):
     (tmp_path / "run.csv").write_text(GOOD)
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "tumble", "solve", "run.csv"],
+            [sys.executable, "-m", "tumble", "solve", "run.csv", "--unit", "V"],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
@@ -206,7 +206,10 @@ def test_a_reader_that_goes_away_is_not_complained_of(tmp_path):
     read_end, write_end = os.pipe()
     os.close(read_end)
     done = subprocess.run(
-        [sys.executable, "-m", "tumble", "solve", "run.csv"], stdout=write_end, stderr=subprocess.PIPE, cwd=tmp_path
+        [sys.executable, "-m", "tumble", "solve", "run.csv", "--unit", "V"],
+        stdout=write_end,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
     )
     os.close(write_end)
     assert (done.returncode, done.stderr) == (2, b"")

@@ -30,17 +30,17 @@ def test_what_the_estimators_cost():
     costs = {name: cost["instructions"] for name, cost in found.items()}
     stacks = {name: cost["stack"] for name, cost in found.items()}
     refined, table = costs["refined"], costs["optimal: table, 2nd order"]
-    assert 12_000 < refined <= 20_000
+    assert 12_000 < refined <= 32_000  # 12,000 of it find the circles of the schedule
     assert 30 < costs["a sample, without gates"] <= 60
     assert 100 < costs["a sample, with gates"] <= 150
     assert 54 * 500 < costs["division of the 54 means"] < 54 * 900
     assert table < 60 * refined
     assert refined < costs["optimal, linear: table alone"] < table
-    assert 2 * refined < costs["4 unknowns, shared normal matrix"] < costs["least_squares: 4 unknowns"]
+    assert 1.8 * refined < costs["4 unknowns, shared normal matrix"] < costs["least_squares: 4 unknowns"]
     assert costs["least_squares: 4 unknowns"] < 0.6 * costs["12 unknowns, normal equations"]
     assert costs["12 unknowns, normal equations"] < costs["12 unknowns, Householder QR"]
-    assert 0.65e6 < costs["uncertainties of `refined`"] < 0.75e6
-    assert 1.05e6 < costs["uncertainties of `least_squares`"] < 1.25e6
+    assert 0.65e6 < costs["uncertainties of `refined`"] < 0.82e6
+    assert 1.05e6 < costs["uncertainties of `least_squares`"] < 1.32e6
     assert stacks["optimal: table, 2nd order"] < 704
     assert stacks["12 unknowns, normal equations"] > 1200
     check_steps(steps)
@@ -62,7 +62,7 @@ def test_a_table_is_printed_with_ratios():
     header, first, *rest = estimators.splitlines()
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
-    assert len(rest) == 13
+    assert len(rest) == 15
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
     assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
     for target in ("cortex-m4", "cortex-a53"):

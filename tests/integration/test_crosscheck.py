@@ -21,7 +21,7 @@ SOURCES = ROOT / "host/python/src/tumble"
 def solve_with_defect(capsys, tmp_path, *options):
     """Exit code, stdout, stderr of a solve in this process; asserts that no result file is left."""
     out = tmp_path / "result.json"
-    code = main(["solve", str(EXAMPLES / "paper_stand.csv"), "--json", "--out", str(out), *options])
+    code = main(["solve", str(EXAMPLES / "paper_stand.csv"), "--unit", "V", "--json", "--out", str(out), *options])
     captured = capsys.readouterr()
     assert out.exists() == (code == 0)
     assert len(list(tmp_path.iterdir())) == (code == 0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from tumble.fixture import distributions
+from tumble import distributions
 
 pytestmark = pytest.mark.python
 
@@ -32,6 +32,14 @@ def exact_f(x, freedom, below):
 def test_chi_squared(freedom, sigmas):
     x = freedom * max(1e-6, 1 + sigmas * math.sqrt(2 / freedom))
     assert distributions.chi_squared_cdf(x, freedom) == pytest.approx(float(exact_chi_squared(x, freedom)), abs=2e-11)
+
+
+@given(FREEDOM, st.floats(0.2, 40.0))
+def test_a_small_probability_keeps_its_digits(freedom, times):
+    """Also where it is less than the smallest number."""
+    x = freedom * times
+    exact = mpmath.log(mpmath.gammainc(mpmath.mpf(freedom) / 2, mpmath.mpf(x) / 2, regularized=True))
+    assert distributions.chi_squared_log_above(x, freedom) == pytest.approx(float(exact), rel=1e-9, abs=2e-11)
 
 
 def test_chi_squared_of_no_freedom_is_always_zero():

@@ -19,7 +19,7 @@ def test_generating_again_gives_the_same_bytes(tmp_path):
 
 @pytest.mark.parametrize("stand", ["paper_stand", "angle_stand", "lab_stand"])
 def test_the_stands(stand, tumble):
-    done = tumble("solve", f"{stand}.csv", "--stand", f"{stand}.toml", cwd=EXAMPLES)
+    done = tumble("solve", f"{stand}.csv", "--unit", "V", "--stand", f"{stand}.toml", cwd=EXAMPLES)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -43,7 +43,7 @@ def test_the_stands_of_three_mountings(schedule, tumble):
 )
 def test_the_schedules(schedule, options, tumble):
     arguments = [f"{schedule}.csv", "--schedule", f"{schedule}.toml", "--stand", "paper_stand.toml", *options]
-    done = tumble("solve", *arguments, cwd=EXAMPLES)
+    done = tumble("solve", *arguments, "--unit", "V", cwd=EXAMPLES)
     assert (done.returncode, done.stderr) == (0, "")
 
 

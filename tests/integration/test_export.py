@@ -14,7 +14,7 @@ from documents import paper_stand
 
 pytestmark = pytest.mark.python
 
-ORIGIN = ("serial", "run_file", "item", "environment", "stand_doubts")
+ORIGIN = ("serial", "run_file", "item", "environment", "fit", "stand_doubts")
 NAMES = [f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"]
 
 PROGRAM = """\

@@ -12,10 +12,10 @@ from conftest import EXAMPLES, ROOT
 from documents import document_of, paper_stand, schema
 
 from tumble import core, reference
+from tumble.distributions import chi_squared_cdf, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.files.stand_file import read_stand
 from tumble.fixture.combination import combine, covariances
-from tumble.fixture.distributions import chi_squared_cdf, chi_squared_quantile
 from tumble.fixture.judge import Judge, Limits, RunView, Verdict, levelled_once
 from tumble.reference import Geometry
 from tumble.solving.solution import solve

@@ -4,15 +4,19 @@ The simulations are vectorised: all runs of a case are one array (runs, position
 in the means go through one weight of a coefficient.
 """
 
+import dataclasses
+import json
 from fractions import Fraction
 
 import numpy as np
 import pytest
+from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 
 from tumble import reference
 from tumble.core import paper_schedule
-from tumble.files.run_blocks import blocks_of
+from tumble.distributions import chi_squared_above
+from tumble.files.run_blocks import NO_BLOCKS, blocks_of
 from tumble.files.run_file import Run
 from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
@@ -163,9 +167,7 @@ def test_the_stated_error_covers(capsys):
 @pytest.mark.parametrize("freedom", [1, 6, 18, 54, 882])
 def test_limits_are_never_below_the_quantile(freedom):
     """The limit of Wilson and Hilferty against the exact tail of chi-squared."""
-    from tumble.fixture.distributions import chi_squared_cdf
-
-    beyond = 1 - chi_squared_cdf(float(chance_limit(freedom, CHANCE_SIGMAS)) * freedom, freedom)
+    beyond = chi_squared_above(float(chance_limit(freedom, CHANCE_SIGMAS)) * freedom, freedom)
     assert 0 < beyond < 1.35e-5
 
 
@@ -224,3 +226,69 @@ def test_rounding_that_does_not_average_out_counts_undivided():
     assert "undithered" in assumed(solved(still)) and not solved(still).noise.rounding.any()
     for dithered in (noisy_run(rng, 50, step=4e-4), noisy_run(rng, 50, sigma=3e-4, step=5e-4)):
         assert "undithered" not in assumed(solved(dithered))
+
+
+def with_a_lone_row(run, position):
+    """All other rows of a position lost: its mean is the first one."""
+    few = run.samples.copy()
+    few[position] = 1
+    blocks = dataclasses.replace(run.blocks, squares=run.blocks.squares.copy())
+    blocks.squares[:, position] = 0.0
+    scatter = run.scatter.copy()
+    scatter[position] = np.nan
+    return dataclasses.replace(run, samples=few, scatter=scatter, blocks=blocks)
+
+
+def test_a_lone_row_among_many_is_one_sample():
+    """U0 is the mean over positions 1 to 8: the lone one has 50 times the variance of the others."""
+    run = noisy_run(np.random.default_rng(59), 50)
+    quiet = dataclasses.replace(PAPER_STAND, axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0)
+    whole_run, broken = solved(run, quiet), solved(with_a_lone_row(run, 3), quiet)
+    assert whole_run.lone == [] and broken.lone == ["1.4"]
+    ratio = broken.u_u0 / whole_run.u_u0
+    np.testing.assert_allclose(ratio**2, (15 + 50) / 16, rtol=0.2)
+    means = dataclasses.replace(run, samples=np.ones(POSITIONS, dtype=int), blocks=NO_BLOCKS)
+    assert solved(means, quiet).lone == [] and PAPER_STAND.samples == 50
+    np.testing.assert_allclose(solved(means, quiet).u_u0, whole_run.u_u0, rtol=1e-9)
+
+
+def test_a_lone_row_is_named(tumble, tmp_path):
+    rows = (EXAMPLES / "paper_stand.csv").read_text().splitlines(keepends=True)
+    kept = [row for row in rows[1:] if not row.startswith("2,7,")]
+    lost = [row for row in rows[1:] if row.startswith("2,7,")]
+    (tmp_path / "run.csv").write_text("".join([rows[0], *kept, lost[0]]))
+    shown = tumble("solve", tmp_path / "run.csv", "--unit", "V", "--stand", EXAMPLES / "paper_stand.toml", "--json")
+    assert shown.stderr == "tumble: warning: a single row, taken for one sample, at 2.7\n"
+    assert shown.returncode == 0 and json.loads(shown.stdout)["fit"]["fits"]
+
+
+@pytest.mark.parametrize("factor", [1.3, 1.5, 2.0])
+def test_a_little_more_noise_than_declared_is_said(factor):
+    """It does not always spoil the fit, and is counted and told all the same."""
+    run = noisy_run(np.random.default_rng(60), 50, sigma=factor * PAPER_STAND.noise)
+    solution = solved(run)
+    assert solution.noise.exceeds.all()
+    text = noise.notice(solution.noise, solution.declared, run.samples, "V")
+    assert text.startswith("noise above the declared 3.0e-04 V: ") and text.endswith(" by the scatter of samples")
+    assert noise.document(solution.noise, run.samples)["above_declared"] == ["ux", "uy", "uz"]
+    scatter, samples = solution.noise.measured.scatter, np.full(POSITIONS, 50)
+    np.testing.assert_allclose(scatter, factor * PAPER_STAND.noise, rtol=0.1)
+    for i in range(3):
+        louder = dataclasses.replace(PAPER_STAND, noise=scatter[i])
+        u_k, _ = reference.standard_uncertainties(paper_schedule(), solution.found.k, louder, samples, "refined")
+        np.testing.assert_allclose(solution.u_k[i], u_k[i], rtol=1e-9)
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_all_that_states_an_uncertainty_counts_the_measured_noise(estimator):
+    """Covariance, norm, intrinsic parameters and Monte Carlo, as if the stand had declared what was measured."""
+    run = noisy_run(np.random.default_rng(61), 50, rho=0.9)
+    solution = solved(run, estimator=estimator)
+    assert solution.noise.exceeds.all()
+    np.testing.assert_allclose(np.sqrt(np.diag(solution.covariance))[9:], solution.u_u0, rtol=1e-6)
+    declared = solved(dataclasses.replace(run, blocks=NO_BLOCKS), estimator=estimator)
+    assert solution.u_norm.worst > 1.2 * declared.u_norm.worst
+    assert (solution.u_intrinsic.bias > 1.5 * declared.u_intrinsic.bias).all()
+    monte_carlo = solution.simulated(2000, 1).monte_carlo
+    np.testing.assert_allclose(monte_carlo.u[9:], solution.u_u0, rtol=0.1)
+    assert (solution.found.k == declared.found.k).all() and solution.fit.chi_squared == declared.fit.chi_squared

@@ -116,7 +116,8 @@ def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
     """What start-up time is spent on: numpy, and nothing that only a terminal or a test needs."""
     program = (
         "import sys; from tumble.cli.main import main;"
-        f"code = main(['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--out', {str(tmp_path / 'r.json')!r}]);"
+        f"command = ['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--unit', 'V'];"
+        f"code = main([*command, '--out', {str(tmp_path / 'r.json')!r}]);"
         "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi'} & set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"
     )

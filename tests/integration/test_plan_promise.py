@@ -163,12 +163,13 @@ def test_just_enough_is_the_probability_asked_for(estimator, probability):
     case = case_of("lab")
     limits = requirements(case, "derived", estimator, LIMIT_G, np.ones(5)).limits
     found = enough(case, estimator, limits, probability)
-    at = promise(stand_of(case, found.sizes), estimator, probability)
+    sizes = np.array(list(found.sizes.values()))
+    at = promise(stand_of(case, sizes), estimator, probability)
     assert min(at.passes.value, at.everywhere.value) == pytest.approx(probability, abs=1e-3)
     assert at.growth == pytest.approx(1.0, abs=1e-3)
     limited = np.isfinite(limits)
-    assert found.sizes[limited] == pytest.approx(found.factor * limits[limited])
-    assert found.samples == int(np.ceil((case.stand.sigma("noise") / found.sizes[4]) ** 2))
+    assert sizes[limited] == pytest.approx(found.factor * limits[limited])
+    assert found.samples == int(np.ceil((case.stand.sigma("noise") / sizes[4]) ** 2))
 
 
 def test_growth_is_the_factor_that_all_errors_have_left(tumble, tmp_path):

@@ -198,7 +198,7 @@ def test_bench_and_validate_take_it(tumble, tmp_path):
     assert done.returncode == 0
     result = valid(done.stdout)
     assert result["verification"]["pass"] and len(result["means"]) == found["schedule"]["positions"]
-    solved = document_of(tumble("solve", tmp_path / "run/run.csv", "--json", *common))
+    solved = document_of(tumble("solve", tmp_path / "run/run.csv", "--unit", "V", "--json", *common))
     apart = np.abs(np.subtract(solved["K"], result["K"])) / solved["u_K"]
     assert apart.max() < 0.1  # a solve weighs at the K found, the bench at the nominal one
     validated = plan(tumble, "validate", "--runs", "4000", *common)

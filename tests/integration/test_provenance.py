@@ -17,7 +17,7 @@ pytestmark = pytest.mark.python
 
 def test_a_result_says_when_by_what_and_from_what(tumble):
     before = datetime.now(timezone.utc) - timedelta(seconds=1)
-    result = document_of(tumble("solve", "paper_stand.csv", "--json", cwd=EXAMPLES))
+    result = document_of(tumble("solve", "paper_stand.csv", "--unit", "V", "--json", cwd=EXAMPLES))
     written = datetime.strptime(result["created"], "%Y-%m-%dT%H:%M:%SZ").replace(tzinfo=timezone.utc)
     assert before <= written <= datetime.now(timezone.utc)
     assert result["tumble"] == __version__

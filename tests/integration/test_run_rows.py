@@ -27,7 +27,7 @@ def honest(rng, rows, step=0.0, rho=0.0):
     outputs = (FORCE @ K.T + rng.uniform(-0.05, 0.05, 3))[:, None] + SIGMA * noise
     outputs = np.round(outputs / step) * step if step else outputs
     table = RunTable(np.repeat(np.arange(18), rows), outputs.reshape(-1, 3), np.arange(18 * rows) + 2, 0, 0)
-    return Run(np.full(18, rows), outputs.mean(axis=1), np.zeros((18, 3)), "V", {}, True, table)
+    return Run(np.full(18, rows), outputs.mean(axis=1), np.zeros((18, 3)), "V", {}, table=table)
 
 
 @pytest.mark.parametrize("rows", [1, 2, 3, 5, 50])

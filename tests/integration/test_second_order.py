@@ -145,7 +145,7 @@ def test_beyond_what_the_firmware_takes_the_linear_part_is_judged():
 
 
 def test_a_result_has_the_bias_of_every_coefficient(tumble):
-    done = tumble("solve", "lab_stand.csv", "--stand", "lab_stand.toml", "--json", cwd=EXAMPLES)
+    done = tumble("solve", "lab_stand.csv", "--unit", "V", "--stand", "lab_stand.toml", "--json", cwd=EXAMPLES)
     result = document_of(done, codes=(0, 1))
     bias, k = result["second_order"]["bias"], np.array(result["K"])
     shortened = 2e-4**2 + 5e-4**2 + 2e-4**2

@@ -25,7 +25,7 @@ def solve(tumble, folder, environment=HERE + f"u_gravity_m_s2 = {U_G}\n", *optio
     """Result file and document of the paper's example, solved where the environment is so."""
     file = folder / "result.json"
     stand = paper_stand(folder, environment)
-    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--stand", stand, "--out", file, *options)
+    done = tumble("solve", EXAMPLES / "paper_stand.csv", "--unit", "V", "--stand", stand, "--out", file, *options)
     assert (done.returncode, done.stderr) == (0, "")
     return file, valid(file.read_text())
 

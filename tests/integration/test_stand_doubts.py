@@ -13,7 +13,6 @@ from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 from tumble import reference
 from tumble.files.run_file import Run
-from tumble.fixture.stand_doubts import look_for_doubts
 from tumble.solving.solution import solve
 
 pytestmark = pytest.mark.python
@@ -22,18 +21,19 @@ ESTIMATORS = ("averaged", "refined", "least_squares", "optimal")
 
 
 def doubted(run, stand, estimator="refined", step_v=0.0):
-    solution = solve(run, None, estimator, 1.0, stand, "run.csv", step_v)
-    return [doubt.source for doubt in look_for_doubts(solution, PAPER, step_v).doubts]
+    return list(solve(run, None, estimator, 1.0, stand, "run.csv", step_v).fit.doubts)
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
-    """The lab's run with the paper's stand: the verdict on gravity stays, the warning stands before it."""
+    """The lab's run with the paper's stand: no PASS, whatever gravity says, and the warning stands before it."""
     command = ("solve", "lab_stand.csv", "--stand", "paper_stand.toml", "--estimator", estimator)
     shown = tumble(*command, "--json", cwd=EXAMPLES)
     result = valid(shown.stdout)
     assert {"alpha3_difference_rad", "alpha4_rad", "noise_v"} <= set(result["stand_doubts"])
-    assert shown.returncode == (0 if result["verification"]["pass"] else 1)
+    gravity = [] if result["verification"]["pass"] else ["gravity"]
+    assert shown.returncode == 1 and result["pass"] is False and not result["fit"]["fits"]
+    assert result["pass_reason"] == " and ".join([*gravity, "fit"])
     warning = shown.stderr.splitlines()[-1]
     assert warning.startswith("tumble: warning: the run does not fit the stand file: ")
     assert "yaw change 4.2e-03 rad (declared 5.7e-04)" in warning
@@ -42,7 +42,7 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert beware.startswith("Beware: the run does not fit the stand file: ")
     assert " ".join(beware.split()).endswith("The uncertainties above are too small.")
     assert max(map(len, beware.splitlines())) <= 80
-    assert verdict.startswith("PASS" if shown.returncode == 0 else "FAIL: ")
+    assert verdict.startswith("FAIL: does not fit; gravity error ") and len(verdict) <= 81
 
 
 @pytest.mark.parametrize("name", ["paper", "angle", "lab"])
@@ -88,7 +88,7 @@ def test_the_source_at_fault_is_named(source):
 
 def test_noise_at_fault_is_named():
     stand = stand_named("lab")
-    noisy = simulated(np.random.default_rng(34), dataclasses.replace(stand, noise=1.5 * stand.noise))
+    noisy = simulated(np.random.default_rng(34), dataclasses.replace(stand, noise=3.0 * stand.noise))
     assert doubted(noisy, stand) == ["noise_v"]
 
 

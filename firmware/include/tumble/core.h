@@ -10,7 +10,7 @@
  *     calibration    K and U0 inverted: outputs to specific force
  *     verification   the gravity check: does the calibrated block find 1 g at every position?
  *     uncertainty    how far K and U0 may be from the truth, from what the stand is declared to be
- *     the stand seen, misfit    what the run itself says about the stand
+ *     the stand seen, the whole model, misfit    what the run itself says about the stand
  *
  * The shortest program, for means that have been measured already:
  *
@@ -764,6 +764,47 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
                                               const tumble_coefficients_t *coefficients,
                                               const tumble_random_errors_t *errors, tumble_fit_work_t *work,
                                               double *chi_squared, uint8_t *freedom);
+
+/* ---- The whole model: does a run fit its coefficients and the stand that is declared? Chi-squared of all residuals.
+ *
+ * Generalised least squares on the exact geometry: unknown are the coefficients and every error that the stand declares,
+ * each with its variance as prior. The smallest sum of the squares of what remains, outputs and errors in units of their
+ * standard deviations, is chi-squared with 3 P - 12 degrees of freedom for P measured fit positions: docs/method.md,
+ * "Does the run fit its stand?". It is found by four steps of Gauss and Newton from a least-squares estimate on the ideal
+ * stand, so no estimator takes part. The error of a set angle is eliminated position by position, what a mounting has for
+ * itself mounting by mounting: the memory does not grow with either. An error of the stand that comes out beyond
+ * TUMBLE_MAX_STAND_ERROR_RAD is held there: such a run fits nothing.
+ */
+
+/* The run and its stand. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_means_t *means;
+    const tumble_stand_record_t *stand; /* its angles alone, checked by its owner */
+    const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
+} tumble_whole_run_t;
+
+#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
+#define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
+#define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
+
+/* Working memory, 2.6 kB. The caller owns it; its content means nothing outside. */
+typedef struct {
+    double triangle[(TUMBLE_WHOLE_UNKNOWNS * (TUMBLE_WHOLE_UNKNOWNS + 3)) / 2]; /* with right sides, by rows */
+    double row[TUMBLE_WHOLE_UNKNOWNS + 1];
+    double change[TUMBLE_WHOLE_UNKNOWNS]; /* of the unknowns, by this step; errors in units of their sigma */
+    double residual_square;
+    double least_v2; /* no mean has less variance */
+    tumble_coefficients_t coefficients;
+    double shared_rad[TUMBLE_WHOLE_SHARED];
+    double local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL];
+    double angle_rad[TUMBLE_MAX_POSITIONS];
+} tumble_whole_work_t;
+
+/* Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), and what tumble_estimate_least_squares returns. Both results are written
+ * on TUMBLE_OK alone. */
+tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
+                                         uint8_t *freedom);
 
 /* ---- Misfit: does a run fit the stand that is declared? A chi-squared test of every mounting, taken in small steps.
  *

@@ -214,6 +214,19 @@ tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumb
                                          tumble_uncertainty_t *);
 """
 
+WHOLE_MODEL = """
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_means_t *means;
+    const tumble_stand_record_t *stand;
+    const double *mean_variance_v2;
+} tumble_whole_run_t;
+typedef struct { ...; } tumble_whole_work_t;
+
+tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *, tumble_whole_work_t *, double *chi_squared,
+                                         uint8_t *freedom);
+"""
+
 # The table of estimators; without functions of their own, those that need a gain record.
 ESTIMATORS = """
 typedef struct {
@@ -241,7 +254,7 @@ def main(output: str) -> None:
     """Write the extension's C source to the file `output`."""
     ffi = cffi.FFI()
     ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION + OPTIMAL + STAND_SEEN
-             + UNCERTAINTY + ESTIMATORS + BATCH)
+             + UNCERTAINTY + WHOLE_MODEL + ESTIMATORS + BATCH)
     ffi.set_source("_tumble_core", HEADERS + Path(__file__).with_name("batch.c").read_text(encoding="utf-8"))
     ffi.emit_c_code(output)
 

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
+
+from tumble.arrays import Integers
 from tumble.units import volts_per
 
 INDEPENDENT = "independent"
@@ -54,10 +58,20 @@ class Stand:
         rounding = abs(step) / math.sqrt(12.0) * _SIGMAS_PER_LIMIT[self.limits]
         return self if self.noise >= rounding else replace(self, noise=rounding)
 
+    def averaged_over(self, rows: Integers) -> Integers:
+        """How many samples the mean of each position of a run has, by its `rows`. If no position has more than one, the
+        rows are means of the stand's `samples`; a lone row among many is one sample."""
+        return np.where(rows > 1, rows, self.samples if rows.max(initial=0) <= 1 else 1)
+
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""
         limit: float = getattr(self, source)
         return limit / _SIGMAS_PER_LIMIT[self.limits]
+
+    def with_sigma(self, source: str, sigma: float) -> Stand:
+        """This stand with another standard deviation of a source."""
+        limit: dict[str, Any] = {source: sigma * _SIGMAS_PER_LIMIT[self.limits]}
+        return replace(self, **limit)
 
 
 PAPER_STAND = Stand(  # equation (5)

@@ -18,7 +18,6 @@ from tumble.errors import BadInput, BenchFault, Disagreement
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
-from tumble.fixture.stand_doubts import look_for_doubts
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
 from tumble.solving.solution import Solution, Truth, solve
 
@@ -74,7 +73,6 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     _require_same_bits(solution, document)
     _require_same_estimate(solution, recorded, setup)
     _require_same_uncertainties(solution, document, setup)
-    solution = look_for_doubts(solution, setup.schedule, step_v(setup))
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 

@@ -53,6 +53,13 @@ def add_limit(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_confidence(parser: argparse.ArgumentParser) -> None:
+    """--confidence."""
+    parser.add_argument(
+        "--confidence", metavar="P", default="0.999", help="at which the run must fit its stand; default: 0.999"
+    )
+
+
 def add_firmware(parser: argparse.ArgumentParser, remark: str = "") -> None:
     """--firmware."""
     parser.add_argument("--firmware", choices=FIRMWARES, default=FIRMWARES[0], help=f"{remark}default: {FIRMWARES[0]}")
@@ -76,6 +83,14 @@ def parse_limit(text: str | None) -> float | None:
     if not 0.0 < limit_g <= 1.0:
         raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
     return limit_g
+
+
+def parse_confidence(text: str) -> float:
+    """The value of --confidence. Raises UsageError."""
+    confidence = parse_number(text)
+    if not 0.5 <= confidence <= 0.999999:
+        raise UsageError(f"--confidence: {quoted(text)} is not a number from 0.5 to 0.999999")
+    return confidence
 
 
 def parse_seed(text: str) -> int:

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 
 from tumble.cli import presentation, propagated
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
-from tumble.fixture.stand_doubts import complaint
 from tumble.messages import tell
 from tumble.solving.solution import Solution
 from tumble.units import noise_unit
-
-_NOTABLE_MISFIT = 2.0
 
 
 def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
@@ -27,16 +24,16 @@ def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
         tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
     for beyond in [] if solution.second_order is None else solution.second_order.complaints:
         tell(f"tumble: warning: {beyond}")
-    if solution.misfit is not None and solution.misfit > _NOTABLE_MISFIT:
-        tell(f"tumble: warning: residuals {solution.misfit:.2g} times what the stand declares")
+    if solution.lone:
+        tell(f"tumble: warning: a single row, taken for one sample, at {', '.join(solution.lone)}")
     noisy = presentation.noise_notice(solution)
     if noisy is not None:
         tell(f"tumble: warning: {noisy}; the uncertainties count it")
     if solution.monte_carlo is not None and (open_or_not := propagated.complaint(solution.monte_carlo)):
         tell(f"tumble: warning: {open_or_not}")
-    doubt = complaint(solution)
+    doubt = presentation.complaint(solution)
     if doubt is not None:
-        tell(f"tumble: warning: {doubt}; the uncertainties are too small")
+        tell(f"tumble: warning: {doubt}; the uncertainties {presentation.consequence(solution)}")
 
 
 def print_solution(solution: Solution, json_text: str | None, title: str) -> None:

@@ -11,11 +11,11 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import HARMONIC
-from tumble.fixture import stand_doubts
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
+from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
@@ -26,6 +26,7 @@ _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth"
 _HINT = "For uncertainties, describe the stand: --stand FILE"
 _HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
 BAR_WIDTH = 36
+_COLUMNS = 80
 _UNKNOWN = "unknown"
 
 
@@ -170,6 +171,9 @@ def remarks(solution: Solution) -> list[str]:
     if solution.found.residual_rms is not None:
         yaw = " (yaw included)" if solution.found.estimator in HARMONIC else ""
         lines.append(f"Residuals, rms: {_three(solution.found.residual_rms)} {unit}{yaw}")
+    if solution.fit is not None:
+        freedom = f"{solution.fit.freedom} degrees of freedom"
+        lines.append(f"Fit to the stand: chi-squared {solution.fit.chi_squared:.3g}, {freedom}, p {solution.fit.p:.2g}")
     return lines + _stand_remarks(solution) + propagated.remarks(solution)
 
 
@@ -220,13 +224,42 @@ def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
     return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
 
 
+def complaint(solution: Solution) -> str | None:
+    """That the run does not fit the declared stand, and what explains it; None where it fits, or none is declared."""
+    if solution.fit is None or solution.fit.fits:
+        return None
+    shown = [_explained(solution, explanation) for explanation in solution.fit.explanations]
+    return f"the run does not fit the stand file: {'; '.join(shown) or 'no known pattern explains it'}"
+
+
+def _explained(solution: Solution, explanation: Explanation) -> str:
+    """Such as "k2 of y 104 +- 12 ug/g^2 or asymmetry"; of a source, what is declared of it."""
+    name, *others = explanation.patterns
+    size, unit = explanation.size, explanation.unit
+    if name in NAMES and solution.stand is not None:
+        limits = Limits.declared(solution.stand, len(solution.measured_schedule.fitted_mountings))
+        seen = "" if size is None else f" {abs(size):.1e} {unit}"
+        said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
+    else:
+        said = name + (f" of {explanation.column}" if explanation.column else "")
+        said += "" if size is None else f" {size:.3g} +- {explanation.u_size:.2g} {unit}"
+    return " or ".join([said, *(NAMES.get(other, other) for other in others)])
+
+
+def consequence(solution: Solution) -> str:
+    """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
+    causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
+    is_noise = bool(causes) and set(causes) <= {NOISE}
+    return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
+
+
 def beware(solution: Solution) -> list[str]:
     """That the run does not fit the declared stand, if so: a paragraph, and an empty line."""
-    complaint = stand_doubts.complaint(solution)
-    if complaint is None:
+    text = complaint(solution)
+    if text is None:
         return []
-    warning = f"Beware: {complaint}. The uncertainties above are too small."
-    return [*textwrap.wrap(warning, 80, break_on_hyphens=False), ""]
+    warning = f"Beware: {text}. The uncertainties above {consequence(solution)}."
+    return [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""]
 
 
 def verdict(solution: Solution) -> str:
@@ -234,7 +267,10 @@ def verdict(solution: Solution) -> str:
     worst = solution.worst_position
     error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
     rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
-    if not solution.found.gravity.passed:
+    if "fit" in solution.failures:
+        return f"FAIL: does not fit; gravity error {rest}"
+    if not solution.passed:
         return f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
-    return f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
+    line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
+    return line if len(line) <= _COLUMNS else line.removesuffix("; numpy agrees")  # as the table shows

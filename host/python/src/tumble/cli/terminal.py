@@ -32,7 +32,7 @@ def show(solution: Solution, file: str) -> None:
     console.print()
     for line in presentation.beware(solution):
         console.print(Text(line, style="yellow"))
-    console.print(Text(presentation.verdict(solution), style=_colour(solution.found.gravity.passed) + " bold"))
+    console.print(Text(presentation.verdict(solution), style=_colour(solution.passed) + " bold"))
 
 
 def _colour(good: bool) -> str:

@@ -26,7 +26,7 @@ class _JudgedRun:
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
         record += [stand.sigma(source) for source in ("seat", "platform")]
-        averaged_over = np.where(samples > 1, samples, stand.samples)
+        averaged_over = stand.averaged_over(samples)
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
         self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
@@ -59,8 +59,8 @@ def uncertainties(
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
 
-    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, a lone one being a mean of the
-    stand's `samples`; `measured` (positions,) bool; `mean_variance` (positions, 3): by the noise as measured, counts
+    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, as Stand.averaged_over takes
+    them; `measured` (positions,) bool; `mean_variance` (positions, 3): by the noise as measured, counts
     where it is larger than the stand's. Raises CoreRefusal(missing=..., unidentified=...).
     """
     run, found = _JudgedRun(schedule, k, stand, samples, measured, mean_variance), ffi.new("tumble_uncertainty_t *")

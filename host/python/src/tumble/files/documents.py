@@ -29,8 +29,8 @@ def to_json(result: dict[str, Any]) -> str:
 
 def read_coefficients(file: str) -> dict[str, Any]:
     """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
-    it has them covariance, serial, run_file, item, environment and stand_doubts, else None; assumes and assumed_for,
-    else empty.
+    it has them covariance, serial, run_file, item, environment, fit and stand_doubts, else None; assumes and
+    assumed_for, else empty.
 
     Raises BadInput.
     """
@@ -56,7 +56,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
         "limit_g": _is_uncertainty,
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
-    for key, kind in {"serial": str, "run_file": str, "item": dict, "environment": dict, "stand_doubts": list}.items():
+    optional = {"serial": str, "run_file": str, "item": dict, "environment": dict, "fit": dict, "stand_doubts": list}
+    for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
     _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})

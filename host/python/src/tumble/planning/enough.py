@@ -59,8 +59,8 @@ def growing(found: Promise) -> dict[str, Any]:
 
 
 def enough(case: Case, estimator: str, limits: Floats, probability: float) -> Enough:
-    """For requirements `limits`, one a source, infinite where no row limits. Raises UsageError where no number of samples
-    suffices."""
+    """For requirements `limits`, one a source, infinite where no row limits. Raises UsageError where no number of
+    samples suffices."""
     declared, limited = declared_sizes(case, False), np.isfinite(limits)
     of_all = promises(case, probability)
     factor = 1.0

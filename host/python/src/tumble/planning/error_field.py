@@ -19,6 +19,7 @@ from tumble.planning.case import Case
 from tumble.planning.weights import estimator_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import sources
+from tumble.solving.covariance import spread_attitudes
 
 _ROWS, _COLUMNS = np.triu_indices(3)
 _BISECTIONS = 26
@@ -61,17 +62,9 @@ def features(at: Floats) -> Floats:
     return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
 
 
-def attitudes(count: int) -> Floats:
-    """So many unit vectors spread evenly over the sphere, on a spiral: (count, 3)."""
-    height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
-    turn = np.pi * (3.0 - 5.0**0.5) * np.arange(count)
-    radius = np.sqrt(1.0 - height**2)
-    return np.stack([radius * np.cos(turn), radius * np.sin(turn), height], axis=1)
-
-
 def worst_norm(forms: Floats) -> tuple[float, Floats]:
     """The worst u(|a|) over all attitudes, g, and where; for forms (draws, 9). To 0.1 %."""
-    at = attitudes(_MANY)
+    at = spread_attitudes(_MANY)
     u = np.linalg.norm(features(at) @ forms.T, axis=1)
     return float(u.max()), at[u.argmax()]
 

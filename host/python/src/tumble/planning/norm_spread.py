@@ -17,9 +17,10 @@ from tumble.arrays import Flags, Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
 from tumble.planning.case import Case
-from tumble.planning.error_field import attitudes, features, norm_forms
+from tumble.planning.error_field import features, norm_forms
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
+from tumble.solving.covariance import spread_attitudes
 from tumble.solving.gains import mean_sigma
 
 ESTIMATORS = ("least_squares", OPTIMAL)
@@ -48,7 +49,7 @@ class NormSpread:
         self.force = np.column_stack([reference.Geometry(schedule).force(), np.ones(count)])
         self.weak = (_UNKNOWN_G * np.abs(k).max()) ** -2
         self.to_forms = _forms_of_coefficients(k)
-        self.features = features(attitudes(_ATTITUDES))
+        self.features = features(spread_attitudes(_ATTITUDES))
 
     def worst(self, chosen: Flags, samples: int) -> Floats:
         """The worst u(|a|), g, of every subset: `chosen` (subsets, candidates), `samples` at each position."""

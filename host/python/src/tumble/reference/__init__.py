@@ -6,6 +6,7 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
+from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
 from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
@@ -20,6 +21,7 @@ __all__ = [
     "MeasuredNoise",
     "OptimalEstimate",
     "RunSeen",
+    "WholeModel",
     "built_in",
     "by_coefficient",
     "closure",

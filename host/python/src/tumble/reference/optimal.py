@@ -29,8 +29,7 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 class OptimalEstimate:
     """What the run says: `k` (3, 3), `u0` (3,), their `covariance` (12, 12), K row by row, then U0; `alpha1`, `alpha2`,
     `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
-    coefficient; `misfit`: rms of the residuals over what the stand declares for as many samples as each mean has, about
-    1 where that is true."""
+    coefficient."""
 
     k: Floats
     u0: Floats
@@ -39,7 +38,6 @@ class OptimalEstimate:
     alpha2: float
     alpha3: Floats
     magnification: float
-    misfit: float
 
     @property
     def u_k(self) -> Floats:
@@ -100,7 +98,7 @@ class _Whitened:
         derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
         self.model = np.hstack([dense_design(schedule), by_error])
-        self.averaged_over = np.where(samples > 1, samples, stand.samples)
+        self.averaged_over = stand.averaged_over(samples)
         self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
         self.floor = _FLOOR_G * np.abs(k).max()
         inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
@@ -128,15 +126,8 @@ class _Whitened:
         covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance(mean_variance)
         angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
-        misfit = self._misfit(measured - self._exact(x), x)
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
-        return OptimalEstimate(k, u0, covariance, *shared, largest, misfit)
-
-    def _misfit(self, residuals: Floats, x: Floats) -> float:
-        """With each position's own noise, whatever the weights took it for."""
-        noise = np.repeat(self._noise_of_means()[self.fit], 3)[:, None]
-        freedom = max(1, len(residuals) - 12)
-        return float(np.sqrt(((residuals / noise) ** 2).sum() + (x[12:] ** 2).sum()) / np.sqrt(freedom))
+        return OptimalEstimate(k, u0, covariance, *shared, largest)
 
     def _noise_of_means(self) -> Floats:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)

@@ -37,14 +37,14 @@ def sources(
 ) -> dict[str, Source]:
     """Every source of error, by name as in SOURCES; `seat` and `platform` where the stand declares them.
 
-    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
-    for a mean of the stand's `samples`. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
+    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position, as
+    Stand.averaged_over takes them. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
     where it is larger than what the stand declares.
     """
     geometry = Geometry(schedule)
     positions, mountings = len(schedule.positions), len(schedule.mountings)
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
-    noise = stand.sigma("noise") / np.sqrt(np.where(samples > 1, samples, stand.samples))[:, None] * np.ones(3)
+    noise = stand.sigma("noise") / np.sqrt(stand.averaged_over(samples))[:, None] * np.ones(3)
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
 

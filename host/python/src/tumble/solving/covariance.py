@@ -68,7 +68,7 @@ def worst_norm(k: Floats, covariance: Floats) -> WorstNorm:
     The square of that uncertainty is a polynomial of degree four in the attitude. It is computed at many, and climbed
     from the best of them, around each in eight directions, with steps that are halved where none leads up.
     """
-    best = _spread_attitudes(_START)
+    best = spread_attitudes(_START)
     best = best[np.argsort(norm_uncertainty(k, covariance, best))[-_BEST:]]
     height, step = norm_uncertainty(k, covariance, best), np.full(len(best), _FIRST_STEP)
     for _ in range(_ROUNDS):
@@ -115,7 +115,7 @@ def _spread(gradients: Floats, covariance: Floats) -> Floats:
     return spread
 
 
-def _spread_attitudes(count: int) -> Floats:
+def spread_attitudes(count: int) -> Floats:
     """Unit vectors (count, 3) all over the sphere, on a spiral of the golden angle."""
     index = np.arange(count) + 0.5
     z, turn = 1.0 - 2.0 * index / count, np.pi * (3.0 - np.sqrt(5.0)) * index

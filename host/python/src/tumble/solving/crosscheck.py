@@ -21,6 +21,8 @@ OPTIMAL_LIMIT_U = 1e-6
 UNCERTAINTY_LIMIT = 1e-9
 _ROUNDED_U = 1e-13
 SEEN_LIMIT_U = 1e-6
+FIT_LIMIT = 1e-6
+LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
 _ROUNDED_RAD = 1e-11
 _SUMMED = 100.0
 _LAST_BITS = 16 * np.finfo(float).eps
@@ -116,6 +118,19 @@ def compare_uncertainties(stated: tuple[Floats, Floats], witness: tuple[Floats, 
     rounded = _ROUNDED_U * max(part.max() for part in witness)
     for name, mine, other in zip(("u_K", "u_U0"), stated, witness):
         _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
+
+
+def compare_fit(found: tuple[float, int], witness: reference.WholeModel) -> None:
+    """Chi-squared of all residuals and its degrees of freedom, by the core and by numpy. Raises Disagreement.
+
+    They may differ by 1e-6, relative and absolute. Beyond a misfit of 100 both must find one: there the problem is not
+    nearly linear any more, and nobody needs the figure.
+    """
+    square, freedom = found
+    _require("degrees of freedom of the fit", float(freedom), float(witness.freedom), 0.0)
+    far = LARGEST_MISFIT**2 * max(1, freedom)
+    if not min(square, witness.chi_squared) > far:
+        _require("chi-squared of the fit", square, witness.chi_squared, FIT_LIMIT * max(1.0, witness.chi_squared))
 
 
 def _require_seen(

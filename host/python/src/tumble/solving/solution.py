@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from tumble import core, reference
 from tumble.arrays import Floats, Integers
+from tumble.core.fit import chi_squared
 from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
@@ -18,14 +19,20 @@ from tumble.schedule import Schedule
 from tumble.solving import noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
-from tumble.solving.crosscheck import Comparison, compare, compare_seen, compare_uncertainties
+from tumble.solving.crosscheck import (
+    LARGEST_MISFIT,
+    Comparison,
+    compare,
+    compare_fit,
+    compare_seen,
+    compare_uncertainties,
+)
+from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import StandSeen, look
+from tumble.solving.stand_seen import StandSeen, look, own_variance
 from tumble.stand import Stand
-from tumble.units import volts_per
-
-LARGEST_MISFIT = 100.0  # of a run on its stand, before optimal weights are refused
+from tumble.units import noise_unit, volts_per
 
 
 @dataclass(frozen=True)
@@ -43,23 +50,15 @@ class Truth:
     theta_n: tuple[float, ...]
 
 
-class Doubt(Protocol):
-    """That of fixture.stand_doubts."""
-
-    @property
-    def source(self) -> str: ...
-
-
 @dataclass(frozen=True)
 class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
-    `misfit`: rms of the residuals over what the stand declares, of the optimal estimator alone; `truth`: None for a run
-    that was measured; `doubts`: what the run shows to be worse than declared (fixture.stand_doubts), None where nobody
-    looked; `noise`: what the samples show of it; `scatter_alone`: without a declared stand, the standard uncertainties
-    of K and U0 that the noise of the samples leaves if the stand has no errors at all, None where it is not known;
+    `fit`: whether the run fits the declared stand, None without one; `noise`: what the samples show of it;
+    `scatter_alone`: without a declared stand, the standard uncertainties of K and U0 that the noise of the samples
+    leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
     of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
     """
@@ -75,9 +74,8 @@ class Solution:
     stand_seen: StandSeen
     noise: noise_of_runs.Noise
     scatter_alone: tuple[Floats, Floats] | None = None
-    misfit: float | None = None
+    fit: Fit | None = None
     truth: Truth | None = None
-    doubts: tuple[Doubt, ...] | None = None
     covariance: Floats | None = None
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
@@ -92,6 +90,17 @@ class Solution:
         """The declared stand, in the unit of the run; for whoever knows that there is one."""
         assert self.stand is not None
         return self.stand.in_unit(self.run.unit)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Why it does not pass: "gravity", "fit" or both."""
+        gravity, fit = self.found.gravity.passed, self.fit is None or self.fit.fits
+        return tuple(name for name, good in (("gravity", gravity), ("fit", fit)) if not good)
+
+    @property
+    def passed(self) -> bool:
+        """Gravity check passed, and the run fits the stand, if one is declared."""
+        return not self.failures
 
     @cached_property
     def second_order(self) -> SecondOrder | None:
@@ -133,6 +142,12 @@ class Solution:
         return intrinsic_uncertainties(self.found.k, self.found.u0, self.covariance)
 
     @property
+    def lone(self) -> list[str]:
+        """Positions with a single row where others have many: one sample each."""
+        alone = (self.run.samples == 1) & (self.run.samples.max() > 1)
+        return [position.label for position, one in zip(self.schedule.positions, alone.tolist()) if one]
+
+    @property
     def worst_position(self) -> int:
         """Index of the position with the largest gravity error."""
         return int(np.nanargmax(np.abs(self.found.gravity.delta_g)))
@@ -147,11 +162,12 @@ def solve(
     file: str,
     step_v: float = 0.0,
     known: optimal_run.Known | None = None,
+    confidence: float = CONFIDENCE,
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
     The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
-    was made for, None if it is to be made for this run.
+    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
@@ -173,23 +189,29 @@ def solve(
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
     variance = noisy.mean_variance[run.measured]
-    optimal = None if weighting is None else _witness(witnessed, means, samples, weighting, file, variance)
+    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy)
+    optimal = None
+    if weighting is not None and model is not None:
+        _require_near(model, file)
+        optimal = _witness(witnessed, means, samples, weighting, variance)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
-    u, covariance, misfit, errors = None, None, None, declared or noise_of_runs.NO_STAND
+    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
     if declared is not None or noisy.is_known:
         u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
             covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
         else:
-            covariance, misfit = optimal.covariance, optimal.misfit
+            covariance = optimal.covariance
         compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
     shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
+    if declared is not None and model is not None:
+        fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
     return Solution(
-        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, misfit),
+        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, fit),
         covariance=None if stand is None else covariance,
         step=step,
     )
@@ -214,23 +236,40 @@ def _uncertainties(
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
+def _whole_model(
+    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, noisy: noise_of_runs.Noise
+) -> reference.WholeModel:
+    """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
+    variance = variance_of_means(stand, run.samples, float(noisy.rounding.max()))
+    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand)
+    compare_fit(chi_squared(schedule, run.means, run.measured, variance, stand), model)
+    return model
+
+
+def _require_near(model: reference.WholeModel, file: str) -> None:
+    """Raise BadInput for a run that cannot have come from such a stand: weights made for errors that are not there
+    would mislead."""
+    misfit = math.sqrt(model.chi_squared / max(1, model.freedom))
+    if not misfit <= LARGEST_MISFIT:
+        raise BadInput(f"residuals {misfit:.2g} times what the stand declares: no optimal weights for it", file)
+
+
 def _witness(
-    schedule: Schedule,
-    means: Floats,
-    samples: Integers,
-    weighting: optimal_run.Weighting,
-    file: str,
-    mean_variance: Floats,
+    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, mean_variance: Floats
 ) -> reference.OptimalEstimate:
-    """The optimal estimator by numpy. Raises BadInput for a run that cannot have come from such a stand: weights made
-    for errors that are not there would mislead."""
-    known_k, known_samples = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    found = reference.optimal(
-        schedule, means, weighting.stand, samples, weighting.step, known_k, known_samples, mean_variance
-    )
-    if not found.misfit <= LARGEST_MISFIT:
-        raise BadInput(f"residuals {found.misfit:.2g} times what the stand declares: no optimal weights for it", file)
-    return found
+    """The optimal estimator by numpy."""
+    k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, k, of_means, mean_variance)
+
+
+def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:
+    """Rounding by half a step counts as noise."""
+    several = run.samples[run.samples > 1]
+    declared = math.hypot(stand.sigma("noise"), step / 2.0)
+    variance = own_variance(seen.noise, run.samples[run.measured], stand)
+    assert variance is not None  # of a declared stand it is known
+    freedom = 3 * int((several - 1).sum())
+    return Scatter(seen.noise, freedom, declared, variance, noise_unit(run.unit), volts_per(run.unit))
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:

@@ -1,0 +1,177 @@
+"""Does the whole model fit a run? Generalised least squares on the exact geometry, dense, by orthogonal factors.
+
+Unknown are the coefficients and every error that the stand declares, each with its variance as prior. The smallest sum
+of the squares of all that is left, outputs and errors in units of their standard deviations, is r^T C^-1 r: with r the
+residuals of the coefficients' fit, and C the covariance that the declared errors give the outputs. It is found by
+Newton's way after Gauss, from a least-squares fit on the ideal stand; so it depends on no estimator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.reference.estimators import fit_indices, least_squares
+from tumble.reference.geometry import Geometry
+from tumble.reference.patterns import Columns, Scene
+from tumble.reference.uncertainty import sources
+from tumble.schedule import Schedule
+from tumble.stand import Stand
+
+PASSES = 4
+_STEP = 1e-30
+_FLOOR_G = 1e-7
+_LARGEST_RAD = 0.1
+_NULL = 1e-7
+_INESTIMABLE = 1e-6
+
+
+@dataclass(frozen=True)
+class Score:
+    """Of one pattern: `square` is chi-squared with `freedom`; `sizes`, `u` by label (None: not determined)."""
+
+    square: float
+    freedom: int
+    sizes: dict[str, tuple[float, float]]
+
+
+class WholeModel:
+    """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
+    (positions,) of each mean by its noise."""
+
+    def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand):
+        self._given = schedule, means, variance, stand
+        fit = fit_indices(schedule)
+        self.schedule = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in fit))
+        self._geometry = Geometry(self.schedule)
+        self._outputs = means[fit]
+        self.k, self._u0 = least_squares(self.schedule, self._outputs)
+        self._noise = np.maximum(np.sqrt(variance[fit]), _FLOOR_G * np.abs(self.k).max())[:, None]
+        errors = sources(self.schedule, self.k, stand, np.ones(len(fit), dtype=int))
+        self._names = [name for name in errors if name != "noise"]
+        angles = [errors[name].sigma for name in self._names]
+        self._sigma = np.concatenate(angles)
+        self._ends = np.cumsum([len(sigma) for sigma in angles])[:-1]
+        self._x = np.zeros(len(self._sigma))  # rad
+        for _ in range(PASSES):
+            self._linearise()
+
+    def with_variance(self, variance: Floats) -> WholeModel:
+        """The same run, with other noise."""
+        schedule, means, _, stand = self._given
+        return WholeModel(schedule, means, variance, stand)
+
+    def with_set_angles(self, sigma: float) -> WholeModel:
+        """The same run, with another standard deviation of set angles, rad."""
+        schedule, means, variance, stand = self._given
+        return WholeModel(schedule, means, variance, stand.with_sigma("angle", sigma))
+
+    @property
+    def chi_squared(self) -> float:
+        """The smallest sum of squares."""
+        return float(self.rest @ self.rest)
+
+    @property
+    def freedom(self) -> int:
+        """Its degrees of freedom: every declared error brings a square of its own."""
+        return len(self.rest)
+
+    def _linearise(self) -> None:
+        """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
+        independent numbers of variance 1; `_left`: the directions of these among outputs and errors."""
+        force = self._force(self._x)
+        design = np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3))
+        noise = np.repeat(self._noise, 3, axis=1).reshape(-1, 1)
+        by_error = self._derivatives() * self._sigma / noise
+        system = np.block([[design / noise, by_error], [np.zeros((len(self._x), 12)), np.eye(len(self._x))]])
+        sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
+        left = (self._outputs - force @ self.k.T - self._u0).reshape(-1) / noise[:, 0]
+        right = np.concatenate([left, -self._x / sigma])
+        length = np.sqrt((system**2).sum(axis=0))
+        q, r = np.linalg.qr(system / length, mode="complete")
+        unknowns = system.shape[1]
+        change = np.linalg.solve(r[:unknowns], q[:, :unknowns].T @ right) / length
+        self._left = q[: len(left), unknowns:]
+        self.rest = q[:, unknowns:].T @ right
+        self.k = self.k + change[:9].reshape(3, 3).T
+        self._u0 = self._u0 + change[9:12]
+        self._x = np.clip(self._x + change[12:] * self._sigma, -_LARGEST_RAD, _LARGEST_RAD)
+
+    def _force(self, errors: Floats) -> Floats:
+        """Specific force on the exact geometry, for errors in rad, real or complex."""
+        of = dict(zip(self._names, np.split(errors, self._ends)))
+        seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2)
+        return self._geometry.force(
+            alpha1=of["alpha1"],
+            alpha2=of["alpha2"],
+            alpha3=of["alpha3"],
+            delta=of["alpha4"],
+            seat_h=seat_h + of.get("platform", np.zeros(1)),
+            seat_n=seat_n,
+        )
+
+    def _derivatives(self) -> Floats:
+        """Of all outputs by every error: (3 x positions, errors)."""
+        steps = self._x + 1j * _STEP * np.eye(len(self._x))
+        by_error = np.array([np.imag(self._force(one)) / _STEP @ self.k.T for one in steps])
+        derivatives: Floats = by_error.reshape(len(steps), -1).T
+        return derivatives
+
+    @cached_property
+    def scene(self) -> Scene:
+        """What patterns are made from."""
+        return Scene(self.schedule, self.k)
+
+    def whitened(self, columns: Columns) -> Floats:
+        """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A
+        column that the unknowns take up is 0."""
+        outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
+        shown = self._left.T @ outputs
+        seen = np.linalg.norm(shown, axis=0) > _NULL * np.linalg.norm(outputs, axis=0)
+        return np.where(seen, shown, 0.0)
+
+    def rest_beside(self, besides: Columns) -> Floats:
+        """What remains of `rest` where other patterns are there as well."""
+        known = basis(self.whitened(besides)) if besides else np.zeros((len(self.rest), 0))
+        rest: Floats = self.rest - known @ (known.T @ self.rest)
+        return rest
+
+    def score(self, columns: Columns, besides: Columns) -> Score:
+        """The score test of a pattern, given that others are there `besides`."""
+        shown, rest = self.whitened(columns), self.rest_beside(besides)
+        if besides:
+            length, known = np.linalg.norm(shown, axis=0), basis(self.whitened(besides))
+            shown = shown - known @ (known.T @ shown)
+            shown = np.where(np.linalg.norm(shown, axis=0) > _NULL * length, shown, 0.0)
+        own = basis(shown)
+        part = own.T @ rest
+        return Score(float(part @ part), own.shape[1], _sizes(list(columns), shown, rest))
+
+
+def basis(columns: Floats) -> Floats:
+    """Orthonormal, of the space that columns span, each taken at its own length."""
+    length = np.linalg.norm(columns, axis=0)
+    used = columns[:, length > 0.0] / length[length > 0.0]
+    left, singular, _ = np.linalg.svd(used, full_matrices=False)
+    space: Floats = left[:, singular > _NULL]
+    return space
+
+
+def _sizes(names: list[str], shown: Floats, rest: Floats) -> dict[str, tuple[float, float]]:
+    """Estimate and standard uncertainty of every column's size, where the others leave it to be told."""
+    length = np.linalg.norm(shown, axis=0)
+    seen = np.flatnonzero(length)
+    if len(seen) == 0:
+        return {}
+    left, singular, directions = np.linalg.svd(shown[:, seen] / length[seen], full_matrices=True)
+    rank = int((singular > _NULL).sum())
+    inverse = (directions[:rank].T / singular[:rank]) @ left[:, :rank].T
+    found = {}
+    for row, place in enumerate(seen):
+        if np.abs(directions[rank:, row]).max(initial=0.0) < _INESTIMABLE:
+            gains = inverse[row] / length[place]
+            found[names[place]] = float(gains @ rest), float(np.linalg.norm(gains))
+    return found

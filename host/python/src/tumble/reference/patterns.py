@@ -1,0 +1,170 @@
+"""What a run that does not fit its stand may show instead: the table of patterns. A pattern is one row of it.
+
+A pattern is what one cause adds to the outputs: columns, each for one unit of the cause's size. A cause at an unknown
+place has variants, one for each place. The table knows the schedule, the forces, K and the order of the positions; it
+computes no statistics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.reference.geometry import Geometry
+from tumble.schedule import Schedule
+
+BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
+_MILLIONTH = 1e-6
+_STEP = 1e-30
+_WARM_UPS = (0.05, 0.1, 0.2, 0.4)  # time constants over the length of the run
+_ROUNDING = 1e-9
+_CHANNELS = "xyz"
+
+Columns = dict[str, Floats]  # by label, such as the channel: outputs (positions, 3) for a millionth
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The fit positions of a run, in the order in which they were measured: `force` (P, 3) on the ideal stand, `k`
+    (3, 3) as found, `time` (P,) from 0 to 1."""
+
+    schedule: Schedule
+    k: Floats
+
+    @property
+    def force(self) -> Floats:
+        """Specific force, g: (P, 3)."""
+        return Geometry(self.schedule).force()
+
+    @property
+    def time(self) -> Floats:
+        """Positions take equally long."""
+        return np.linspace(0.0, 1.0, len(self.schedule.positions))
+
+    @property
+    def angle(self) -> Floats:
+        """Table angles, rad: (P,)."""
+        return np.deg2rad([position.angle_deg for position in self.schedule.positions])
+
+    @property
+    def by_angle(self) -> Floats:
+        """The outputs' derivatives by the table angle: (P, 3)."""
+        return self.by(delta=1.0)
+
+    def by(self, **error: float | Floats) -> Floats:
+        """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
+        steps = {name: 1j * _STEP * np.asarray(value) for name, value in error.items()}
+        return np.asarray(np.imag(Geometry(self.schedule).force(**steps)) / _STEP @ self.k.T)
+
+    def in_mounting(self, index: int) -> Floats:
+        """1 at the positions of a mounting, else 0: (P, 1)."""
+        here: Floats = (Geometry(self.schedule).mounting_index == index).astype(float)[:, None]
+        return here
+
+    def by_channel(self, felt: Floats) -> Columns:
+        """Columns for a cause that every channel feels by itself, as `felt` (P, 3) in units of its own axis."""
+        sensitivity = np.diag(self.k) * _MILLIONTH
+        return {name: felt * sensitivity * np.eye(3)[i] for i, name in enumerate(_CHANNELS)}
+
+
+def _same(shape: Floats) -> Floats:
+    return np.repeat(shape[:, None], 3, axis=1)
+
+
+def _drift_exp(scene: Scene) -> list[Columns]:
+    return [scene.by_channel(_same(np.exp(-scene.time / tau))) for tau in _WARM_UPS]
+
+
+def _step(scene: Scene) -> list[Columns]:
+    places = np.arange(len(scene.time))
+    return [scene.by_channel(_same((places >= first).astype(float))) for first in places[1:]]
+
+
+def _position(scene: Scene) -> list[Columns]:
+    labels = [position.label for position in scene.schedule.positions]
+    found = []
+    for label, place in zip(labels, np.eye(len(labels))):
+        found.append({f"{label} {name}": one for name, one in scene.by_channel(_same(place)).items()})
+    return found
+
+
+def _cross_coupling(scene: Scene) -> list[Columns]:
+    found = {}
+    for i, j in ((i, j) for i in range(3) for j in range(3) if i != j):
+        product = scene.force[:, i] * scene.force[:, j]
+        found[f"{_CHANNELS[i]}{_CHANNELS[j]}"] = scene.by_channel(_same(product))[_CHANNELS[i]]
+    return [found]
+
+
+def _hysteresis(scene: Scene) -> list[Columns]:
+    return [scene.by_channel(_same(np.where(np.sin(scene.angle) > -_ROUNDING, 1.0, -1.0)))]
+
+
+def _per_turn(times: int) -> Callable[[Scene], list[Columns]]:
+    def columns(scene: Scene) -> list[Columns]:
+        waves = {"sine": np.sin(times * scene.angle), "cosine": np.cos(times * scene.angle)}
+        return [{name: scene.by_angle * wave[:, None] * _MILLIONTH for name, wave in waves.items()}]
+
+    return columns
+
+
+def _seat(scene: Scene) -> list[Columns]:
+    """Either tilted against the axis in every mounting, or turned about it."""
+    changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
+    numbers = [mounting.number for mounting in scene.schedule.mountings]
+    return [
+        {f"{name} of {number}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        for name, by in changes.items()
+    ]
+
+
+def _yaw_change(scene: Scene) -> list[Columns]:
+    first, *others = np.eye(len(scene.schedule.mountings))
+    names = [mounting.number for mounting in scene.schedule.mountings]
+    return [{f"{names[0]} - {name}": scene.by(alpha3=(first - one) / 2) for name, one in zip(names[1:], others)}]
+
+
+def _set_angles(scene: Scene) -> list[Columns]:
+    labels = [position.label for position in scene.schedule.positions]
+    return [{label: scene.by(delta=one) for label, one in zip(labels, np.eye(len(labels)))}]
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """`name`; `columns` by variant; `unit` of the size; `whose` fault it is; `words` for people; `random`: errors that
+    have no shape."""
+
+    name: str
+    columns: Callable[[Scene], list[Columns]]
+    unit: str
+    whose: str
+    words: str
+    random: bool = False
+
+
+PATTERNS = (
+    Pattern("drift", lambda s: [s.by_channel(_same(s.time))], "ug", RUN, "a drift of the outputs over the run"),
+    Pattern("drift_exp", _drift_exp, "ug", RUN, "outputs that settle exponentially, as when warming up"),
+    Pattern("step", _step, "ug", RUN, "a step of the outputs within the run"),
+    Pattern("k2", lambda s: [s.by_channel(s.force**2)], "ug/g^2", BLOCK, "the block's second order"),
+    Pattern("k3", lambda s: [s.by_channel(s.force**3)], "ug/g^3", BLOCK, "the block's third order"),
+    Pattern("asymmetry", lambda s: [s.by_channel(np.abs(s.force))], "ug/g", BLOCK, "scales that differ by the sign"),
+    Pattern("cross_coupling", _cross_coupling, "ug/g^2", BLOCK, "products of two axes in the block's outputs"),
+    Pattern("hysteresis", _hysteresis, "ug", BLOCK, "outputs that remember the half circle before"),
+    Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle, once per turn"),
+    Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
+    Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
+    Pattern("scale_drift", lambda s: [s.by_channel(s.force * s.time[:, None])], "ppm", RUN, "scales that drift"),
+    Pattern("position", _position, "ug", RUN, "one position that is off"),
+    Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),
+    Pattern(
+        *("alpha2_plus_alpha3_rad", lambda s: [{"": s.by(alpha2=1.0)}], "rad", STAND),
+        words="level and yaw beyond the declared",
+    ),
+    Pattern("alpha3_difference_rad", _yaw_change, "rad", STAND, "a yaw change beyond the declared"),
+    Pattern("alpha4_rad", _set_angles, "rad", STAND, "set angles beyond the declared", random=True),
+)
+BY_NAME = {pattern.name: pattern for pattern in PATTERNS}

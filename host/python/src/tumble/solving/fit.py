@@ -1,0 +1,240 @@
+"""Does a run fit its stand? Chi-squared of all residuals against what is declared; and if not, what explains it.
+
+If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of reference.patterns is then
+tested by its own score; the smallest p, with Holm's correction, is the first explanation. Whatever remains is explained
+in the same way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.distributions import chi_squared_above, chi_squared_log_above
+from tumble.reference.fit import Score, WholeModel, basis
+from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
+from tumble.solving.stand_seen import Quantity, StandSeen
+from tumble.stand import Stand
+
+CONFIDENCE = 0.999
+EXPLAINED = 0.01  # largest p, after Holm, of an explanation
+ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
+_CONTAINED = 0.9999
+NOISE = "noise_v"
+SYSTEMATIC = ("alpha1_rad", "alpha2_plus_alpha3_rad", "alpha3_difference_rad")
+SOURCES = (*SYSTEMATIC, "alpha4_rad", NOISE)
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """`patterns` that cannot be told apart, the likeliest first; its `p` after Holm, and `size`, `u_size` in `unit` of
+    its largest `column`, such as a channel (None: of none by itself)."""
+
+    patterns: tuple[str, ...]
+    p: float
+    size: float | None
+    u_size: float | None
+    unit: str
+    column: str
+
+    @property
+    def may_be_another(self) -> bool:
+        """Whether it may be no fault of the stand: the block's, or that of this run."""
+        return any(BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE)
+
+    def document(self) -> dict[str, object]:
+        """Ready for JSON."""
+        listed = {"patterns": list(self.patterns), "p": self.p, "size": self.size, "u_size": self.u_size}
+        return {**listed, "unit": self.unit, "column": self.column or None}
+
+
+@dataclass(frozen=True)
+class Fit:
+    """`chi_squared` with `freedom`; `p`: how often a run that fits comes out above; `confidence` asked for."""
+
+    chi_squared: float
+    freedom: int
+    p: float
+    confidence: float
+    explanations: tuple[Explanation, ...]
+
+    @property
+    def fits(self) -> bool:
+        """Whether the declared stand explains the run."""
+        return self.p >= 1.0 - self.confidence
+
+    @property
+    def misfit(self) -> float | None:
+        """Rms of the residuals over what the stand declares; None without freedom."""
+        return math.sqrt(self.chi_squared / self.freedom) if self.freedom else None
+
+    @property
+    def excuses_stand(self) -> bool:
+        """Whether what explains most of it may be no fault of the stand."""
+        return bool(self.explanations) and self.explanations[0].may_be_another
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """The declared sources among the explanations."""
+        named = [name for explanation in self.explanations for name in explanation.patterns]
+        return tuple(name for name in SOURCES if name in named)
+
+    def document(self) -> dict[str, object]:
+        """Ready for JSON."""
+        return {
+            "chi2": self.chi_squared,
+            "dof": self.freedom,
+            "p": self.p,
+            "fits": self.fits,
+            "confidence": self.confidence,
+            "explanations": [explanation.document() for explanation in self.explanations],
+        }
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Of the samples within positions: pooled `noise` with `freedom`, against the `declared` standard deviation, in the
+    unit of the outputs; `variance` (positions,) of the means if that is the noise. `unit` in which noise is reported,
+    so many `per_unit` of the outputs."""
+
+    noise: Quantity | None
+    freedom: int
+    declared: float
+    variance: Floats
+    unit: str
+    per_unit: float
+
+    @property
+    def log_p(self) -> float:
+        """How often declared noise scatters more."""
+        if self.noise is None or not self.noise.value > self.declared:
+            return 0.0
+        if self.declared == 0.0:
+            return -math.inf
+        return chi_squared_log_above(self.freedom * (self.noise.value / self.declared) ** 2, self.freedom)
+
+
+def judge(model: WholeModel, confidence: float, seen: StandSeen, scatter: Scatter) -> Fit:
+    """The verdict on a run."""
+    p = chi_squared_above(model.chi_squared, model.freedom)
+    fit = Fit(model.chi_squared, model.freedom, p, confidence, ())
+    if fit.fits:
+        return fit
+    return replace(fit, explanations=tuple(_Search(model, seen, scatter, confidence).run()))
+
+
+def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
+    """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
+    variance: Floats = stand.sigma("noise") ** 2 / stand.averaged_over(samples) + rounding**2
+    return variance
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A pattern at the place where it shows most, out of `places`, beside what is known already."""
+
+    pattern: Pattern
+    columns: Columns
+    score: Score
+    places: int
+
+    @property
+    def log_p(self) -> float:
+        """Had any place been taken that shows more."""
+        return math.log(self.places) + _log_p(self.score)
+
+
+class _Search:
+    """The pattern with the smallest p, then with it in the model the next, until what remains fits or nothing shows.
+
+    A pattern of random errors, such as set angles, has no shape: once it is found, the model has errors as large as the
+    run shows, instead of free columns. More noise within the positions than declared is one of them.
+    """
+
+    def __init__(self, model: WholeModel, seen: StandSeen, scatter: Scatter, confidence: float):
+        self._model, self._seen, self._scatter, self._confidence = model, seen, scatter, confidence
+        self._known: Columns = {}
+        self._left = [*(pattern.name for pattern in PATTERNS), NOISE]
+
+    def run(self) -> Iterator[Explanation]:
+        """Explanations, in the order in which they are found."""
+        while not self._rest_fits():
+            found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
+            log_p = {name: one.log_p for name, one in found.items() if name in self._left}
+            log_p |= {NOISE: self._scatter.log_p} if NOISE in self._left else {}
+            name = min(log_p, key=lambda one: log_p[one])
+            corrected = len(self._left) * math.exp(log_p[name])
+            if corrected > EXPLAINED:
+                return
+            alike = [] if name == NOISE else [other for other in found if self._may_be(found[name], found[other])]
+            source = next((one for one in SYSTEMATIC if one in alike), None)
+            if source is not None:  # where either may be, the declared one is the simpler
+                alike = [name, *(other for other in alike if other != source)]
+                name, corrected = source, len(self._left) * math.exp(log_p[source])
+            yield self._explanation(found.get(name), alike, corrected)
+            self._take(name, found)
+
+    def _rest_fits(self) -> bool:
+        rest = self._model.rest_beside(self._known)
+        return chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
+
+    def _candidate(self, pattern: Pattern) -> _Candidate | None:
+        """None where the residuals cannot show it."""
+        besides = dict(self._known)
+        if pattern.random:  # it must not be blamed for what an angle of the whole run does
+            for name in SYSTEMATIC:
+                besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
+        tested = [(self._model.score(one, besides), one) for one in pattern.columns(self._model.scene)]
+        shown = [(score, columns) for score, columns in tested if score.freedom > 0]
+        if not shown:
+            return None
+        score, columns = min(shown, key=lambda one: _log_p(one[0]))
+        return _Candidate(pattern, columns, score, len(shown))
+
+    def _columns(self, name: str) -> Columns:
+        return BY_NAME[name].columns(self._model.scene)[0]
+
+    def _may_be(self, one: _Candidate, other: _Candidate) -> bool:
+        """Whether another pattern explains what one explains: they look alike, and beside the other one the first is no
+        longer needed. One that contains the first and more is no other explanation."""
+        if one is other or one.pattern.random or other.pattern.random or other.pattern.name not in self._left:
+            return False
+        spaces = [basis(self._model.whitened(candidate.columns)) for candidate in (one, other)]
+        angles = np.linalg.svd(spaces[0].T @ spaces[1], compute_uv=False)
+        wider = spaces[1].shape[1] > spaces[0].shape[1] and bool((angles > _CONTAINED).all())
+        besides = {**self._known, **{f"other {label}": column for label, column in other.columns.items()}}
+        score = self._model.score(one.columns, besides)
+        needed = len(self._left) * one.places * math.exp(_log_p(score)) <= EXPLAINED
+        return not wider and not needed and float(angles.max(initial=0.0)) >= ALIKE
+
+    def _take(self, name: str, found: dict[str, _Candidate]) -> None:
+        """Make what has been found part of the model."""
+        self._left.remove(name)
+        if name == NOISE:
+            self._model = self._model.with_variance(self._scatter.variance)
+        elif found[name].pattern.random and self._seen.alpha4 is not None:
+            self._model = self._model.with_set_angles(self._seen.alpha4.value)
+        else:
+            self._known |= {f"{name} {label}": one for label, one in found[name].columns.items()}
+
+    def _explanation(self, one: _Candidate | None, alike: list[str], p: float) -> Explanation:
+        if one is None:
+            scatter = self._scatter
+            assert scatter.noise is not None  # or its p would be 1
+            size, u_size = scatter.noise.value * scatter.per_unit, scatter.noise.u * scatter.per_unit
+            return Explanation((NOISE,), p, size, u_size, scatter.unit, "")
+        unit, sizes = one.pattern.unit, one.score.sizes
+        seen = {"alpha4": self._seen.alpha4, **self._seen.angles}.get(one.pattern.name.removesuffix("_rad"))
+        if seen is not None:  # as it stands in the result
+            return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
+        column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default="")
+        found = sizes.get(column, (None, None))
+        return Explanation((one.pattern.name, *alike), p, found[0], found[1], unit, column)
+
+
+def _log_p(score: Score) -> float:
+    return chi_squared_log_above(score.square, score.freedom)

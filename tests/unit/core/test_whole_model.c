@@ -1,0 +1,178 @@
+/* The whole model: exact small cases. The witness and the statistics are tested from Python, on many runs. */
+#include "support.h"
+#include "tumble/core.h"
+
+#include <math.h>
+
+#define P 18
+#define FREEDOM 42
+
+static const tumble_coefficients_t block = {{{2.0, 0.04, -0.03}, {0.02, 1.9, 0.05}, {-0.01, 0.03, 2.1}},
+                                            {0.1, -0.2, 0.05}};
+static tumble_means_t means;
+static double variance_v2[P];
+static tumble_stand_record_t stand;
+static tumble_whole_work_t work;
+static double square;
+static uint8_t freedom;
+
+/* Outputs on an ideal stand, each off by at most `noise_v`. */
+static void make_means(double noise_v)
+{
+    dice_t dice = {11};
+    for (uint8_t p = 0; p < P; p++) {
+        double a_g[3];
+        tumble_schedule_attitude(&tumble_schedule_paper, p, a_g);
+        for (int i = 0; i < 3; i++) {
+            const double *k = block.k_v_per_g[i];
+            means.u_v[p][i] = block.u0_v[i] + (k[0] * a_g[0]) + (k[1] * a_g[1]) + (k[2] * a_g[2]) +
+                              (noise_v * dice_signed_unit(&dice));
+        }
+        means.measured[p] = true;
+        variance_v2[p] = 1e-8;
+    }
+}
+
+static void set_up(void)
+{
+    memset(&means, 0, sizeof means);
+    memset(&work, 0xA5, sizeof work);
+    stand = (tumble_stand_record_t){0};
+    make_means(0.0);
+}
+
+static tumble_status_t look(void)
+{
+    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2};
+    return tumble_whole_chi_squared(&run, &work, &square, &freedom);
+}
+
+static double least_squares_residuals(void)
+{
+    tumble_coefficients_t found;
+    double sum = 0.0;
+    ASSERT_STATUS(TUMBLE_OK, tumble_estimate_least_squares(&tumble_schedule_paper, &means, &found, NULL));
+    for (uint8_t p = 0; p < P; p++) {
+        double r[3];
+        tumble_residual(&tumble_schedule_paper, &means, &found, p, r);
+        sum += ((r[0] * r[0]) + (r[1] * r[1]) + (r[2] * r[2])) / variance_v2[p];
+    }
+    return sum;
+}
+
+static void test_an_ideal_run_leaves_nothing(void)
+{
+    stand = (tumble_stand_record_t){.axis_tilt_rad = 1e-4, .level_rad = 1e-3, .remount_rad = 1e-3, .angle_rad = 1e-4};
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE(square < 1e-16);
+    TEST_ASSERT_EQUAL_UINT8(FREEDOM, freedom);
+}
+
+static void test_without_errors_of_the_stand_it_is_plain_least_squares(void)
+{
+    make_means(3e-4);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double plain = least_squares_residuals();
+    TEST_ASSERT_TRUE(plain > 10.0);
+    TEST_ASSERT_TRUE(fabs(square - plain) < 1e-9 * plain);
+}
+
+static void test_half_the_variance_is_twice_the_square(void)
+{
+    make_means(3e-4);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double before = square;
+    for (int p = 0; p < P; p++) {
+        variance_v2[p] /= 2.0;
+    }
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE(fabs(square - (2.0 * before)) < 1e-9 * before);
+}
+
+static void test_whatever_the_stand_may_do_leaves_less(void)
+{
+    make_means(3e-4);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    double before = square;
+    double *const errors[] = {&stand.axis_tilt_rad, &stand.remount_rad, &stand.angle_rad};
+    for (size_t i = 0; i < COUNT_OF(errors); i++) {
+        *errors[i] = 1e-3;
+        ASSERT_STATUS(TUMBLE_OK, look());
+        TEST_ASSERT_TRUE(square < before);
+        before = square;
+    }
+    TEST_ASSERT_EQUAL_UINT8(FREEDOM, freedom);
+}
+
+/* A common yaw turns K; two yaws are seen. */
+static void test_a_common_yaw_leaves_all(void)
+{
+    make_means(3e-4);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double before = square;
+    stand.remount_rad = 1e-3;
+    stand.level_rad = 0.0;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double two = square;
+    stand.common_yaw = true;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE((two < square) && (square < before));
+}
+
+/* Two positions turned by as much as one may be: what is held there leaves a misfit, not a failure. */
+static void test_errors_of_the_stand_are_held(void)
+{
+    stand.angle_rad = 0.5;
+    for (int i = 0; i < 3; i++) {
+        means.u_v[4][i] = means.u_v[2][i]; /* a quarter of a turn from where it should be */
+    }
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE(square > 1e3);
+    for (int p = 0; p < P; p++) {
+        TEST_ASSERT_TRUE(fabs(work.angle_rad[p]) <= TUMBLE_MAX_STAND_ERROR_RAD);
+    }
+}
+
+static void test_a_position_that_was_not_measured_is_left_out(void)
+{
+    make_means(3e-4);
+    means.measured[7] = false;
+    means.u_v[7][0] = NOT_A_NUMBER;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_EQUAL_UINT8(FREEDOM - 3, freedom);
+    TEST_ASSERT_TRUE(square > 0.0);
+}
+
+static void test_no_noise_at_all_is_a_little(void)
+{
+    make_means(3e-4);
+    memset(variance_v2, 0, sizeof variance_v2);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE((square > 1e6) && (square < 1e12));
+}
+
+static void test_refusals(void)
+{
+    const tumble_whole_run_t runs[] = {
+        {NULL, &means, &stand, variance_v2},
+        {&tumble_schedule_paper, NULL, &stand, variance_v2},
+        {&tumble_schedule_paper, &means, NULL, variance_v2},
+        {&tumble_schedule_paper, &means, &stand, NULL},
+    };
+    for (size_t i = 0; i < COUNT_OF(runs); i++) {
+        ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&runs[i], &work, &square, &freedom));
+    }
+    const tumble_whole_run_t run = {&tumble_schedule_paper, &means, &stand, variance_v2};
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(NULL, &work, &square, &freedom));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&run, NULL, &square, &freedom));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&run, &work, NULL, &freedom));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_whole_chi_squared(&run, &work, &square, NULL));
+    for (int p = 0; p < 9; p++) {
+        means.measured[p] = false;
+    }
+    ASSERT_STATUS(TUMBLE_E_RANK, look());
+    means.u_v[12][0] = NOT_A_NUMBER;
+    ASSERT_STATUS(TUMBLE_E_NOT_FINITE, look());
+}
+
+static const around_t around_each = {set_up, NULL};
