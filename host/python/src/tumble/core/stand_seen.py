@@ -62,6 +62,7 @@ class RunSeen:
     `u0` found from them. `alpha4` and `variance` as given are those that the uncertainties come from."""
 
     def __init__(self, schedule: CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats):
+        self.mountings = len(schedule.data.mountings)
         self._schedule = schedule
         self._means = schedule.means(means, measured)
         self._calibration = Calibration(k, u0)

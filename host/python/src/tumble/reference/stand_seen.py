@@ -98,6 +98,7 @@ class RunSeen:
     `variance` (positions,) is that of each mean by its noise, every `alpha4` the standard deviation of a set angle."""
 
     def __init__(self, schedule: Schedule, means: Floats, k: Floats):
+        self.mountings = len(schedule.mountings)
         self._fit = fit_indices(schedule)
         self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))
         self._scale = np.abs(k).max()

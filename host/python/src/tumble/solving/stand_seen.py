@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.core import MAX_YAWS
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
@@ -44,7 +45,10 @@ class AngleError(Protocol):
 
 
 class RunSeen(Protocol):
-    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen."""
+    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
+    `mountings`: how many the schedule has."""
+
+    mountings: int
 
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
@@ -80,9 +84,12 @@ def look(
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
-    A lone row is taken for a mean of the stand's `samples`. A stand that is not to be trusted gives no uncertainties,
+    A lone row is taken for a mean of the stand's `samples`. Free attitudes, more mountings than the core has yaws for,
+    show the noise alone. A stand that is not to be trusted gives no uncertainties,
     except where the run itself has none to give.
     """
+    if run.mountings > MAX_YAWS:
+        return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
     own = own_variance(noise, samples, stand)
     error = None if own is None else run.angle_error(own)
     alpha4 = None if error is None else error.seen

@@ -147,7 +147,7 @@ def _views(
     arguments: argparse.Namespace, stand_file: StandFile, schedule: CoreSchedule | None, limit_g: float
 ) -> list[RunView]:
     """Every run, solved and looked at. Raises TumbleError."""
-    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.core import MAX_YAWS, CoreSchedule, paper_schedule
     from tumble.files import run_rows
     from tumble.files.run_file import read_run
     from tumble.fixture.judge import RunView
@@ -156,6 +156,8 @@ def _views(
     from tumble.solving.solution import solve
 
     core_schedule = schedule or CoreSchedule(paper_schedule())
+    if (count := len(core_schedule.data.mountings)) > MAX_YAWS:
+        raise BadInput(f"{count} mountings: a run shows the stand in {MAX_YAWS} at most", arguments.schedule)
     views: list[RunView] = []
     for file in arguments.runs:
         run = read_run(file, core_schedule.data)
