@@ -147,8 +147,9 @@ extern const tumble_schedule_t tumble_schedule_paper;
 extern const tumble_schedule_t tumble_schedule_three_mountings;
 
 /* The same three mountings, each at 45, 135, 225 and 315 degrees: as good on a square stand as the paper's, with 12
- * positions. */
+ * positions. With a closure: at the end of each mounting 45 degrees once more, to check only. */
 extern const tumble_schedule_t tumble_schedule_diagonal;
+extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 
 /* Each face of the block up once, in the paper's two mountings, with the numbers that these positions have there. Only
  * tumble_estimate_least_squares and gains solve it. */
