@@ -7,7 +7,7 @@ once.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -52,6 +52,7 @@ class RunSeen(Protocol):
 
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
+    def other_yaw_changes(self, alpha4: float, variance: Floats, /) -> Mapping[int, Quantity | None]: ...
     def angle_error(self, variance: Floats, /) -> AngleError: ...
 
 
@@ -62,7 +63,8 @@ class StandSeen:
 
     `angles`: by the closed form; `augmented`: by least squares for everything at once; both by name as in ANGLES, with
     the uncertainty of `source` ("stand": as declared; "run": of this run's own scatter and residuals, `freedom`
-    degrees of freedom; None: unknown, and u is 0). `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
+    degrees of freedom; None: unknown, and u is 0). `other_yaw_changes`: by mounting, from the third on, the yaw of the
+    first less that of this one, as `augmented`. `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
     """
 
     noise: Quantity | None
@@ -71,6 +73,7 @@ class StandSeen:
     angles: Mapping[str, Quantity | None]
     augmented: Mapping[str, Quantity | None]
     source: str | None
+    other_yaw_changes: Mapping[int, Quantity | None] = field(default_factory=dict)
 
     @property
     def freedom(self) -> float | None:
@@ -102,7 +105,8 @@ def look(
         angles = run.angles(None, np.zeros(len(samples)))
         return StandSeen(noise, None, 0.0, angles, dict.fromkeys(ANGLES), None)
     freedom = 0.0 if error is None or alpha4 is None else error.freedom
-    return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), run.fit(sigma, variance), source)
+    found = run.angles(sigma, variance), run.fit(sigma, variance), source, run.other_yaw_changes(sigma, variance)
+    return StandSeen(noise, alpha4, freedom, *found)
 
 
 def averaged_over(samples: Integers, stand: Stand | None) -> Floats:
@@ -122,6 +126,10 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
     """As it stands in a result: every quantity with its `u_` twin."""
     has_u = seen.source is not None
     augmented = {key: value for name in ANGLES for key, value in _pair(f"{name}_rad", seen.augmented[name]).items()}
+    others = [
+        {"mounting": mounting, **_pair("alpha3_difference_rad", change)}
+        for mounting, change in seen.other_yaw_changes.items()
+    ]
     listed = [_pair(f"{name}_rad", seen.angles[name], has_u) for name in ANGLES]
     listed += [_pair("alpha4_rad", seen.alpha4), _pair("noise_v", seen.noise, factor=volts_per_unit)]
     return {
@@ -129,7 +137,7 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
         "u_from": seen.source,
         "u_freedom": seen.freedom,
         "alpha4_freedom": None if seen.alpha4 is None else seen.alpha4_freedom,
-        "augmented": None if set(augmented.values()) == {None} else augmented,
+        "augmented": None if set(augmented.values()) == {None} else {**augmented, "other_yaw_changes": others},
     }
 
 
