@@ -11,11 +11,11 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import HARMONIC
-from tumble.fixture.judge import SYSTEMATIC, Limits
+from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.fit import NOISE, Explanation
+from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
