@@ -14,8 +14,8 @@
 #define INESTIMABLE 1e-6    /* of a combination: what the data do not determine */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 #define BISECTIONS 44
-#define LARGEST_ANGLE_SQUARE 1e12 /* beyond any angle: where a search ends for means that are nothing of the kind */
-#define FREE (-1.0)               /* for a variance of set angles without bound */
+#define LARGEST_ANGLE_SQUARE 1099511627776.0 /* 2^40, beyond any angle: there a search ends that finds nothing */
+#define FREE (-1.0)                          /* for a variance of set angles without bound */
 
 typedef struct {
     const tumble_schedule_t *schedule;
