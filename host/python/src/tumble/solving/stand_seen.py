@@ -87,9 +87,8 @@ def look(
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
-    A lone row is taken for a mean of the stand's `samples`. Free attitudes, more mountings than the core has yaws for,
-    show the noise alone. A stand that is not to be trusted gives no uncertainties,
-    except where the run itself has none to give.
+    Free attitudes, more mountings than the core has yaws for, show the noise alone. A stand that is not to be trusted
+    gives no uncertainties, except where the run itself has none to give.
     """
     if run.mountings > MAX_YAWS:
         return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
@@ -109,9 +108,9 @@ def look(
     return StandSeen(noise, alpha4, freedom, *found)
 
 
-def averaged_over(samples: Integers, stand: Stand | None) -> Floats:
+def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
     """How many samples each mean has."""
-    return np.where(samples > 1, samples, 1 if stand is None else stand.samples)
+    return np.maximum(samples, 1) if stand is None else stand.averaged_over(samples)
 
 
 def own_variance(noise: Quantity | None, samples: Integers, stand: Stand | None) -> Floats | None:
