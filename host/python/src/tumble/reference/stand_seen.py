@@ -75,9 +75,9 @@ class Model:
         self._geometry, self._k = Geometry(schedule), k
         positions, mountings = len(schedule.positions), len(schedule.mountings)
         by_angle = [self._derivative(alpha1=1.0), self._derivative(alpha2=1.0)]
-        by_angle += [self._derivative(alpha3=yaw) for yaw in np.eye(mountings)]
+        by_angle += [*self._derivative(alpha3=np.eye(mountings))]
         self.design = np.column_stack([dense_design(schedule), *by_angle])
-        self.by_set_angle = np.array([self._derivative(delta=one) for one in np.eye(positions)])
+        self.by_set_angle = self._derivative(delta=np.eye(positions))
         mean, pair = np.zeros(mountings), np.zeros(mountings)
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
         mean[used] = 1 / len(used)
@@ -89,8 +89,10 @@ class Model:
         }
 
     def _derivative(self, **draw: float | Floats) -> Floats:
+        """Of all outputs (..., 3P), for one draw or for many (..., what Geometry.force takes)."""
         force = self._geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
-        return (np.imag(force) / _STEP @ self._k.T).ravel()
+        by_position = np.imag(force) / _STEP @ self._k.T
+        return by_position.reshape(*by_position.shape[:-2], -1)
 
 
 class RunSeen:

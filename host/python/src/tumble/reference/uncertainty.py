@@ -29,7 +29,7 @@ class Source:
 
     sigma: Floats
     derivative: Floats
-    errors: tuple[dict[str, float | Floats], ...] = ()
+    errors: tuple[dict[str, Floats], ...] = ()
 
 
 def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
@@ -43,26 +43,27 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
     averaged_over = np.where(samples > 1, samples, stand.samples)
 
-    def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
-        steps = [
-            geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()}) for draw in draws
-        ]
-        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T, tuple(draws))
+    def angles(source: str, **units: Floats) -> Source:
+        """`units`: by the name that Geometry.force has for it, a unit of each draw."""
+        steps = [geometry.force(**{name: np.multiply(1j * _STEP, unit)}) for name, unit in units.items()]
+        draws = tuple({name: one} for name, unit in units.items() for one in unit)
+        return Source(np.full(len(draws), stand.sigma(source)), np.imag(np.concatenate(steps)) / _STEP @ k.T, draws)
 
+    one = np.ones((1, 1))
     found = {
-        "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
-        "alpha2": angles("level", [{"alpha2": 1.0}]),
-        "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
-        "alpha4": angles("angle", [{"delta": one} for one in np.eye(positions)]),
+        "alpha1": angles("axis_tilt", alpha1=one),
+        "alpha2": angles("level", alpha2=one),
+        "alpha3": angles("remount", alpha3=yaws),
+        "alpha4": angles("angle", delta=np.eye(positions)),
         "noise": Source(
             np.repeat(stand.sigma("noise") / np.sqrt(averaged_over), 3),
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
     if stand.seat > 0.0:
-        found["seat"] = angles("seat", [{name: one} for name in ("seat_h", "seat_n") for one in np.eye(mountings)])
+        found["seat"] = angles("seat", seat_h=np.eye(mountings), seat_n=np.eye(mountings))
     if stand.platform > 0.0:
-        found["platform"] = angles("platform", [{"seat_h": 1.0}])
+        found["platform"] = angles("platform", seat_h=one)
     return found
 
 
