@@ -143,3 +143,20 @@ def test_what_needs_real_time_or_a_toolchain_is_not_in_virtual_time():
     chosen = run(*collect, PYTHONPATH=stages.paths("host")).stdout
     assert "test_bad_runs.py" in chosen
     assert not re.search(r"test_(gateway_(serial|crowds|registers)|bench_signals|zcu102|cortex_m4|interop)\.py", chosen)
+
+
+@pytest.mark.parametrize("workers", ["0", "1"])
+@pytest.mark.parametrize("plugin, failed", [("heeding_interrupts", 0), ("busy_machine", 1)])
+def test_tests_started_in_the_background_heed_interrupts(tmp_path, plugin, failed, workers):
+    (tmp_path / "test_planted.py").write_text(
+        "import signal, subprocess\n"
+        "def test_a():\n"
+        "    child = subprocess.Popen(['sleep', '1'])\n"
+        "    child.send_signal(signal.SIGINT)\n"
+        "    assert child.wait() == -signal.SIGINT\n"
+    )
+    (tmp_path / "conftest.py").write_text(f"pytest_plugins = ['{plugin}']\n")
+    command = [PYTHON, "-m", "pytest", "-q", "-n", workers, "-p", "no:cacheprovider", "--rootdir", tmp_path, tmp_path]
+    done = run("sh", "-c", 'trap "" INT; exec "$@"', "sh", *command, PYTHONPATH=str(ROOT / "tests/lib"))
+    assert done.returncode == failed, done.stdout
+    assert ("started with interrupts ignored" in done.stdout) == (failed == 0)

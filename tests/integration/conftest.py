@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT / "tests/lib"))
 import loaded  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
-pytest_plugins = ["busy_machine"]
+pytest_plugins = ["busy_machine", "heeding_interrupts"]
 
 hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)
 hypothesis.settings.register_profile("full", max_examples=2000, deadline=None, database=None, print_blob=True)

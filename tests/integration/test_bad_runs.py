@@ -77,8 +77,16 @@ BAD_TEXTS = {
     "decimal comma among points": (
         with_row(5, "1,4,X,0,0\n").replace(",", ";").replace("X", "0,5"),
         "row 5, column ux",
-        "'0,5' is not a number (its decimal mark? see --decimal ,)",
+        "'0,5' is not a number (write all numbers with the same decimal mark, and without thousands separators)",
     ),
+    "another column is named so": (GOOD.replace("mounting", "M").replace("ux", "AccX_raw"), "row 1",
+        "no columns mounting and ux among 'M,position,AccX_raw,uy,uz'; name what is missing with "
+        "--columns mounting=NAME,ux=NAME, or add it"),
+    "one column": (GOOD.replace(",", "|"), "row 1", "say what separates the columns with --delimiter"),
+    "a mounting by letter": (with_row(5, "A,4,0,0,0\n"), "row 5, column mounting",
+        "'A' is not a number; mountings are 1, 2"),
+    "units below the header": (with_row(1, HEADER + "-,-,V,V,V\n"), "row 2, column mounting",
+        "'-' is not a number (a row of units? Delete it, or begin it with #; --unit says the unit)"),
     "missing positions": (HEADER + "".join(ROWS[:3] + ROWS[5:]), "", "missing 1.4, 1.5"),
     "one mounting": (HEADER + "".join(ROWS[:9]), "", "missing 2.1, 2.2"),
 }
@@ -162,8 +170,11 @@ def test_least_squares_on_one_mounting_names_the_coefficients(refused, tmp_path)
         (["run.csv", "--columns", "ux"], "--columns: 'ux' is not NAME=COLUMN"),
         (["run.csv", "--columns", "ux=a,ux=b"], "--columns: 'ux=b' is not NAME=COLUMN"),
         (["run.csv", "--columns", "volts=ux"], "--columns: 'volts=ux' is not NAME=COLUMN"),
-        (["run.csv", "--columns", "ux=AccX"], "run.csv: row 1: no column 'AccX'"),
-        (["run.csv", "--delimiter", ";"], "run.csv: row 1: no column mounting"),
+        (
+            ["run.csv", "--columns", "ux=AccX,uy=AccY"],
+            "run.csv: row 1: no columns 'AccX' and 'AccY' (for ux and uy) among 'mounting,position,ux,uy,uz'\n",
+        ),
+        (["run.csv", "--delimiter", ";"], "run.csv: row 1: no columns mounting, position, ux, uy and uz among"),
         (["run.csv", "--out", "none/result.json"], "none/result.json: cannot be written: no such file or folder"),
         (["run.csv", "--out", "."], "cannot be written: a folder, not a file"),
         (["run.csv", "--out", "/dev/full"], "/dev/full: cannot be written: no space left on device"),

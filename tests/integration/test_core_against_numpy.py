@@ -11,27 +11,36 @@ from tumble.schedule import Schedule
 LIMIT = 1e-12  # of max|K|
 
 
+def runs_on(rng, schedule, count):
+    """Means (count, positions, 3) of as many random blocks, each on a stand of its own: errors of 1 urad to 0.1 rad."""
+    size = 10.0 ** rng.uniform(-6, -1, (count, 1))
+    draws = {"alpha1": 1, "alpha2": 1, "alpha3": len(schedule.mountings), "delta": len(schedule.positions)}
+    errors = {name: rng.normal(size=(count, number)) * size for name, number in draws.items()}
+    force = reference.Geometry(schedule).force(**errors)
+    k, u0 = map(np.array, zip(*(random_block(rng) for _ in range(count))))
+    noise = rng.normal(size=force.shape) * 1e-4 * np.abs(k).max(axis=(1, 2), keepdims=True)
+    return force @ np.swapaxes(k, 1, 2) + u0[:, None] + noise
+
+
 def worst_difference(core_schedule, means, estimator):
-    """Largest difference of a coefficient between core and witness, over max|K|."""
-    k, u0 = core.estimate(core_schedule, means, None, estimator)
-    witness_k, witness_u0 = reference.estimate(core_schedule.data, means, estimator)
-    return max(np.abs(k - witness_k).max(), np.abs(u0 - witness_u0).max()) / np.abs(witness_k).max()
+    """Largest difference of a coefficient between core and witness in any of the runs, over its max|K|."""
+    by_core = [core.estimate(core_schedule, one, None, estimator) for one in means]
+    k, u0 = reference.estimate(core_schedule.data, means, estimator)
+    apart = [max(np.abs(one_k - k[i]).max(), np.abs(one_u0 - u0[i]).max()) for i, (one_k, one_u0) in enumerate(by_core)]
+    return (np.array(apart) / np.abs(k).max(axis=(1, 2))).max()
 
 
 def worst_of_paper_schedule(rng, cases):
-    paper, worst = core.CoreSchedule(core.paper_schedule()), 0.0
-    for case in range(cases):
-        means = random_means(rng, paper.data, *random_block(rng), size=10.0 ** rng.uniform(-6, -1))
-        worst = max(worst, worst_difference(paper, means, LINEAR[case % 3]))
-    return worst
+    paper, means = core.CoreSchedule(core.paper_schedule()), runs_on(rng, core.paper_schedule(), cases)
+    return max(worst_difference(paper, means[turn::3], estimator) for turn, estimator in enumerate(LINEAR))
 
 
-def worst_of_any_schedule(rng, cases):
+def worst_of_any_schedule(rng, schedules):
+    """Four blocks on each."""
     worst = 0.0
-    for _ in range(cases):
+    for _ in range(schedules):
         schedule = usable_schedule(rng)
-        means = random_means(rng, schedule.data, *random_block(rng), size=10.0 ** rng.uniform(-6, -1))
-        worst = max(worst, worst_difference(schedule, means, "least_squares"))
+        worst = max(worst, worst_difference(schedule, runs_on(rng, schedule.data, 4), "least_squares"))
     return worst
 
 
@@ -39,14 +48,14 @@ def worst_of_any_schedule(rng, cases):
 def test_10000_random_cases_agree():
     rng = np.random.default_rng(20)
     assert worst_of_paper_schedule(rng, 4_000) <= LIMIT
-    assert worst_of_any_schedule(rng, 6_000) <= LIMIT
+    assert worst_of_any_schedule(rng, 1_500) <= LIMIT
 
 
 @pytest.mark.full
 def test_100000_other_random_cases_agree(fresh_seed):
     rng = np.random.default_rng(fresh_seed)
     assert worst_of_paper_schedule(rng, 40_000) <= LIMIT
-    assert worst_of_any_schedule(rng, 60_000) <= LIMIT
+    assert worst_of_any_schedule(rng, 15_000) <= LIMIT
 
 
 def test_attitudes_agree():

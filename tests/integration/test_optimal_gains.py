@@ -48,8 +48,8 @@ GAIN_OVER_REFINED = {
 GROUPS = (0, 2, 2, 3, 1, 4, 3, 4, 1, 5, 6, 6)
 
 
-def covariance(schedule, k, stand, sigma_mean):
-    """C = J S J^T + v I in 60 digits, of derivatives by complex steps."""
+def errors_of(schedule, k, stand):
+    """J S^1/2, of derivatives by complex steps: (3P, draws)."""
     geometry, fit, step = Geometry(schedule), fit_indices(schedule), 1e-30
     mountings, positions = len(schedule.mountings), len(schedule.positions)
     yaws = [np.ones(mountings)] if stand.remounting == COMMON else np.eye(mountings)
@@ -60,23 +60,20 @@ def covariance(schedule, k, stand, sigma_mean):
         derivative = geometry.force(**{name: 1j * step * value for name, value in draw.items()}).imag / step
         return (derivative[fit] @ k.T).ravel()
 
-    columns = [stand.sigma(source) * column(draw) for draw, source in draws]
-    j = mpmath.matrix(np.array(columns).T.tolist())
-    return j * j.T + mpmath.mpf(sigma_mean) ** 2 * mpmath.eye(3 * len(fit))
+    return np.array([stand.sigma(source) * column(draw) for draw, source in draws]).T
 
 
 def by_inversion(schedule, k, stand, sigma_mean):
-    """Standard deviations (12,) and gains (12, 3P) by the textbook, (A^T C^-1 A)^-1 A^T C^-1."""
+    """Standard deviations (12,) and gains (12, 3P) by the textbook, (A^T C^-1 A)^-1 A^T C^-1, in 60 digits. With
+    C = J S J^T + v I, and J standing for J S^1/2, v C^-1 A is A - J (v I + J^T J)^-1 J^T A: a smaller inverse."""
     with mpmath.workdps(60):
         force = Geometry(schedule).force()[fit_indices(schedule)]
         rows = [
             np.concatenate([np.kron(np.eye(3)[channel], f), np.eye(3)[channel]]) for f in force for channel in range(3)
         ]
         a = mpmath.matrix(np.array(rows).tolist())
-        factors, order = mpmath.mp.LU_decomp(covariance(schedule, k, stand, sigma_mean))
-        weighted = mpmath.matrix(a.rows, 12)
-        for column in range(12):
-            weighted[:, column] = mpmath.mp.U_solve(factors, mpmath.mp.L_solve(factors, a[:, column], order))
+        j, v = mpmath.matrix(errors_of(schedule, k, stand).tolist()), mpmath.mpf(sigma_mean) ** 2
+        weighted = (a - j * ((v * mpmath.eye(j.cols) + j.T * j) ** -1 * (j.T * a))) / v
         covariance_of_beta = (a.T * weighted) ** -1
         found = covariance_of_beta * weighted.T
         u = [float(mpmath.sqrt(covariance_of_beta[i, i])) for i in range(12)]

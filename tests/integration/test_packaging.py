@@ -201,6 +201,7 @@ def test_every_package_has_licence_and_version(packages, kind):
 
 
 @pytest.mark.slow
+@pytest.mark.toolchain
 def test_a_wheel_says_that_it_is_typed(packages):
     assert (packages["wheel"] / "tumble/py.typed").is_file()
 

@@ -135,9 +135,10 @@ def test_a_margin_of_one_promises_less_than_it_seems(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["refined", "optimal"])
 @pytest.mark.parametrize("name", STATED)
-def test_runs_turn_out_as_promised(name, estimator):
+@pytest.mark.parametrize("runs", [4000, pytest.param(20_000, marks=pytest.mark.full)])
+def test_runs_turn_out_as_promised(name, estimator, runs):
     for schedule in (None, with_16_checks()):
-        case, runs = case_of(name, schedule), 10_000
+        case = case_of(name, schedule)
         limits = LIMIT_G / margins(case, LIMIT_G)[estimator] * np.array([0.9, 1.0, 1.2])
         for limit_g, seen in zip(limits, simulated(case, estimator, runs, limits)):
             found = promise(replace(case, limit_g=limit_g), estimator)

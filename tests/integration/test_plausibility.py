@@ -117,7 +117,7 @@ MISTAKES = {
 @pytest.mark.parametrize("said", MISTAKES)
 def test_every_mistake_is_named(said, misalignment):
     rng = np.random.default_rng(13)
-    for _ in range(20):
+    for _ in range(8):
         scale = float(rng.choice([-1, 1]) * rng.uniform(0.5, 8))
         u0 = rng.uniform(-0.1, 0.1, 3)
         found = examined(declared(scale, misalignment), block(rng, misalignment, scale), u0, rng=rng, **MISTAKES[said])
@@ -137,7 +137,7 @@ def test_every_mistake_is_named(said, misalignment):
 @pytest.mark.parametrize("misalignment", [0.02, 0.3])
 def test_mistakes_with_three_mountings(said, measured, misalignment):
     rng = np.random.default_rng(14)
-    for _ in range(20):
+    for _ in range(8):
         k = block(rng, misalignment)
         found = examined(declared(misalignment=misalignment), k, schedule=THREE, measured=measured, rng=rng)
         assert found.refusal is not None and found.refusal.startswith(said)

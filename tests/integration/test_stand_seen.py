@@ -12,7 +12,7 @@ from documents import paper_stand
 
 from tumble import core, reference
 from tumble.core import stand_seen
-from tumble.distributions import student_quantile
+from tumble.distributions import f_cdf
 from tumble.files.stand_file import read_stand
 from tumble.schedule import CHECK, Position, Schedule
 from tumble.solving.crosscheck import compare_seen
@@ -30,34 +30,26 @@ def stand_named(name):
     return read_stand(str(EXAMPLES / f"{name}_stand.toml")).stand
 
 
-def simulated(rng, geometry, stand, sigma4=None):
-    """One run: means, scatter, and what the angles are."""
-    positions = len(geometry.schedule.positions)
-    alpha1, alpha2 = rng.normal(size=2) * (stand.sigma("axis_tilt"), stand.sigma("level"))
-    alpha3 = rng.normal(size=2) * stand.sigma("remount")
-    delta = rng.normal(size=positions) * (stand.sigma("angle") if sigma4 is None else sigma4)
-    means = geometry.outputs(NOMINAL_K, U0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
+def simulated(rng, stand, runs):
+    """Of each run means, scatter, and what the angles are."""
+    alpha1, alpha2 = (rng.normal(size=(runs, 1)) * stand.sigma(source) for source in ("axis_tilt", "level"))
+    alpha3, delta = (rng.normal(size=(runs, n)) * stand.sigma(source) for n, source in ((2, "remount"), (18, "angle")))
+    means = reference.Geometry(PAPER).outputs(NOMINAL_K, U0, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta)
     noise, n = stand.sigma("noise"), stand.samples
     means += rng.normal(size=means.shape) * noise / math.sqrt(n)
     scatter = noise * np.sqrt(rng.chisquare(n - 1, size=means.shape) / (n - 1))
-    truth = {
-        "alpha1": alpha1,
-        "alpha2_plus_alpha3": alpha2 + alpha3.mean(),
-        "alpha3_difference": alpha3[0] - alpha3[1],
-    }
-    return means, scatter, truth
+    truth = np.column_stack([alpha1, alpha2[:, 0] + alpha3.mean(axis=1), alpha3[:, 0] - alpha3[:, 1]])
+    return [(*run, dict(zip(stand_seen.ANGLES, angles))) for *run, angles in zip(means, scatter, truth.tolist())]
 
 
 @cache
 def scores(name):
     """z-scores of RUNS runs of a stand, by quantity; of alpha4 its chi-squared, less its mean, over its deviation."""
     stand, rng = stand_named(name), np.random.default_rng(81 + STANDS.index(name))
-    schedule, geometry = core.CoreSchedule(PAPER), reference.Geometry(PAPER)
-    samples, measured = np.full(18, stand.samples), np.ones(18, bool)
+    schedule, samples, measured = core.CoreSchedule(PAPER), np.full(18, stand.samples), np.ones(18, bool)
     variance, alpha4 = np.full(18, stand.sigma("noise") ** 2 / stand.samples), stand.sigma("angle")
     rows = []
-    for _ in range(RUNS):
-        means, scatter, truth = simulated(rng, geometry, stand)
+    for means, scatter, truth in simulated(rng, stand, RUNS):
         k, u0 = core.estimate(schedule, means)
         seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
         closed, sharp = seen.angles(alpha4, variance), seen.fit(alpha4, variance)
@@ -88,11 +80,10 @@ def test_the_runs_own_alpha4_and_student(name):
     """alpha4 from the run: its square is unbiased, its freedom that of its scatter. With it the angles' intervals by
     Student's t hold 95 % at least: a part of their uncertainty is the noise, which is known better than alpha4."""
     stand, rng, runs = stand_named(name), np.random.default_rng(84), 1500
-    schedule, geometry = core.CoreSchedule(PAPER), reference.Geometry(PAPER)
-    samples, measured, sigma = np.full(18, stand.samples), np.ones(18, bool), stand.sigma("angle")
+    schedule, samples, measured = core.CoreSchedule(PAPER), np.full(18, stand.samples), np.ones(18, bool)
+    sigma = stand.sigma("angle")
     squares, freedoms, inside = [], [], dict.fromkeys(stand_seen.ANGLES, 0)
-    for _ in range(runs):
-        means, scatter, truth = simulated(rng, geometry, stand)
+    for means, scatter, truth in simulated(rng, stand, runs):
         k, u0 = core.estimate(schedule, means)
         seen = stand_seen.RunSeen(schedule, means, measured, k, u0)
         variance = stand_seen.noise(samples, scatter).value ** 2 / samples
@@ -100,9 +91,8 @@ def test_the_runs_own_alpha4_and_student(name):
         squares.append(0.0 if found.seen is None else found.seen.value**2)
         freedoms.append(found.freedom)
         alpha4 = math.sqrt(squares[-1])
-        reach = student_quantile(0.95, max(found.freedom, 1.0))
         for key, angle in seen.angles(alpha4, variance).items():
-            inside[key] += abs(angle.value - truth[key]) <= reach * angle.u
+            inside[key] += f_cdf(((angle.value - truth[key]) / angle.u) ** 2, 1.0, max(found.freedom, 1.0)) <= 0.95
     squares = np.array(squares) / sigma**2
     share = {key: count / runs for key, count in inside.items()}
     print(f"{name:6} alpha4^2 {squares.mean():.3f}, freedom by scatter {2 / squares.var():.1f},", end=" ")
@@ -226,8 +216,8 @@ def test_a_run_of_another_schedule_is_no_disagreement(tumble):
 def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
     rng, schedule = np.random.default_rng(87), core.CoreSchedule(PAPER)
     stand, samples, scatter = replace(stand_named("paper"), noise=noise), np.full(18, 50), np.full((18, 3), noise)
-    for _ in range(10):
-        means = simulated(rng, reference.Geometry(PAPER), stand)[0] + rng.normal(size=(18, 3)) * spread
+    for drawn, _, _ in simulated(rng, stand, 10):
+        means = drawn + rng.normal(size=(18, 3)) * spread
         k, u0 = core.estimate(schedule, means)
         shown = stand_seen.RunSeen(schedule, means, np.ones(18, bool), k, u0)
         for trust in (True, False):

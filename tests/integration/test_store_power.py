@@ -23,6 +23,8 @@ STORE = (
     "history_entry",
     "checkpoint",
 )
+FIRMWARE = ROOT / "firmware"
+CAMPAIGN = ("flash", "store_power")
 FLAGS = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra"]
 
 # A bug of the firmware: its files, what stands there, what is planted, and at last what the campaign must say of it.
@@ -101,27 +103,30 @@ BUGS = {
 }
 
 
-def build(firmware, program):
+def cc(*arguments):
     compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc")
     assert compiler, "no C compiler: set CC"
-    sources = [firmware / f"sets/{name}.c" for name in STORE] + [firmware / "core/arith.c", firmware / "core/count.c"]
-    subprocess.run(
-        [
-            compiler,
-            *FLAGS,
-            f"-I{firmware}",
-            f"-I{firmware}/include",
-            f"-I{ROOT}/tests/lib",
-            ROOT / "tests/integration/store_power_harness.c",
-            ROOT / "tests/lib/flash.c",
-            ROOT / "tests/lib/store_power.c",
-            *sources,
-            "-lm",
-            "-o",
-            program,
-        ],
-        check=True,
-    )
+    subprocess.run([compiler, *FLAGS, *arguments], check=True)
+
+
+def compiled(source, folder):
+    """The object of a source file."""
+    there = folder / f"{source.stem}.o"
+    cc("-c", f"-I{FIRMWARE}", f"-I{FIRMWARE}/include", f"-I{ROOT}/tests/lib", source, "-o", there)
+    return there
+
+
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory):
+    """Of the whole campaign, by the name of the source file."""
+    sources = [*(FIRMWARE / f"sets/{name}.c" for name in STORE), FIRMWARE / "core/arith.c", FIRMWARE / "core/count.c"]
+    sources += [ROOT / "tests/integration/store_power_harness.c", *(ROOT / f"tests/lib/{n}.c" for n in CAMPAIGN)]
+    folder = tmp_path_factory.mktemp("objects")
+    return {source.name: compiled(source, folder) for source in sources}
+
+
+def linked(objects, program):
+    cc(*objects.values(), "-lm", "-o", program)
     return program
 
 
@@ -132,31 +137,29 @@ def part_of(file):
     )
 
 
-def plant(firmware, file, good, bad):
-    source = firmware / "sets" / file
+def planted(folder, file, good, bad):
+    """A copy of the firmware's file with the bug in it."""
     wherever_broken = r"\s+".join(map(re.escape, good.split()))
-    text, places = re.subn(wherever_broken, lambda _: bad, source.read_text(encoding="utf-8"))
+    text, places = re.subn(wherever_broken, lambda _: bad, (FIRMWARE / "sets" / file).read_text(encoding="utf-8"))
     assert places == 1, "the planted bug has lost its place"
-    source.write_text(text, encoding="utf-8")
+    (folder / file).write_text(text, encoding="utf-8")
+    return folder / file
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bug", BUGS)
-def test_a_planted_bug_is_found(bug, tmp_path):
+def test_a_planted_bug_is_found(bug, objects, tmp_path):
     *edits, complaint = BUGS[bug]
-    for room in ("core", "include", "sets"):
-        shutil.copytree(ROOT / "firmware" / room, tmp_path / "firmware" / room)
-    for edit in zip(*[iter(edits)] * 3):
-        plant(tmp_path / "firmware", *edit)
-    program = build(tmp_path / "firmware", tmp_path / "power")
+    with_bug = {edit[0]: compiled(planted(tmp_path, *edit), tmp_path) for edit in zip(*[iter(edits)] * 3)}
+    program = linked({**objects, **with_bug}, tmp_path / "power")
     done = subprocess.run([program, part_of(edits[0])], capture_output=True, text=True, timeout=300)
     assert done.returncode == 1, done.stdout
     assert re.search(complaint, done.stderr), done.stderr
 
 
 @pytest.mark.full
-def test_all_pairs_of_faults_in_every_geometry(tmp_path):
-    program = build(ROOT / "firmware", tmp_path / "power")
+def test_all_pairs_of_faults_in_every_geometry(objects, tmp_path):
+    program = linked(objects, tmp_path / "power")
     done = subprocess.run([program, "long"], capture_output=True, text=True, timeout=3600)
     print(done.stdout)
     assert done.returncode == 0, done.stderr

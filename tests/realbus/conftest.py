@@ -14,7 +14,7 @@ sys.path[:0] = [str(ROOT / "tests/integration"), str(ROOT / "tests/lib")]
 
 from processes import Interface  # noqa: E402
 
-pytest_plugins = ["busy_machine"]
+pytest_plugins = ["busy_machine", "heeding_interrupts"]
 _number = iter(range(1, 1000))
 
 

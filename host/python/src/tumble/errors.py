@@ -18,10 +18,10 @@ EXIT_INTERRUPTED = 130
 _LONGEST_QUOTE = 40
 
 
-def quoted(text: object) -> str:
-    """Foreign text, made fit for one line of a message: quoted, escaped, cut to 40 characters."""
+def quoted(text: object, longest: int = _LONGEST_QUOTE) -> str:
+    """Foreign text, made fit for one line of a message: quoted, escaped, cut to `longest` characters."""
     text = str(text)
-    return ascii(text if len(text) <= _LONGEST_QUOTE else text[: _LONGEST_QUOTE - 3] + "...")
+    return ascii(text if len(text) <= longest else text[: longest - 3] + "...")
 
 
 def file_name(path: str | os.PathLike[str]) -> str:

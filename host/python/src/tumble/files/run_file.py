@@ -13,8 +13,9 @@ import csv
 import hashlib
 import io
 import math
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from tumble.files.run_layout import (
     detect,
     is_blank,
     is_comment,
+    is_number,
     split,
 )
 from tumble.schedule import CHECK, CLOSED, Schedule
@@ -124,7 +126,7 @@ class PositionIndex:
     """From mounting and position numbers to the index of a position in the schedule."""
 
     def __init__(self, schedule: Schedule):
-        self._mountings = {mounting.number for mounting in schedule.mountings}
+        self.mountings = {mounting.number for mounting in schedule.mountings}
         self._table = np.full((256, 256), -1)
         for index, position in enumerate(schedule.positions):
             self._table[position.mounting, position.number] = index
@@ -141,8 +143,8 @@ class PositionIndex:
         for column, number in (("mounting", mounting), ("position", position)):
             if number != math.floor(number):
                 raise _Refused(f"{number!r} is not a whole number", column)
-        if mounting not in self._mountings:
-            hint = self._are_exchanged(mounting, position) or f"mountings are {_listed(self._mountings)}"
+        if mounting not in self.mountings:
+            hint = self._are_exchanged(mounting, position) or f"mountings are {_listed(self.mountings)}"
             raise _Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
         index = int(self._table[int(mounting), int(position)]) if 0 <= position <= 255 else -1
         if index < 0:
@@ -153,7 +155,7 @@ class PositionIndex:
 
     def _are_exchanged(self, mounting: float, position: float) -> str | None:
         """A question, where the row would be good the other way round."""
-        known = position in self._mountings and 0 <= mounting <= 255
+        known = position in self.mountings and 0 <= mounting <= 255
         is_good = known and self._table[int(position), int(mounting)] >= 0
         return "are mounting and position exchanged?" if is_good else None
 
@@ -172,6 +174,14 @@ class _Refused(Exception):
     def __init__(self, message: str, column: str | None = None):
         super().__init__(message)
         self.column = column
+
+
+class _NotANumber(_Refused):
+    """A `text` that is none with the decimal mark of the file."""
+
+    def __init__(self, text: str, column: str):
+        super().__init__(f"{quoted(text)} is not a number" if text else "no value", column)
+        self.text = text
 
 
 def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
@@ -247,16 +257,18 @@ def _full_lines(data: bytes, body: int, layout: Layout) -> Flags | None:
 
 def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
     """All rows, line by line."""
-    indices, outputs, lines = [], [], []
+    indices: list[int] = []
+    outputs, lines = [], []
     blanks, comments = layout.blanks, layout.comments
-    for row, line in enumerate(io.StringIO(decoded(data), newline=None), start=1):
-        if row <= layout.header_row:
-            continue
+    for row, line in _body(data, layout):
         if is_blank(line) or is_comment(line):
             blanks, comments = blanks + is_blank(line), comments + is_comment(line)
             continue
         try:
             index, values = _read_row(line, layout, positions)
+        except _NotANumber as refused:
+            hint = _hint(refused, line, not indices, data, layout, positions)
+            raise BadInput(f"{refused}{hint}", file, row, refused.column) from None
         except _Refused as refused:
             raise BadInput(str(refused), file, row, refused.column) from None
         indices.append(index)
@@ -265,6 +277,42 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     if not indices:
         raise BadInput("no samples after the header", file, layout.header_row)
     return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
+
+
+def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+    """What follows the header: lines and their numbers."""
+    lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
+    return ((row, line) for row, line in lines if row > layout.header_row)
+
+
+def _hint(
+    refused: _NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex
+) -> str:
+    """What to do about it. Another option is advised only where all rows can be read with it: else one piece of advice
+    would lead to the next."""
+    if is_first and not any(map(is_number, split(line, layout.delimiter))):
+        return " (a row of units? Delete it, or begin it with #; --unit says the unit)"
+    if refused.column == "mounting":
+        return f"; mountings are {_listed(positions.mountings)}"
+    if not NUMBER.fullmatch(re.sub(r"[.,\s']", "", refused.text)):
+        return ""
+    other = replace(layout, decimal="." if layout.decimal == "," else ",")
+    if other.decimal in refused.text and _has_numbers_alone(data, other, positions):
+        return f" (its decimal mark? see --decimal {other.decimal})"
+    return " (write all numbers with the same decimal mark, and without thousands separators)"
+
+
+def _has_numbers_alone(data: bytes, layout: Layout, positions: PositionIndex) -> bool:
+    """Can all rows be read, as far as numbers go?"""
+    for _, line in _body(data, layout):
+        try:
+            if not is_blank(line) and not is_comment(line):
+                _read_row(line, layout, positions)
+        except _NotANumber:
+            return False
+        except _Refused:
+            continue
+    return True
 
 
 def _read_row(line: str, layout: Layout, positions: PositionIndex) -> tuple[int, list[float]]:
@@ -283,9 +331,7 @@ def _number(text: str, column: str, layout: Layout) -> float:
         raise _Refused(f"{quoted(text)} is not a finite number", column)
     pointed = text.replace(",", ".") if layout.decimal == "," and "." not in text else text
     if not NUMBER.fullmatch(pointed) or (layout.decimal == "," and "." in text):
-        other = "." if layout.decimal == "," else ","
-        hint = f" (its decimal mark? see --decimal {other})" if other in text else ""
-        raise _Refused((f"{quoted(text)} is not a number" + hint) if text else "no value", column)
+        raise _NotANumber(text, column)
     value = float(pointed)
     if abs(value) > MAX_MEAN:
         raise _Refused(f"{quoted(text)} is out of range", column)

@@ -18,6 +18,7 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200
+_LONGEST_HEADER = 400
 _DEFAULT_UNIT = "V"
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
@@ -118,7 +119,7 @@ def _from_header(
     for delimiter in candidates:
         try:
             names = split(line, delimiter)
-            indices = tuple(_find(wanted, names, wishes.columns) for wanted in COLUMNS)
+            indices = _find_all(names, wishes.columns)
         except (csv.Error, ValueError) as error:
             attempts.append((line.count(delimiter), str(error)))
             continue
@@ -130,11 +131,76 @@ def _from_header(
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(COLUMNS)}", file, row)
+    if below := _rows_above_header([line, *following], candidates, wishes):
+        advice = "delete the rows above it, or begin each of them with #"
+        raise BadInput(f"is no header; row {row + below} looks like it: {advice}", file, row)
     raise BadInput(max(attempts)[1], file, row)
 
 
-def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int:
-    """Index of a column: by the user's name for it, else by its own, else by one that means the same."""
+def _rows_above_header(lines: list[str], delimiters: list[str], wishes: Wishes) -> int:
+    """How many rows of something else, as loggers write them, are above what must be the header; 0: none, or nothing
+    looks like one."""
+    filled = [(row, line) for row, line in enumerate(lines) if not is_blank(line)][:_ROWS_TO_LOOK_AT]
+    for is_header in (_has_columns, _is_above_numbers):
+        for place, (row, line) in enumerate(filled):
+            following = [below for _, below in filled[place + 1 : place + 3]]  # units may stand between
+            if any(is_header(line, following, delimiter, wishes) for delimiter in delimiters):
+                return row
+    return 0
+
+
+def _has_columns(line: str, _following: list[str], delimiter: str, wishes: Wishes) -> bool:
+    try:
+        _find_all(split(line, delimiter), wishes.columns)
+    except (csv.Error, ValueError):
+        return False
+    return True
+
+
+def _is_above_numbers(line: str, following: list[str], delimiter: str, _wishes: Wishes) -> bool:
+    """As many different names as there are fields in a row of numbers below?"""
+    try:
+        names, rows = split(line, delimiter), [split(below, delimiter) for below in following]
+    except csv.Error:
+        return False
+    alike = [sum(map(is_number, row)) for row in rows if len(row) == len(names) == len(set(names))]
+    return not any(map(is_number, names)) and max(alike, default=0) >= len(COLUMNS)
+
+
+def is_number(text: str) -> bool:
+    """With either decimal mark."""
+    return NUMBER.fullmatch(text.replace(",", ".")) is not None
+
+
+def _find_all(names: list[str], renamed: dict[str, str]) -> tuple[int, ...]:
+    """Indices of COLUMNS. Raises ValueError, naming all that are not there, and what is."""
+    found = {wanted: _find(wanted, names, renamed) for wanted in COLUMNS}
+    missing = [wanted for wanted, index in found.items() if index is None]
+    if not missing:
+        return tuple(index for index in found.values() if index is not None)
+    told = [wanted for wanted in missing if wanted in renamed]
+    plain = [wanted for wanted in missing if wanted not in renamed]
+    asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []
+    header = quoted(",".join(names), _LONGEST_HEADER)
+    said = f"{' and '.join([*asked, *([_columns(plain)] if plain else [])])} among {header}"
+    if len(names) == 1:
+        raise ValueError(f"{said}; say what separates the columns with --delimiter")
+    if plain:
+        said += f"; name what is missing with --columns {','.join(f'{wanted}=NAME' for wanted in plain)}, or add it"
+    raise ValueError(said)
+
+
+def _columns(names: list[str]) -> str:
+    return f"no column{'s' if len(names) > 1 else ''} {_listed(names)}"
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
+
+
+def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
+    """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
+    there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
     bare = [_bare(name) for name in names]
     tests: list[Callable[[int], bool]] = (
@@ -151,10 +217,7 @@ def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int:
                 raise ValueError(f"{len(found)} columns are named {quoted(names[found[0]])}")
             several = " and ".join(quoted(names[index]) for index in found)
             raise ValueError(f"columns {several} could both be {wanted}; say which with --columns {wanted}=NAME")
-    if asked:
-        raise ValueError(f"no column {quoted(asked)}, which --columns asks for as {wanted}")
-    option = f"--columns {wanted}=NAME" if len(names) > 1 else "--delimiter"
-    raise ValueError(f"no column {wanted} among {quoted(','.join(names))}; say how it is with {option}")
+    return None
 
 
 def _bare(name: str) -> str:

@@ -31,7 +31,9 @@ ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
 _ANY = 0.95  # of a growth that nobody asks for
 _SEED = 1
 _DIRECTIONS = {"positions": 32768, "attitudes": 8192}
-_BISECTIONS = 30
+_BISECTIONS = 6
+_STEPS = 50
+_SETTLED = 1e-11  # of a probability
 _TINY = 1e-300
 _FAR = 37.0  # standard deviations: beyond them nothing is left in a double
 
@@ -72,11 +74,23 @@ class Law:
         return Chance(float(1.0 - beyond.mean()), float(beyond.std() / len(beyond) ** 0.5))
 
     def limit(self, probability: float) -> float:
-        """The limit that is kept with a probability, g."""
+        """The limit that is kept with a probability, g: bisected until the law is no longer flat, then by false
+        position, after the rule of Illinois."""
         low, high = 0.0, float(self.sizes.max()) * _FAR
         for _ in range(_BISECTIONS):
             middle = (low + high) / 2.0
             low, high = (low, middle) if self.chance(middle).value >= probability else (middle, high)
+        below, above = (self.chance(limit).value - probability for limit in (low, high))
+        moved = 0
+        for _ in range(_STEPS):
+            if above < _SETTLED:
+                break
+            at = high - (high - low) * above / (above - below)
+            found = self.chance(at).value - probability
+            if found >= 0.0:
+                high, above, below, moved = at, found, below / (2.0 if moved > 0 else 1.0), 1
+            else:
+                low, below, above, moved = at, found, above / (2.0 if moved < 0 else 1.0), -1
         return high
 
 

@@ -50,8 +50,8 @@ def absolute_weights(
     yaws = np.ones((1, len(model.mounting)), dtype=bool) if common_yaw else mountings
 
     def of(force: Floats, draws: Floats) -> Floats:
-        parts = rows[:, None] * np.where(draws[:, :, None], force @ k.T, 0.0)
-        sums, largest = parts.sum(axis=(2, 3)), np.abs(parts).sum(axis=(2, 3))
+        parts = rows * (force @ k.T)
+        sums, largest = parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ draws.T
         rounded = np.abs(sums) <= _ROUNDING * largest.max(axis=1, keepdims=True)
         sizes: Floats = np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
         return sizes

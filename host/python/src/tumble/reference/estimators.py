@@ -7,6 +7,7 @@ maps derivatives of outputs to derivatives of coefficients.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -21,6 +22,7 @@ _NINE = [45.0 * turn for turn in range(9)]
 _FOUR = [45.0, 135.0, 225.0, 315.0]
 _SENSITIVITY = 1e-3
 _NULL_COMPONENT = 1e-7
+_REMEMBERED = 64  # schedules: a run asks for its own again and again
 
 
 def fit_indices(schedule: Schedule) -> list[int]:
@@ -38,6 +40,7 @@ class Circle:
     slots: Integers
 
 
+@lru_cache(_REMEMBERED)
 def circles(schedule: Schedule) -> list[Circle] | None:
     """The circles of a schedule, found by mounting and angle; None where they do not hold every block axis.
 
@@ -108,6 +111,7 @@ def _mean_over_circles(schedule: Schedule, means: Floats, choosy: Flags) -> tupl
     return k / tells.sum(axis=0), u0 / len(found)
 
 
+@lru_cache(_REMEMBERED)
 def dense_design(schedule: Schedule) -> Floats:
     """The design of all channels at once, (3 x fit positions, 12): K column by column, then U0."""
     force = Geometry(schedule).force()[fit_indices(schedule)]

@@ -102,9 +102,9 @@ class WholeModel:
         self._x = np.clip(self._x + change[12:] * self._sigma, -_LARGEST_RAD, _LARGEST_RAD)
 
     def _force(self, errors: Floats) -> Floats:
-        """Specific force on the exact geometry, for errors in rad, real or complex."""
-        of = dict(zip(self._names, np.split(errors, self._ends)))
-        seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2)
+        """Specific force on the exact geometry, for errors (..., errors) in rad, real or complex."""
+        of = dict(zip(self._names, np.split(errors, self._ends, axis=-1)))
+        seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2, axis=-1)
         return self._geometry.force(
             alpha1=of["alpha1"],
             alpha2=of["alpha2"],
@@ -117,7 +117,7 @@ class WholeModel:
     def _derivatives(self) -> Floats:
         """Of all outputs by every error: (3 x positions, errors)."""
         steps = self._x + 1j * _STEP * np.eye(len(self._x))
-        by_error = np.array([np.imag(self._force(one)) / _STEP @ self.k.T for one in steps])
+        by_error = np.imag(self._force(steps)) / _STEP @ self.k.T
         derivatives: Floats = by_error.reshape(len(steps), -1).T
         return derivatives
 

@@ -75,10 +75,11 @@ class Model:
 
     def __init__(self, schedule: Schedule, k: Floats):
         geometry, positions, mountings = Geometry(schedule), len(schedule.positions), len(schedule.mountings)
-        by_angle = [geometry.derivative(k, alpha1=1.0), geometry.derivative(k, alpha2=1.0)]
-        by_angle += [geometry.derivative(k, alpha3=yaw) for yaw in np.eye(mountings)]
-        self.design = np.column_stack([dense_design(schedule), *(one.ravel() for one in by_angle)])
-        self.by_set_angle = np.array([geometry.derivative(k, delta=one).ravel() for one in np.eye(positions)])
+        one = np.ones((1, 1))
+        by_angle = [geometry.derivative(k, alpha1=one), geometry.derivative(k, alpha2=one)]
+        by_angle += [geometry.derivative(k, alpha3=np.eye(mountings))]
+        self.design = np.column_stack([dense_design(schedule), np.concatenate(by_angle).reshape(2 + mountings, -1).T])
+        self.by_set_angle = geometry.derivative(k, delta=np.eye(positions)).reshape(positions, -1)
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
         mean, one = np.zeros(mountings), np.eye(mountings)
         mean[used] = 1 / len(used)

@@ -28,7 +28,7 @@ class Source:
 
     sigma: Floats
     derivative: Floats
-    errors: tuple[dict[str, float | Floats], ...] = ()
+    errors: tuple[dict[str, Floats], ...] = ()
 
 
 def sources(
@@ -47,24 +47,27 @@ def sources(
     if mean_variance is not None:
         noise = np.maximum(noise, np.sqrt(mean_variance))
 
-    def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
-        by_draw = np.array([geometry.derivative(k, **draw) for draw in draws])
-        return Source(np.full(len(draws), stand.sigma(source)), by_draw, tuple(draws))
+    def angles(source: str, **units: Floats) -> Source:
+        """`units`: by the name that Geometry.force has for it, a unit of each draw."""
+        by_draw = np.concatenate([geometry.derivative(k, **{name: unit}) for name, unit in units.items()])
+        draws = tuple({name: one} for name, unit in units.items() for one in unit)
+        return Source(np.full(len(draws), stand.sigma(source)), by_draw, draws)
 
+    one = np.ones((1, 1))
     found = {
-        "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),
-        "alpha2": angles("level", [{"alpha2": 1.0}]),
-        "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
-        "alpha4": angles("angle", [{"delta": one} for one in np.eye(positions)]),
+        "alpha1": angles("axis_tilt", alpha1=one),
+        "alpha2": angles("level", alpha2=one),
+        "alpha3": angles("remount", alpha3=yaws),
+        "alpha4": angles("angle", delta=np.eye(positions)),
         "noise": Source(
             noise.ravel(),
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
     if stand.seat > 0.0:
-        found["seat"] = angles("seat", [{name: one} for name in ("seat_h", "seat_n") for one in np.eye(mountings)])
+        found["seat"] = angles("seat", seat_h=np.eye(mountings), seat_n=np.eye(mountings))
     if stand.platform > 0.0:
-        found["platform"] = angles("platform", [{"seat_h": 1.0}])
+        found["platform"] = angles("platform", seat_h=one)
     return found
 
 

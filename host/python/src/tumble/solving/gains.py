@@ -18,6 +18,7 @@ zero or large.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -31,6 +32,7 @@ from tumble.stand import COMMON, Stand
 
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 _LARGEST_SIGMA = 1e100
+_REMEMBERED = 64  # schedules: a plan asks for the same one thousands of times
 _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
 
 
@@ -78,6 +80,7 @@ def gains(schedule: Schedule, estimator: str, k: Floats, stand: Stand, step: flo
     return optimal_table(schedule, k, stand, step).gains if estimator == OPTIMAL else linear_gains(schedule, estimator)
 
 
+@lru_cache(_REMEMBERED)
 def linear_gains(schedule: Schedule, estimator: str) -> Floats:
     """Gains (12, 3P) of a linear estimator. Raises UsageError where the schedule does not allow that estimator."""
     if estimator in HARMONIC and circles(schedule) is None:
@@ -151,6 +154,7 @@ def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[fl
     return max(sigma, floor), sigma < floor
 
 
+@lru_cache(_REMEMBERED)
 def linearise(schedule: Schedule) -> Linearised:
     """Forces and derivatives at zero error, from the geometry differentiated by hand."""
     fit = [schedule.positions[index] for index in fit_indices(schedule)]
@@ -212,6 +216,7 @@ def _augmented(model: Linearised, k: Floats, stand: Stand, shared: Floats, angle
     return np.vstack([data, sigma_mean * np.eye(errors.shape[1], data.shape[1])])
 
 
+@lru_cache(_REMEMBERED)
 def _require_rank(schedule: Schedule) -> None:
     lost = unidentified(schedule)
     if lost:
