@@ -6,9 +6,10 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
+from tumble.reference.extended import confused
 from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
-from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.optimal import OptimalEstimate, optimal, optimal_covariance, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
@@ -23,12 +24,14 @@ __all__ = [
     "built_in",
     "by_coefficient",
     "closure",
+    "confused",
     "covariance",
     "estimate",
     "gravity_errors",
     "intrinsic",
     "magnification",
     "optimal",
+    "optimal_covariance",
     "optimal_uncertainties",
     "paper_schedule",
     "pooled_noise",

@@ -28,7 +28,8 @@ def _on_a_square_seat(solution: Solution) -> Coefficients | None:
     if solution.stand is not None and solution.stand.declares_seat:
         return None
     estimator = "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
-    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, estimator)
+    found = solution.found
+    moved = reference.unseen_tilt(solution.measured_schedule, found.k, estimator, found.terms)
     return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
 
 

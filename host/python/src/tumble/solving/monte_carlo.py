@@ -23,6 +23,7 @@ from tumble.reference.uncertainty import Source, exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 COVERAGE = 0.95
 LEVEL = 0.999  # of the range in which an end of a simulated interval lies
@@ -112,13 +113,15 @@ def simulate(
     samples: Integers,
     runs: int,
     seed: int,
+    terms: Terms = (),
 ) -> MonteCarlo:
     """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
     `samples` (positions,) rows each. `stand` in the unit of the outputs. The same seed gives the same numbers.
+    `terms`: further unknowns of the estimate.
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
-    estimate = estimator_for(schedule, k, stand, estimator, samples)
+    estimate = estimator_for(schedule, k, stand, estimator, samples, terms=terms)
     errors = sources(schedule, k, stand, samples)
     try:
         found = _estimates(schedule, k, u0, errors, stand.limits, estimate, runs, seed)

@@ -15,8 +15,9 @@ from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
+from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
-from tumble.solving import optimal_run, uncertainty
+from tumble.solving import extended, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import (
@@ -27,11 +28,14 @@ from tumble.solving.crosscheck import (
     compare_seen,
     compare_uncertainties,
 )
+from tumble.solving.extended import NotSolvable
 from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
+from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import StandSeen, look, own_variance
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
 from tumble.stand import Stand
+from tumble.terms import Terms
 from tumble.units import noise_unit, volts_per
 
 
@@ -58,7 +62,8 @@ class Solution:
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
     `fit`: whether the run fits the declared stand, None without one; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
-    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
+    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
+    twelve coefficients, None where nobody asked for any.
     """
 
     schedule: Schedule
@@ -75,6 +80,7 @@ class Solution:
     covariance: Floats | None = None
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
+    further: Further | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -104,13 +110,14 @@ class Solution:
         if self.stand is None:
             return None
         schedule, stand, samples = self._as_propagated
-        return second_order(schedule, self.found.k, self._u, stand, self.found.estimator, samples)
+        given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
+        return second_order(*given, terms=self.found.terms)
 
     def simulated(self, runs: int, seed: int) -> Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
-        return replace(self, monte_carlo=simulate(*given, runs, seed))
+        return replace(self, monte_carlo=simulate(*given, runs, seed, self.found.terms))
 
     @property
     def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
@@ -127,6 +134,8 @@ class Solution:
     @cached_property
     def u_norm(self) -> WorstNorm | None:
         """Where the calibrated block shows the length of gravity worst; None without a stand."""
+        if self.further is not None:
+            return self.further.worst_norm
         return None if self.covariance is None else worst_norm(self.found.k, self.covariance)
 
     @property
@@ -152,11 +161,13 @@ def solve(
     step_v: float = 0.0,
     known: optimal_run.Known | None = None,
     confidence: float = CONFIDENCE,
+    terms: Terms = (),
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
     The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
-    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand.
+    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand. `terms`:
+    further ones of the model, in the order of TERMS, for one of EXTENDABLE.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
@@ -167,39 +178,66 @@ def solve(
     if estimator == OPTIMAL:
         assert declared is not None  # as documented
         weighting = optimal_run.Weighting(declared, run.samples, step, known)
-    try:
-        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
-    except core.CoreRefusal as refusal:
-        raise BadInput(_explain(refusal, estimator), file) from None
-    except DeadChannels as error:
-        raise BadInput(str(error), file) from None
     name = core_schedule.name
     witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
+    try:
+        if terms:
+            _require_told_apart(core_schedule, witnessed, run, terms, file)
+        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explain(refusal, estimator), file) from None
+    except (DeadChannels, NotSolvable) as error:
+        raise BadInput(str(error), file) from None
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, step)
+    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, step, found)
     optimal = None
     if weighting is not None and model is not None:
         _require_near(model, file)
-        optimal = _witness(witnessed, means, samples, weighting)
+        optimal = _witness(witnessed, means, samples, weighting, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     u_k, u_u0, covariance, fit = None, None, None, None
+    further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
     if declared is not None:
         u_k, u_u0 = _uncertainties(core_schedule, run, found.k, declared, estimator, step, file)
         if optimal is None:
             covariance = reference.covariance(witnessed, found.k, declared, samples, estimator)
+        elif terms:
+            covariance = reference.optimal_covariance(witnessed, found.k, declared, samples, step)
         else:
             covariance = optimal.covariance
         compare_uncertainties((u_k, u_u0), reference.by_coefficient(covariance), optimal is not None)
-    shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
+        if further is not None:
+            without = Without(u_k, u_u0, worst_norm(found.k, covariance))
+            stated = uncertainty.extended_uncertainties(
+                core_schedule, run.measured, found.k, declared, run.samples, estimator, step, terms
+            )
+            joint = optimal.covariance if optimal else extended_covariance(witnessed, found.k, declared, samples, terms)
+            compare_uncertainties((stated,), (np.sqrt(np.diag(joint)),), optimal is not None)
+            u_k, u_u0, covariance = stated[:9].reshape(3, 3), stated[9:12], joint[:12, :12]
+            further = replace(further, covariance=joint, without=without)
+    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
-    compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
+    compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
+    if terms:  # angles and further terms have much in common
+        seen = replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
+    if terms:
+        seen = replace(seen, alpha4=None, alpha4_freedom=0.0)
     return Solution(
         *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, fit),
         covariance=covariance,
         step=step,
+        further=further,
     )
+
+
+def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
+    """Raise BadInput where a run does not determine further terms; CoreRefusal where not even the twelve."""
+    schedule.identify(run.measured)
+    confused = extended.confused(witnessed, terms)
+    if confused is not None:
+        raise BadInput(f"--model {','.join(terms)}: {confused}", file)
 
 
 def _uncertainties(
@@ -213,12 +251,13 @@ def _uncertainties(
 
 
 def _whole_model(
-    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, step: float
+    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, step: float, found: Computation
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance = variance_of_means(stand, run.samples, step)
-    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand)
-    compare_fit(chi_squared(schedule, run.means, run.measured, variance, stand), model)
+    variance, terms = variance_of_means(stand, run.samples, step), found.terms
+    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
+    given = schedule, run.means, run.measured, variance, stand
+    compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)
     return model
 
 
@@ -231,11 +270,12 @@ def _require_near(model: reference.WholeModel, file: str) -> None:
 
 
 def _witness(
-    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting
+    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, terms: Terms
 ) -> reference.OptimalEstimate:
     """The optimal estimator by numpy."""
-    known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, *known)
+    known_k, known_samples = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    given = schedule, means, weighting.stand, samples, weighting.step
+    return reference.optimal(*given, known_k, known_samples, terms)
 
 
 def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:
