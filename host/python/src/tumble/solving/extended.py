@@ -8,6 +8,8 @@ solves all unknowns in one dense problem.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from tumble import core, reference
@@ -22,15 +24,14 @@ from tumble.terms import DRIFT, POWERS, Terms
 
 _CORRECTIONS = 2
 _STEPS = 200
-_CONVERGED = 4e-16  # of the largest component
+_ROUNDED = 1e-12  # of the largest component
 _FLOOR = 1e-7  # of the outputs
+_DESCENTS = 3
+_LEAST_OWN = 0.1  # of the length of a row of K
 
 
 class NotSolvable(Exception):
-    """Of outputs that no specific force explains, as far as one can be found step by step."""
-
-    def __init__(self) -> None:
-        super().__init__("K2 or K3 comes out so large that the outputs do not tell the acceleration")
+    """Of outputs from which further terms do not let a specific force be found; says why."""
 
 
 def columns(schedule: core.CoreSchedule, terms: Terms) -> Floats:
@@ -137,19 +138,21 @@ def linear_outputs(means: Floats, k: Floats, u0: Floats, sizes: Floats, terms: T
     The terms are those of the specific force that the outputs show, found step by step; every step is closer by about
     2 K2 + 3 K3. Raises NotSolvable.
     """
+    if (np.abs(np.diag(k)) < _LEAST_OWN * np.linalg.norm(k, axis=1)).any() and set(terms) & set(POWERS):
+        raise NotSolvable("a channel does not measure along its own axis, of which K2 and K3 are: channels exchanged?")
     size, calibration = dict(zip(terms, sizes)), core.Calibration(k, u0)
     still = means - _time(len(means)) * size.get(DRIFT, np.zeros(3))
     powers = [(power, size[term]) for term, power in POWERS.items() if term in size]
-    force = linear = still
+    force, linear, moved, last = np.zeros_like(still), still, np.inf, np.inf
     for _ in range(_STEPS):
         before, force = force, np.array([calibration.apply(one) for one in linear])
-        if not np.isfinite(force).all():
+        last, moved = moved, float(np.abs(force - before).max())
+        if not moved < last:
             break
         linear = still - sum((q * force**power for power, q in powers), np.zeros(3))
-        if np.abs(force - before).max() <= _CONVERGED * np.abs(force).max():
-            found: Floats = linear
-            return found
-    raise NotSolvable()
+    if not moved <= _ROUNDED * np.abs(force).max():
+        raise NotSolvable("K2 or K3 comes out so large that the outputs do not tell the acceleration")
+    return np.asarray(linear)
 
 
 def gains(schedule: core.CoreSchedule, terms: Terms) -> Floats:
@@ -169,8 +172,8 @@ def least_chi_squared(
     sizes: Floats,
 ) -> tuple[float, int]:
     """Chi-squared of all residuals with further terms in the model, and its degrees of freedom; arguments as of
-    core.fit.chi_squared. The core's chi-squared of the outputs without the terms is a quadratic function of their
-    sizes: its minimum is found from its values around the estimated `sizes`."""
+    core.fit.chi_squared. The core's chi-squared of the outputs without the terms is nearly a quadratic function of
+    their sizes: its minimum is found from its values, first of all around the estimated `sizes`."""
     further = np.zeros((3 * len(terms), *means.shape))
     further[:, measured] = columns(schedule.part(measured), terms)
     noise = np.maximum(variance[measured], (_FLOOR * np.abs(means[measured]).max()) ** 2)[:, None]
@@ -183,11 +186,23 @@ def least_chi_squared(
         found, freedom = chi_squared(schedule, left, measured, variance, stand)
         return found
 
-    start, steps = sizes.ravel(), np.diag(unit)
-    here = square(start)
-    up, down = (np.array([square(start + sign * step) for step in steps]) for sign in (1.0, -1.0))
+    lowest = _lowest(square, sizes.ravel(), np.diag(unit))
+    return square(lowest), freedom - len(lowest)
+
+
+def _lowest(square: Callable[[Floats], float], start: Floats, steps: Floats) -> Floats:
+    """Where a nearly quadratic function is least, by Newton's way with the curvature at the start; `steps` (n, n): how
+    far to look, along each axis."""
+
+    def around(at: Floats) -> Floats:
+        return np.array([[square(at + sign * step) for step in steps] for sign in (1.0, -1.0)])
+
+    here, (up, down) = square(start), around(start)
     curvature = np.diag(up + down - 2.0 * here)
     for i, j in zip(*np.triu_indices(len(steps), 1)):
-        curvature[i, j] = curvature[j, i] = square(start + steps[i] + steps[j]) - up[i] - up[j] + here
-    lowest = start - unit * np.linalg.solve(curvature, (up - down) / 2.0)
-    return square(lowest), freedom - len(steps)
+        both = square(start + steps[i] + steps[j])
+        curvature[i, j] = curvature[j, i] = both - up[i] - up[j] + here
+    for _ in range(_DESCENTS):
+        start = start - np.linalg.solve(curvature, (up - down) / 2.0) @ steps
+        up, down = around(start)
+    return start

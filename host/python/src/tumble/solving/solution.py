@@ -212,7 +212,8 @@ def solve(
                 core_schedule, run.measured, found.k, declared, run.samples, estimator, step, terms
             )
             joint = optimal.covariance if optimal else extended_covariance(witnessed, found.k, declared, samples, terms)
-            compare_uncertainties((stated,), (np.sqrt(np.diag(joint)),), optimal is not None)
+            witness = *reference.by_coefficient(joint), np.sqrt(np.diag(joint)[12:])
+            compare_uncertainties((stated[:9].reshape(3, 3), stated[9:12], stated[12:]), witness, optimal is not None)
             u_k, u_u0, covariance = stated[:9].reshape(3, 3), stated[9:12], joint[:12, :12]
             further = replace(further, covariance=joint, without=without)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
