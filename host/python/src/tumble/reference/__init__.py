@@ -9,6 +9,7 @@ from tumble.reference.estimators import estimate, magnification
 from tumble.reference.extended import confused
 from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
+from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_covariance, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.seat import unseen_tilt
@@ -18,6 +19,7 @@ from tumble.reference.verification import closure, gravity_errors, intrinsic, re
 
 __all__ = [
     "Geometry",
+    "MeasuredNoise",
     "OptimalEstimate",
     "RunSeen",
     "WholeModel",
@@ -30,6 +32,7 @@ __all__ = [
     "gravity_errors",
     "intrinsic",
     "magnification",
+    "measured_noise",
     "optimal",
     "optimal_covariance",
     "optimal_uncertainties",

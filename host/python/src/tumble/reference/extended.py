@@ -49,9 +49,17 @@ def least_squares(schedule: Schedule, means: Floats, terms: Terms) -> Floats:
     return found.reshape(*observed.shape[:-2], -1)
 
 
-def covariance(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, terms: Terms) -> Floats:
+def covariance(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    terms: Terms,
+    mean_variance: Floats | None = None,
+) -> Floats:
     """Of what `least_squares` finds; arguments as of reference.covariance."""
-    return joint(lambda means: least_squares(schedule, means, terms), sources(schedule, k, stand, samples))
+    errors = sources(schedule, k, stand, samples, mean_variance)
+    return joint(lambda means: least_squares(schedule, means, terms), errors)
 
 
 def magnification(schedule: Schedule, terms: Terms) -> float:

@@ -67,19 +67,22 @@ def optimal(
     step: float = 0.0,
     known_k: Floats | None = None,
     known_samples: float | None = None,
+    mean_variance: Floats | None = None,
     terms: Terms = (),
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
     converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
-    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `terms`: further
-    unknowns."""
+    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `mean_variance` as in
+    `uncertainty.sources`: of the uncertainties alone. `terms`: further unknowns."""
     k = least_squares(schedule, means)[0] if known_k is None else known_k
-    return _Whitened(schedule, k, stand, samples, step, known_samples, terms).solve(means)
+    return _Whitened(schedule, k, stand, samples, step, known_samples, terms).solve(means, mean_variance)
 
 
-def optimal_covariance(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float) -> Floats:
+def optimal_covariance(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, mean_variance: Floats | None = None
+) -> Floats:
     """Covariance (12, 12) of `optimal` for a block that has this `k`. Arguments as of `optimal`."""
-    return _Whitened(schedule, k, stand, samples, step).covariance()
+    return _Whitened(schedule, k, stand, samples, step).covariance(mean_variance)
 
 
 def optimal_uncertainties(
@@ -116,7 +119,7 @@ class _Whitened:
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
         self.further = fitted_columns(schedule, terms)
         self.model = np.hstack([dense_design(schedule), self.further, by_error])
-        self.averaged_over = np.where(samples > 1, samples, stand.samples)
+        self.averaged_over = stand.averaged_over(samples)
         self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
         self.floor = _FLOOR_G * np.abs(k).max()
         inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
@@ -134,7 +137,7 @@ class _Whitened:
         solved: Floats = solution + correction / length[:, None]
         return solved
 
-    def solve(self, means: Floats) -> OptimalEstimate:
+    def solve(self, means: Floats, mean_variance: Floats | None = None) -> OptimalEstimate:
         """Apply the linear solution, and again to what the second order leaves of the outputs."""
         measured = means[self.fit].reshape(-1, 1)
         x = self.unknowns(measured)
@@ -142,7 +145,7 @@ class _Whitened:
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
         at_k = _Whitened(self.schedule, k, self.stand, self.samples, self.step, terms=self.terms)
-        covariance, sizes = at_k.covariance(), x[12 : self.count, 0].reshape(-1, 3)
+        covariance, sizes = at_k.covariance(mean_variance), x[12 : self.count, 0].reshape(-1, 3)
         angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[: self.count]).sum(axis=1).max())
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
@@ -152,9 +155,11 @@ class _Whitened:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
         return noise
 
-    def covariance(self) -> Floats:
+    def covariance(self, mean_variance: Floats | None = None) -> Floats:
         """Of an estimate, K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
+        if mean_variance is not None:
+            noise = np.maximum(noise, np.sqrt(mean_variance).ravel())
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
         return joint(self._linear, errors)
 

@@ -17,7 +17,7 @@ from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
 from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
-from tumble.solving import extended, optimal_run, uncertainty
+from tumble.solving import extended, noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import (
@@ -60,7 +60,9 @@ class Solution:
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
-    `fit`: whether the run fits the declared stand, None without one; `truth`: None for a run that was measured;
+    `fit`: whether the run fits the declared stand, None without one; `noise`: what the samples show of it;
+    `scatter_alone`: without a declared stand, the standard uncertainties of K and U0 that the noise of the samples
+    leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
     of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
     twelve coefficients, None where nobody asked for any.
@@ -75,6 +77,8 @@ class Solution:
     u_u0: Floats | None
     stand: Stand | None
     stand_seen: StandSeen
+    noise: noise_of_runs.Noise
+    scatter_alone: tuple[Floats, Floats] | None = None
     fit: Fit | None = None
     truth: Truth | None = None
     covariance: Floats | None = None
@@ -117,7 +121,8 @@ class Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
-        return replace(self, monte_carlo=simulate(*given, runs, seed, self.found.terms))
+        variance = self.noise.mean_variance[self.run.measured]
+        return replace(self, monte_carlo=simulate(*given, runs, seed, variance, self.found.terms))
 
     @property
     def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
@@ -144,6 +149,12 @@ class Solution:
         if self.covariance is None:
             return None
         return intrinsic_uncertainties(self.found.k, self.found.u0, self.covariance)
+
+    @property
+    def lone(self) -> list[str]:
+        """Positions with a single row where others have many: one sample each."""
+        alone = (self.run.samples == 1) & (self.run.samples.max() > 1)
+        return [position.label for position, one in zip(self.schedule.positions, alone.tolist()) if one]
 
     @property
     def worst_position(self) -> int:
@@ -189,33 +200,34 @@ def solve(
     except (DeadChannels, NotSolvable) as error:
         raise BadInput(str(error), file) from None
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, step, found)
+    noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
+    variance = noisy.mean_variance[run.measured]
+    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy, found)
     optimal = None
     if weighting is not None and model is not None:
         _require_near(model, file)
-        optimal = _witness(witnessed, means, samples, weighting, terms)
+        optimal = _witness(witnessed, means, samples, weighting, variance, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
-    u_k, u_u0, covariance, fit = None, None, None, None
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    if declared is not None:
-        u_k, u_u0 = _uncertainties(core_schedule, run, found.k, declared, estimator, step, file)
+    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
+    if declared is not None or noisy.is_known:
+        u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
-            covariance = reference.covariance(witnessed, found.k, declared, samples, estimator)
-        elif terms:
-            covariance = reference.optimal_covariance(witnessed, found.k, declared, samples, step)
-        else:
+            covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
+        elif further is None:
             covariance = optimal.covariance
-        compare_uncertainties((u_k, u_u0), reference.by_coefficient(covariance), optimal is not None)
+        else:
+            covariance = reference.optimal_covariance(witnessed, found.k, errors, samples, step, variance)
+        compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
         if further is not None:
-            without = Without(u_k, u_u0, worst_norm(found.k, covariance))
-            stated = uncertainty.extended_uncertainties(
-                core_schedule, run.measured, found.k, declared, run.samples, estimator, step, terms
-            )
-            joint = optimal.covariance if optimal else extended_covariance(witnessed, found.k, declared, samples, terms)
-            witness = *reference.by_coefficient(joint), np.sqrt(np.diag(joint)[12:])
-            compare_uncertainties((stated[:9].reshape(3, 3), stated[9:12], stated[12:]), witness, optimal is not None)
-            u_k, u_u0, covariance = stated[:9].reshape(3, 3), stated[9:12], joint[:12, :12]
-            further = replace(further, covariance=joint, without=without)
+            without = Without(*u, worst_norm(found.k, covariance))
+            if optimal is None:
+                joint = extended_covariance(witnessed, found.k, errors, samples, terms, variance)
+            else:
+                joint = optimal.covariance
+            u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
+            covariance = joint[:12, :12]
+            further = further if stand is None else replace(further, covariance=joint, without=without)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
@@ -225,9 +237,11 @@ def solve(
         fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
     if terms:
         seen = replace(seen, alpha4=None, alpha4_freedom=0.0)
+    u_k, u_u0 = (None, None) if stand is None or u is None else u
+    alone = u if stand is None else None
     return Solution(
-        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, fit),
-        covariance=covariance,
+        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, fit),
+        covariance=None if stand is None else covariance,
         step=step,
         further=further,
     )
@@ -242,20 +256,52 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
 
 
 def _uncertainties(
-    schedule: core.CoreSchedule, run: Run, k: Floats, stand: Stand, estimator: str, step: float, file: str
+    schedule: core.CoreSchedule,
+    run: Run,
+    k: Floats,
+    stand: Stand,
+    estimator: str,
+    step: float,
+    mean_variance: Floats,
+    file: str,
 ) -> tuple[Floats, Floats]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
     try:
-        return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+        return uncertainty.standard_uncertainties(
+            schedule, run.measured, k, stand, run.samples, estimator, step, mean_variance
+        )
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
+def _extended_uncertainties(
+    schedule: core.CoreSchedule,
+    run: Run,
+    found: Computation,
+    stand: Stand,
+    step: float,
+    mean_variance: Floats,
+    witness: Floats,
+) -> tuple[Floats, Floats]:
+    """Those of K and U0 beside further terms; the terms' too are held against the `witness`, a covariance."""
+    given = schedule, run.measured, found.k, stand, run.samples, found.estimator
+    u = uncertainty.extended_uncertainties(*given, step, found.terms, mean_variance)
+    stated = u[:9].reshape(3, 3), u[9:12], u[12:]
+    other = *reference.by_coefficient(witness), np.sqrt(np.diag(witness)[12:])
+    compare_uncertainties(stated, other, found.estimator == OPTIMAL)
+    return stated[:2]
+
+
 def _whole_model(
-    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, step: float, found: Computation
+    schedule: core.CoreSchedule,
+    witnessed: Schedule,
+    run: Run,
+    stand: Stand,
+    noisy: noise_of_runs.Noise,
+    found: Computation,
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance, terms = variance_of_means(stand, run.samples, step), found.terms
+    variance, terms = variance_of_means(stand, run.samples, float(noisy.rounding.max())), found.terms
     model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
     given = schedule, run.means, run.measured, variance, stand
     compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)
@@ -271,12 +317,17 @@ def _require_near(model: reference.WholeModel, file: str) -> None:
 
 
 def _witness(
-    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, terms: Terms
+    schedule: Schedule,
+    means: Floats,
+    samples: Integers,
+    weighting: optimal_run.Weighting,
+    mean_variance: Floats,
+    terms: Terms,
 ) -> reference.OptimalEstimate:
     """The optimal estimator by numpy."""
-    known_k, known_samples = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
     given = schedule, means, weighting.stand, samples, weighting.step
-    return reference.optimal(*given, known_k, known_samples, terms)
+    return reference.optimal(*given, k, of_means, mean_variance, terms)
 
 
 def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:

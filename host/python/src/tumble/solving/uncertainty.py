@@ -24,15 +24,17 @@ def standard_uncertainties(
     samples: Integers,
     estimator: str,
     step: float = 0.0,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units; `stand` and the converter's `step` in the outputs' unit.
 
-    `samples` and `measured` (positions,). Those of the optimal estimator are for weights made at the solved `k`: the
+    `samples` and `measured` (positions,); `mean_variance` (positions, 3): by the noise as measured, where it counts for
+    more than the stand's. Those of the optimal estimator are for weights made at the solved `k`: the
     second order, which it takes out, makes up for weights made elsewhere. Raises CoreRefusal.
     """
     if estimator != OPTIMAL:
-        return uncertainties(schedule, k, stand, samples, estimator, measured)
-    u = _of_optimal(schedule, measured, k, stand, samples, step, ())
+        return uncertainties(schedule, k, stand, samples, estimator, measured, mean_variance)
+    u = _of_optimal(schedule, measured, k, stand, samples, step, (), mean_variance)
     return u[:9].reshape(3, 3), u[9:]
 
 
@@ -45,12 +47,13 @@ def extended_uncertainties(
     estimator: str,
     step: float,
     terms: Terms,
+    mean_variance: Floats | None = None,
 ) -> Floats:
     """Of K row by row, U0 and the sizes of further `terms` (12 + 3 x terms,); the rest as of standard_uncertainties."""
     if estimator == OPTIMAL:
-        return _of_optimal(schedule, measured, k, stand, samples, step, terms)
-    part = schedule.part(measured)
-    return _of_gains(part, k, stand, samples[measured], extended.gains(part, terms), 0.0)
+        return _of_optimal(schedule, measured, k, stand, samples, step, terms, mean_variance)
+    part, variance = schedule.part(measured), None if mean_variance is None else mean_variance[measured]
+    return _of_gains(part, k, stand, samples[measured], extended.gains(part, terms), variance, 0.0)
 
 
 def _of_optimal(
@@ -61,6 +64,7 @@ def _of_optimal(
     samples: Integers,
     step: float,
     terms: Terms,
+    mean_variance: Floats | None,
 ) -> Floats:
     part = schedule.part(measured)
     weighting = optimal_run.Weighting(stand, samples, step)
@@ -80,17 +84,26 @@ def _of_optimal(
         limits="sigma1",
     )
     least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it
-    return _of_gains(part, k, used, samples[measured], gains, least_noise)
+    variance = None if mean_variance is None else mean_variance[measured]
+    return _of_gains(part, k, used, samples[measured], gains, variance, least_noise)
 
 
 def _of_gains(
-    part: core.CoreSchedule, k: Floats, stand: Stand, samples: Integers, gains: Floats, least_noise: float
+    part: core.CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    gains: Floats,
+    mean_variance: Floats | None,
+    least_noise: float,
 ) -> Floats:
     """One for each row of gains: the core takes twelve at a time."""
     found = []
     for start in range(0, len(gains), 12):
         rows = gains[start : start + 12]
         table = np.vstack([rows, np.zeros((12 - len(rows), gains.shape[1]))])
-        u_k, u_u0 = uncertainties_of_gains(part, k, stand, samples, table, least_noise=least_noise)
+        u_k, u_u0 = uncertainties_of_gains(
+            part, k, stand, samples, table, mean_variance=mean_variance, least_noise=least_noise
+        )
         found.append(np.concatenate([u_k.ravel(), u_u0])[: len(rows)])
     return np.concatenate(found)
