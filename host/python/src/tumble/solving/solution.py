@@ -192,8 +192,7 @@ def solve(
     name = core_schedule.name
     witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
     try:
-        if terms:
-            _require_told_apart(core_schedule, witnessed, run, terms, file)
+        _require_told_apart(core_schedule, witnessed, run, terms, file)
         found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
     except core.CoreRefusal as refusal:
         raise BadInput(_explain(refusal, estimator), file) from None
@@ -221,22 +220,19 @@ def solve(
         compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
         if further is not None:
             without = Without(*u, worst_norm(found.k, covariance))
-            if optimal is None:
+            joint = None if optimal is None else optimal.covariance
+            if joint is None:
                 joint = extended_covariance(witnessed, found.k, errors, samples, terms, variance)
-            else:
-                joint = optimal.covariance
             u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
             covariance = joint[:12, :12]
             further = further if stand is None else replace(further, covariance=joint, without=without)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
-    if terms:  # angles and further terms have much in common
-        seen = replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
+    seen = _without_angles(seen) if terms else seen
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
-    if terms:
-        seen = replace(seen, alpha4=None, alpha4_freedom=0.0)
+    seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
     return Solution(
@@ -247,8 +243,15 @@ def solve(
     )
 
 
+def _without_angles(seen: StandSeen) -> StandSeen:
+    """Further terms have much in common with the angles: after them a run does not tell these any more."""
+    return replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
+
+
 def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
     """Raise BadInput where a run does not determine further terms; CoreRefusal where not even the twelve."""
+    if not terms:
+        return
     schedule.identify(run.measured)
     confused = extended.confused(witnessed, terms)
     if confused is not None:
