@@ -24,12 +24,15 @@ LIMITS = """
 static const double TUMBLE_MIN_SENSITIVITY_G;
 static const double TUMBLE_MAX_MEAN_V;
 static const double TUMBLE_MIN_ROW_RATIO;
+static const double TUMBLE_MAX_STAND_ERROR_RAD;
 static const int64_t TUMBLE_MAX_SAMPLES;
 static const int64_t TUMBLE_MAX_DEVIATION_COUNTS;
 """
 
 STATUS = """
-typedef enum { TUMBLE_OK, TUMBLE_E_MISSING_POSITION, TUMBLE_E_TOO_FEW, TUMBLE_STATUS_COUNT, ... } tumble_status_t;
+typedef enum {
+    TUMBLE_OK, TUMBLE_E_MISSING_POSITION, TUMBLE_E_TOO_FEW, TUMBLE_E_STAND_ERROR, TUMBLE_STATUS_COUNT, ...
+} tumble_status_t;
 const char *tumble_status_name(tumble_status_t status);
 const char *tumble_status_sentence(tumble_status_t status);
 """

@@ -16,8 +16,10 @@ from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
+from tumble.solving.further import Further
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
+from tumble.terms import names
 from tumble.units import noise_unit, per_g, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
@@ -46,7 +48,8 @@ def title(solution: Solution, file: str) -> str:
     """What was solved, and how."""
     counters = solution.run.counters
     positions = f"{counters['positions']} of {len(solution.schedule.positions)} positions"
-    return f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}"
+    model = f" with {', '.join(solution.found.terms)}" if solution.further is not None else ""
+    return f"{file}: {counters['rows']} samples at {positions}, estimator {solution.found.estimator}{model}"
 
 
 def coefficient_headings(solution: Solution) -> tuple[str, ...]:
@@ -85,6 +88,19 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
         value = f"{solution.found.u0[i]:+.{decimals}f}"
         known = () if truth is None or errors is None else _known(truth.u0[i], errors[1][i], decimals)
         rows.append((f"U0_{channel}", value, unit, _u(u), relative, difference, *known))
+    return rows + ([] if solution.further is None else _further_rows(solution.further, unit, decimals))
+
+
+def _further_rows(further: Further, unit: str, decimals: int) -> list[tuple[str, ...]]:
+    """The same of further terms of the model; an uncertainty in ug is that of an output in g, at 1 g."""
+    rows: list[tuple[str, ...]] = []
+    scales = np.tile(np.diag(further.k), len(further.terms))
+    units = [{"k2": "1/g", "k3": "1/g^2"}.get(term, unit) for term in further.terms for _ in "xyz"]
+    u = [None] * len(units) if further.u is None else further.u.ravel().tolist()
+    differences = (further.difference * further.factors).ravel().tolist()
+    for i, (name, value, its_unit) in enumerate(zip(names(further.terms), further.values.ravel(), units)):
+        relative = _ratio(u[i], scales[i] if its_unit == unit else 1.0, "ug  ")
+        rows.append((name, f"{value:+.{decimals}f}", its_unit, _u(u[i]), relative, _difference(differences[i])))
     return rows
 
 

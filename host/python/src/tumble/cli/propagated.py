@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import textwrap
 
+import numpy as np
+
 from tumble.estimators import COEFFICIENTS
+from tumble.solving.further import Further
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo, Verdict
 from tumble.solving.solution import Solution
+
+_LOSS = 1.05  # of an uncertainty, before it is spoken of
 
 
 def remarks(solution: Solution) -> list[str]:
@@ -22,7 +27,33 @@ def remarks(solution: Solution) -> list[str]:
     lines = [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
     x, y, z = norm.attitude
     lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
+    lines += [] if solution.further is None else _loss(solution, solution.further)
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))
+
+
+def _loss(solution: Solution, further: Further) -> list[str]:
+    """What further terms of the model cost the twelve: of each kind of coefficient the one that loses most."""
+    without, now = further.without, further.worst_norm
+    assert without is not None and now is not None  # of a declared stand they are known
+    before = np.concatenate([without.u_k.ravel(), without.u_u0])
+    assert further.covariance is not None
+    after = np.sqrt(np.diag(further.covariance)[:12])
+    scale = np.abs(np.concatenate([np.repeat(np.diag(further.k), 3), np.diag(further.k)])) * 1e-6
+    parts = []
+    for kind, unit in ((range(0, 9, 4), "ppm"), ((1, 2, 3, 5, 6, 7), "urad"), (range(9, 12), "ug")):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            worst = max(kind, key=lambda i: float(np.nan_to_num(after[i] / before[i])))
+        if after[worst] > _LOSS * before[worst]:
+            parts.append(
+                f"u({COEFFICIENTS[worst]}) {_change(before[worst] / scale[worst], after[worst] / scale[worst])} {unit}"
+            )
+    parts.append(f"worst u(|a|) {_change(without.worst.worst * 1e6, now.worst * 1e6)} ug")
+    listed = " and ".join([*filter(None, [", ".join(further.terms[:-1])]), further.terms[-1]])
+    return textwrap.wrap(f"Because of {listed}: {', '.join(parts)}", 80, break_on_hyphens=False)
+
+
+def _change(before: float, after: float) -> str:
+    return f"{before:.3g} -> {after:.3g}"
 
 
 def _simulated(found: MonteCarlo) -> list[str]:

@@ -13,6 +13,7 @@ from typing import Any
 
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
+from tumble.terms import KEYS, TERMS
 from tumble.units import UNIT
 
 RESULT = "tumble.result/1"
@@ -29,8 +30,8 @@ def to_json(result: dict[str, Any]) -> str:
 
 def read_coefficients(file: str) -> dict[str, Any]:
     """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
-    it has them covariance, serial, run_file, item, environment, fit and stand_doubts, else None; assumes and
-    assumed_for, else empty.
+    it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit and stand_doubts, else
+    None; assumes and assumed_for, else empty.
 
     Raises BadInput.
     """
@@ -47,6 +48,7 @@ def read_coefficients(file: str) -> dict[str, Any]:
     for key, is_valid in checks.items():
         _require(result, key, is_valid, file)
     _require(result, "covariance", _null_or_covariance, file, default=None)
+    _require(result, "extended", _null_or_extended, file, default=None)
     if (result["u_K"] is None) != (result["u_U0"] is None):
         raise BadInput("u_K and u_U0 must be both known or both null", file)
     _require(result, "verification", lambda value: isinstance(value, dict), file)
@@ -56,7 +58,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
         "limit_g": _is_uncertainty,
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
-    optional = {"serial": str, "run_file": str, "item": dict, "environment": dict, "fit": dict, "stand_doubts": list}
+    optional = {"created": str, "tumble": str, "serial": str, "run_file": str, "stand_doubts": list}
+    optional |= dict.fromkeys(("item", "environment", "fit"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
@@ -105,8 +108,25 @@ def _is_table(value: Any, is_item: Check) -> bool:
     return isinstance(value, dict) and all(map(is_item, value.values()))
 
 
-def _null_or_covariance(value: Any) -> bool:
-    return value is None or _is_array(value, 12, lambda row: _is_array(row, 12, _is_number))
+def _null_or_covariance(value: Any, size: int = 12) -> bool:
+    return value is None or _is_array(value, size, lambda row: _is_array(row, size, _is_number))
+
+
+def _null_or_extended(value: Any) -> bool:
+    if value is None:
+        return True
+    if not isinstance(value, dict) or not isinstance(value.get("terms"), list):
+        return False
+    terms = value["terms"]
+    known = all(term in TERMS for term in terms) and len(set(terms)) == len(terms)
+    sizes = [value.get(KEYS[term]) for term in terms] if known else []
+    u = [value.get(f"u_{KEYS[term]}") for term in terms] if known else []
+    return (
+        known
+        and all(_is_array(one, 3, _is_number) for one in sizes)
+        and all(one is None or _is_array(one, 3, _is_uncertainty) for one in u)
+        and _null_or_covariance(value.get("covariance"), 12 + 3 * len(terms))
+    )
 
 
 def _is_number(value: Any) -> bool:

@@ -6,10 +6,11 @@ every solve, means something only as long as that holds.
 """
 
 from tumble.reference.estimators import estimate, magnification
+from tumble.reference.extended import confused
 from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
 from tumble.reference.noise import MeasuredNoise, measured_noise
-from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
+from tumble.reference.optimal import OptimalEstimate, optimal, optimal_covariance, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
@@ -25,6 +26,7 @@ __all__ = [
     "built_in",
     "by_coefficient",
     "closure",
+    "confused",
     "covariance",
     "estimate",
     "gravity_errors",
@@ -32,6 +34,7 @@ __all__ = [
     "magnification",
     "measured_noise",
     "optimal",
+    "optimal_covariance",
     "optimal_uncertainties",
     "paper_schedule",
     "pooled_noise",

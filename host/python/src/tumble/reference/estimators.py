@@ -20,7 +20,7 @@ _SAME = 1e-9
 _SQRT2 = np.sqrt(2.0)
 _NINE = [45.0 * turn for turn in range(9)]
 _FOUR = [45.0, 135.0, 225.0, 315.0]
-_SENSITIVITY = 1e-3
+SENSITIVITY = 1e-3
 _NULL_COMPONENT = 1e-7
 _REMEMBERED = 64  # schedules: a run asks for its own again and again
 
@@ -120,22 +120,27 @@ def dense_design(schedule: Schedule) -> Floats:
 
 
 def least_squares(schedule: Schedule, means: Floats) -> tuple[Floats, Floats]:
-    """Ordinary least squares on the ideal geometry, from the dense design by singular values.
+    """Ordinary least squares on the ideal geometry, from the dense design by singular values."""
+    observed = means[..., fit_indices(schedule), :]
+    batch = observed.shape[:-2]
+    right = observed.reshape(int(np.prod(batch)), -1).T
+    solution = solved(dense_design(schedule), right)
+    columns = solution.T.reshape(*batch, 4, 3)
+    return np.swapaxes(columns[..., :3, :], -1, -2), columns[..., 3, :]
+
+
+def solved(design: Floats, right: Floats) -> Floats:
+    """Least squares for any number of right sides (rows, n).
 
     Refined once from residuals in the longest floating-point format there is: a witness must be better than what it
     judges, also where an offset is large and the design weak.
     """
-    observed = means[..., fit_indices(schedule), :]
-    batch = observed.shape[:-2]
-    right = observed.reshape(int(np.prod(batch)), -1).T
-    design = dense_design(schedule)
     solution, _, rank, _ = np.linalg.lstsq(design, right, rcond=None)
-    if rank < 12:
-        raise ValueError(f"the dense design has rank {rank} of 12")
+    if rank < design.shape[1]:
+        raise ValueError(f"the dense design has rank {rank} of {design.shape[1]}")
     residuals = right - design.astype(np.longdouble) @ solution
-    solution = solution + np.linalg.lstsq(design, residuals.astype(float), rcond=None)[0]
-    columns = solution.T.reshape(*batch, 4, 3)
-    return np.swapaxes(columns[..., :3, :], -1, -2), columns[..., 3, :]
+    refined: Floats = solution + np.linalg.lstsq(design, residuals.astype(float), rcond=None)[0]
+    return refined
 
 
 def magnification(schedule: Schedule) -> float:
@@ -163,7 +168,7 @@ def unidentified(schedule: Schedule) -> list[str]:
     _, singular, directions = np.linalg.svd(design)
     strength = np.zeros(12)
     strength[: len(singular)] = singular
-    null_space = directions[strength <= _SENSITIVITY * np.sqrt(len(design) / 3)]
+    null_space = directions[strength <= SENSITIVITY * np.sqrt(len(design) / 3)]
     names = [f"K_{i}{j}" for j in "xyz" for i in "xyz"] + [f"U0_{i}" for i in "xyz"]
     touched = np.sqrt((null_space**2).sum(axis=0)) > _NULL_COMPONENT
     return [name for name, lost in zip(names, touched) if lost]

@@ -15,11 +15,13 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.reference.estimators import fit_indices, least_squares
+from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
 from tumble.reference.patterns import Columns, Scene
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 PASSES = 4
 _STEP = 1e-30
@@ -41,10 +43,12 @@ class Score:
 
 class WholeModel:
     """The declared `stand`, in the unit of the `means` (positions, 3) of a schedule, all measured; `variance`
-    (positions,) of each mean by its noise."""
+    (positions,) of each mean by its noise. `terms`: unknown too."""
 
-    def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand):
+    def __init__(self, schedule: Schedule, means: Floats, variance: Floats, stand: Stand, terms: Terms = ()):
         self._given = schedule, means, variance, stand
+        self.terms, self._further = terms, fitted_columns(schedule, terms)
+        self._sizes = np.zeros(3 * len(terms))
         fit = fit_indices(schedule)
         self.schedule = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in fit))
         self._geometry = Geometry(self.schedule)
@@ -63,12 +67,12 @@ class WholeModel:
     def with_variance(self, variance: Floats) -> WholeModel:
         """The same run, with other noise."""
         schedule, means, _, stand = self._given
-        return WholeModel(schedule, means, variance, stand)
+        return WholeModel(schedule, means, variance, stand, self.terms)
 
     def with_set_angles(self, sigma: float) -> WholeModel:
         """The same run, with another standard deviation of set angles, rad."""
         schedule, means, variance, stand = self._given
-        return WholeModel(schedule, means, variance, stand.with_sigma("angle", sigma))
+        return WholeModel(schedule, means, variance, stand.with_sigma("angle", sigma), self.terms)
 
     @property
     def chi_squared(self) -> float:
@@ -84,12 +88,15 @@ class WholeModel:
         """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
         independent numbers of variance 1; `_left`: the directions of these among outputs and errors."""
         force = self._force(self._x)
-        design = np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3))
+        design = np.hstack([np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3)), self._further])
         noise = np.repeat(self._noise, 3, axis=1).reshape(-1, 1)
         by_error = self._derivatives() * self._sigma / noise
-        system = np.block([[design / noise, by_error], [np.zeros((len(self._x), 12)), np.eye(len(self._x))]])
+        system = np.block(
+            [[design / noise, by_error], [np.zeros((len(self._x), design.shape[1])), np.eye(len(self._x))]]
+        )
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
-        left = (self._outputs - force @ self.k.T - self._u0).reshape(-1) / noise[:, 0]
+        shown = (self._outputs - force @ self.k.T - self._u0).reshape(-1) - self._further @ self._sizes
+        left = shown / noise[:, 0]
         right = np.concatenate([left, -self._x / sigma])
         length = np.sqrt((system**2).sum(axis=0))
         q, r = np.linalg.qr(system / length, mode="complete")
@@ -99,7 +106,8 @@ class WholeModel:
         self.rest = q[:, unknowns:].T @ right
         self.k = self.k + change[:9].reshape(3, 3).T
         self._u0 = self._u0 + change[9:12]
-        self._x = np.clip(self._x + change[12:] * self._sigma, -_LARGEST_RAD, _LARGEST_RAD)
+        self._sizes = self._sizes + change[12 : design.shape[1]]
+        self._x = np.clip(self._x + change[design.shape[1] :] * self._sigma, -_LARGEST_RAD, _LARGEST_RAD)
 
     def _force(self, errors: Floats) -> Floats:
         """Specific force on the exact geometry, for errors (..., errors) in rad, real or complex."""

@@ -15,10 +15,12 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
+from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
 from tumble.reference.uncertainty import by_coefficient, joint, sources
 from tumble.schedule import Schedule
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 CORRECTIONS = 2
 _FLOOR_G = 1e-9
@@ -27,12 +29,13 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 
 @dataclass(frozen=True)
 class OptimalEstimate:
-    """What the run says: `k` (3, 3), `u0` (3,), their `covariance` (12, 12), K row by row, then U0; `alpha1`, `alpha2`,
-    `alpha3` (one per mounting), radians; `magnification`: by how much the rounding of a mean may be larger in a
-    coefficient."""
+    """What the run says: `k` (3, 3), `u0` (3,), `sizes` (terms, 3) of further terms, their `covariance`, K row by row,
+    then U0, then the sizes; `alpha1`, `alpha2`, `alpha3` (one per mounting), radians; `magnification`: by how much the
+    rounding of a mean may be larger in a coefficient."""
 
     k: Floats
     u0: Floats
+    sizes: Floats
     covariance: Floats
     alpha1: float
     alpha2: float
@@ -49,6 +52,12 @@ class OptimalEstimate:
         """Standard uncertainties of U0 (3,)."""
         return by_coefficient(self.covariance)[1]
 
+    @property
+    def u_sizes(self) -> Floats:
+        """Standard uncertainties of the sizes (terms, 3)."""
+        u: Floats = np.sqrt(np.diag(self.covariance)[12:]).reshape(-1, 3)
+        return u
+
 
 def optimal(
     schedule: Schedule,
@@ -59,13 +68,21 @@ def optimal(
     known_k: Floats | None = None,
     known_samples: float | None = None,
     mean_variance: Floats | None = None,
+    terms: Terms = (),
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
     converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
     take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `mean_variance` as in
-    `uncertainty.sources`: of the uncertainties alone."""
+    `uncertainty.sources`: of the uncertainties alone. `terms`: further unknowns."""
     k = least_squares(schedule, means)[0] if known_k is None else known_k
-    return _Whitened(schedule, k, stand, samples, step, known_samples).solve(means, mean_variance)
+    return _Whitened(schedule, k, stand, samples, step, known_samples, terms).solve(means, mean_variance)
+
+
+def optimal_covariance(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, mean_variance: Floats | None = None
+) -> Floats:
+    """Covariance (12, 12) of `optimal` for a block that has this `k`. Arguments as of `optimal`."""
+    return _Whitened(schedule, k, stand, samples, step).covariance(mean_variance)
 
 
 def optimal_uncertainties(
@@ -77,7 +94,8 @@ def optimal_uncertainties(
 
 
 class _Whitened:
-    """The problem linearised at one K: unknowns K column by column and U0, then errors in units of their sigma."""
+    """The problem linearised at one K: unknowns K column by column, U0 and the sizes of further terms, `count` in all,
+    then errors in units of their sigma."""
 
     def __init__(
         self,
@@ -87,7 +105,9 @@ class _Whitened:
         samples: Integers,
         step: float,
         known_samples: float | None = None,
+        terms: Terms = (),
     ):
+        self.terms, self.count = terms, 12 + 3 * len(terms)
         self.schedule, self.stand, self.samples, self.step = schedule, stand, samples, step
         self.fit = fit_indices(schedule)
         self.geometry = Geometry(schedule)
@@ -97,13 +117,14 @@ class _Whitened:
         self.sigma = np.concatenate([source.sigma for source in angles.values()])
         derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
-        self.model = np.hstack([dense_design(schedule), by_error])
+        self.further = fitted_columns(schedule, terms)
+        self.model = np.hstack([dense_design(schedule), self.further, by_error])
         self.averaged_over = stand.averaged_over(samples)
         self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
         self.floor = _FLOOR_G * np.abs(k).max()
         inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
         self.noise = max(self.one_sample * np.sqrt(inverse_samples.mean()), self.floor)
-        prior = np.eye(len(self.sigma), self.model.shape[1], 12)
+        prior = np.eye(len(self.sigma), self.model.shape[1], self.count)
         self.system = np.vstack([self.model / self.noise, prior])
 
     def unknowns(self, outputs: Floats) -> Floats:
@@ -123,18 +144,19 @@ class _Whitened:
         for _ in range(CORRECTIONS):
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
-        covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance(mean_variance)
+        at_k = _Whitened(self.schedule, k, self.stand, self.samples, self.step, terms=self.terms)
+        covariance, sizes = at_k.covariance(mean_variance), x[12 : self.count, 0].reshape(-1, 3)
         angles = self._stand(x)
-        largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
+        largest = float(np.abs(self.unknowns(np.eye(len(measured)))[: self.count]).sum(axis=1).max())
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
-        return OptimalEstimate(k, u0, covariance, *shared, largest)
+        return OptimalEstimate(k, u0, sizes, covariance, *shared, largest)
 
     def _noise_of_means(self) -> Floats:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
         return noise
 
     def covariance(self, mean_variance: Floats | None = None) -> Floats:
-        """Of an estimate (12, 12), K row by row, that is linearised here: with each position's own noise."""
+        """Of an estimate, K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
         if mean_variance is not None:
             noise = np.maximum(noise, np.sqrt(mean_variance).ravel())
@@ -143,12 +165,12 @@ class _Whitened:
 
     def _linear(self, means: Floats) -> Floats:
         """Coefficients, K row by row, of (draws, positions, 3)."""
-        x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[:12].T
+        x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[: self.count].T
         return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
 
     def _stand(self, x: Floats) -> dict[str, Floats]:
         """Every error as `Geometry.force` has it: alpha1, alpha2, then one per mounting, delta per position."""
-        parts = np.split(self.sigma * x[12:, 0], np.cumsum(list(self.draws.values()))[:-1])
+        parts = np.split(self.sigma * x[self.count :, 0], np.cumsum(list(self.draws.values()))[:-1])
         errors, mountings = dict(zip(self.draws, parts)), len(self.schedule.mountings)
         seat = errors.get("seat", np.zeros(2 * mountings))
         return {
@@ -164,7 +186,7 @@ class _Whitened:
         """Outputs (3 x fit positions, 1) on the exact geometry."""
         k, u0 = _coefficients(x[:12, 0])
         outputs = self.geometry.outputs(k, u0, **self._stand(x))
-        return outputs[self.fit].reshape(-1, 1)
+        return outputs[self.fit].reshape(-1, 1) + self.further @ x[12 : self.count]
 
 
 def _coefficients(x: Floats) -> tuple[Floats, Floats]:

@@ -9,21 +9,24 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.reference.estimators import dense_design, estimate
+from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
 from tumble.schedule import FIT, Schedule
+from tumble.terms import Terms
 
 _SEEN = 1e-6  # of the effect, left by coefficients and other angles: rounding leaves 1e-14, a third mounting a half
 _COUNTS = 0.1  # of the largest change: less is the block's misalignment and no doubt worth a mark
 
 
-def unseen_tilt(schedule: Schedule, k: Floats, estimator: str) -> Flags | None:
+def unseen_tilt(schedule: Schedule, k: Floats, estimator: str, terms: Terms = ()) -> Flags | None:
     """Which elements of K (3, 3) a common tilt of the block against the axis moves; None where the fit positions show
-    it. `estimator`: one of estimators.LINEAR."""
+    it. `estimator`: one of estimators.LINEAR; `terms`: further unknowns of the model."""
     fitted = Schedule(schedule.mountings, tuple(position for position in schedule.positions if position.use == FIT))
     geometry, mountings = Geometry(fitted), np.eye(len(fitted.mountings))
     angles = [geometry.derivative(k, alpha1=1.0), geometry.derivative(k, alpha2=1.0)]
     angles += [geometry.derivative(k, **{name: one}) for name in ("alpha3", "seat_n") for one in mountings]
-    explaining = np.column_stack([dense_design(fitted), *(angle.ravel() for angle in angles)])
+    unknown = [dense_design(fitted), fitted_columns(schedule, terms)]
+    explaining = np.column_stack([*unknown, *(angle.ravel() for angle in angles)])
     tilt = geometry.derivative(k, seat_h=1.0)
     left = tilt.ravel() - explaining @ np.linalg.lstsq(explaining, tilt.ravel(), rcond=None)[0]
     if np.linalg.norm(left) > _SEEN * np.linalg.norm(tilt):

@@ -131,6 +131,6 @@ def standard_uncertainties(
 
 
 def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:
-    """u_K (3, 3) and u_U0 (3,) of a covariance (12, 12)."""
+    """u_K (3, 3) and u_U0 (3,) of a covariance of the twelve coefficients, and of further unknowns behind them."""
     u = np.sqrt(np.diag(covariance))
-    return u[:9].reshape(3, 3), u[9:]
+    return u[:9].reshape(3, 3), u[9:12]

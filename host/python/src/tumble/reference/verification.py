@@ -45,11 +45,12 @@ def closure(schedule: Schedule, means: Floats, mounting: int) -> Floats | None:
     return difference
 
 
-def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats) -> Floats | None:
-    """Root mean square of U - U0 - K a over the fit positions, less four degrees of freedom: (3,); None below five."""
+def residual_rms(schedule: Schedule, means: Floats, k: Floats, u0: Floats, unknowns: int = 4) -> Floats | None:
+    """Root mean square of U - U0 - K a over the fit positions, less the `unknowns` of a channel: (3,); None where there
+    are no more positions than that."""
     fit = fit_indices(schedule)
-    if len(fit) < 5:
+    if len(fit) <= unknowns:
         return None
     residuals = (means - Geometry(schedule).outputs(k, u0))[fit]
-    rms: Floats = np.sqrt((residuals**2).sum(axis=0) / (len(fit) - 4))
+    rms: Floats = np.sqrt((residuals**2).sum(axis=0) / (len(fit) - unknowns))
     return rms

@@ -5,6 +5,7 @@ The core computes, the numpy witness confirms, and only then is there a solution
     solution     solve a run; what is known afterwards
     computation  what the core makes of the means
     optimal_run  the optimal estimator for one run: weights made for it (gains, gain_record), evaluated by the core
+    extended     further terms of the model, K2, K3 and drift; further: what is known of them and what they cost
     uncertainty  the standard uncertainties that a result states
     noise        the noise that a run itself shows, and where it counts
     covariance   what the covariance of the coefficients says of what is computed from them (si: in units of the SI)

@@ -9,7 +9,9 @@ import numpy as np
 from tumble import core
 from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
-from tumble.solving import optimal_run
+from tumble.reference.estimators import fit_indices
+from tumble.solving import extended, optimal_run
+from tumble.terms import Terms
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,8 @@ class Computation:
     """Results of the core. Arrays as in tumble.core.binding.
 
     `closure`: by mounting number, for mountings that came back to an attitude. `residual_rms`: None with fewer than
-    five fit positions.
+    five fit positions. `sizes` (terms, 3) of further `terms` (tumble.terms); `linear` (positions, 3): the means without
+    them, which is what the gravity check and all others look at.
     """
 
     estimator: str
@@ -27,6 +30,9 @@ class Computation:
     intrinsic: core.Intrinsic
     closure: dict[int, Floats]
     residual_rms: Floats | None
+    terms: Terms
+    sizes: Floats
+    linear: Floats
 
 
 def compute(
@@ -36,27 +42,66 @@ def compute(
     estimator: str,
     limit_g: float,
     weighting: optimal_run.Weighting | None = None,
+    terms: Terms = (),
 ) -> Computation:
     """Let the core estimate and verify. `weighting`: of the optimal estimator, which alone needs it.
 
-    Raises CoreRefusal; DeadChannels where a channel does not feel gravity.
+    Raises CoreRefusal; DeadChannels where a channel does not feel gravity; extended.NotSolvable.
     """
-    if estimator == OPTIMAL:
+    sizes = np.zeros((0, 3))
+    if terms:
+        k, u0, sizes = _extended(schedule, means, measured, weighting, terms)
+    elif estimator == OPTIMAL:
         assert weighting is not None
         found = optimal_run.estimate(schedule, means, measured, weighting)
         k, u0 = found.k, found.u0
     else:
         k, u0 = core.estimate(schedule, means, measured, estimator)
     _require_response(k, means[measured])
+    linear = means
+    if terms:
+        linear = means.copy()
+        linear[measured] = extended.linear_outputs(means[measured], k, u0, sizes, terms)
     return Computation(
         estimator=estimator,
         k=k,
         u0=u0,
-        gravity=core.gravity_check(schedule, means, measured, core.Calibration(k, u0), limit_g),
+        gravity=core.gravity_check(schedule, linear, measured, core.Calibration(k, u0), limit_g),
         intrinsic=core.intrinsic(k, u0),
         closure=_closures(schedule, means, measured),
-        residual_rms=core.residual_rms(schedule, means, measured, k, u0),
+        residual_rms=_residual_rms(schedule, linear, measured, k, u0, len(terms)),
+        terms=terms,
+        sizes=sizes,
+        linear=linear,
     )
+
+
+def _extended(
+    schedule: core.CoreSchedule,
+    means: Floats,
+    measured: Flags,
+    weighting: optimal_run.Weighting | None,
+    terms: Terms,
+) -> tuple[Floats, Floats, Floats]:
+    """K, U0 and the sizes of further terms: by the optimal estimator with its `weighting`, else by least squares."""
+    part, table = schedule.part(measured), None
+    if weighting is not None:
+        further = extended.fitted_columns(part, terms)
+        table = optimal_run.make_table(schedule, means, measured, weighting, further)
+    found = extended.estimate_runs(part, means[measured][None], terms, table)[0]
+    return found[:9].reshape(3, 3), found[9:12], found[12:].reshape(-1, 3)
+
+
+def _residual_rms(
+    schedule: core.CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats, terms: int
+) -> Floats | None:
+    """The core's, which is over the positions less four, over those less all unknowns of a channel."""
+    rms = core.residual_rms(schedule, means, measured, k, u0)
+    left = len(fit_indices(schedule.data.part(measured))) - 4
+    if rms is None or left <= terms:
+        return None
+    found: Floats = rms * (left / (left - terms)) ** 0.5
+    return found
 
 
 class DeadChannels(Exception):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.terms import POWERS, Terms
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 _START = 5000  # attitudes: a polynomial of degree four is then within 1 % of its maximum at one of them
@@ -43,28 +44,32 @@ class IntrinsicUncertainties:
     bias: Floats
 
 
-def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats) -> Floats:
+def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats, terms: Terms = ()) -> Floats:
     """Standard uncertainty (...), g, of the length of the specific force that the calibrated block shows at `attitudes`
-    (..., 3), unit vectors."""
+    (..., 3), unit vectors. `terms`: further ones whose sizes the covariance has behind U0; a drift was the run's and is
+    over."""
     n = np.asarray(attitudes, dtype=float)
     w = n @ np.linalg.inv(k)
-    gradient = np.concatenate([np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9), w], axis=-1)
+    further = [w * n ** POWERS[term] if term in POWERS else np.zeros(n.shape) for term in terms]
+    by_k = np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9)
+    gradient = np.concatenate([by_k, w, *further], axis=-1)
     found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
     return found
 
 
-def worst_norm(k: Floats, covariance: Floats) -> WorstNorm:
-    """The attitude at which the length of the shown specific force is least certain.
+def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
+    """The attitude at which the length of the shown specific force is least certain; `terms` as of norm_uncertainty.
 
-    The square of that uncertainty is a polynomial of degree four in the attitude. It is computed at many, and climbed
-    from the best of them, around each in eight directions, with steps that are halved where none leads up.
+    The square of that uncertainty is a polynomial of degree four in the attitude (with K3: eight). It is computed at
+    many, and climbed from the best of them, around each in eight directions, with steps that are halved where none
+    leads up.
     """
     best = spread_attitudes(_START)
-    best = best[np.argsort(norm_uncertainty(k, covariance, best))[-_BEST:]]
-    height, step = norm_uncertainty(k, covariance, best), np.full(len(best), _FIRST_STEP)
+    best = best[np.argsort(norm_uncertainty(k, covariance, best, terms))[-_BEST:]]
+    height, step = norm_uncertainty(k, covariance, best, terms), np.full(len(best), _FIRST_STEP)
     for _ in range(_ROUNDS):
         around = _around(best, step)
-        heights = norm_uncertainty(k, covariance, around)
+        heights = norm_uncertainty(k, covariance, around, terms)
         upward = heights.argmax(axis=1)
         highest = np.take_along_axis(heights, upward[:, None], axis=1)[:, 0]
         leads_up = highest > height

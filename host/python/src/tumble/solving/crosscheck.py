@@ -9,12 +9,14 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Floats, Integers
 from tumble.errors import Disagreement
+from tumble.reference.extended import least_squares, linear_outputs, magnification
 from tumble.reference.optimal import OptimalEstimate
 from tumble.reference.stand_seen import Estimate
 from tumble.schedule import Schedule
 from tumble.solving.computation import Computation
 from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen, look, own_variance
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 RELATIVE_LIMIT = 1e-12
 OPTIMAL_LIMIT_U = 1e-6
@@ -32,10 +34,13 @@ _DERIVED = 10.0
 
 @dataclass(frozen=True)
 class Comparison:
-    """Core less witness: `k` (3, 3), `u0` (3,), in the unit of the outputs (per g)."""
+    """Core less witness: `k` (3, 3), `u0` (3,) and `sizes` (terms, 3), in the unit of the outputs (per g); `linear`
+    (positions, 3): the means without further terms, by the witness."""
 
     k: Floats
     u0: Floats
+    sizes: Floats
+    linear: Floats
 
 
 def compare(
@@ -55,17 +60,22 @@ def compare(
     1e-6 of their standard uncertainty, or by that bit as its weights magnify it. What follows from the coefficients may
     differ by ten times that, times the condition of K where K is inverted or its rows are compared.
     """
-    if optimal is None:
-        k, u0 = reference.estimate(schedule, means, found.estimator)
-        allowed_k = allowed_u0 = np.array(_allowed(schedule, means, np.abs(k).max()))
+    if optimal is not None:
+        k, u0, sizes = optimal.k, optimal.u0, optimal.sizes
+        allowed_k, allowed_u0, allowed_sizes = _allowed_of_optimal(optimal, means)
     else:
-        k, u0 = optimal.k, optimal.u0
-        allowed_k, allowed_u0 = _allowed_of_optimal(optimal, means)
+        k, u0, sizes = _estimate(schedule, means, found)
+        allowed_k = allowed_u0 = allowed_sizes = np.array(_allowed(schedule, means, np.abs(k).max(), found.terms))
     _require("K", found.k, k, allowed_k)
     _require("U0", found.u0, u0, allowed_u0)
+    for term, core, witness, allowed in zip(
+        found.terms, found.sizes, sizes, np.broadcast_to(allowed_sizes, sizes.shape)
+    ):
+        _require(term, core, witness, allowed)
 
     largest_k = np.abs(k).max()
-    relative = max(allowed_k.max(), allowed_u0.max()) / largest_k
+    relative = max(allowed_k.max(), allowed_u0.max(), allowed_sizes.max(initial=0.0)) / largest_k
+    outputs, means = means, linear_outputs(means, k, u0, sizes, found.terms) if found.terms else means
     follows = _DERIVED * relative
     conditioned = follows * largest_k * np.linalg.norm(np.linalg.inv(k), 2)
     largest_force = np.abs(np.linalg.solve(k, (means - u0).T)).max()
@@ -74,12 +84,20 @@ def compare(
     _require("intrinsic scale", found.intrinsic.scale, scale, follows * largest_k)
     _require("intrinsic angle_rad", found.intrinsic.angles, angles, conditioned)
     _require("intrinsic bias_g", found.intrinsic.bias, bias, conditioned * (1.0 + np.abs(bias).max()))
-    rms = reference.residual_rms(schedule, means, k, u0)
+    rms = reference.residual_rms(schedule, means, k, u0, 4 + len(found.terms))
     _require_same("residual_rms", found.residual_rms, rms, follows * largest_k)
     for mounting in schedule.mountings:
-        closure = reference.closure(schedule, means, mounting.number)
+        closure = reference.closure(schedule, outputs, mounting.number)
         _require_same(f"closure of mounting {mounting.number}", found.closure.get(mounting.number), closure, 0.0)
-    return Comparison(found.k - k, found.u0 - u0)
+    return Comparison(found.k - k, found.u0 - u0, found.sizes - sizes, means)
+
+
+def _estimate(schedule: Schedule, means: Floats, found: Computation) -> tuple[Floats, Floats, Floats]:
+    """K, U0 and the sizes of further terms by numpy, of an estimator that needs no stand."""
+    if not found.terms:
+        return *reference.estimate(schedule, means, found.estimator), found.sizes
+    unknowns = least_squares(schedule, means, found.terms)
+    return unknowns[:9].reshape(3, 3), unknowns[9:12], unknowns[12:].reshape(-1, 3)
 
 
 def compare_seen(
@@ -111,14 +129,14 @@ def compare_seen(
         _require_seen(f"yaw change {mounting}", change, witness.other_yaw_changes[mounting], rounded, misfit)
 
 
-def compare_uncertainties(stated: tuple[Floats, Floats], witness: tuple[Floats, Floats], optimal: bool) -> None:
-    """Standard uncertainties of K and U0 by the core and by numpy. Raises Disagreement.
+def compare_uncertainties(stated: tuple[Floats, ...], witness: tuple[Floats, ...], optimal: bool) -> None:
+    """Standard uncertainties of K, U0 and further sizes by the core and by numpy. Raises Disagreement.
 
     They may differ by 1e-9, relative; those of the optimal estimator, whose weights both make on their own, by 1e-6.
     Below 1e-13 of the largest one, all is rounding.
     """
     rounded = _ROUNDED_U * max(part.max() for part in witness)
-    for name, mine, other in zip(("u_K", "u_U0"), stated, witness):
+    for name, mine, other in zip(("u_K", "u_U0", "u of further terms"), stated, witness):
         _require(name, mine, other, np.maximum((OPTIMAL_LIMIT_U if optimal else UNCERTAINTY_LIMIT) * other, rounded))
 
 
@@ -146,14 +164,16 @@ def _require_seen(
     _require(f"u of {name} of the stand seen", core.u, witness.u, allowed)
 
 
-def _allowed(schedule: Schedule, means: Floats, largest_k: float) -> float:
-    bits = max(_LAST_BITS, _MAGNIFIED_BITS * reference.magnification(schedule))
+def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) -> float:
+    magnified = magnification(schedule, terms) if terms else reference.magnification(schedule)
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * magnified)
     return max(RELATIVE_LIMIT * largest_k, bits * float(np.abs(means).max()))
 
 
-def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats]:
+def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats, Floats]:
     bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification) * np.abs(means).max()
-    return np.maximum(OPTIMAL_LIMIT_U * optimal.u_k, bits), np.maximum(OPTIMAL_LIMIT_U * optimal.u_u0, bits)
+    k, u0, sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in (optimal.u_k, optimal.u_u0, optimal.u_sizes))
+    return k, u0, sizes
 
 
 def _require_same(name: str, core: Floats | None, witness: Floats | None, limit: float) -> None:

@@ -158,7 +158,7 @@ class _Search:
     def __init__(self, model: WholeModel, seen: StandSeen, scatter: Scatter, confidence: float):
         self._model, self._seen, self._scatter, self._confidence = model, seen, scatter, confidence
         self._known: Columns = {}
-        self._left = [*(pattern.name for pattern in PATTERNS), NOISE]
+        self._left = [*(pattern.name for pattern in PATTERNS if pattern.name not in model.terms), NOISE]
 
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""

@@ -57,10 +57,11 @@ class Linearised:
 class OptimalTable:
     """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
 
-    `gains` (12, 3P); `nuisance_gains` (2 + `yaws` + 2 `seats`, 3P): alpha1, alpha2, alpha3..., and where seats are
-    declared theta_h of each mounting, the platform's in it, then theta_n of each; `sigma_shared`, as shared_sigmas has
-    it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u` (12,): standard deviations of the
-    estimate, which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
+    `gains` (12, 3P), with further rows if it was made with further columns; `nuisance_gains` (2 + `yaws` + 2 `seats`,
+    3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the platform's in it, then
+    theta_n of each; `sigma_shared`, as shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise
+    of a mean; `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the
+    floor and not the stand's.
     """
 
     k: Floats
@@ -93,10 +94,15 @@ def linear_gains(schedule: Schedule, estimator: str) -> Floats:
 
 
 def optimal_table(
-    schedule: Schedule, k: Floats, stand: Stand, step: float = 0.0, samples: float | None = None
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    step: float = 0.0,
+    samples: float | None = None,
+    further: Floats | None = None,
 ) -> OptimalTable:
     """The optimal estimator. `step`: of the converter, in the outputs' unit, 0 if unknown; `samples`: in a mean, the
-    stand's unless given.
+    stand's unless given; `further` (3P, n): outputs by unknowns beside the twelve, which the positions determine.
 
     Raises UsageError where the schedule cannot identify all coefficients, or the numbers are beyond any stand.
     """
@@ -105,7 +111,8 @@ def optimal_table(
     sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
     shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
     model = linearise(schedule)
-    system = _augmented(model, k, stand, shared, angle, sigma_mean)
+    by_unknown = design(model) if further is None else np.hstack([design(model), further])
+    system = _augmented(by_unknown, model, k, stand, shared, angle, sigma_mean)
     nuisances = len(shared) + len(model.force)
     q, r = np.linalg.qr(system)
     data = q[: 3 * len(model.force)].T
@@ -113,7 +120,7 @@ def optimal_table(
         beta = np.linalg.solve(r[nuisances:, nuisances:], data[nuisances:])
         prior = np.linalg.solve(r[:nuisances, :nuisances], data[:nuisances] - r[:nuisances, nuisances:] @ beta)
         u = sigma_mean * np.sqrt((np.linalg.inv(r[nuisances:, nuisances:]) ** 2).sum(axis=1))
-        lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(12)).max()
+        lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(len(beta))).max()
         claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
     if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
         raise UsageError("no optimal weights: the stand's errors are too large, or too unequal, to compute with")
@@ -123,10 +130,10 @@ def optimal_table(
 
 
 def standard_deviations(schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float) -> Floats:
-    """Standard deviations (12,) of an estimate with gains `weights` (12, 3P), for a block of sensitivity `k`."""
+    """Standard deviations (rows,) of an estimate with gains `weights` (rows, 3P), for a block of sensitivity `k`."""
     model, shared = linearise(schedule), shared_sigmas(schedule, stand)
     by_shared = weights @ (shared_derivatives(model, k, stand) * shared)
-    by_angle = np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ k.T) * stand.sigma("angle")
+    by_angle = np.einsum("cpi,pi->cp", weights.reshape(len(weights), -1, 3), model.delta @ k.T) * stand.sigma("angle")
     by_noise = (weights**2).sum(axis=1) * sigma_mean**2
     sigmas: Floats = np.sqrt((by_shared**2).sum(axis=1) + (by_angle**2).sum(axis=1) + by_noise)
     return sigmas
@@ -180,6 +187,22 @@ def linearise(schedule: Schedule) -> Linearised:
     )
 
 
+def exact_force(schedule: Schedule, alpha1: Floats, turn: Floats, lean: Floats, yaw: Floats) -> Floats:
+    """Force (..., P, 3), g, on a stand with errors (..., P) at the fit positions: `turn` is all that adds to the table
+    angle, `lean` theta_h, `yaw` alpha3. Two axes at a time are turned as a complex number."""
+    fit = [schedule.positions[index] for index in fit_indices(schedule)]
+    mountings = {mounting.number: mounting for mounting in schedule.mountings}
+    rotation = np.array([mountings[position.mounting].matrix for position in fit], dtype=float)
+    tilt = np.deg2rad([mountings[position.mounting].tilt_deg for position in fit]) + alpha1
+    phi = np.deg2rad([position.angle_deg for position in fit]) + turn
+    across = np.cos(tilt) * np.exp(1j * phi)  # v + i h
+    leaning = (np.sin(tilt) + 1j * across.real) * np.exp(-1j * lean)  # n + i v
+    yawed = (across.imag + 1j * leaning.real) * np.exp(-1j * yaw)  # h + i n
+    on_table = np.stack([yawed.real, yawed.imag, leaning.imag], axis=-1)
+    force: Floats = np.einsum("pij,...pj->...pi", rotation, on_table)
+    return force
+
+
 def design(model: Linearised) -> Floats:
     """A (3P, 12): outputs by coefficients."""
     with_bias = np.column_stack([model.force, np.ones(len(model.force))])
@@ -206,13 +229,15 @@ def _by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
     return np.concatenate([found[:angles], platform + leaning, turned])
 
 
-def _augmented(model: Linearised, k: Floats, stand: Stand, shared: Floats, angle: float, sigma_mean: float) -> Floats:
+def _augmented(
+    by_unknown: Floats, model: Linearised, k: Floats, stand: Stand, shared: Floats, angle: float, sigma_mean: float
+) -> Floats:
     """[J S, D sigma4, A] over the prior's rows, all times the noise: unknowns of the prior have unit variance."""
     positions = len(model.force)
     by_angle = np.zeros((positions, 3, positions))
     by_angle[np.arange(positions), :, np.arange(positions)] = angle * model.delta @ k.T
     errors = np.column_stack([shared_derivatives(model, k, stand) * shared, by_angle.reshape(-1, positions)])
-    data = np.column_stack([errors, design(model)])
+    data = np.column_stack([errors, by_unknown])
     return np.vstack([data, sigma_mean * np.eye(errors.shape[1], data.shape[1])])
 
 

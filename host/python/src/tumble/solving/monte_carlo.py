@@ -23,6 +23,7 @@ from tumble.reference.uncertainty import Source, exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for
 from tumble.stand import SIGMA, Stand
+from tumble.terms import Terms
 
 COVERAGE = 0.95
 LEVEL = 0.999  # of the range in which an end of a simulated interval lies
@@ -113,14 +114,15 @@ def simulate(
     runs: int,
     seed: int,
     mean_variance: Floats | None = None,
+    terms: Terms = (),
 ) -> MonteCarlo:
     """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
     `samples` (positions,) rows each. `stand` in the unit of the outputs; `mean_variance` as of
-    `sources`. The same seed gives the same numbers.
+    `sources`; `terms`: further unknowns of the estimate. The same seed gives the same numbers.
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
-    estimate = estimator_for(schedule, k, stand, estimator, samples)
+    estimate = estimator_for(schedule, k, stand, estimator, samples, terms=terms)
     errors = sources(schedule, k, stand, samples, mean_variance)
     try:
         found = _estimates(schedule, k, u0, errors, stand.limits, estimate, runs, seed)

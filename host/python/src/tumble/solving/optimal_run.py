@@ -45,12 +45,14 @@ def estimate(schedule: core.CoreSchedule, means: Floats, measured: Flags, weight
     return apply_table(table, schedule.part(measured), means[measured])
 
 
-def make_table(schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting) -> OptimalTable:
-    """The weights for a run. Raises CoreRefusal, UsageError."""
+def make_table(
+    schedule: core.CoreSchedule, means: Floats, measured: Flags, weighting: Weighting, further: Floats | None = None
+) -> OptimalTable:
+    """The weights for a run; `further` as of optimal_table. Raises CoreRefusal, UsageError."""
     first = core.estimate(schedule, means, measured, "least_squares")[0]
     k = first if weighting.known is None else weighting.known.k
     samples = samples_in_a_mean(schedule.data, measured, weighting)
-    return optimal_table(schedule.data.part(measured), k, weighting.stand, weighting.step, samples)
+    return optimal_table(schedule.data.part(measured), k, weighting.stand, weighting.step, samples, further)
 
 
 def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats) -> OptimalEstimate:

@@ -41,6 +41,7 @@ def document(
         "u_U0": None if solution.u_u0 is None else solution.u_u0.tolist(),
         "covariance": None if solution.covariance is None else solution.covariance.tolist(),
         "u_norm_g": _worst_norm(solution),
+        "extended": None if solution.further is None else solution.further.document(volts_per(unit)),
         "second_order": None if solution.second_order is None else solution.second_order.document(),
         "monte_carlo": None if solution.monte_carlo is None else solution.monte_carlo.document(),
         "misfit": None if solution.fit is None else solution.fit.misfit,

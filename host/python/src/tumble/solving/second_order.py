@@ -21,6 +21,7 @@ from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for, table_at
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 SHARE = 0.2  # of a standard uncertainty: a larger bias is no longer covered by it
 _NODE = 3.0**0.5
@@ -111,15 +112,16 @@ def second_order(
     estimator: str,
     samples: Integers | None = None,
     step: float = 0.0,
+    terms: Terms = (),
 ) -> SecondOrder:
     """For an estimate on `schedule`, all of it measured, of a block of sensitivity `k`, with claimed standard
     uncertainties `u` (12,). `stand` and the converter's `step` in the outputs' unit; `samples` (positions,): rows of
-    each position; default: lone ones, means of the stand's samples."""
+    each position; default: lone ones, means of the stand's samples. `terms`: further unknowns of the estimate."""
     rows = np.ones(len(schedule.positions), dtype=int) if samples is None else samples
     errors = {name: source for name, source in sources(schedule, k, stand, rows).items() if source.errors}
     errors = {name: source for name, source in errors.items() if source.sigma.any()}
     count = sum(len(source.sigma) for source in errors.values())
-    estimate = _estimator(schedule, k, stand, estimator, rows, step)
+    estimate = _estimator(schedule, k, stand, estimator, rows, step, terms)
 
     def moved(draws: Floats) -> Floats:
         found: Floats = estimate(exact_outputs(schedule, k, np.zeros(3), errors, draws)) - ideal
@@ -151,15 +153,17 @@ def _scale_of(name: str) -> str:
     return f"K_{name[-2:-1] * 2}" if name.startswith("K") else f"K_{name[-1] * 2}"
 
 
-def _estimator(schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float) -> ManyRuns:
+def _estimator(
+    schedule: Schedule, k: Floats, stand: Stand, estimator: str, samples: Integers, step: float, terms: Terms
+) -> ManyRuns:
     """The estimator; beyond 0.1 rad, where `optimal` gives no result, its linear part, whose bias says enough."""
-    estimate = estimator_for(schedule, k, stand, estimator, samples, step)
+    estimate = estimator_for(schedule, k, stand, estimator, samples, step, terms)
 
     def or_linear(means: Floats) -> Floats:
         try:
             return estimate(means)
         except core.CoreRefusal:
-            weights = table_at(schedule, k, stand, samples, step).gains
+            weights = table_at(schedule, k, stand, samples, step, terms).gains[:12]
             linear: Floats = means[:, fit_indices(schedule)].reshape(len(means), -1) @ weights.T
             return linear
 

@@ -15,6 +15,8 @@ from tumble.arrays import Floats
 from tumble.solving.covariance import by_bias
 from tumble.units import per_m_s2
 
+POWERS_OF_TWELVE = np.repeat([1.0, 0.0], [9, 3])  # of the gravity in their units
+
 
 @dataclass(frozen=True)
 class SiCoefficients:
@@ -39,12 +41,18 @@ def converted(
     bias = u0 / np.linalg.norm(k, axis=1)
     if covariance is None or u_gravity is None:
         return SiCoefficients(k / gravity, bias * gravity, None, None)
-    factor = np.repeat([1.0 / gravity, 1.0], [9, 3])
-    by_gravity = np.concatenate([-k.ravel() / gravity**2, np.zeros(3)]) * u_gravity
-    in_si = factor[:, None] * covariance * factor + np.outer(by_gravity, by_gravity)
+    in_si = joint(np.concatenate([k.ravel(), u0]), POWERS_OF_TWELVE, covariance, gravity, u_gravity)
     gradient = by_bias(k, u0)
     variance = np.einsum("ri,ij,rj->r", gradient, covariance, gradient) * gravity**2 + (bias * u_gravity) ** 2
     return SiCoefficients(k / gravity, bias * gravity, in_si, np.sqrt(variance))
+
+
+def joint(values: Floats, powers: Floats, covariance: Floats, gravity: float, u_gravity: float) -> Floats:
+    """Covariance of `values` over these powers of gravity; that in g is `covariance`."""
+    factor = gravity**-powers
+    by_gravity = -powers * values / gravity ** (powers + 1.0) * u_gravity
+    in_si: Floats = factor[:, None] * covariance * factor + np.outer(by_gravity, by_gravity)
+    return in_si
 
 
 def document(

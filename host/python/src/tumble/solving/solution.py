@@ -15,8 +15,9 @@ from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
+from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
-from tumble.solving import noise as noise_of_runs, optimal_run, uncertainty
+from tumble.solving import extended, noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import (
@@ -27,11 +28,14 @@ from tumble.solving.crosscheck import (
     compare_seen,
     compare_uncertainties,
 )
+from tumble.solving.extended import NotSolvable
 from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
+from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import StandSeen, look, own_variance
+from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
 from tumble.stand import Stand
+from tumble.terms import Terms
 from tumble.units import noise_unit, volts_per
 
 
@@ -60,7 +64,8 @@ class Solution:
     `scatter_alone`: without a declared stand, the standard uncertainties of K and U0 that the noise of the samples
     leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
-    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
+    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
+    twelve coefficients, None where nobody asked for any.
     """
 
     schedule: Schedule
@@ -79,6 +84,7 @@ class Solution:
     covariance: Floats | None = None
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
+    further: Further | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -108,14 +114,15 @@ class Solution:
         if self.stand is None:
             return None
         schedule, stand, samples = self._as_propagated
-        return second_order(schedule, self.found.k, self._u, stand, self.found.estimator, samples)
+        given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
+        return second_order(*given, terms=self.found.terms)
 
     def simulated(self, runs: int, seed: int) -> Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
         variance = self.noise.mean_variance[self.run.measured]
-        return replace(self, monte_carlo=simulate(*given, runs, seed, variance))
+        return replace(self, monte_carlo=simulate(*given, runs, seed, variance, self.found.terms))
 
     @property
     def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
@@ -132,6 +139,8 @@ class Solution:
     @cached_property
     def u_norm(self) -> WorstNorm | None:
         """Where the calibrated block shows the length of gravity worst; None without a stand."""
+        if self.further is not None:
+            return self.further.worst_norm
         return None if self.covariance is None else worst_norm(self.found.k, self.covariance)
 
     @property
@@ -163,11 +172,13 @@ def solve(
     step_v: float = 0.0,
     known: optimal_run.Known | None = None,
     confidence: float = CONFIDENCE,
+    terms: Terms = (),
 ) -> Solution:
     """Solve a run on a schedule (None: the paper's). `file` names the run in errors.
 
     The optimal estimator needs a `stand`; `step_v` is its converter's step, 0 if unknown, and `known` what its table
-    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand.
+    was made for, None if it is to be made for this run. `confidence`: at which the run must fit the stand. `terms`:
+    further ones of the model, in the order of TERMS, for one of EXTENDABLE.
 
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
@@ -178,43 +189,73 @@ def solve(
     if estimator == OPTIMAL:
         assert declared is not None  # as documented
         weighting = optimal_run.Weighting(declared, run.samples, step, known)
-    try:
-        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting)
-    except core.CoreRefusal as refusal:
-        raise BadInput(_explain(refusal, estimator), file) from None
-    except DeadChannels as error:
-        raise BadInput(str(error), file) from None
     name = core_schedule.name
     witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
+    try:
+        _require_told_apart(core_schedule, witnessed, run, terms, file)
+        found = compute(core_schedule, run.means, run.measured, estimator, limit_g, weighting, terms)
+    except core.CoreRefusal as refusal:
+        raise BadInput(_explain(refusal, estimator), file) from None
+    except (DeadChannels, NotSolvable) as error:
+        raise BadInput(str(error), file) from None
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
     noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
     variance = noisy.mean_variance[run.measured]
-    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy)
+    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy, found)
     optimal = None
     if weighting is not None and model is not None:
         _require_near(model, file)
-        optimal = _witness(witnessed, means, samples, weighting, variance)
+        optimal = _witness(witnessed, means, samples, weighting, variance, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
+    further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
     u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
     if declared is not None or noisy.is_known:
         u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
             covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
-        else:
+        elif further is None:
             covariance = optimal.covariance
+        else:
+            covariance = reference.optimal_covariance(witnessed, found.k, errors, samples, step, variance)
         compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
-    shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
+        if further is not None:
+            without = Without(*u, worst_norm(found.k, covariance))
+            joint = None if optimal is None else optimal.covariance
+            if joint is None:
+                joint = extended_covariance(witnessed, found.k, errors, samples, terms, variance)
+            u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
+            covariance = joint[:12, :12]
+            further = further if stand is None else replace(further, covariance=joint, without=without)
+    shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
-    compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
+    compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
+    seen = _without_angles(seen) if terms else seen
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
+    seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
     return Solution(
         *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, fit),
         covariance=None if stand is None else covariance,
         step=step,
+        further=further,
     )
+
+
+def _without_angles(seen: StandSeen) -> StandSeen:
+    """Further terms have much in common with the angles: after them a run does not tell these any more."""
+    return replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
+
+
+def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
+    """Raise BadInput where a run does not determine further terms; CoreRefusal where not even the twelve."""
+    if not terms:
+        return
+    schedule.identify(run.measured)
+    confused = extended.confused(witnessed, terms)
+    if confused is not None:
+        raise BadInput(f"--model {','.join(terms)}: {confused}", file)
 
 
 def _uncertainties(
@@ -236,13 +277,37 @@ def _uncertainties(
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
+def _extended_uncertainties(
+    schedule: core.CoreSchedule,
+    run: Run,
+    found: Computation,
+    stand: Stand,
+    step: float,
+    mean_variance: Floats,
+    witness: Floats,
+) -> tuple[Floats, Floats]:
+    """Those of K and U0 beside further terms; the terms' too are held against the `witness`, a covariance."""
+    given = schedule, run.measured, found.k, stand, run.samples, found.estimator
+    u = uncertainty.extended_uncertainties(*given, step, found.terms, mean_variance)
+    stated = u[:9].reshape(3, 3), u[9:12], u[12:]
+    other = *reference.by_coefficient(witness), np.sqrt(np.diag(witness)[12:])
+    compare_uncertainties(stated, other, found.estimator == OPTIMAL)
+    return stated[:2]
+
+
 def _whole_model(
-    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, noisy: noise_of_runs.Noise
+    schedule: core.CoreSchedule,
+    witnessed: Schedule,
+    run: Run,
+    stand: Stand,
+    noisy: noise_of_runs.Noise,
+    found: Computation,
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance = variance_of_means(stand, run.samples, float(noisy.rounding.max()))
-    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand)
-    compare_fit(chi_squared(schedule, run.means, run.measured, variance, stand), model)
+    variance, terms = variance_of_means(stand, run.samples, float(noisy.rounding.max())), found.terms
+    model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand, terms)
+    given = schedule, run.means, run.measured, variance, stand
+    compare_fit(extended.least_chi_squared(*given, terms, found.sizes) if terms else chi_squared(*given), model)
     return model
 
 
@@ -255,11 +320,17 @@ def _require_near(model: reference.WholeModel, file: str) -> None:
 
 
 def _witness(
-    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, mean_variance: Floats
+    schedule: Schedule,
+    means: Floats,
+    samples: Integers,
+    weighting: optimal_run.Weighting,
+    mean_variance: Floats,
+    terms: Terms,
 ) -> reference.OptimalEstimate:
     """The optimal estimator by numpy."""
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, k, of_means, mean_variance)
+    given = schedule, means, weighting.stand, samples, weighting.step
+    return reference.optimal(*given, k, of_means, mean_variance, terms)
 
 
 def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:

@@ -10,9 +10,10 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
-from tumble.solving import optimal_run
+from tumble.solving import extended, optimal_run
 from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 
 def standard_uncertainties(
@@ -33,10 +34,43 @@ def standard_uncertainties(
     """
     if estimator != OPTIMAL:
         return uncertainties(schedule, k, stand, samples, estimator, measured, mean_variance)
+    u = _of_optimal(schedule, measured, k, stand, samples, step, (), mean_variance)
+    return u[:9].reshape(3, 3), u[9:]
+
+
+def extended_uncertainties(
+    schedule: core.CoreSchedule,
+    measured: Flags,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    step: float,
+    terms: Terms,
+    mean_variance: Floats | None = None,
+) -> Floats:
+    """Of K row by row, U0 and the sizes of further `terms` (12 + 3 x terms,); the rest as of standard_uncertainties."""
+    if estimator == OPTIMAL:
+        return _of_optimal(schedule, measured, k, stand, samples, step, terms, mean_variance)
+    part, variance = schedule.part(measured), None if mean_variance is None else mean_variance[measured]
+    return _of_gains(part, k, stand, samples[measured], extended.gains(part, terms), variance, 0.0)
+
+
+def _of_optimal(
+    schedule: core.CoreSchedule,
+    measured: Flags,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: float,
+    terms: Terms,
+    mean_variance: Floats | None,
+) -> Floats:
     part = schedule.part(measured)
     weighting = optimal_run.Weighting(stand, samples, step)
     averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
-    gains = optimal_table(part.data, k, stand, step, averaged_over).gains
+    further = extended.fitted_columns(part, terms)
+    gains = optimal_table(part.data, k, stand, step, averaged_over, further).gains
     one_sample = max(stand.sigma("noise"), abs(step) / 12**0.5)
     used = replace(
         stand,
@@ -51,6 +85,25 @@ def standard_uncertainties(
     )
     least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it
     variance = None if mean_variance is None else mean_variance[measured]
-    return uncertainties_of_gains(
-        part, k, used, samples[measured], gains, mean_variance=variance, least_noise=least_noise
-    )
+    return _of_gains(part, k, used, samples[measured], gains, variance, least_noise)
+
+
+def _of_gains(
+    part: core.CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    gains: Floats,
+    mean_variance: Floats | None,
+    least_noise: float,
+) -> Floats:
+    """One for each row of gains: the core takes twelve at a time."""
+    found = []
+    for start in range(0, len(gains), 12):
+        rows = gains[start : start + 12]
+        table = np.vstack([rows, np.zeros((12 - len(rows), gains.shape[1]))])
+        u_k, u_u0 = uncertainties_of_gains(
+            part, k, stand, samples, table, mean_variance=mean_variance, least_noise=least_noise
+        )
+        found.append(np.concatenate([u_k.ravel(), u_u0])[: len(rows)])
+    return np.concatenate(found)

@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         text = {"c": to_c, "csv": to_csv}[arguments.format](result, arguments.unit)
     except ValueError as error:
-        raise BadInput(f"no coefficients in m/s2: {error}", arguments.result) from None
+        raise BadInput(str(error), arguments.result) from None
     for warning in warnings(result):
         tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
     if arguments.out is None:

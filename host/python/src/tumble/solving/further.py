@@ -1,0 +1,101 @@
+"""What is known of further terms of the model, and what they cost the twelve coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.solving.covariance import WorstNorm, worst_norm
+from tumble.terms import DRIFT, KEYS, POWERS, Terms, names
+
+
+@dataclass(frozen=True)
+class Without:
+    """Standard uncertainties of the same run, stand and estimator without the further terms: `u_k` (3, 3), `u_u0` (3,);
+    `worst`: of |a|."""
+
+    u_k: Floats
+    u_u0: Floats
+    worst: WorstNorm
+
+
+@dataclass(frozen=True)
+class Further:
+    """`sizes` (terms, 3) of `terms` beside `k` (3, 3), in the unit of the outputs, and these less the witness's
+    (`difference`); `covariance` of K row by row, U0 and the sizes, and what uncertainties would be `without` the terms:
+    None without a declared stand."""
+
+    terms: Terms
+    k: Floats
+    sizes: Floats
+    difference: Floats
+    covariance: Floats | None = None
+    without: Without | None = None
+
+    @property
+    def values(self) -> Floats:
+        """K2 in 1/g, K3 in 1/g^2, the drift over the run in the unit of the outputs: (terms, 3)."""
+        return self.sizes * self.factors
+
+    @property
+    def factors(self) -> Floats:
+        """Of the values, times the sizes: (terms, 3)."""
+        return np.array([1.0 / np.diag(self.k) if term in POWERS else np.ones(3) for term in self.terms])
+
+    @property
+    def of_values(self) -> Floats | None:
+        """Covariance of K row by row, U0 and the values."""
+        if self.covariance is None:
+            return None
+        by_size = np.diag(np.concatenate([np.ones(12), self.factors.ravel()]))
+        for row, (value, factor) in enumerate(zip(self.values.ravel(), self.factors.ravel())):
+            if self.terms[row // 3] in POWERS:
+                by_size[12 + row, 4 * (row % 3)] = -value * factor  # by K_ii
+        found: Floats = by_size @ self.covariance @ by_size.T
+        return (found + found.T) / 2.0
+
+    @property
+    def u(self) -> Floats | None:
+        """Standard uncertainties of `values` (terms, 3)."""
+        joint = self.of_values
+        return None if joint is None else np.sqrt(np.diag(joint)[12:]).reshape(-1, 3)
+
+    @property
+    def worst_norm(self) -> WorstNorm | None:
+        """Where the block shows the length of gravity worst, K2 and K3 applied."""
+        return None if self.covariance is None else worst_norm(self.k, self.covariance, self.terms)
+
+    @property
+    def worst_norm_of_twelve(self) -> WorstNorm | None:
+        """The same by what the uncertainties of K and U0 alone bring."""
+        return None if self.covariance is None else worst_norm(self.k, self.covariance[:12, :12])
+
+    def document(self, volts_per_unit: float) -> dict[str, Any]:
+        """As it stands in a result: null for a term that is not in the model."""
+        found: dict[str, Any] = {"terms": list(self.terms)}
+        scale = {term: volts_per_unit if term == DRIFT else 1.0 for term in self.terms}
+        values, u = self.values, self.u
+        for term, key in KEYS.items():
+            row = self.terms.index(term) if term in self.terms else None
+            found[key] = None if row is None else (values[row] * scale[term]).tolist()
+            found[f"u_{key}"] = None if row is None or u is None else (u[row] * scale[term]).tolist()
+        scales = np.concatenate([np.ones(12), np.repeat([scale[term] for term in self.terms], 3)])
+        joint, alone = self.of_values, self.worst_norm_of_twelve
+        found["names"] = list(names(self.terms))
+        found["covariance"] = None if joint is None else (scales[:, None] * joint * scales).tolist()
+        found["u_norm_of_K_U0_g"] = None if alone is None else alone.worst
+        without = self.without
+        found["without"] = (
+            None
+            if without is None
+            else {
+                "u_K": without.u_k.tolist(),
+                "u_U0": without.u_u0.tolist(),
+                "u_norm_g": without.worst.worst,
+            }
+        )
+        found["max_abs_difference"] = float(np.abs(self.difference).max())
+        return found

@@ -1,0 +1,22 @@
+"""Further terms that a model may have beside the twelve coefficients, by the names that --model takes.
+
+    U_i = U0_i + sum_j K_ij a_j + K_ii (K2_i a_i^2 + K3_i a_i^3) + drift_i (t - 1/2)
+
+with t from 0, the first position of the run, to 1, the last one. Each term has a size for every channel, in the unit of
+the outputs: K_ii K2_i, K_ii K3_i and drift_i. The outputs are linear in the sizes.
+"""
+
+from __future__ import annotations
+
+Terms = tuple[str, ...]
+
+DRIFT = "drift"
+POWERS = {"k2": 2, "k3": 3}  # of the specific force along the channel's own axis
+KEYS = {"k2": "k2_per_g", "k3": "k3_per_g2", DRIFT: "drift_v"}  # in a result
+TERMS: Terms = (*POWERS, DRIFT)
+EXTENDABLE = ("least_squares", "optimal")  # the estimators that find them
+
+
+def names(terms: Terms) -> tuple[str, ...]:
+    """Of what is found of them, such as K2_x and drift_z, in the order of the sizes: by term, then by channel."""
+    return tuple(f"{term if term == DRIFT else term.upper()}_{axis}" for term in terms for axis in "xyz")
