@@ -14,6 +14,7 @@ from conftest import EXAMPLES
 from hypothesis import given, strategies as st
 
 from tumble import reference
+from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
 from tumble.files.run_blocks import NO_BLOCKS, blocks_of
@@ -21,6 +22,7 @@ from tumble.files.run_file import Run
 from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
 from tumble.solving import noise
 from tumble.solving.assumptions import assumed
+from tumble.solving.noise_patterns import CORRELATED, log_p_if_white
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -292,3 +294,40 @@ def test_all_that_states_an_uncertainty_counts_the_measured_noise(estimator):
     monte_carlo = solution.simulated(2000, 1).monte_carlo
     np.testing.assert_allclose(monte_carlo.u[9:], solution.u_u0, rtol=0.1)
     assert (solution.found.k == declared.found.k).all() and solution.fit.chi_squared == declared.fit.chi_squared
+
+
+def test_white_noise_is_seldom_called_correlated():
+    """Whatever its size: one run in a hundred at a p of 1 %, and less for lengths and channels are not independent."""
+    rng, runs = np.random.default_rng(62), 300
+    found = [reference.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
+    p = np.exp([log_p_if_white(one) for one in found])
+    print(f"p below 0.5, 0.1, 0.01: {[float((p.min(axis=1) < one).mean()) for one in (0.5, 0.1, 0.01)]}")
+    for one in (0.5, 0.1, 0.01):
+        assert (p.min(axis=1) < one).mean() <= one + 3 * (one * (1 - one) / runs) ** 0.5
+    assert (p.min(axis=1) < 0.5).mean() > 0.2
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_noise_that_is_not_white_explains_a_run_that_does_not_fit(estimator, tumble):
+    """By name and with its size, and the uncertainties are said to count it. White noise is not named so."""
+    run = noisy_run(np.random.default_rng(63), 50, rho=0.9)
+    solution = solved(run, estimator=estimator)
+    first = solution.fit.explanations[0]
+    assert not solution.fit.fits and first.patterns == (CORRELATED,) and len(solution.fit.explanations) == 1
+    assert first.unit == "V" and first.column in "xyz" and first.p < 1e-9
+    assert abs(first.size - 3.8 * PAPER_STAND.noise) < 3 * first.u_size
+    assert solution.fit.doubts == () and presentation.consequence(solution) == "count it"
+    assert f"{CORRELATED} of {first.column} 0.00" in presentation.complaint(solution)
+    louder = solved(noisy_run(np.random.default_rng(64), 50, sigma=3 * PAPER_STAND.noise), estimator=estimator)
+    assert [one.patterns for one in louder.fit.explanations] == [("noise_v",)]
+
+
+def test_noise_that_the_declared_noise_covers_explains_nothing():
+    """Correlated, but the means are no worse than declared: the run fits, and other faults keep their names."""
+    run = noisy_run(np.random.default_rng(65), 50, rho=0.5, sigma=0.4 * PAPER_STAND.noise)
+    solution = solved(run)
+    assert solution.fit.fits and not solution.noise.exceeds.any()
+    assert log_p_if_white(solution.noise.measured).min() < -20
+    tilted = dataclasses.replace(run, means=run.means + 5e-3 * OUTPUTS[:, [1]] * np.arange(POSITIONS)[:, None] / 17)
+    explanations = solved(tilted).fit.explanations
+    assert explanations and all(CORRELATED not in one.patterns for one in explanations)

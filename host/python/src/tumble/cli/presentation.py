@@ -16,6 +16,7 @@ from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.fit import NOISE, Explanation
+from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
@@ -249,7 +250,7 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
 def consequence(solution: Solution) -> str:
     """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
     causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
-    is_noise = bool(causes) and set(causes) <= {NOISE}
+    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
     return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
 
 

@@ -27,12 +27,13 @@ from tumble.solving.crosscheck import (
     compare_seen,
     compare_uncertainties,
 )
-from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
+from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
 from tumble.solving.monte_carlo import MonteCarlo, simulate
+from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import StandSeen, look, own_variance
+from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import Stand
-from tumble.units import noise_unit, volts_per
+from tumble.units import volts_per
 
 
 @dataclass(frozen=True)
@@ -207,7 +208,7 @@ def solve(
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
     if declared is not None and model is not None:
-        fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
+        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
     return Solution(
@@ -260,16 +261,6 @@ def _witness(
     """The optimal estimator by numpy."""
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
     return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, k, of_means, mean_variance)
-
-
-def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:
-    """Rounding by half a step counts as noise."""
-    several = run.samples[run.samples > 1]
-    declared = math.hypot(stand.sigma("noise"), step / 2.0)
-    variance = own_variance(seen.noise, run.samples[run.measured], stand)
-    assert variance is not None  # of a declared stand it is known
-    freedom = 3 * int((several - 1).sum())
-    return Scatter(seen.noise, freedom, declared, variance, noise_unit(run.unit), volts_per(run.unit))
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
