@@ -10,8 +10,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from hypothesis import given, strategies as st
+from test_fixture_check import stand_named
 
 from tumble import reference
 from tumble.cli import presentation
@@ -19,7 +21,9 @@ from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
 from tumble.files.run_blocks import NO_BLOCKS, blocks_of
 from tumble.files.run_file import Run
+from tumble.reference.estimators import estimate
 from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
+from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving import noise
 from tumble.solving.assumptions import assumed
 from tumble.solving.noise_patterns import CORRELATED, log_p_if_white
@@ -331,3 +335,34 @@ def test_noise_that_the_declared_noise_covers_explains_nothing():
     tilted = dataclasses.replace(run, means=run.means + 5e-3 * OUTPUTS[:, [1]] * np.arange(POSITIONS)[:, None] / 17)
     explanations = solved(tilted).fit.explanations
     assert explanations and all(CORRELATED not in one.patterns for one in explanations)
+
+
+def coefficients(means):
+    k, u0 = estimate(paper_schedule(), means, "refined")
+    return np.concatenate([k.reshape(len(means), 9), u0], axis=1)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("name", ["paper", "angle", "lab"])
+@pytest.mark.parametrize("runs", [100, pytest.param(2000, marks=pytest.mark.full)])
+def test_refined_covers(name, rho, runs):
+    """k = 2 of every coefficient, the stand's errors drawn on the exact geometry: by the declared noise and by the
+    measured one. Honest runs are not told of more noise than declared."""
+    rng, schedule, samples, stand = np.random.default_rng(70), paper_schedule(), 50, stand_named(name)
+    errors, sigma = sources(schedule, NOMINAL_K, stand, np.full(POSITIONS, samples)), stand.sigma("noise")
+    by_channel = (coefficients(errors.pop("noise").derivative) ** 2).reshape(POSITIONS, 3, 12).sum(axis=0)
+    by_angles = sum(((coefficients(one.derivative) * one.sigma[:, None]) ** 2).sum(axis=0) for one in errors.values())
+    draws = rng.standard_normal((runs, sum(len(one.sigma) for one in errors.values())))
+    x = sigma * np.moveaxis(autoregressive(rng, (runs, POSITIONS, 3, samples), rho), 3, 2)
+    means = exact_outputs(schedule, NOMINAL_K, np.zeros(3), errors, draws) + x.mean(axis=2)
+    error = coefficients(means) - np.append(NOMINAL_K.ravel(), np.zeros(3))
+    found = [reference.measured_noise(*_arguments(one)) for one in x]
+    told = np.array([one.exceeds(sigma) for one in found])
+    measured = np.array([one.mean_variance(np.array([samples]))[0] for one in found])
+    before = np.full((runs, 3), sigma**2 / samples)
+    after = np.where(told, measured, before)
+    covered = [np.abs(error) < 2 * np.sqrt(by_angles + of @ by_channel) for of in (before, after)]
+    shares = " ".join(f"{100 * one.mean():.1f}, {100 * one.mean(axis=0).min():.1f};" for one in covered)
+    print(f"{name} AR(1) {rho}, {runs} runs: {shares} told {told.mean():.4f}")
+    assert covered[1].mean() > 0.93 and covered[1].mean(axis=0).min() > 0.85
+    assert told.mean() == 0.0 if rho == 0.0 else told.mean() > 0.95
