@@ -10,17 +10,23 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from blocks import NOMINAL_K
 from conftest import EXAMPLES
 from hypothesis import given, strategies as st
+from test_fixture_check import stand_named
 
 from tumble import reference
+from tumble.cli import presentation
 from tumble.core import paper_schedule
 from tumble.distributions import chi_squared_above
 from tumble.files.run_blocks import NO_BLOCKS, blocks_of
 from tumble.files.run_file import Run
+from tumble.reference.estimators import estimate
 from tumble.reference.noise import CHANCE_SIGMAS, chance_limit
+from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.solving import noise
 from tumble.solving.assumptions import assumed
+from tumble.solving.noise_patterns import CORRELATED, log_p_if_white
 from tumble.solving.solution import solve
 from tumble.stand import PAPER_STAND
 
@@ -292,3 +298,71 @@ def test_all_that_states_an_uncertainty_counts_the_measured_noise(estimator):
     monte_carlo = solution.simulated(2000, 1).monte_carlo
     np.testing.assert_allclose(monte_carlo.u[9:], solution.u_u0, rtol=0.1)
     assert (solution.found.k == declared.found.k).all() and solution.fit.chi_squared == declared.fit.chi_squared
+
+
+def test_white_noise_is_seldom_called_correlated():
+    """Whatever its size: one run in a hundred at a p of 1 %, and less for lengths and channels are not independent."""
+    rng, runs = np.random.default_rng(62), 300
+    found = [reference.measured_noise(*_arguments(rng.standard_normal((9, 32, 3)))) for _ in range(runs)]
+    p = np.exp([log_p_if_white(one) for one in found])
+    print(f"p below 0.5, 0.1, 0.01: {[float((p.min(axis=1) < one).mean()) for one in (0.5, 0.1, 0.01)]}")
+    for one in (0.5, 0.1, 0.01):
+        assert (p.min(axis=1) < one).mean() <= one + 3 * (one * (1 - one) / runs) ** 0.5
+    assert (p.min(axis=1) < 0.5).mean() > 0.2
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_noise_that_is_not_white_explains_a_run_that_does_not_fit(estimator, tumble):
+    """By name and with its size, and the uncertainties are said to count it. White noise is not named so."""
+    run = noisy_run(np.random.default_rng(63), 50, rho=0.9)
+    solution = solved(run, estimator=estimator)
+    first = solution.fit.explanations[0]
+    assert not solution.fit.fits and first.patterns == (CORRELATED,) and len(solution.fit.explanations) == 1
+    assert first.unit == "V" and first.column in "xyz" and first.p < 1e-9
+    assert abs(first.size - 3.8 * PAPER_STAND.noise) < 3 * first.u_size
+    assert solution.fit.doubts == () and presentation.consequence(solution) == "count it"
+    assert f"{CORRELATED} of {first.column} 0.00" in presentation.complaint(solution)
+    louder = solved(noisy_run(np.random.default_rng(64), 50, sigma=3 * PAPER_STAND.noise), estimator=estimator)
+    assert [one.patterns for one in louder.fit.explanations] == [("noise_v",)]
+
+
+def test_noise_that_the_declared_noise_covers_explains_nothing():
+    """Correlated, but the means are no worse than declared: the run fits, and other faults keep their names."""
+    run = noisy_run(np.random.default_rng(65), 50, rho=0.5, sigma=0.4 * PAPER_STAND.noise)
+    solution = solved(run)
+    assert solution.fit.fits and not solution.noise.exceeds.any()
+    assert log_p_if_white(solution.noise.measured).min() < -20
+    tilted = dataclasses.replace(run, means=run.means + 5e-3 * OUTPUTS[:, [1]] * np.arange(POSITIONS)[:, None] / 17)
+    explanations = solved(tilted).fit.explanations
+    assert explanations and all(CORRELATED not in one.patterns for one in explanations)
+
+
+def coefficients(means):
+    k, u0 = estimate(paper_schedule(), means, "refined")
+    return np.concatenate([k.reshape(len(means), 9), u0], axis=1)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("name", ["paper", "angle", "lab"])
+@pytest.mark.parametrize("runs", [100, pytest.param(2000, marks=pytest.mark.full)])
+def test_refined_covers(name, rho, runs):
+    """k = 2 of every coefficient, the stand's errors drawn on the exact geometry: by the declared noise and by the
+    measured one. Honest runs are not told of more noise than declared."""
+    rng, schedule, samples, stand = np.random.default_rng(70), paper_schedule(), 50, stand_named(name)
+    errors, sigma = sources(schedule, NOMINAL_K, stand, np.full(POSITIONS, samples)), stand.sigma("noise")
+    by_channel = (coefficients(errors.pop("noise").derivative) ** 2).reshape(POSITIONS, 3, 12).sum(axis=0)
+    by_angles = sum(((coefficients(one.derivative) * one.sigma[:, None]) ** 2).sum(axis=0) for one in errors.values())
+    draws = rng.standard_normal((runs, sum(len(one.sigma) for one in errors.values())))
+    x = sigma * np.moveaxis(autoregressive(rng, (runs, POSITIONS, 3, samples), rho), 3, 2)
+    means = exact_outputs(schedule, NOMINAL_K, np.zeros(3), errors, draws) + x.mean(axis=2)
+    error = coefficients(means) - np.append(NOMINAL_K.ravel(), np.zeros(3))
+    found = [reference.measured_noise(*_arguments(one)) for one in x]
+    told = np.array([one.exceeds(sigma) for one in found])
+    measured = np.array([one.mean_variance(np.array([samples]))[0] for one in found])
+    before = np.full((runs, 3), sigma**2 / samples)
+    after = np.where(told, measured, before)
+    covered = [np.abs(error) < 2 * np.sqrt(by_angles + of @ by_channel) for of in (before, after)]
+    shares = " ".join(f"{100 * one.mean():.1f}, {100 * one.mean(axis=0).min():.1f};" for one in covered)
+    print(f"{name} AR(1) {rho}, {runs} runs: {shares} told {told.mean():.4f}")
+    assert covered[1].mean() > 0.93 and covered[1].mean(axis=0).min() > 0.85
+    assert told.mean() == 0.0 if rho == 0.0 else told.mean() > 0.95

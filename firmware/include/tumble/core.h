@@ -6,6 +6,7 @@
  *
  *     schedule       the test positions: mountings of the block, angles of the table
  *     averaging      samples of a position to a mean, by exact integer sums, through gates
+ *     blocks         samples of a run to the standard errors of its means, if their noise is not white
  *     estimators     means to K and U0: averaged, refined, least_squares, or optimal by a gain record
  *     calibration    K and U0 inverted: outputs to specific force
  *     verification   the gravity check: does the calibrated block find 1 g at every position?
@@ -808,6 +809,61 @@ typedef struct {
  * on TUMBLE_OK alone. */
 tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
                                          uint8_t *freedom);
+
+/* ---- Blocks: the standard errors of means as the samples show them.
+ *
+ * The scatter of samples over root N is the standard error of their mean only if the noise is white. Blocks of
+ * consecutive samples show whether it is: of neighbouring blocks of m samples with the sums A and B, (A - B)^2 / 2m is
+ * the variance of a sample on the average, whatever m is. Noise that hangs together has more in long blocks. Two lengths
+ * are looked at, m and 2m: of N samples a quarter and half, rounded down to powers of two, at most 64 and 128. Sums are
+ * exact integers, by channel, over all positions of a run.
+ *
+ * Beside the averaging of a run give tumble_blocks_begin with tumble_averaging_begin, tumble_blocks_add every sample
+ * that tumble_averaging_add took, and tumble_blocks_finish after tumble_averaging_finish returned TUMBLE_OK. These three
+ * use no floating point and do not check their arguments. When the run is over, tumble_blocks_excess tells what
+ * uncertainties must count beyond the declared noise.
+ */
+
+#define TUMBLE_BLOCK_LENGTHS 2
+#define TUMBLE_MAX_BLOCK_SAMPLES 128
+#define TUMBLE_MIN_BLOCKED_SAMPLES 8 /* of a position: two lengths of two samples or more */
+
+/* A difference of sums must fit an int32, its square an int64: a sample lies within the deviation from the first. */
+static_assert(2 * TUMBLE_MAX_BLOCK_SAMPLES * TUMBLE_MAX_DEVIATION_COUNTS <= INT32_MAX, "A - B must fit an int32");
+
+/* 136 bytes. The caller owns it; nothing in it is to be written from outside. */
+typedef struct {
+    int64_t square_sum[TUMBLE_BLOCK_LENGTHS][TUMBLE_CHANNELS]; /* of A - B, finished positions; at the end: or more */
+    int64_t open_square_sum[TUMBLE_BLOCK_LENGTHS][TUMBLE_CHANNELS];
+    uint32_t difference[TUMBLE_BLOCK_LENGTHS][TUMBLE_CHANNELS]; /* A - B so far, modulo 2^32 */
+    uint32_t pairs[TUMBLE_BLOCK_LENGTHS];                       /* of finished positions */
+    uint32_t samples;                                           /* of the open position */
+    uint32_t block_samples;                                     /* m */
+} tumble_blocks_t;
+
+static_assert((sizeof(tumble_blocks_t) + sizeof(tumble_averaging_t)) <= 1664U, "RAM of a run with blocks");
+
+/* Forget all. `samples` of a position, as planned: at least TUMBLE_MIN_BLOCKED_SAMPLES.
+ * Returns TUMBLE_OK or TUMBLE_E_ARGUMENT. */
+tumble_status_t tumble_blocks_init(tumble_blocks_t *blocks, uint32_t samples);
+
+/* Open a position. What was open before and not finished is forgotten. */
+void tumble_blocks_begin(tumble_blocks_t *blocks);
+
+/* One sample of the open position. */
+void tumble_blocks_add(tumble_blocks_t *blocks, const int32_t counts[TUMBLE_CHANNELS]);
+
+/* Keep the open position. A position that is measured again counts again. */
+void tumble_blocks_finish(tumble_blocks_t *blocks);
+
+/* For tumble_judged_run_t: by how much the variance of every finished mean is larger than `stand` declares, in the unit
+ * of `v_per_count` squared; 0 in a channel whose noise is not more than declared, beyond chance (below 1e-3 for an honest
+ * run), and where there is no mean. Of the stand its noise counts.
+ * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null; `v_per_count` 0 or not finite), TUMBLE_E_TOO_FEW (no finished position has
+ * two samples), TUMBLE_E_DEVIATION (samples scatter so much that a sum of squares has come to its end). */
+tumble_status_t tumble_blocks_excess(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging,
+                                     const tumble_stand_record_t *stand, double v_per_count,
+                                     double excess_v2[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS]);
 
 /* ---- Misfit: does a run fit the stand that is declared? A chi-squared test of every mounting, taken in small steps.
  *

@@ -213,6 +213,20 @@ typedef struct {
     uint16_t only;
     const double (*excess_variance_v2)[3];
 } tumble_judged_run_t;
+typedef struct {
+    int64_t square_sum[2][3];
+    int64_t open_square_sum[2][3];
+    uint32_t difference[2][3];
+    uint32_t pairs[2];
+    uint32_t samples;
+    uint32_t block_samples;
+} tumble_blocks_t;
+tumble_status_t tumble_blocks_init(tumble_blocks_t *, uint32_t samples);
+void tumble_blocks_begin(tumble_blocks_t *);
+void tumble_blocks_add(tumble_blocks_t *, const int32_t *counts);
+void tumble_blocks_finish(tumble_blocks_t *);
+tumble_status_t tumble_blocks_excess(const tumble_blocks_t *, const tumble_averaging_t *,
+                                     const tumble_stand_record_t *, double v_per_count, double (*excess_v2)[3]);
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumble_judged_run_t *,

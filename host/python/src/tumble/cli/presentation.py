@@ -17,6 +17,7 @@ from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
 from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
 from tumble.solving.further import Further
+from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.terms import names
@@ -270,7 +271,7 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
 def consequence(solution: Solution) -> str:
     """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
     causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
-    is_noise = bool(causes) and set(causes) <= {NOISE}
+    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
     return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
 
 

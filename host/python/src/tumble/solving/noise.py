@@ -73,8 +73,8 @@ def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | No
     """That uncertainties are made from the noise measured and not from that of `stand`, in `unit`; None if not."""
     if noise.measured is None or not noise.exceeds.any():
         return None
-    of_means, length = _of_means(noise.measured, samples)[noise.exceeds], noise.measured.length[noise.exceeds]
-    named = [f"{size:.1e} {unit} in {name}" for size, name in zip(of_means, _CHANNELS[noise.exceeds])]
+    sizes, length = of_means(noise.measured, samples)[noise.exceeds], noise.measured.length[noise.exceeds]
+    named = [f"{size:.1e} {unit} in {name}" for size, name in zip(sizes, _CHANNELS[noise.exceeds])]
     blocks = f"blocks of {length.max()} samples" if length.max() > 1 else "the scatter of samples"
     return f"noise above the declared {stand.sigma('noise'):.1e} {unit}: {', '.join(named)} by {blocks}"
 
@@ -84,7 +84,7 @@ def document(noise: Noise, samples: Integers) -> dict[str, Any]:
     seen = noise.measured
     return {
         "scatter": None if seen is None else seen.scatter.tolist(),
-        "of_means": None if seen is None else _of_means(seen, samples).tolist(),
+        "of_means": None if seen is None else of_means(seen, samples).tolist(),
         "block_samples": None if seen is None else seen.length.tolist(),
         "freedom": None if seen is None else seen.freedom.tolist(),
         "above_declared": _CHANNELS[noise.exceeds].tolist(),
@@ -92,8 +92,8 @@ def document(noise: Noise, samples: Integers) -> dict[str, Any]:
     }
 
 
-def _of_means(seen: reference.MeasuredNoise, samples: Integers) -> Floats:
-    """As much noise of a sample as would give the means their standard errors, were it white."""
+def of_means(seen: reference.MeasuredNoise, samples: Integers) -> Floats:
+    """As much noise of a sample (3,) as would give the means their standard errors, were it white."""
     several = samples[samples > 1]
     found: Floats = np.sqrt((seen.mean_variance(several) * several[:, None]).mean(axis=0))
     return found

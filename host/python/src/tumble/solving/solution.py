@@ -29,14 +29,15 @@ from tumble.solving.crosscheck import (
     compare_uncertainties,
 )
 from tumble.solving.extended import NotSolvable
-from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
+from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
 from tumble.solving.further import Further, Without
 from tumble.solving.monte_carlo import MonteCarlo, simulate
+from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import ANGLES, StandSeen, look, own_variance
+from tumble.solving.stand_seen import ANGLES, StandSeen, look
 from tumble.stand import Stand
 from tumble.terms import Terms
-from tumble.units import noise_unit, volts_per
+from tumble.units import volts_per
 
 
 @dataclass(frozen=True)
@@ -231,7 +232,7 @@ def solve(
     compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
     seen = _without_angles(seen) if terms else seen
     if declared is not None and model is not None:
-        fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
+        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
     u_k, u_u0 = (None, None) if stand is None or u is None else u
     alone = u if stand is None else None
@@ -331,16 +332,6 @@ def _witness(
     k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
     given = schedule, means, weighting.stand, samples, weighting.step
     return reference.optimal(*given, k, of_means, mean_variance, terms)
-
-
-def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:
-    """Rounding by half a step counts as noise."""
-    several = run.samples[run.samples > 1]
-    declared = math.hypot(stand.sigma("noise"), step / 2.0)
-    variance = own_variance(seen.noise, run.samples[run.measured], stand)
-    assert variance is not None  # of a declared stand it is known
-    freedom = 3 * int((several - 1).sum())
-    return Scatter(seen.noise, freedom, declared, variance, noise_unit(run.unit), volts_per(run.unit))
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:

@@ -1,0 +1,117 @@
+/* Blocks: exact small cases, the ends of the ranges, refusals. The rule and its statistics are tested from Python. */
+#include "support.h"
+#include "tumble/core.h"
+
+#define FAR ((int32_t)TUMBLE_MAX_DEVIATION_COUNTS)
+
+static const tumble_averaging_config_t config = {
+    .saturation_counts = INT32_MAX, .min_samples = 1, .stillness_ratio = 1.0F};
+static tumble_averaging_t averaging;
+static tumble_blocks_t blocks;
+static tumble_stand_record_t stand;
+static double excess_v2[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS];
+
+static void set_up(void)
+{
+    ASSERT_STATUS(TUMBLE_OK, tumble_averaging_init(&averaging, &config));
+    ASSERT_STATUS(TUMBLE_OK, tumble_blocks_init(&blocks, 8));
+    stand = (tumble_stand_record_t){.samples = 1};
+}
+
+/* A position that counts up by `step` in the first channel, down in the second, and stays in the third. */
+static void take(uint8_t position, int32_t from, int32_t step, int samples)
+{
+    ASSERT_STATUS(TUMBLE_OK, tumble_averaging_begin(&averaging, position));
+    tumble_blocks_begin(&blocks);
+    for (int n = 0; n < samples; n++) {
+        const tumble_sample_t sample = {{from + (n * step), -from - (n * step), 5}, (uint16_t)n, 0};
+        ASSERT_STATUS(TUMBLE_OK, tumble_averaging_add(&averaging, &config, &sample));
+        tumble_blocks_add(&blocks, sample.counts);
+    }
+    ASSERT_STATUS(TUMBLE_OK, tumble_averaging_finish(&averaging, &config));
+    tumble_blocks_finish(&blocks);
+}
+
+static tumble_status_t look(void)
+{
+    return tumble_blocks_excess(&blocks, &averaging, &stand, 1.0, excess_v2);
+}
+
+/* On a ramp neighbouring blocks of m samples differ by m^2 steps. */
+static void test_sums_of_a_ramp(void)
+{
+    take(0, INT32_MAX - 200, 3, 8);
+    take(7, -INT32_MAX + 200, -3, 13);
+    TEST_ASSERT_EQUAL_UINT32(2, blocks.block_samples);
+    TEST_ASSERT_EQUAL_UINT32(5, blocks.pairs[0]);
+    TEST_ASSERT_EQUAL_UINT32(2, blocks.pairs[1]);
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_EQUAL_INT64(5 * 12 * 12, blocks.square_sum[0][i]);
+        TEST_ASSERT_EQUAL_INT64(2 * 48 * 48, blocks.square_sum[1][i]);
+    }
+    TEST_ASSERT_EQUAL_INT64(0, blocks.square_sum[0][2]);
+    TEST_ASSERT_EQUAL_INT64(0, blocks.square_sum[1][2]);
+}
+
+static void test_a_ramp_is_no_white_noise(void)
+{
+    take(0, 0, 100, 32);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE((excess_v2[0][0] > 1e4) && (excess_v2[0][0] < 1e7)); /* the variance of a sample is 9e5 */
+    TEST_ASSERT_TRUE(excess_v2[0][1] == excess_v2[0][0]);
+    TEST_ASSERT_TRUE((excess_v2[0][2] == 0.0) && (excess_v2[1][0] == 0.0));
+    const double found = excess_v2[0][0];
+    stand.noise_v = 1e-3;
+    ASSERT_STATUS(TUMBLE_OK, tumble_blocks_excess(&blocks, &averaging, &stand, -1e-3, excess_v2));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, found - (1.0 / 32.0), excess_v2[0][0] * 1e6);
+    stand.noise_v = 1e6;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE(excess_v2[0][0] == 0.0);
+}
+
+static void test_a_noise_that_no_mean_falls_below_is_declared_too(void)
+{
+    take(0, 0, 100, 32);
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double found = excess_v2[0][0];
+    stand.least_noise_v = 10.0;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, found - 100.0, excess_v2[0][0]);
+    stand.least_noise_v = 1e6;
+    ASSERT_STATUS(TUMBLE_OK, look());
+    TEST_ASSERT_TRUE(excess_v2[0][0] == 0.0);
+}
+
+static void test_a_sum_stops_at_its_end(void)
+{
+    const int32_t high[TUMBLE_CHANNELS] = {FAR, -FAR, 0};
+    const int32_t low[TUMBLE_CHANNELS] = {-FAR, FAR, 0};
+    ASSERT_STATUS(TUMBLE_OK, tumble_blocks_init(&blocks, (uint32_t)TUMBLE_MAX_SAMPLES));
+    tumble_blocks_begin(&blocks);
+    for (int n = 0; n < (1 << 15); n++) {
+        tumble_blocks_add(&blocks, ((n & 128) == 0) ? high : low);
+    }
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX, blocks.open_square_sum[1][0]);
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX, blocks.open_square_sum[1][1]);
+    TEST_ASSERT_EQUAL_INT64(0, blocks.open_square_sum[0][0]);
+    tumble_blocks_finish(&blocks);
+    take(0, 0, 1, 8);
+    ASSERT_STATUS(TUMBLE_E_DEVIATION, look());
+}
+
+static void test_refusals(void)
+{
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_init(NULL, 8));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_init(&blocks, 7));
+    ASSERT_STATUS(TUMBLE_E_TOO_FEW, look());
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(NULL, &averaging, &stand, 1.0, excess_v2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(&blocks, NULL, &stand, 1.0, excess_v2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(&blocks, &averaging, NULL, 1.0, excess_v2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(&blocks, &averaging, &stand, 1.0, NULL));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(&blocks, &averaging, &stand, 0.0, excess_v2));
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_blocks_excess(&blocks, &averaging, &stand, NOT_A_NUMBER, excess_v2));
+    take(0, 0, 1, 1);
+    ASSERT_STATUS(TUMBLE_E_TOO_FEW, look());
+}
+
+static const around_t around_each = {set_up, NULL};
