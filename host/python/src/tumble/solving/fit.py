@@ -127,13 +127,9 @@ def judge(model: WholeModel, confidence: float, seen: StandSeen, scatter: Scatte
     return replace(fit, explanations=tuple(_Search(model, seen, scatter, confidence).run()))
 
 
-def variance_of_means(stand: Stand, samples: Integers, step: float) -> Floats:
-    """By noise and rounding, for `stand` and the converter's `step` (0: unknown) in the unit of the outputs. Samples
-    with less noise than half a step round alike, and averaging does not help."""
-    averaged_over = np.where(samples > 1, samples, stand.samples)
-    own = stand.with_step(step).sigma("noise") ** 2 / averaged_over
-    alike = stand.sigma("noise") < abs(step) / 2.0
-    variance: Floats = own + (step**2 / 12.0 if alike else 0.0)
+def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
+    """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
+    variance: Floats = stand.sigma("noise") ** 2 / stand.averaged_over(samples) + rounding**2
     return variance
 
 
