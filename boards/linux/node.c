@@ -251,7 +251,10 @@ static void add_keeper(bench_world_t *world, node_t *node)
 {
     const bench_keeping_t *const keeping = &world->config->keeping;
     node->keeper_config = (tumble_keeper_config_t){
-        .sets = {.serial = keeping->serial, .settings = &keeping->settings},
+        .sets = {.serial = keeping->serial,
+                 .settings = &keeping->settings,
+                 .whole_step = tumble_whole_step,
+                 .whole_work = &node->whole_work},
         .uncertainty = tumble_navcomp_uncertainty,
         .stand_view = tumble_stand_view,
         .stand_memory = &node->stand_memory,

@@ -20,10 +20,11 @@ typedef struct {
      * its progress and the time are in use, no simulation. */
     bench_world_t world;
     port_linux_t port;
-    nv_file_t nv; /* in use if the options name a file; and so are these four */
+    nv_file_t nv; /* in use if the options name a file; and so are these five */
     tumble_keeper_t keeper;
     tumble_keeper_config_t keeper_config;
     tumble_stand_memory_t stand_memory;
+    tumble_whole_work_t whole_work;
     events_t events;
     bench_folder_t folder;
     FILE *progress;          /* null: nobody wants to know */

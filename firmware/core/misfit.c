@@ -19,11 +19,16 @@ typedef struct {
     double variance_v2;
 } fitted_t;
 
-double tumble_misfit_limit(int freedom)
+double tumble_chi_squared_limit(int freedom, double sigmas)
 {
     const double part = 2.0 / (9.0 * (double)freedom);
-    const double root = 1.0 - part + (TUMBLE_MISFIT_SIGMAS * tumble_sqrt(part));
+    const double root = 1.0 - part + (sigmas * tumble_sqrt(part));
     return (double)freedom * root * root * root;
+}
+
+double tumble_misfit_limit(int freedom)
+{
+    return tumble_chi_squared_limit(freedom, TUMBLE_MISFIT_SIGMAS);
 }
 
 static void begin_test(tumble_misfit_work_t *work)

@@ -1,14 +1,20 @@
-#include "tumble/core.h"
+/* A round of Gauss and Newton linearises where the one before ended, and goes through the run twice. The stages:
+ *
+ *     ROUND --> OPEN --> LOOK --> ROW --> LOOK ... --> OPEN, the next mounting ... --> SOLVE --> the last round: done
+ *                 ^                                                                      |
+ *                 |   all unknowns; what they have in common stays in the triangle       v
+ *                 '---------- the unknowns of a mounting alone, given the others <-------'
+ *                                --> ANGLE, for each of its positions --> the next mounting ... --> ROUND
+ *
+ * A step is one stage, but that a row is turned in over several, so that no step takes more than those of the misfit test.
+ */
+#include "core/whole_model.h"
 
 #include "core/arith.h"
-#include "core/normal.h"
-#include "core/turn.h"
 #include "core/vector.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
-#define STEPS 4             /* of Gauss and Newton */
+#define ROUNDS 4            /* of Gauss and Newton */
+#define TURNS 6             /* rotations of a row in one step */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 
 /* The unknowns: what a mounting has for itself comes first, so that it is eliminated with the mounting. Then the
@@ -17,98 +23,7 @@
 #define SHARED (COEFFICIENTS + TUMBLE_COEFFICIENTS)
 #define UNKNOWNS TUMBLE_WHOLE_UNKNOWNS
 
-enum { ALPHA1, ALPHA2, PLATFORM, COMMON_YAW };
-enum { YAW, THETA_H, THETA_N };
-
-/* Standard deviations of the stand's errors. */
-typedef struct {
-    double shared_rad[TUMBLE_WHOLE_SHARED];
-    double local_rad[TUMBLE_WHOLE_LOCAL];
-} sigmas_t;
-
-/* A position, linearised where the step before ended: outputs (V) per g, per sigma of an error, per rad. */
-typedef struct {
-    double attitude_g[TUMBLE_CHANNELS];
-    double by_local[TUMBLE_WHOLE_LOCAL][TUMBLE_CHANNELS];
-    double by_shared[TUMBLE_WHOLE_SHARED][TUMBLE_CHANNELS];
-    double by_angle[TUMBLE_CHANNELS];
-    double residual_v[TUMBLE_CHANNELS]; /* as if the set angle had no error */
-    double variance_v2;
-} linear_place_t;
-
-static void find_sigmas(const tumble_stand_record_t *stand, sigmas_t *sigmas)
-{
-    sigmas->shared_rad[ALPHA1] = stand->axis_tilt_rad;
-    sigmas->shared_rad[ALPHA2] = stand->level_rad;
-    sigmas->shared_rad[PLATFORM] = stand->platform_rad;
-    sigmas->shared_rad[COMMON_YAW] = stand->common_yaw ? stand->remount_rad : 0.0;
-    sigmas->local_rad[YAW] = stand->common_yaw ? 0.0 : stand->remount_rad;
-    sigmas->local_rad[THETA_H] = stand->seat_rad;
-    sigmas->local_rad[THETA_N] = stand->seat_rad;
-}
-
-/* From (h, n, v) of the table to the block's axes. */
-static void to_block(const tumble_mounting_t *mounting, const double f[3], double a[TUMBLE_CHANNELS])
-{
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        a[i] = tumble_dot(mounting->matrix[i], f);
-    }
-}
-
-/* What the outputs make of a change of the force, times `by`. */
-static void respond(const tumble_whole_work_t *work, const tumble_mounting_t *mounting, const double f[3], double by,
-                    double out_v[TUMBLE_CHANNELS])
-{
-    double a[TUMBLE_CHANNELS];
-    to_block(mounting, f, a);
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        out_v[i] = by * tumble_dot(work->coefficients.k_v_per_g[i], a);
-    }
-}
-
-static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *work, uint8_t p, linear_place_t *place)
-{
-    const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
-    const float *own = work->local_rad[mounting - run->schedule->mountings];
-    sigmas_t sigmas;
-    find_sigmas(run->stand, &sigmas);
-    double sine = run->schedule->positions[p].angle.sine;
-    double cosine = run->schedule->positions[p].angle.cosine;
-    double tilt_sine = mounting->tilt.sine;
-    double tilt_cosine = mounting->tilt.cosine;
-    const double angle_rad = (double)work->angle_rad[p];
-    tumble_turn(work->shared_rad[ALPHA2] + (double)own[THETA_N] + angle_rad, &sine, &cosine);
-    tumble_turn(work->shared_rad[ALPHA1], &tilt_sine, &tilt_cosine);
-    double force[3] = {tilt_cosine * sine, tilt_sine, tilt_cosine * cosine};
-    double by_alpha1[3] = {-tilt_sine * sine, tilt_cosine, -tilt_sine * cosine};
-    double by_turn[3] = {tilt_cosine * cosine, 0.0, -tilt_cosine * sine};
-    const double lean = (double)own[THETA_H] + work->shared_rad[PLATFORM];
-    tumble_turn(lean, &force[1], &force[2]);
-    tumble_turn(lean, &by_alpha1[1], &by_alpha1[2]);
-    tumble_turn(lean, &by_turn[1], &by_turn[2]);
-    double by_lean[3] = {0.0, force[2], -force[1]};
-    const double yaw = (double)own[YAW] + work->shared_rad[COMMON_YAW];
-    tumble_turn(yaw, &by_lean[0], &by_lean[1]);
-    tumble_turn(yaw, &force[0], &force[1]);
-    tumble_turn(yaw, &by_alpha1[0], &by_alpha1[1]);
-    tumble_turn(yaw, &by_turn[0], &by_turn[1]);
-    const double by_yaw[3] = {force[1], -force[0], 0.0};
-    to_block(mounting, force, place->attitude_g);
-    respond(work, mounting, by_yaw, sigmas.local_rad[YAW], place->by_local[YAW]);
-    respond(work, mounting, by_lean, sigmas.local_rad[THETA_H], place->by_local[THETA_H]);
-    respond(work, mounting, by_turn, sigmas.local_rad[THETA_N], place->by_local[THETA_N]);
-    respond(work, mounting, by_alpha1, sigmas.shared_rad[ALPHA1], place->by_shared[ALPHA1]);
-    respond(work, mounting, by_turn, sigmas.shared_rad[ALPHA2], place->by_shared[ALPHA2]);
-    respond(work, mounting, by_lean, sigmas.shared_rad[PLATFORM], place->by_shared[PLATFORM]);
-    respond(work, mounting, by_yaw, sigmas.shared_rad[COMMON_YAW], place->by_shared[COMMON_YAW]);
-    respond(work, mounting, by_turn, 1.0, place->by_angle);
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
-        place->residual_v[i] =
-            run->means->u_v[p][i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
-    }
-    place->variance_v2 = tumble_larger(run->mean_variance_v2[p], work->least_v2);
-}
+enum { ROUND, OPEN, LOOK, ROW, SOLVE, ANGLE };
 
 static double *triangle_row(tumble_whole_work_t *work, int j)
 {
@@ -125,17 +40,16 @@ static void clear_rows(tumble_whole_work_t *work, int from, int to)
     }
 }
 
-/* Turn work->row into the first `columns` rows of the triangle, by Givens rotations. What is then left of its right side
- * is a residual, if these are all. */
-static void add_row(tumble_whole_work_t *work, int columns)
+/* Turn work->row, by Givens rotations, into the rows of the triangle `from` to below `to`. */
+static void turn_row(tumble_whole_work_t *work, int from, int to)
 {
     double *row = work->row;
-    for (int j = 0; j < columns; j++) {
+    for (int j = from; j < to; j++) {
         double *r = triangle_row(work, j);
-        const double length = tumble_sqrt((r[0] * r[0]) + (row[j] * row[j]));
         if (tumble_within(row[j], 0.0)) {
             continue;
         }
+        const double length = tumble_sqrt((r[0] * r[0]) + (row[j] * row[j]));
         const double c = r[0] / length;
         const double s = row[j] / length;
         for (int k = j; k <= UNKNOWNS; k++) {
@@ -144,23 +58,30 @@ static void add_row(tumble_whole_work_t *work, int columns)
             r[k - j] = kept;
         }
     }
-    work->residual_square += row[UNKNOWNS] * row[UNKNOWNS];
+}
+
+/* What is left of a row's right side is a residual, if the row was turned into all. */
+static void end_row(tumble_whole_work_t *work)
+{
+    work->residual_square += work->row[UNKNOWNS] * work->row[UNKNOWNS];
 }
 
 /* An error of the stand is one of its sigmas, give or take one. */
-static void add_prior(tumble_whole_work_t *work, int unknown, double error_rad, double sigma_rad, int columns)
+static void add_prior(tumble_whole_work_t *work, int unknown, double error_rad, double sigma_rad)
 {
     for (int k = 0; k <= UNKNOWNS; k++) {
         work->row[k] = 0.0;
     }
     work->row[unknown] = 1.0;
     work->row[UNKNOWNS] = tumble_exceeds(sigma_rad, 0.0) ? (-error_rad / sigma_rad) : 0.0;
-    add_row(work, columns);
+    turn_row(work, unknown, work->columns);
+    end_row(work);
 }
 
 /* The row of the outputs combined by `mix`. */
-static void make_row(tumble_whole_work_t *work, const linear_place_t *place, const double mix[TUMBLE_CHANNELS])
+static void make_row(tumble_whole_work_t *work, const double mix[TUMBLE_CHANNELS])
 {
+    const tumble_whole_place_t *place = &work->place;
     double *row = work->row;
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
         row[e] = tumble_dot(mix, place->by_local[e]);
@@ -178,46 +99,22 @@ static void make_row(tumble_whole_work_t *work, const linear_place_t *place, con
     row[UNKNOWNS] = tumble_dot(mix, place->residual_v);
 }
 
-/* Three whitened rows: V^-1/2 = (I - c d d^T) / sqrt(v) for the covariance V = v I + sigma^2 d d^T of the outputs. */
-static void add_place(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t p, int columns)
+/* The whitened row of a channel: V^-1/2 = (I - c d d^T) / sqrt(v) for the covariance V = v I + sigma^2 d d^T of the
+ * outputs. */
+static void make_row_of_channel(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
-    linear_place_t place;
-    look_at(run, work, p, &place);
-    const double v = place.variance_v2;
-    const double square = tumble_dot(place.by_angle, place.by_angle);
-    const double along = run->stand->angle_rad * run->stand->angle_rad * square;
+    const tumble_whole_place_t *place = &work->place;
+    const int i = (int)work->channel;
+    const double v = place->variance_v2;
+    const double square = tumble_dot(place->by_angle, place->by_angle);
+    const double along = model->stand->angle_rad * model->stand->angle_rad * square;
     const double c = tumble_exceeds(square, 0.0) ? ((1.0 - tumble_sqrt(v / (v + along))) / square) : 0.0;
     const double weight = 1.0 / tumble_sqrt(v);
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        double mix[TUMBLE_CHANNELS];
-        for (int j = 0; j < TUMBLE_CHANNELS; j++) {
-            mix[j] = weight * (((i == j) ? 1.0 : 0.0) - (c * place.by_angle[i] * place.by_angle[j]));
-        }
-        make_row(work, &place, mix);
-        add_row(work, columns);
+    double mix[TUMBLE_CHANNELS];
+    for (int j = 0; j < TUMBLE_CHANNELS; j++) {
+        mix[j] = weight * (((i == j) ? 1.0 : 0.0) - (c * place->by_angle[i] * place->by_angle[j]));
     }
-}
-
-static bool belongs(const tumble_whole_run_t *run, uint8_t m, uint8_t p)
-{
-    return (run->schedule->positions[p].mounting == run->schedule->mountings[m].number) &&
-           tumble_normal_uses(run->schedule, run->means->measured, p);
-}
-
-/* All that one mounting says, into the first `columns` rows. */
-static void add_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t m, int columns)
-{
-    sigmas_t sigmas;
-    find_sigmas(run->stand, &sigmas);
-    clear_rows(work, 0, TUMBLE_WHOLE_LOCAL);
-    for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
-        add_prior(work, e, (double)work->local_rad[m][e], sigmas.local_rad[e], columns);
-    }
-    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        if (belongs(run, m, p)) {
-            add_place(run, work, p, columns);
-        }
-    }
+    make_row(work, mix);
 }
 
 /* The unknowns `from` to below `to`, those after them being known. */
@@ -239,45 +136,35 @@ static double held(double error_rad)
     return tumble_within(error_rad, most) ? error_rad : (tumble_exceeds(error_rad, 0.0) ? most : -most);
 }
 
-/* The best estimate of the error of a set angle, from what this step leaves of the outputs. */
-static double angle_error(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t p)
+/* The best estimate of the error of a set angle, from what this round leaves of the outputs. */
+static double angle_error(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
-    linear_place_t place;
-    look_at(run, work, p, &place);
-    const double square = run->stand->angle_rad * run->stand->angle_rad;
-    make_row(work, &place, place.by_angle);
+    const tumble_whole_place_t *place = &work->place;
+    const double square = model->stand->angle_rad * model->stand->angle_rad;
+    make_row(work, place->by_angle);
     double along = work->row[UNKNOWNS];
     for (int k = 0; k < UNKNOWNS; k++) {
         along -= work->row[k] * work->change[k];
     }
-    return held(square * along / (place.variance_v2 + (square * tumble_dot(place.by_angle, place.by_angle))));
+    return held(square * along / (place->variance_v2 + (square * tumble_dot(place->by_angle, place->by_angle))));
 }
 
-/* What a mounting has for itself, after the unknowns of all are known. */
-static void update_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *work, uint8_t m)
+/* What the mounting has for itself. */
+static void update_mounting(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
-    sigmas_t sigmas;
-    find_sigmas(run->stand, &sigmas);
-    add_mounting(run, work, m, TUMBLE_WHOLE_LOCAL);
-    substitute_back(work, 0, TUMBLE_WHOLE_LOCAL);
-    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        if (belongs(run, m, p)) {
-            work->angle_rad[p] = tumble_to_float(angle_error(run, work, p));
-        }
-    }
+    tumble_whole_sigmas_t sigmas;
+    tumble_whole_sigmas(model->stand, &sigmas);
+    float *own = work->local_rad[work->mounting];
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
-        const double error_rad = (double)work->local_rad[m][e] + (sigmas.local_rad[e] * work->change[e]);
-        work->local_rad[m][e] = tumble_to_float(held(error_rad));
+        own[e] = tumble_to_float(held((double)own[e] + (sigmas.local_rad[e] * work->change[e])));
     }
 }
 
-static void update_all(const tumble_whole_run_t *run, tumble_whole_work_t *work)
+/* What all have in common. */
+static void update_common(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
-    sigmas_t sigmas;
-    find_sigmas(run->stand, &sigmas);
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        update_mounting(run, work, m);
-    }
+    tumble_whole_sigmas_t sigmas;
+    tumble_whole_sigmas(model->stand, &sigmas);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double *change = &work->change[COEFFICIENTS + (TUMBLE_UNKNOWNS * i)];
         for (int j = 0; j < TUMBLE_CHANNELS; j++) {
@@ -290,23 +177,159 @@ static void update_all(const tumble_whole_run_t *run, tumble_whole_work_t *work)
     }
 }
 
-/* Solve the problem that is linear where the step before ended; the sum of squares that is left. */
-static double take_step(const tumble_whole_run_t *run, tumble_whole_work_t *work)
+/* The stages. */
+
+/* The next fit position of the mounting, from work->position on; behind the last one of all there is none. */
+static void seek(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
-    sigmas_t sigmas;
-    find_sigmas(run->stand, &sigmas);
+    const tumble_schedule_t *schedule = model->schedule;
+    const uint8_t number = schedule->mountings[work->mounting].number;
+    while ((work->position < schedule->position_count) &&
+           ((schedule->positions[work->position].mounting != number) ||
+            (schedule->positions[work->position].use != TUMBLE_USE_FIT))) {
+        work->position++;
+    }
+}
+
+static void seek_first(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    work->position = 0;
+    seek(model, work);
+}
+
+static void seek_next(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    work->position++;
+    seek(model, work);
+}
+
+static void begin_pass(tumble_whole_work_t *work, int columns)
+{
+    work->columns = (uint8_t)columns;
+    work->mounting = 0;
+    work->stage = OPEN;
+}
+
+static void begin_round(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    tumble_whole_sigmas_t sigmas;
+    tumble_whole_sigmas(model->stand, &sigmas);
+    begin_pass(work, UNKNOWNS);
     clear_rows(work, 0, UNKNOWNS);
     work->residual_square = 0.0;
+    work->means = 0;
     for (int e = 0; e < TUMBLE_WHOLE_SHARED; e++) {
-        add_prior(work, SHARED + e, work->shared_rad[e], sigmas.shared_rad[e], UNKNOWNS);
+        add_prior(work, SHARED + e, work->shared_rad[e], sigmas.shared_rad[e]);
     }
-    for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
-        add_mounting(run, work, m, UNKNOWNS);
+}
+
+static void open_mounting(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    tumble_whole_sigmas_t sigmas;
+    tumble_whole_sigmas(model->stand, &sigmas);
+    clear_rows(work, 0, TUMBLE_WHOLE_LOCAL);
+    for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
+        add_prior(work, e, (double)work->local_rad[work->mounting][e], sigmas.local_rad[e]);
     }
-    const double square = work->residual_square;
+    seek_first(model, work);
+    work->stage = LOOK;
+}
+
+static void end_mounting(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    work->mounting++;
+    if (work->mounting < model->schedule->mounting_count) {
+        work->stage = OPEN;
+    } else if (work->columns == (uint8_t)UNKNOWNS) {
+        work->stage = SOLVE;
+    } else {
+        update_common(model, work);
+        work->stage = ROUND;
+    }
+}
+
+static void look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading, tumble_whole_work_t *work)
+{
+    if (work->position < model->schedule->position_count) {
+        tumble_whole_look(model, reading, work);
+        work->means += (uint8_t)TUMBLE_CHANNELS;
+        work->channel = 0;
+        work->column = 0;
+        work->stage = ROW;
+    } else if (work->columns == (uint8_t)UNKNOWNS) {
+        end_mounting(model, work);
+    } else {
+        substitute_back(work, 0, TUMBLE_WHOLE_LOCAL);
+        seek_first(model, work);
+        work->stage = ANGLE;
+    }
+}
+
+static void add_row(const tumble_whole_model_t *model, tumble_whole_work_t *work)
+{
+    const int from = (int)work->column;
+    const int to = ((from + TURNS) < (int)work->columns) ? (from + TURNS) : (int)work->columns;
+    if (from == 0) {
+        make_row_of_channel(model, work);
+    }
+    turn_row(work, from, to);
+    work->column = (uint8_t)to;
+    if (to == (int)work->columns) {
+        end_row(work);
+        work->column = 0;
+        work->channel++;
+    }
+    if (work->channel == (uint8_t)TUMBLE_CHANNELS) {
+        seek_next(model, work);
+        work->stage = LOOK;
+    }
+}
+
+/* False: that was the last round. */
+static bool solve(tumble_whole_work_t *work)
+{
+    work->chi_squared = work->residual_square;
+    work->freedom = (uint8_t)(work->means - (uint8_t)TUMBLE_COEFFICIENTS);
+    work->round++;
     substitute_back(work, TUMBLE_WHOLE_LOCAL, UNKNOWNS);
-    update_all(run, work);
-    return square;
+    begin_pass(work, TUMBLE_WHOLE_LOCAL);
+    return work->round < (uint8_t)ROUNDS;
+}
+
+static void find_angle(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                       tumble_whole_work_t *work)
+{
+    if (work->position < model->schedule->position_count) {
+        tumble_whole_look(model, reading, work);
+        work->angle_rad[work->position] = tumble_to_float(angle_error(model, work));
+        seek_next(model, work);
+    } else {
+        update_mounting(model, work);
+        end_mounting(model, work);
+    }
+}
+
+bool tumble_whole_go_on(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                        tumble_whole_work_t *work)
+{
+    bool more = true;
+    const bool looks = (work->stage == (uint8_t)LOOK) || (work->stage == (uint8_t)ANGLE);
+    if (looks && !reading->measured && (work->position < model->schedule->position_count)) {
+        seek_next(model, work);
+    } else if (work->stage == (uint8_t)ROUND) {
+        begin_round(model, work);
+    } else if (work->stage == (uint8_t)OPEN) {
+        open_mounting(model, work);
+    } else if (work->stage == (uint8_t)LOOK) {
+        look(model, reading, work);
+    } else if (work->stage == (uint8_t)ROW) {
+        add_row(model, work);
+    } else if (work->stage == (uint8_t)SOLVE) {
+        more = solve(work);
+    } else {
+        find_angle(model, reading, work);
+    }
+    return more;
 }
 
 static double largest_k(const tumble_coefficients_t *coefficients)
@@ -318,27 +341,10 @@ static double largest_k(const tumble_coefficients_t *coefficients)
     return largest;
 }
 
-tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
-                                         uint8_t *freedom)
+void tumble_whole_start(tumble_whole_work_t *work, const tumble_coefficients_t *coefficients)
 {
-    if ((run == NULL) || (run->schedule == NULL) || (run->means == NULL) || (run->stand == NULL) ||
-        (run->mean_variance_v2 == NULL) || (work == NULL) || (chi_squared == NULL) || (freedom == NULL)) {
-        return TUMBLE_E_ARGUMENT;
-    }
-    *work = (tumble_whole_work_t){.residual_square = 0.0};
-    const tumble_status_t status = tumble_estimate_least_squares(run->schedule, run->means, &work->coefficients, NULL);
-    if (status != TUMBLE_OK) {
-        return status;
-    }
-    const double least_v = SMALLEST_NOISE * largest_k(&work->coefficients);
+    const double least_v = SMALLEST_NOISE * largest_k(coefficients);
+    *work = (tumble_whole_work_t){.under_way = true, .stage = ROUND};
+    work->coefficients = *coefficients;
     work->least_v2 = least_v * least_v;
-    for (int n = 0; n < STEPS; n++) {
-        *chi_squared = take_step(run, work);
-    }
-    int means = 0;
-    for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-        means += tumble_normal_uses(run->schedule, run->means->measured, p) ? TUMBLE_CHANNELS : 0;
-    }
-    *freedom = (uint8_t)(means - TUMBLE_COEFFICIENTS);
-    return TUMBLE_OK;
 }

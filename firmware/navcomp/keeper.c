@@ -10,7 +10,7 @@
 #include <stddef.h>
 
 #define BOOT_CALLS 2048 /* of the memory: more than it takes to look through all that is kept */
-#define RETRY_US 1000U  /* to the next call of the memory */
+#define RETRY_US 1000U  /* to the next step of the sets, which may call the memory */
 
 static_assert(TUMBLE_MAX_POSITIONS <= 64, "a position is one bit of 64");
 
@@ -218,7 +218,8 @@ static void step(void *context, uint64_t now_us)
     if (tumble_sets_news(&keeper->sets)) {
         tumble_pdo_trigger(&keeper->navcomp->node.pdos, TUMBLE_KEEPER_PDO);
     }
-    keeper->due_us = tumble_sets_has_work(&keeper->sets) ? (now_us + RETRY_US) : UINT64_MAX;
+    const uint64_t pause_us = tumble_sets_computes(&keeper->sets) ? 0U : RETRY_US;
+    keeper->due_us = tumble_sets_has_work(&keeper->sets) ? (now_us + pause_us) : UINT64_MAX;
 }
 
 static uint64_t next_us(const void *context)

@@ -77,9 +77,9 @@ static_assert(sizeof(tumble_keeper_t) <= ((sizeof(void *) == 4U) ? 2176U : 2368U
  * those with which it began).
  *
  * It also refuses others. While inhibited: every command that begins or resumes a run or turns the table. Until the
- * saved parameters (1010h) are in force after power-on or an NMT reset: TUMBLE_COMMAND_START. For some 100 ms after
- * DONE, while the result is judged: TUMBLE_COMMAND_START, TUMBLE_COMMAND_REPEAT_POSITION and
- * TUMBLE_COMMAND_REPEAT_MOUNTING. */
+ * saved parameters (1010h) are in force after power-on or an NMT reset: TUMBLE_COMMAND_START. While the result is
+ * judged, for some 100 ms after DONE (with the whole-model test for as long as a thousand steps more take):
+ * TUMBLE_COMMAND_START, TUMBLE_COMMAND_REPEAT_POSITION and TUMBLE_COMMAND_REPEAT_MOUNTING. */
 extern const tumble_keeping_t tumble_keeper_calls;
 
 /* tumble_sets_inhibit; a run under way is given up and the table stopped, with TUMBLE_REASON_INHIBITED. */

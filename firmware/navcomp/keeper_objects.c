@@ -21,6 +21,10 @@ static const tumble_limit_t limits[] = {
 
 TUMBLE_IS_ARRAY("2023h:1", tumble_uncertainty_t, k_v_per_g, k_v_per_g[0][0], 8U, 9U);
 TUMBLE_IS_ARRAY("2024h:1", tumble_uncertainty_t, u0_v, u0_v[0], 8U, 3U);
+TUMBLE_HAS_SIZE("2025h:1", tumble_whole_work_t, chi_squared, 8U);
+TUMBLE_FOLLOWS("2025h:2", tumble_whole_work_t, chi_squared, limit, 8U);
+TUMBLE_FOLLOWS("2025h:3", tumble_whole_work_t, limit, misfit, 8U);
+TUMBLE_HAS_SIZE("2025h:4", tumble_whole_work_t, freedom, 1U);
 TUMBLE_HAS_SIZE("2100h:1", tumble_set_t, sequence, 4U);
 TUMBLE_FOLLOWS("2100h:2", tumble_set_t, sequence, restores, 4U);
 TUMBLE_HAS_SIZE("2100h:3", tumble_set_t, origin, 1U);
@@ -145,6 +149,11 @@ static const tumble_entry_t entries[] = {
     /* u_U0 */
     {0x2024U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 2U, offsetof(tumble_uncertainty_t, u0_v[0])},
+    /* Fit */
+    {0x2025U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 2U, offsetof(tumble_whole_work_t, chi_squared)},
+    {0x2025U, 4U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_whole_work_t, freedom)},
     /* Active set, and 3 more */
     {0x2100U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 4U, 0U, 3U, 1U, offsetof(tumble_set_t, sequence)},

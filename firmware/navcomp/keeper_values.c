@@ -86,18 +86,24 @@ static tumble_abort_t read_set(tumble_keeper_t *keeper, const tumble_entry_t *en
     return is_known(&set, entry->offset) ? member(&set, entry, bytes, size) : TUMBLE_ABORT_NO_DATA;
 }
 
-/* The present result. Its uncertainties were computed once, when the run ended. */
+/* The present result. Its uncertainties, and how it fits, were computed once, when the run ended. */
 
-static tumble_abort_t read_uncertainty(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
-                                       uint8_t *size)
+static tumble_abort_t read_result(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                  uint8_t *size)
 {
     tumble_result_t result;
-    const tumble_uncertainty_t *uncertainty;
+    const tumble_uncertainty_t *uncertainty = NULL;
+    const tumble_whole_work_t *fit = NULL;
     if (tumble_navcomp_result(keeper->navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_ABORT_NO_DATA;
     }
-    const tumble_abort_t refusal = refusal_of(tumble_sets_uncertainty(&keeper->sets, &uncertainty));
-    return (refusal == TUMBLE_ABORT_NONE) ? member(uncertainty, entry, bytes, size) : refusal;
+    const bool of_fit = (entry->index == TUMBLE_KEEPER_INDEX_FIT);
+    const tumble_abort_t refusal = refusal_of(of_fit ? tumble_sets_whole_model(&keeper->sets, &fit)
+                                                     : tumble_sets_uncertainty(&keeper->sets, &uncertainty));
+    if (refusal != TUMBLE_ABORT_NONE) {
+        return refusal;
+    }
+    return of_fit ? member(fit, entry, bytes, size) : member(uncertainty, entry, bytes, size);
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -224,7 +230,8 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         break;
     case TUMBLE_KEEPER_INDEX_U_K:
     case TUMBLE_KEEPER_INDEX_U_U0:
-        refusal = read_uncertainty(keeper, entry, bytes, size);
+    case TUMBLE_KEEPER_INDEX_FIT:
+        refusal = read_result(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_KEEPER:
     case TUMBLE_KEEPER_INDEX_HOST:

@@ -1,13 +1,15 @@
 /* From a result to a verdict, a part in each step:
  *
- *     run_done --> UNCERTAINTY, 12 steps --> FIT, a step a position --+
- *         |                                                           v
- *         `-- no stand is declared ---------------------------> COMPARE_SETS --> COMPARE_HISTORY --> DECIDE
+ *     run_done --> UNCERTAINTY, 12 steps --> FIT, a step a position --> WHOLE_MODEL, if the board asks --+
+ *         |                                                                                             v
+ *         `-- no stand is declared -------------------------------------------------------------> COMPARE_SETS
+ *
+ *     COMPARE_SETS --> COMPARE_HISTORY --> DECIDE
  *
  *     DECIDE: seen before: store nothing    no objection: commit    else: hold
  *
- * All of it takes some 100 ms. Meanwhile the means must stay as they are, so commands that begin a run or measure anew
- * are refused (tumble_sets_allow).
+ * All of it takes some 100 ms, and the thousand steps of WHOLE_MODEL, which follow each other at once. Meanwhile the means
+ * must stay as they are, so commands that begin a run or measure anew are refused (tumble_sets_allow).
  */
 #include "sets/parts.h"
 
@@ -71,13 +73,18 @@ static uint32_t count_samples(const tumble_sets_t *sets)
     return samples;
 }
 
+static void object_if(tumble_sets_t *sets, bool objects, tumble_objection_t objection)
+{
+    sets->set.reasons |= objects ? TUMBLE_OBJECTION_BIT(objection) : 0U;
+}
+
 /* Rules other than the board's when the run was done are an objection, even if the board's are in force again when it
  * is decided. */
 static void note_rules(tumble_sets_t *sets)
 {
     const bool others = tumble_sets_rules_are_other(sets);
     sets->set.flags |= tumble_sets_rules_flag(sets);
-    sets->set.reasons |= others ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES) : 0U;
+    object_if(sets, others, TUMBLE_OBJECTION_OTHER_RULES);
 }
 
 void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
@@ -100,6 +107,9 @@ void tumble_sets_run_done(tumble_sets_t *sets, const tumble_finished_run_t *run)
     sets->repeated = false;
     sets->looked_again = false;
     tumble_misfit_begin(sets->owner->misfit);
+    if (sets->config->whole_step != NULL) {
+        tumble_whole_begin(sets->config->whole_work);
+    }
     begin_task(sets, (sets->owner->uncertainty != NULL) ? TASK_UNCERTAINTY : TASK_COMPARE_SETS);
 }
 
@@ -125,10 +135,11 @@ static void judge_uncertainty(tumble_sets_t *sets)
     }
 }
 
-/* One position. */
+/* One step of either test. */
 static void judge_fit(tumble_sets_t *sets)
 {
     const tumble_sets_run_t *at_hand = sets->run;
+    const tumble_sets_config_t *config = sets->config;
     const tumble_misfit_run_t run = {
         .schedule = at_hand->schedule,
         .averaging = at_hand->averaging,
@@ -136,10 +147,16 @@ static void judge_fit(tumble_sets_t *sets)
         .stand = at_hand->stand,
         .v_per_count = at_hand->v_per_count,
     };
-    tumble_misfit_work_t *work = sets->owner->misfit;
-    if (!tumble_misfit_step(work, &run)) {
-        sets->set.reasons |= work->misfit ? TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) : 0U;
-        begin_task(sets, TASK_COMPARE_SETS);
+    if (sets->task == (uint8_t)TASK_WHOLE_MODEL) {
+        if (!config->whole_step(config->whole_work, &run)) {
+            object_if(sets, config->whole_work->misfits, TUMBLE_OBJECTION_WHOLE_MODEL);
+            begin_task(sets, TASK_COMPARE_SETS);
+        }
+    } else if (!tumble_misfit_step(sets->owner->misfit, &run)) {
+        object_if(sets, sets->owner->misfit->misfit, TUMBLE_OBJECTION_DOES_NOT_FIT);
+        begin_task(sets, (config->whole_step != NULL) ? TASK_WHOLE_MODEL : TASK_COMPARE_SETS);
+    } else {
+        /* the test goes on */
     }
 }
 
@@ -224,6 +241,7 @@ static uint16_t object(const tumble_sets_t *sets, tumble_set_t *active)
         active->date_utc_s = 0;
     }
     const unsigned found = (unsigned)TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_DOES_NOT_FIT) |
+                           TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_WHOLE_MODEL) |
                            TUMBLE_OBJECTION_BIT(TUMBLE_OBJECTION_OTHER_RULES);
     return (uint16_t)((sets->set.reasons & found) |
                       tumble_commit_objections(&sets->set, active, &sets->settings.limits, sets->repeated));
@@ -260,7 +278,7 @@ void tumble_sets_judge(tumble_sets_t *sets)
 {
     if (sets->task == (uint8_t)TASK_UNCERTAINTY) {
         judge_uncertainty(sets);
-    } else if (sets->task == (uint8_t)TASK_FIT) {
+    } else if (tumble_sets_is_assessing(sets)) {
         judge_fit(sets);
     } else if (sets->task == (uint8_t)TASK_COMPARE_SETS) {
         compare_with_sets(sets);

@@ -24,7 +24,8 @@
 enum {
     TASK_NONE = 0,
     TASK_UNCERTAINTY,     /* of the result; `at`: coefficient */
-    TASK_FIT,             /* does the run fit the declared stand? */
+    TASK_FIT,             /* does the run fit the declared stand, mounting by mounting? */
+    TASK_WHOLE_MODEL,     /* and as a whole? */
     TASK_COMPARE_SETS,    /* is the result one of the sets that the store holds? `at`: which */
     TASK_COMPARE_HISTORY, /* or of those it held? `at`: age */
     TASK_DECIDE,
@@ -65,10 +66,10 @@ void tumble_sets_record_decay(tumble_sets_t *sets);      /* in the history: at m
 /* judge.c */
 void tumble_sets_judge(tumble_sets_t *sets); /* go on with it: one call of the memory, or a part of a computation */
 
-/* Is a result being judged whose means must stay as they are? For some 100 ms after DONE. */
+/* Is a result being judged whose means must stay as they are? For some 100 ms after DONE, and a thousand steps more. */
 static inline bool tumble_sets_is_assessing(const tumble_sets_t *sets)
 {
-    return (sets->task == (uint8_t)TASK_UNCERTAINTY) || (sets->task == (uint8_t)TASK_FIT);
+    return (sets->task >= (uint8_t)TASK_UNCERTAINTY) && (sets->task <= (uint8_t)TASK_WHOLE_MODEL);
 }
 
 /* kept_run.c */

@@ -117,6 +117,15 @@ tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_
     return ((sets->set.flags & TUMBLE_SET_HAS_UNCERTAINTY) != 0U) ? TUMBLE_OK : TUMBLE_E_STATE;
 }
 
+tumble_status_t tumble_sets_whole_model(const tumble_sets_t *sets, const tumble_whole_work_t **found)
+{
+    if (sets->run_was_on || tumble_sets_is_assessing(sets)) {
+        return TUMBLE_E_PORT_BUSY;
+    }
+    *found = sets->config->whole_work;
+    return ((*found != NULL) && (*found)->known) ? TUMBLE_OK : TUMBLE_E_STATE;
+}
+
 uint32_t tumble_sets_counter(const tumble_sets_t *sets)
 {
     return sets->sequence;

@@ -31,6 +31,11 @@ bool tumble_sets_has_work(const tumble_sets_t *sets)
     return tumble_sets_busy(sets) || sets->stale || (sets->task != (uint8_t)TASK_NONE) || (sets->wants != 0U);
 }
 
+TUMBLE_ONE_COPY bool tumble_sets_computes(const tumble_sets_t *sets)
+{
+    return (sets->task == (uint8_t)TASK_WHOLE_MODEL) && !tumble_sets_busy(sets);
+}
+
 void tumble_sets_begin_job(tumble_sets_t *sets, uint8_t job, tumble_status_t status)
 {
     if (status == TUMBLE_OK) {

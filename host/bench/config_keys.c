@@ -60,6 +60,7 @@ const bench_key_t bench_config_keys[] = {
     {"block.first_sample_us", BENCH_U32, 1, BLOCK(first_sample_us), 0, 1e6, "us from Operational to the first sample"},
     {"block.first_counter", BENCH_U16, 1, BLOCK(first_counter), 0, 65535, "sample counter at power-on"},
     {"block.first_timestamp_ms", BENCH_U16, 1, BLOCK(first_timestamp_ms), 0, 4095, "ms; its clock at power-on"},
+    {"block.k2_per_g", BENCH_F64, 3, SENSOR(k2_per_g), -1, 1, "1/g; second order of a channel, relative to its K_ii"},
     {"block.drift_v_per_h", BENCH_F64, 3, SENSOR(drift_v_per_h), -BIG, BIG, "V/h; drift of the outputs"},
     {"block.start_c", BENCH_F64, 1, TEMPERATURE(start_c), -64, 63.5, "degrees C at power-on"},
     {"block.end_c", BENCH_F64, 1, TEMPERATURE(end_c), -64, 63.5, "degrees C in the end"},

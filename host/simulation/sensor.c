@@ -55,7 +55,9 @@ static double output_v(const sim_sensor_t *sensor, int channel, const double a_g
 {
     const sim_sensor_config_t *const config = sensor->config;
     const double *const k = config->k_v_per_g[channel];
-    const double response = k[0] * a_g[0] + k[1] * a_g[1] + k[2] * a_g[2];
+    const double along_g = a_g[channel];
+    const double response =
+        k[0] * a_g[0] + k[1] * a_g[1] + k[2] * a_g[2] + k[channel] * config->k2_per_g[channel] * (along_g * along_g);
     const double scale = 1.0 + config->temperature.scale_per_c[channel] * above_reference_c;
     const double bias = config->u0_v[channel] + config->drift_v_per_h[channel] * (time_s / 3600.0) +
                         config->temperature.bias_v_per_c[channel] * above_reference_c;

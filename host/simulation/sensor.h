@@ -1,6 +1,7 @@
 /* sensor.h - the accelerometer block's analogue side: from specific force to the converter's counts.
  *
- *     U = U0 + K a, then noise, drift, temperature; then the converter rounds to its step and stops at its range
+ *     U = U0 + K a + K_ii k2 a_i^2, then noise, drift, temperature; then the converter rounds to its step and stops at
+ *     its range
  *
  * and everything that may be wrong with it. One call makes one sample; nothing here knows of time but what it is told.
  */
@@ -28,6 +29,7 @@ typedef struct {
 typedef struct {
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS];
     double u0_v[TUMBLE_CHANNELS];
+    double k2_per_g[TUMBLE_CHANNELS];
     double noise_v[TUMBLE_CHANNELS]; /* limit of one sample's noise, read by `noise_law` */
     sim_law_t noise_law;
     double range_v;         /* the converter measures from - to + this */

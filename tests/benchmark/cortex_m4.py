@@ -114,11 +114,12 @@ def main():
             return NOT_THERE
     with tempfile.TemporaryDirectory() as folder:
         costs = measure(Path(folder), f"-O{options.optimise}")
+        whole = whole_model(Path(folder), f"-O{options.optimise}")
         steps = navcomp_steps(Path(folder), f"-O{options.optimise}")
     if options.json:
-        print(json.dumps({name: asdict(cost) for name, cost in costs.items()} | {"steps": steps}))
+        print(json.dumps({name: asdict(cost) for name, cost in costs.items()} | {"steps": steps, "whole_model": whole}))
     else:
-        print(table(costs), *step_lines(steps), *budget_lines(), HONEST, sep="\n")
+        print(table(costs), *whole_lines(whole), *step_lines(steps), *budget_lines(), HONEST, sep="\n")
     return 0
 
 
@@ -145,6 +146,28 @@ def measure(folder, optimise):
     for name in SAMPLE_PATHS:
         costs[name].instructions = round((costs[name].instructions - loop.instructions) / SAMPLES)
     return costs
+
+
+def whole_model(folder, optimise):
+    """The test of the whole model by schedule: [steps, instructions of all, of the longest, stack], after `measure`."""
+    sources = [HERE / "whole_model.c", *(TARGET / name for name in ("start.c", "measure.c"))]
+    (folder / "whole").mkdir()
+    driver = [compile_c(source, folder / "whole", optimise) for source in sources]
+    objects = [folder / f"{source.stem}.o" for source in sorted((ROOT / "firmware/core").glob("*.c"))]
+    elf = folder / "whole.elf"
+    command = ["arm-none-eabi-gcc", *FLAGS, f"-T{TARGET / 'link.ld'}", *driver, folder / "data.o", *objects, *LINK]
+    subprocess.run([*command, "-o", elf], check=True)
+    result = subprocess.run([*QEMU, elf], check=True, capture_output=True, text=True, timeout=120)
+    lines = [line.split()[1:] for line in (result.stdout + result.stderr).splitlines() if line.startswith("whole ")]
+    return {name: [*map(int, numbers)] for name, *numbers in lines}
+
+
+def whole_lines(whole):
+    """The test of the whole model as text."""
+    lines = ["", f"{'the whole model':32}{'instructions':>12}{'longest':>9}{'stack':>9}{'steps':>7}"]
+    for name, (steps, instructions, longest, stack) in whole.items():
+        lines.append(f"{name:32}{instructions:12,}{longest:9,}{stack:9}{steps:7}")
+    return lines
 
 
 def navcomp_steps(folder, optimise):

@@ -27,6 +27,7 @@ def test_what_the_estimators_cost():
     assert result.returncode == 0, result.stderr
     found = json.loads(result.stdout)
     steps = found.pop("steps")
+    check_whole_model(found.pop("whole_model"), steps)
     costs = {name: cost["instructions"] for name, cost in found.items()}
     stacks = {name: cost["stack"] for name, cost in found.items()}
     refined, table = costs["refined"], costs["optimal: table, 2nd order"]
@@ -46,6 +47,15 @@ def test_what_the_estimators_cost():
     check_steps(steps)
 
 
+def check_whole_model(whole, steps):
+    """No step is longer than the longest one that a navigation computer makes without it."""
+    assert list(whole) == ["paper", "three_mountings", "diagonal"]
+    for taken, instructions, longest, stack in whole.values():
+        assert taken < 2000 and 20e6 < instructions < 60e6 and instructions / taken < longest < 68_000
+        assert stack < 736
+        assert steps is None or longest < max(step[3] for step in steps.values())
+
+
 def check_steps(steps):
     if steps is None:
         pytest.skip("Unity is not there: the steps of the navigation computer were left out")
@@ -58,11 +68,11 @@ def check_steps(steps):
 def test_a_table_is_printed_with_ratios():
     result = benchmark()
     assert result.returncode == 0, result.stderr
-    estimators, steps, budget, honest = result.stdout.split("\n\n")
+    estimators, whole, steps, budget, honest = result.stdout.split("\n\n")
     header, first, *rest = estimators.splitlines()
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
-    assert len(rest) == 15
+    assert len(rest) == 15 and len(whole.splitlines()) == 4
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
     assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
     for target in ("cortex-m4", "cortex-a53"):

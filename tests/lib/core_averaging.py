@@ -41,6 +41,11 @@ class Averaging:
         self._sample = ffi.new("tumble_sample_t *")
         require_ok(lib.tumble_averaging_init(self._state, self._config))
 
+    @property
+    def state(self):
+        """The core's own struct."""
+        return self._state
+
     def begin(self, index: int) -> None:
         """Open a position, forgetting what it held."""
         require_ok(lib.tumble_averaging_begin(self._state, index))

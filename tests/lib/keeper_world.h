@@ -21,7 +21,7 @@ static inline void world_power_on(uint64_t seed, uint64_t utc_s)
 
 static inline void world_settle(void)
 {
-    for (int i = 0; i < 500; i++) {
+    for (int i = 0; (i < 500) || ((i < 5000) && tumble_sets_has_work(&keeper.sets)); i++) {
         world.clock.now_us += 1000U;
         tumble_navcomp_step(&world.navcomp);
     }

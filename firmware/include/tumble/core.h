@@ -769,47 +769,6 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
                                               const tumble_random_errors_t *errors, tumble_fit_work_t *work,
                                               double *chi_squared, uint8_t *freedom);
 
-/* ---- The whole model: does a run fit its coefficients and the stand that is declared? Chi-squared of all residuals.
- *
- * Generalised least squares on the exact geometry: unknown are the coefficients and every error that the stand declares,
- * each with its variance as prior. The smallest sum of the squares of what remains, outputs and errors in units of their
- * standard deviations, is chi-squared with 3 P - 12 degrees of freedom for P measured fit positions: docs/method.md,
- * "Does the run fit its stand?". It is found by four steps of Gauss and Newton from a least-squares estimate on the ideal
- * stand, so no estimator takes part. The error of a set angle is eliminated position by position, what a mounting has for
- * itself mounting by mounting: the memory does not grow with either. An error of the stand that comes out beyond
- * TUMBLE_MAX_STAND_ERROR_RAD is held there: such a run fits nothing.
- */
-
-/* The run and its stand. */
-typedef struct {
-    const tumble_schedule_t *schedule;
-    const tumble_means_t *means;
-    const tumble_stand_record_t *stand; /* its angles alone, checked by its owner */
-    const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
-} tumble_whole_run_t;
-
-#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
-#define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
-#define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
-
-/* Working memory, 2.7 kB. The caller owns it; its content means nothing outside. */
-typedef struct {
-    double triangle[(TUMBLE_WHOLE_UNKNOWNS * (TUMBLE_WHOLE_UNKNOWNS + 3)) / 2]; /* with right sides, by rows */
-    double row[TUMBLE_WHOLE_UNKNOWNS + 1];
-    double change[TUMBLE_WHOLE_UNKNOWNS]; /* of the unknowns, by this step; errors in units of their sigma */
-    double residual_square;
-    double least_v2; /* no mean has less variance */
-    tumble_coefficients_t coefficients;
-    double shared_rad[TUMBLE_WHOLE_SHARED];
-    float local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL]; /* where a step is linearised: a float will do */
-    float angle_rad[TUMBLE_MAX_POSITIONS];
-} tumble_whole_work_t;
-
-/* Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), and what tumble_estimate_least_squares returns. Both results are written
- * on TUMBLE_OK alone. */
-tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
-                                         uint8_t *freedom);
-
 /* ---- Blocks: the standard errors of means as the samples show them.
  *
  * The scatter of samples over root N is the standard error of their mean only if the noise is white. Blocks of
@@ -929,10 +888,98 @@ void tumble_misfit_begin(tumble_misfit_work_t *work);
  * floating point hardware. Call it until it returns false; then `work->misfit` is the verdict. */
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
 
-/* The largest chi-squared of an honest run, by Wilson and Hilferty (1931): k (1 - 2/(9 k) + z sqrt(2/(9 k)))^3 with
- * z = TUMBLE_MISFIT_SIGMAS: never below the true quantile, and above it by 9 % (1 degree), 2.4 % (6), 0.8 % (18).
- * `freedom` 1 or more: without freedom there is nothing to judge, and the answer would not be a number. */
+/* The quantile of chi-squared that belongs to so many one-sided `sigmas` of the normal distribution, by Wilson and
+ * Hilferty (1931): k (1 - 2/(9 k) + sigmas sqrt(2/(9 k)))^3. With 4 it is never below the true quantile, and above it by
+ * 9 % (1 degree), 2.4 % (6), 0.8 % (18). `freedom` 1 or more: without freedom there is nothing to judge, and the answer
+ * would not be a number. */
+double tumble_chi_squared_limit(int freedom, double sigmas);
+
+/* The largest chi-squared of an honest run: tumble_chi_squared_limit with TUMBLE_MISFIT_SIGMAS. */
 double tumble_misfit_limit(int freedom);
+
+/* ---- The whole model: does a run fit its coefficients and the stand that is declared? Chi-squared of all residuals.
+ *
+ * Generalised least squares on the exact geometry: unknown are the coefficients and every error that the stand declares,
+ * each with its variance as prior. The smallest sum of the squares of what remains, outputs and errors in units of their
+ * standard deviations, is chi-squared with 3 P - 12 degrees of freedom for P measured fit positions: docs/method.md,
+ * "Does the run fit its stand?". It is found by four steps of Gauss and Newton from any estimate of the coefficients, and
+ * does not depend on which. The error of a set angle is eliminated position by position, what a mounting has for itself
+ * mounting by mounting: the memory does not grow with either. An error of the stand that comes out beyond
+ * TUMBLE_MAX_STAND_ERROR_RAD is held there: such a run fits nothing.
+ */
+
+/* The run and its stand. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_means_t *means;
+    const tumble_stand_record_t *stand; /* its angles alone, checked by its owner */
+    const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
+} tumble_whole_run_t;
+
+#define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
+#define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
+#define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
+
+/* One-sided quantile of the normal distribution that belongs to the confidence, 99.9 %: of a thousand honest runs one is
+ * beyond the limit. */
+#define TUMBLE_WHOLE_SIGMAS 3.0902323061678135
+
+/* A position, linearised: outputs (V) per g, per sigma of an error, per rad. Private. */
+typedef struct {
+    double attitude_g[TUMBLE_CHANNELS];
+    double by_local[TUMBLE_WHOLE_LOCAL][TUMBLE_CHANNELS];
+    double by_shared[TUMBLE_WHOLE_SHARED][TUMBLE_CHANNELS];
+    double by_angle[TUMBLE_CHANNELS];
+    double residual_v[TUMBLE_CHANNELS]; /* as if the set angle had no error */
+    double variance_v2;
+} tumble_whole_place_t;
+
+/* Working memory, 2.9 kB. The caller owns it. The first members are the verdict of tumble_whole_step, once `known`;
+ * everything else is private. */
+typedef struct {
+    double chi_squared;
+    double limit;    /* tumble_chi_squared_limit */
+    double misfit;   /* sqrt(chi_squared / freedom): rms of the residuals over what the stand declares */
+    uint8_t freedom; /* 3 P - 12 */
+    bool misfits;    /* beyond the limit, or no number */
+    bool known;      /* the test has ended, with numbers */
+    bool under_way;
+    uint8_t stage;
+    uint8_t round;    /* of Gauss and Newton */
+    uint8_t columns;  /* unknowns that rows are turned into: all, or those of a mounting */
+    uint8_t mounting; /* index in the schedule, */
+    uint8_t position; /* likewise, */
+    uint8_t channel;
+    uint8_t column;                                                             /* and unknown that come next */
+    uint8_t means;                                                              /* in the sums */
+    double triangle[(TUMBLE_WHOLE_UNKNOWNS * (TUMBLE_WHOLE_UNKNOWNS + 3)) / 2]; /* with right sides, by rows */
+    double row[TUMBLE_WHOLE_UNKNOWNS + 1];
+    double change[TUMBLE_WHOLE_UNKNOWNS]; /* of the unknowns, in this round; errors in units of their sigma */
+    double residual_square;
+    double least_v2; /* no mean has less variance */
+    tumble_whole_place_t place;
+    tumble_coefficients_t coefficients;
+    double shared_rad[TUMBLE_WHOLE_SHARED];
+    float local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL]; /* where a round is linearised: a float will do */
+    float angle_rad[TUMBLE_MAX_POSITIONS];
+} tumble_whole_work_t;
+
+/* All at once. Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), and what tumble_estimate_least_squares returns. Both results
+ * are written on TUMBLE_OK alone. */
+tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
+                                         uint8_t *freedom);
+
+/* Begin a test in steps. What the one before found is forgotten. Inline, so that whoever may test does not link the test. */
+static inline void tumble_whole_begin(tumble_whole_work_t *work)
+{
+    work->under_way = false;
+    work->known = false;
+}
+
+/* Take one step of the test of a run and its declared noise, from the averages; see below for the run. All fit positions
+ * that have a mean count; there are at least TUMBLE_UNKNOWNS of them, as for any estimate. Call it until it returns false:
+ * then the verdict is there. */
+bool tumble_whole_step(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
 
 #ifdef __cplusplus
 }

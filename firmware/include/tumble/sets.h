@@ -504,8 +504,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
  * TUMBLE_COMMIT_MAX_MONTHS, and kelvin the difference of their temperatures (0 where one is unknown). An unknown
  * uncertainty of the active set counts as 0: it excuses no change.
  *
- * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT and TUMBLE_OBJECTION_OTHER_RULES: a set holds no means, and does not
- * know who set its rules.
+ * The caller adds TUMBLE_OBJECTION_DOES_NOT_FIT, TUMBLE_OBJECTION_WHOLE_MODEL and TUMBLE_OBJECTION_OTHER_RULES: a set
+ * holds no means, and does not know who set its rules.
  */
 /* Drift is allowed for so many months at most, however far apart the dates are. Otherwise a clock that is years ahead
  * would excuse any change; and after so long a time somebody should look at the block. */
@@ -525,7 +525,8 @@ tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t 
     X(TUMBLE_OBJECTION_LIMITS, "a limit of these rules is out of its range")                                           \
     X(TUMBLE_OBJECTION_BY_HAND, "every set is to be accepted by an operator")                                          \
     X(TUMBLE_OBJECTION_OTHER_RULES, "the rules were changed from the board's")                                         \
-    X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")
+    X(TUMBLE_OBJECTION_DOES_NOT_FIT, "the means scatter by more than the declared stand and noise explain")            \
+    X(TUMBLE_OBJECTION_WHOLE_MODEL, "twelve coefficients and the declared stand do not explain the run as a whole")
 
 /* The bit numbers. */
 typedef enum {
@@ -612,6 +613,11 @@ typedef struct {
      * be null: the board never inhibits. */
     bool (*inhibited)(void *context);
     void *context; /* handed to it */
+
+    /* tumble_whole_step and its memory: does the run as a whole fit its model? Asked where the stand is declared, a step
+     * of it in each step. Both null: nobody asks, and nothing of it is linked. */
+    bool (*whole_step)(tumble_whole_work_t *work, const tumble_misfit_run_t *run);
+    tumble_whole_work_t *whole_work;
 } tumble_sets_config_t;
 
 /* What the owner keeps true of its run and its stand, before every call. */
@@ -799,6 +805,9 @@ void tumble_sets_step_memory(tumble_sets_t *sets);
 bool tumble_sets_busy(const tumble_sets_t *sets);
 bool tumble_sets_has_work(const tumble_sets_t *sets);
 
+/* Is the next step one of a thousand of the whole-model test, which need no memory? Then it may follow at once. */
+bool tumble_sets_computes(const tumble_sets_t *sets);
+
 /* The three parts of a step. First: the run that the inhibit ends (TUMBLE_SETS_GIVE_UP), or the table that it stops. */
 tumble_sets_wish_t tumble_sets_hold_off(tumble_sets_t *sets, uint64_t now_us);
 
@@ -838,9 +847,9 @@ tumble_status_t tumble_sets_rollback(tumble_sets_t *sets);
 tumble_status_t tumble_sets_resume(tumble_sets_t *sets);
 
 /* May the owner obey this command? `begins`: it begins a run or measures anew, which is refused for some 100 ms after a
- * run is done, because its means must stay as they are. `too_early`: it begins a run, and the saved parameters are not
- * in force yet: refused. `moves`: it moves the table or goes on with a run, which is refused while inhibited. False:
- * the command is refused, and has been counted. */
+ * run is done (with the whole-model test for as long as a thousand steps more take), because its means must stay as they
+ * are. `too_early`: it begins a run, and the saved parameters are not in force yet: refused. `moves`: it moves the table
+ * or goes on with a run, which is refused while inhibited. False: the command is refused, and has been counted. */
 bool tumble_sets_allow(tumble_sets_t *sets, bool begins, bool too_early, bool moves);
 
 /* No start by itself for some time from now: somebody is at work at the table. */
@@ -849,6 +858,10 @@ void tumble_sets_pause(tumble_sets_t *sets);
 /* The uncertainties of the present result.
  * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (they are being computed, or a run is on), TUMBLE_E_STATE (not known). */
 tumble_status_t tumble_sets_uncertainty(const tumble_sets_t *sets, const tumble_uncertainty_t **uncertainty);
+
+/* How the present result fits the whole model: the verdict in the first members of tumble_whole_work_t. Returns likewise;
+ * TUMBLE_E_STATE also where nobody asked, or there is nothing to judge by. */
+tumble_status_t tumble_sets_whole_model(const tumble_sets_t *sets, const tumble_whole_work_t **found);
 
 /* What happens to the saved rules, which count as the board's own. tumble_sets_save_rules: the rules in force are being
  * saved (`save`), or the saved ones forgotten. tumble_sets_rules_saved: that is done. tumble_sets_rules_applied: the

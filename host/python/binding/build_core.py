@@ -240,10 +240,27 @@ typedef struct {
     const tumble_stand_record_t *stand;
     const double *mean_variance_v2;
 } tumble_whole_run_t;
-typedef struct { ...; } tumble_whole_work_t;
+typedef struct {
+    double chi_squared;
+    double limit;
+    double misfit;
+    uint8_t freedom;
+    bool misfits;
+    bool known;
+    ...;
+} tumble_whole_work_t;
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_averaging_t *averaging;
+    const tumble_coefficients_t *coefficients;
+    const tumble_stand_record_t *stand;
+    double v_per_count;
+} tumble_misfit_run_t;
 
 tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *, tumble_whole_work_t *, double *chi_squared,
                                          uint8_t *freedom);
+void tumble_whole_begin(tumble_whole_work_t *);
+bool tumble_whole_step(tumble_whole_work_t *, const tumble_misfit_run_t *);
 """
 
 # The table of estimators; without functions of their own, those that need a gain record.

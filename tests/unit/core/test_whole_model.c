@@ -175,4 +175,179 @@ static void test_refusals(void)
     ASSERT_STATUS(TUMBLE_E_NOT_FINITE, look());
 }
 
+/* In steps, from averages. */
+
+#define V_PER_COUNT 1e-9
+#define SAMPLES 16U
+
+static tumble_averaging_t averaging;
+
+/* The averages that these means are of; the means are then what the averages say. */
+static void make_averages(void)
+{
+    memset(&averaging, 0, sizeof averaging);
+    averaging.open.index = UINT8_MAX;
+    for (uint8_t p = 0; p < P; p++) {
+        averaging.averages[p].samples = means.measured[p] ? SAMPLES : 0U;
+        for (int i = 0; i < 3; i++) {
+            averaging.averages[p].sum_counts[i] = (int64_t)llround(means.u_v[p][i] / V_PER_COUNT * SAMPLES);
+        }
+    }
+    ASSERT_STATUS(TUMBLE_OK, tumble_averaging_means(&averaging, V_PER_COUNT, &means));
+}
+
+static uint32_t test_in_steps(const tumble_schedule_t *schedule, const tumble_coefficients_t *start)
+{
+    const tumble_misfit_run_t run = {schedule, &averaging, start, &stand, V_PER_COUNT};
+    uint32_t steps = 1;
+    tumble_whole_begin(&work);
+    TEST_ASSERT_FALSE(work.known);
+    while (tumble_whole_step(&work, &run)) {
+        TEST_ASSERT_FALSE(work.known);
+        steps++;
+    }
+    return steps;
+}
+
+static void declare(void)
+{
+    stand = (tumble_stand_record_t){.axis_tilt_rad = 1e-4,
+                                    .level_rad = 1e-4,
+                                    .remount_rad = 1e-3,
+                                    .angle_rad = 1e-4,
+                                    .noise_v = 1.6e-3,
+                                    .seat_rad = 1e-4};
+    for (int p = 0; p < P; p++) {
+        variance_v2[p] = stand.noise_v * stand.noise_v / SAMPLES;
+    }
+}
+
+static void test_steps_come_to_the_same_bits(void)
+{
+    tumble_coefficients_t start;
+    make_means(3e-4);
+    means.measured[7] = false;
+    make_averages();
+    declare();
+    ASSERT_STATUS(TUMBLE_OK, look());
+    const double at_once = square;
+    ASSERT_STATUS(TUMBLE_OK, tumble_estimate_least_squares(&tumble_schedule_paper, &means, &start, NULL));
+    const uint32_t steps = test_in_steps(&tumble_schedule_paper, &start);
+    TEST_ASSERT_TRUE((steps > 1000U) && (steps < 1300U));
+    TEST_ASSERT_TRUE(work.known && !work.misfits);
+    TEST_ASSERT_EQUAL_DOUBLE(at_once, work.chi_squared);
+    TEST_ASSERT_EQUAL_UINT8(FREEDOM - 3, work.freedom);
+    TEST_ASSERT_EQUAL_DOUBLE(sqrt(at_once / (FREEDOM - 3)), work.misfit);
+    TEST_ASSERT_EQUAL_DOUBLE(tumble_chi_squared_limit(FREEDOM - 3, TUMBLE_WHOLE_SIGMAS), work.limit);
+}
+
+/* 99.9 % quantiles, from tables. */
+static void test_the_limit_is_near_the_true_quantile(void)
+{
+    static const struct {
+        int freedom;
+        double quantile;
+    } known[] = {{3, 16.2662}, {6, 22.4577}, {24, 51.1786}, {42, 76.0838}, {69, 111.055}, {96, 144.567}};
+    for (size_t i = 0; i < COUNT_OF(known); i++) {
+        const double over = tumble_chi_squared_limit(known[i].freedom, TUMBLE_WHOLE_SIGMAS) / known[i].quantile - 1.0;
+        TEST_ASSERT_TRUE((over > 0.0) && (over < 1.8e-2));
+    }
+}
+
+/* Whatever estimate it begins with. */
+static void test_no_estimator_takes_part(void)
+{
+    make_means(3e-4);
+    make_averages();
+    declare();
+    ASSERT_STATUS(TUMBLE_OK, look());
+    tumble_coefficients_t start = block;
+    for (int i = 0; i < 3; i++) {
+        start.k_v_per_g[i][i] *= 1.01;
+        start.u0_v[i] += 1e-2;
+    }
+    (void)test_in_steps(&tumble_schedule_paper, &start);
+    TEST_ASSERT_TRUE(fabs(work.chi_squared - square) < 1e-9 * square);
+}
+
+static void test_a_block_that_moved_misfits(void)
+{
+    make_means(3e-4);
+    for (int p = 9; p < P; p++) {
+        means.u_v[p][0] += 5e-3; /* between the mountings: neither of them shows it */
+    }
+    make_averages();
+    declare();
+    (void)test_in_steps(&tumble_schedule_paper, &block);
+    TEST_ASSERT_TRUE(work.known && work.misfits);
+    TEST_ASSERT_TRUE(work.chi_squared > work.limit);
+}
+
+/* Declared noise below half a count: samples round alike. Then a mean is no better than a sample. */
+static void test_rounding_alike_is_not_averaged(void)
+{
+    make_means(3e-4);
+    make_averages();
+    declare();
+    stand.noise_v = 0.4 * V_PER_COUNT;
+    (void)test_in_steps(&tumble_schedule_paper, &block);
+    const double alike = work.least_v2; /* 1e-7 of K is more than a count here: nothing else is to be seen */
+    TEST_ASSERT_TRUE(work.place.variance_v2 == alike);
+    const tumble_misfit_run_t coarse = {&tumble_schedule_paper, &averaging, &block, &stand, 1e-3};
+    stand.noise_v = 4e-4;
+    tumble_whole_begin(&work);
+    while (tumble_whole_step(&work, &coarse)) {
+    }
+    const double expected = (1.6e-7 / SAMPLES) + (1e-6 / 12.0);
+    TEST_ASSERT_TRUE(fabs(work.place.variance_v2 - expected) < 1e-12 * expected);
+    stand.least_noise_v = 1e-2;
+    tumble_whole_begin(&work);
+    while (tumble_whole_step(&work, &coarse)) {
+    }
+    TEST_ASSERT_TRUE(fabs(work.place.variance_v2 - 1e-4) < 1e-16);
+}
+
+/* Four positions, twelve means, twelve unknowns. */
+static void test_without_freedom_nothing_is_known(void)
+{
+    make_means(0.0);
+    for (int p = 0; p < P; p++) {
+        means.measured[p] = (p == 0) || (p == 2) || (p == 4) || (p == 11);
+    }
+    make_averages();
+    declare();
+    (void)test_in_steps(&tumble_schedule_paper, &block);
+    TEST_ASSERT_EQUAL_UINT8(0, work.freedom);
+    TEST_ASSERT_FALSE(work.known || work.misfits);
+}
+
+static void test_a_sum_that_is_no_number_misfits(void)
+{
+    tumble_coefficients_t start = block;
+    make_averages();
+    declare();
+    start.u0_v[1] = NOT_A_NUMBER;
+    (void)test_in_steps(&tumble_schedule_paper, &start);
+    TEST_ASSERT_TRUE(work.misfits && !work.known);
+}
+
+/* Given up in the middle: what was found is forgotten, and the next test knows nothing of it. */
+static void test_a_test_may_begin_anew_at_any_step(void)
+{
+    make_means(3e-4);
+    make_averages();
+    declare();
+    const tumble_misfit_run_t run = {&tumble_schedule_paper, &averaging, &block, &stand, V_PER_COUNT};
+    const uint32_t steps = test_in_steps(&tumble_schedule_paper, &block);
+    const double before = work.chi_squared;
+    for (uint32_t stop = 1; stop < steps; stop += 97U) {
+        tumble_whole_begin(&work);
+        for (uint32_t i = 0; i < stop; i++) {
+            TEST_ASSERT_TRUE(tumble_whole_step(&work, &run));
+        }
+        TEST_ASSERT_EQUAL_UINT32(steps, test_in_steps(&tumble_schedule_paper, &block));
+        TEST_ASSERT_EQUAL_DOUBLE(before, work.chi_squared);
+    }
+}
+
 static const around_t around_each = {set_up, NULL};

@@ -87,6 +87,14 @@ static void undeclared(uint64_t seed)
     keeper_config.uncertainty = NULL;
 }
 
+static void ask_of_the_whole(uint64_t seed)
+{
+    static tumble_whole_work_t whole_work;
+    (void)seed;
+    keeper_config.sets.whole_step = tumble_whole_step;
+    keeper_config.sets.whole_work = &whole_work;
+}
+
 static void by_hand(uint64_t seed)
 {
     (void)seed;
@@ -143,6 +151,8 @@ static const attempt_t attempts[] = {
     {"a stand not declared", NULL, undeclared, HELD(TUMBLE_OBJECTION_UNCERTAINTY_UNKNOWN), NEXT_MONTH, 0},
     {"a step of the outputs, 0.5 mV", "fault = step at=2.5 phase=settle channels=xyz value=5e-4 duration=4\n", NULL,
      HELD(TUMBLE_OBJECTION_DOES_NOT_FIT), NEXT_MONTH, 0},
+    {"a block of second order, 200 ug/g2", "block.k2_per_g = 2e-4 2e-4 2e-4\n", ask_of_the_whole,
+     HELD(TUMBLE_OBJECTION_WHOLE_MODEL), NEXT_MONTH, 0},
     {"a channel stuck for 8 s, 18 samples a position", "procedure.samples = 18\nfault = stuck at=1.2 channels=z duration=8\n",
      NULL, FAULT(TUMBLE_REASON_STUCK), NEXT_MONTH, 0},
     {"an operator is to decide", NULL, by_hand, HELD(TUMBLE_OBJECTION_BY_HAND), NEXT_MONTH, 0},

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from _tumble_core import ffi, lib
 
@@ -9,25 +11,25 @@ from tumble.arrays import Flags, Floats
 from tumble.core.binding import CoreSchedule, require_ok
 from tumble.stand import COMMON, Stand
 
+ANGLES = ("axis_tilt", "level", "remount", "angle", "seat", "platform")
+
 
 def chi_squared(
     schedule: CoreSchedule, means: Floats, measured: Flags, variance: Floats, stand: Stand
 ) -> tuple[float, int]:
     """The sum of squares, and its degrees of freedom. `variance` (positions,) of each mean by its noise; `stand` and
     `variance` in the unit of the means. Raises CoreRefusal."""
-    record = {
-        "axis_tilt_rad": stand.sigma("axis_tilt"),
-        "level_rad": stand.sigma("level"),
-        "remount_rad": stand.sigma("remount"),
-        "angle_rad": stand.sigma("angle"),
-        "seat_rad": stand.sigma("seat"),
-        "platform_rad": stand.sigma("platform"),
-        "common_yaw": stand.remounting == COMMON,
-    }
-    declared = ffi.new("tumble_stand_record_t *", record)
+    declared = record_of(stand)
     noise = np.ascontiguousarray(np.where(measured, variance, 0.0), dtype=float)
     given, work = schedule.means(means, measured), ffi.new("tumble_whole_work_t *")
     run = ffi.new("tumble_whole_run_t *", [schedule.struct, given, declared, ffi.from_buffer("double[]", noise)])
     square, freedom = ffi.new("double *"), ffi.new("uint8_t *")
     require_ok(lib.tumble_whole_chi_squared(run, work, square, freedom))
     return square[0], freedom[0]
+
+
+def record_of(stand: Stand) -> Any:
+    """The declared stand as the core takes it."""
+    angles = {f"{source}_rad": stand.sigma(source) for source in ANGLES}
+    noise = {"noise_v": stand.sigma("noise"), "common_yaw": stand.remounting == COMMON}
+    return ffi.new("tumble_stand_record_t *", angles | noise)

@@ -1,0 +1,48 @@
+/* whole_model.h - what the files of the whole-model test share (private to the core).
+ *
+ *     whole_place.c    a position, linearised
+ *     whole_model.c    the rounds of Gauss and Newton, in steps
+ *     whole_run.c      the runs that are tested: from means all at once, from averages in steps
+ */
+#ifndef TUMBLE_CORE_WHOLE_MODEL_H
+#define TUMBLE_CORE_WHOLE_MODEL_H
+
+#include "tumble/core.h"
+
+#include <stdbool.h>
+
+/* Standard deviations of the stand's errors. */
+typedef struct {
+    double shared_rad[TUMBLE_WHOLE_SHARED];
+    double local_rad[TUMBLE_WHOLE_LOCAL];
+} tumble_whole_sigmas_t;
+
+/* What a run says of a position. */
+typedef struct {
+    bool measured;
+    double u_v[TUMBLE_CHANNELS];
+    double variance_v2;
+} tumble_whole_reading_t;
+
+/* What is tested. */
+typedef struct {
+    const tumble_schedule_t *schedule;
+    const tumble_stand_record_t *stand;
+} tumble_whole_model_t;
+
+/* Standard deviations of the errors of a stand. */
+void tumble_whole_sigmas(const tumble_stand_record_t *stand, tumble_whole_sigmas_t *sigmas);
+
+/* Linearise the position work->position of work->mounting where the round before ended, into work->place. */
+void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                       tumble_whole_work_t *work);
+
+/* Begin a test with these coefficients. */
+void tumble_whole_start(tumble_whole_work_t *work, const tumble_coefficients_t *coefficients);
+
+/* Take one step. `reading`: of the position work->position, if there is one. False: that was the last step, and
+ * chi_squared and freedom are there. */
+bool tumble_whole_go_on(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                        tumble_whole_work_t *work);
+
+#endif

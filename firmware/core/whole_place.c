@@ -1,0 +1,85 @@
+#include "core/whole_model.h"
+
+#include "core/arith.h"
+#include "core/turn.h"
+#include "core/vector.h"
+
+enum { ALPHA1, ALPHA2, PLATFORM, COMMON_YAW };
+enum { YAW, THETA_H, THETA_N };
+
+void tumble_whole_sigmas(const tumble_stand_record_t *stand, tumble_whole_sigmas_t *sigmas)
+{
+    sigmas->shared_rad[ALPHA1] = stand->axis_tilt_rad;
+    sigmas->shared_rad[ALPHA2] = stand->level_rad;
+    sigmas->shared_rad[PLATFORM] = stand->platform_rad;
+    sigmas->shared_rad[COMMON_YAW] = stand->common_yaw ? stand->remount_rad : 0.0;
+    sigmas->local_rad[YAW] = stand->common_yaw ? 0.0 : stand->remount_rad;
+    sigmas->local_rad[THETA_H] = stand->seat_rad;
+    sigmas->local_rad[THETA_N] = stand->seat_rad;
+}
+
+/* From (h, n, v) of the table to the block's axes. */
+static void to_block(const tumble_mounting_t *mounting, const double f[3], double a[TUMBLE_CHANNELS])
+{
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        a[i] = tumble_dot(mounting->matrix[i], f);
+    }
+}
+
+/* What the outputs make of a change of the force, times `by`. */
+static void respond(const tumble_whole_work_t *work, const tumble_mounting_t *mounting, const double f[3], double by,
+                    double out_v[TUMBLE_CHANNELS])
+{
+    double a[TUMBLE_CHANNELS];
+    to_block(mounting, f, a);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        out_v[i] = by * tumble_dot(work->coefficients.k_v_per_g[i], a);
+    }
+}
+
+void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_reading_t *reading,
+                       tumble_whole_work_t *work)
+{
+    const uint8_t p = work->position;
+    const tumble_mounting_t *mounting = &model->schedule->mountings[work->mounting];
+    const float *own = work->local_rad[work->mounting];
+    const double angle_rad = (double)work->angle_rad[p];
+    tumble_whole_place_t *place = &work->place;
+    tumble_whole_sigmas_t sigmas;
+    tumble_whole_sigmas(model->stand, &sigmas);
+    double sine = model->schedule->positions[p].angle.sine;
+    double cosine = model->schedule->positions[p].angle.cosine;
+    double tilt_sine = mounting->tilt.sine;
+    double tilt_cosine = mounting->tilt.cosine;
+    tumble_turn(work->shared_rad[ALPHA2] + (double)own[THETA_N] + angle_rad, &sine, &cosine);
+    tumble_turn(work->shared_rad[ALPHA1], &tilt_sine, &tilt_cosine);
+    double force[3] = {tilt_cosine * sine, tilt_sine, tilt_cosine * cosine};
+    double by_alpha1[3] = {-tilt_sine * sine, tilt_cosine, -tilt_sine * cosine};
+    double by_turn[3] = {tilt_cosine * cosine, 0.0, -tilt_cosine * sine};
+    const double lean = (double)own[THETA_H] + work->shared_rad[PLATFORM];
+    tumble_turn(lean, &force[1], &force[2]);
+    tumble_turn(lean, &by_alpha1[1], &by_alpha1[2]);
+    tumble_turn(lean, &by_turn[1], &by_turn[2]);
+    double by_lean[3] = {0.0, force[2], -force[1]};
+    const double yaw = (double)own[YAW] + work->shared_rad[COMMON_YAW];
+    tumble_turn(yaw, &by_lean[0], &by_lean[1]);
+    tumble_turn(yaw, &force[0], &force[1]);
+    tumble_turn(yaw, &by_alpha1[0], &by_alpha1[1]);
+    tumble_turn(yaw, &by_turn[0], &by_turn[1]);
+    const double by_yaw[3] = {force[1], -force[0], 0.0};
+    to_block(mounting, force, place->attitude_g);
+    respond(work, mounting, by_yaw, sigmas.local_rad[YAW], place->by_local[YAW]);
+    respond(work, mounting, by_lean, sigmas.local_rad[THETA_H], place->by_local[THETA_H]);
+    respond(work, mounting, by_turn, sigmas.local_rad[THETA_N], place->by_local[THETA_N]);
+    respond(work, mounting, by_alpha1, sigmas.shared_rad[ALPHA1], place->by_shared[ALPHA1]);
+    respond(work, mounting, by_turn, sigmas.shared_rad[ALPHA2], place->by_shared[ALPHA2]);
+    respond(work, mounting, by_lean, sigmas.shared_rad[PLATFORM], place->by_shared[PLATFORM]);
+    respond(work, mounting, by_yaw, sigmas.shared_rad[COMMON_YAW], place->by_shared[COMMON_YAW]);
+    respond(work, mounting, by_turn, 1.0, place->by_angle);
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
+        place->residual_v[i] =
+            reading->u_v[i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
+    }
+    place->variance_v2 = tumble_larger(reading->variance_v2, work->least_v2);
+}

@@ -1,0 +1,99 @@
+#include "core/whole_model.h"
+
+#include "core/arith.h"
+
+#include <stddef.h>
+
+#define ROUNDING_V2 12.0 /* a step of the converter, squared, over the variance of its rounding */
+
+/* From means. */
+
+static void read_mean(const tumble_whole_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
+{
+    reading->measured = run->means->measured[p];
+    reading->variance_v2 = run->mean_variance_v2[p];
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        reading->u_v[i] = run->means->u_v[p][i];
+    }
+}
+
+tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_whole_work_t *work, double *chi_squared,
+                                         uint8_t *freedom)
+{
+    if ((run == NULL) || (run->schedule == NULL) || (run->means == NULL) || (run->stand == NULL) ||
+        (run->mean_variance_v2 == NULL) || (work == NULL) || (chi_squared == NULL) || (freedom == NULL)) {
+        return TUMBLE_E_ARGUMENT;
+    }
+    const tumble_whole_model_t model = {run->schedule, run->stand};
+    tumble_coefficients_t start;
+    const tumble_status_t status = tumble_estimate_least_squares(run->schedule, run->means, &start, NULL);
+    if (status != TUMBLE_OK) {
+        return status;
+    }
+    tumble_whole_start(work, &start);
+    tumble_whole_reading_t reading = {.measured = false};
+    do {
+        if (work->position < run->schedule->position_count) {
+            read_mean(run, work->position, &reading);
+        }
+    } while (tumble_whole_go_on(&model, &reading, work));
+    *chi_squared = work->chi_squared;
+    *freedom = work->freedom;
+    return TUMBLE_OK;
+}
+
+/* From averages. */
+
+/* Declared noise and rounding of a mean. Samples with less noise than half a step of the converter round alike, and
+ * averaging does not help. */
+static double declared_variance(const tumble_misfit_run_t *run, uint32_t samples)
+{
+    const double step_v2 = run->v_per_count * run->v_per_count;
+    const double noise_v2 = run->stand->noise_v * run->stand->noise_v;
+    const double least_v2 = run->stand->least_noise_v * run->stand->least_noise_v;
+    const bool alike = tumble_exceeds(step_v2, 4.0 * noise_v2);
+    const double own_v2 = tumble_larger(noise_v2, step_v2 / ROUNDING_V2) / (double)samples;
+    return tumble_larger(own_v2 + (alike ? (step_v2 / ROUNDING_V2) : 0.0), least_v2);
+}
+
+static void read_average(const tumble_misfit_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
+{
+    const uint32_t samples = run->averaging->averages[p].samples;
+    reading->measured = (samples != 0U) && (tumble_averaging_mean(run->averaging, p, reading->u_v, NULL) == TUMBLE_OK);
+    if (reading->measured) {
+        reading->variance_v2 = declared_variance(run, samples);
+        for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+            reading->u_v[i] *= run->v_per_count;
+        }
+    }
+}
+
+/* A sum that is no number does not fit either. */
+static void find_verdict(tumble_whole_work_t *work)
+{
+    const int freedom = (int)work->freedom;
+    work->under_way = false;
+    if (freedom > 0) {
+        work->limit = tumble_chi_squared_limit(freedom, TUMBLE_WHOLE_SIGMAS);
+        work->misfit = tumble_sqrt(work->chi_squared / (double)freedom);
+        work->misfits = !tumble_within(work->chi_squared, work->limit);
+        work->known = tumble_is_finite(work->chi_squared);
+    }
+}
+
+bool tumble_whole_step(tumble_whole_work_t *work, const tumble_misfit_run_t *run)
+{
+    const tumble_whole_model_t model = {run->schedule, run->stand};
+    tumble_whole_reading_t reading = {.measured = false};
+    if (!work->under_way) {
+        tumble_whole_start(work, run->coefficients);
+    }
+    if (work->position < run->schedule->position_count) {
+        read_average(run, work->position, &reading);
+    }
+    const bool more = tumble_whole_go_on(&model, &reading, work);
+    if (!more) {
+        find_verdict(work);
+    }
+    return more;
+}
