@@ -106,7 +106,7 @@ BAD_STANDS = {
 }
 
 NINE_MORE = "".join(f"[[position]]\nmounting=1\nposition={p}\nangle_deg=0\n" for p in range(50, 90))
-SEVEN = "".join(f"[[mounting]]\nnumber={n}\nmatrix=[[1,0,0],[0,1,0],[0,0,1]]\n" for n in range(3, 9))
+MANY = "".join(f"[[mounting]]\nnumber={n}\nmatrix=[[1,0,0],[0,1,0],[0,0,1]]\n" for n in range(3, 39))
 ONE_MOUNTING = SCHEDULE[: SCHEDULE.index("[[position]]                 # y up")]
 
 BAD_SCHEDULES = {
@@ -172,8 +172,8 @@ BAD_SCHEDULES = {
         "[[position]] is refused: the schedule has no positions, or more",
     ),
     "too many mountings": (
-        SCHEDULE + SEVEN,
-        f"row {SCHEDULE.count(chr(10)) + 4 * 3 + 1}",
+        SCHEDULE + MANY,
+        f"row {SCHEDULE.count(chr(10)) + 34 * 3 + 1}",
         "[[mounting]] is refused: the schedule has no positions, or more",
     ),
     "deficient rank": (ONE_MOUNTING, "", "these positions cannot identify K_xy, K_yy, K_zy"),
