@@ -29,6 +29,7 @@ _FLOOR_G = 1e-7
 _LARGEST_RAD = 0.1
 _NULL = 1e-7
 _INESTIMABLE = 1e-6
+_VAGUE = 1e4  # millionths
 
 
 @dataclass(frozen=True)
@@ -135,10 +136,11 @@ class WholeModel:
 
     def whitened(self, columns: Columns) -> Floats:
         """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A
-        column that the unknowns take up is 0."""
+        column that the unknowns take up is 0. So is one whose size they would tell to no better than a hundredth of g
+        or rad: it shows only by the errors of the stand, as cubes do on the diagonals."""
         outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
         shown = self._left.T @ outputs
-        seen = np.linalg.norm(shown, axis=0) > _NULL * np.linalg.norm(outputs, axis=0)
+        seen = np.linalg.norm(shown, axis=0) > np.maximum(_NULL * np.linalg.norm(outputs, axis=0), 1.0 / _VAGUE)
         return np.where(seen, shown, 0.0)
 
     def rest_beside(self, besides: Columns) -> Floats:

@@ -8,8 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Floats
 from tumble.estimators import OPTIMAL
+from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
+from tumble.stand import Stand
+from tumble.terms import Terms
 
 Coefficients = tuple[str, ...]
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
@@ -25,13 +29,20 @@ class Assumption:
     of: Callable[[Solution], Coefficients | None]
 
 
-def _on_a_square_seat(solution: Solution) -> Coefficients | None:
-    if solution.stand is not None and solution.stand.declares_seat:
+def resting_on_a_seat(
+    schedule: Schedule, k: Floats, estimator: str, stand: Stand | None, terms: Terms = ()
+) -> Coefficients | None:
+    """The coefficients that a tilt of the block against the axis would move unseen; None where the stand declares such
+    a tilt or the fit positions show it. `terms`: further ones of the model."""
+    if stand is not None and stand.declares_seat:
         return None
-    estimator = "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
-    found = solution.found
-    moved = reference.unseen_tilt(solution.measured_schedule, found.k, estimator, found.terms)
+    moved = reference.unseen_tilt(schedule, k, "least_squares" if estimator == OPTIMAL else estimator, terms)
     return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+
+
+def _on_a_square_seat(solution: Solution) -> Coefficients | None:
+    found = solution.found
+    return resting_on_a_seat(solution.measured_schedule, found.k, found.estimator, solution.stand, found.terms)
 
 
 def _in_volts(solution: Solution) -> Coefficients | None:

@@ -245,7 +245,8 @@ def solve(
 
 def _without_angles(seen: StandSeen) -> StandSeen:
     """Further terms have much in common with the angles: after them a run does not tell these any more."""
-    return replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
+    none = dict.fromkeys(ANGLES)
+    return replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
 
 
 def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
@@ -350,6 +351,8 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
         return f"{estimator} needs every fit position (another schedule: --schedule); missing {missing}"
     if refusal.name == "TUMBLE_E_NOT_HARMONIC":
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
+    if refusal.name == "TUMBLE_E_GAIN_RECORD":  # only for want of room: the record was made for this run
+        return f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":
         return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
     if refusal.name == "TUMBLE_E_SINGULAR":
