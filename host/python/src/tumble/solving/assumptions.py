@@ -33,11 +33,10 @@ def resting_on_a_seat(
     schedule: Schedule, k: Floats, estimator: str, stand: Stand | None, terms: Terms = ()
 ) -> Coefficients | None:
     """The coefficients that a tilt of the block against the axis would move unseen; None where the stand declares such
-    a tilt or the fit positions show it."""
+    a tilt or the fit positions show it. `terms`: further ones of the model."""
     if stand is not None and stand.declares_seat:
         return None
-    by = "least_squares" if estimator == OPTIMAL else estimator
-    moved = reference.unseen_tilt(schedule, k, by, terms)
+    moved = reference.unseen_tilt(schedule, k, "least_squares" if estimator == OPTIMAL else estimator, terms)
     return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
 
 

@@ -246,7 +246,8 @@ def solve(
 
 def _without_angles(seen: StandSeen) -> StandSeen:
     """Further terms have much in common with the angles: after them a run does not tell these any more."""
-    return replace(seen, angles=dict.fromkeys(ANGLES), augmented=dict.fromkeys(ANGLES), source=None)
+    none = dict.fromkeys(ANGLES)
+    return replace(seen, angles=none, augmented=none, other_yaw_changes={}, source=None)
 
 
 def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: Run, terms: Terms, file: str) -> None:
