@@ -78,8 +78,7 @@ void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_rea
     respond(work, mounting, by_turn, 1.0, place->by_angle);
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
-        place->residual_v[i] =
-            reading->u_v[i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
+        place->residual_v[i] = reading->u_v[i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
     }
     place->variance_v2 = tumble_larger(reading->variance_v2, work->least_v2);
 }
