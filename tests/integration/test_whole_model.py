@@ -288,5 +288,14 @@ def test_declared_seats_are_no_misfit(mountings):
     assert seen > 0.95 if mountings == 3 else seen < 0.95
 
 
+def test_what_the_coefficients_take_up_does_not_show_by_the_angles_of_the_stand():
+    """A third order on the diagonals: a thousandth of it is left over by a level and yaws of milliradians."""
+    schedule, stand = reference.built_in("diagonal"), stand_named("lab")
+    means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, alpha2=1e-3, alpha3=np.array([3e-3, -2e-3, 1e-3]))
+    model = reference.WholeModel(schedule, means, variance_of_means(stand, np.full(12, 25), 0.0), stand)
+    scores = {one.name: model.score(one.columns(model.scene)[0], {}).freedom for one in PATTERNS}
+    assert scores["k3"] == 0 and scores["k2"] == 3 and scores["alpha2_plus_alpha3_rad"] == 1
+
+
 def test_every_pattern_is_known_by_name():
     assert len(BY_NAME) == len(PATTERNS)
