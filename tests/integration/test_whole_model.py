@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import json
 import math
 
 import numpy as np
@@ -13,6 +14,7 @@ from test_fixture_check import PAPER, U0, simulated, stand_named
 from tumble import core, reference
 from tumble.core.fit import chi_squared
 from tumble.distributions import chi_squared_above, chi_squared_quantile
+from tumble.files.run_file import Run
 from tumble.reference.fit import basis
 from tumble.reference.patterns import BY_NAME, PATTERNS
 from tumble.schedule import Mounting, Position, Schedule
@@ -205,6 +207,32 @@ def test_the_cause_is_named_first(name):
         right += bool(fit.explanations) and name in fit.explanations[0].patterns
     print(f"{name} {VIOLATIONS[name]}: {flagged} of {runs} flagged, {right} rightly explained")
     assert flagged >= 18 and right >= flagged - 2
+
+
+def test_a_pattern_is_told_before_the_sum_of_residuals_is_too_large(tumble, tmp_path):
+    """A drift of 70 ug in a run without noise: 30 of 42 are no doubt, 30 of 3 are."""
+    model = perfect(2)
+    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    means += 70 * sum(BY_NAME["drift"].columns(model.scene)[0].values())
+    run = write_run(tmp_path / "run.csv", PAPER.data, means)
+    command = ("solve", "--stand", EXAMPLES / "paper_stand.toml", run)
+    done = tumble(*command, "--json")
+    fit = json.loads(done.stdout)["fit"]
+    assert done.returncode == 0 and fit["fits"] and 20 < fit["chi2"] < 42 and fit["p"] > 0.5
+    assert [one["patterns"][0] for one in fit["explanations"]] == ["drift"] and fit["explanations"][0]["p"] < 1e-3
+    assert "tumble: warning: the run fits the stand file, but shows drift of " in done.stderr
+    assert "Beware: the run fits the stand file, but shows drift" in " ".join(tumble(*command).stdout.split())
+    result = tmp_path / "result.json"
+    result.write_text(done.stdout)
+    exported = tumble("export", result, "--format", "c").stdout
+    assert "WARNING: the run shows what the stand file does not declare" in exported
+
+
+def test_half_of_that_is_no_reason_to_speak():
+    model = perfect(2)
+    means = reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0)
+    means += 35 * sum(BY_NAME["drift"].columns(model.scene)[0].values())
+    assert fit_of(Run(np.full(18, 50), means, np.zeros((18, 3)), "V", {}), stand_named("paper")).explanations == ()
 
 
 def test_the_size_is_stated_with_its_uncertainty():
