@@ -154,6 +154,16 @@ static double variance_at(const tumble_judged_run_t *run, uint8_t p)
     return tumble_larger(square(run->stand->noise_v) / (double)samples, square(run->stand->least_noise_v));
 }
 
+/* What the noise of the mean of a position does. */
+static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS])
+{
+    double squared = tumble_dot(g, g) * variance_at(run, p);
+    for (int i = 0; (run->excess_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
+        squared += square(g[i]) * run->excess_variance_v2[p][i];
+    }
+    return squared;
+}
+
 /* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
  * frame, g^T K M. The derivatives of the force f = (cos t sin p, sin t, cos t cos p) at zero error:
  *     alpha1           (-sin t sin p, cos t, -sin t cos p)
@@ -183,7 +193,7 @@ static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t
     seat->theta_h += (w[1] * mounting->tilt.cosine * angle->cosine) - (w[2] * mounting->tilt.sine);
     seat->theta_n += turning;
     response->alpha4_squared += turning * turning;
-    response->noise_squared += tumble_dot(g, g) * variance_at(run, p);
+    response->noise_squared += noise_squared_at(run, p, g);
 }
 
 /* What is common to all mountings adds up before it is squared. */

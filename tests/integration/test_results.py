@@ -160,16 +160,17 @@ def test_plain_text_has_the_numbers_of_the_result(case, tumble):
     text = tumble("solve", *SOLVES[case], "--unit", "V", cwd=EXAMPLES).stdout
     assert text.isascii() and max(map(len, text.splitlines())) <= 80
     rows = {line.split()[0].rstrip("*"): line.split() for line in text.splitlines() if re.match(r"[KU]0?_", line)}
-    assert len(rows) == 12
+    assert len(rows) == 12 and (result["scatter_alone"] is not None) == ("u, scatter alone" in text)
     marked = [row[0].rstrip("*") for row in rows.values() if row[0].endswith("*")]
     assert marked == [name for names in result["assumed_for"].values() for name in names]
+    u_k, u_u0 = (stated[key] for stated in [result["scatter_alone"] or result] for key in ("u_K", "u_U0"))
     for i, channel in enumerate("xyz"):
         for name, value, u in [
             *(
-                (f"K_{channel}{a}", result["K"][i][j], result["u_K"] and result["u_K"][i][j])
+                (f"K_{channel}{a}", result["K"][i][j], u_k and u_k[i][j])
                 for j, a in enumerate("xyz")
             ),
-            (f"U0_{channel}", result["U0"][i], result["u_U0"] and result["u_U0"][i]),
+            (f"U0_{channel}", result["U0"][i], u_u0 and u_u0[i]),
         ]:
             assert float(rows[name][1]) == pytest.approx(value, abs=0.51e-9)
             assert rows[name][3] == ("unknown" if u is None else f"{u:.1e}")

@@ -132,7 +132,7 @@ def test_means_are_quotients_of_exact_sums(rows):
     """Against fractions: the sum is rounded once, the quotient once more."""
     data = written(rows)
     table_ = run_file.read_table(data, detect(data, Wishes(), "f"), run_file.PositionIndex(PAPER), "f")
-    counts, means, scatter = run_file._average(table_, 18)
+    counts, means, scatter, _ = run_file._average(table_, 18)
     for index in range(18):
         own = [row[1:] for row in rows if row[0] == index]
         assert counts[index] == len(own)

@@ -18,7 +18,7 @@ from tumble.files.run_file import Run
 from tumble.reference.fit import basis
 from tumble.reference.patterns import BY_NAME, PATTERNS
 from tumble.schedule import Mounting, Position, Schedule
-from tumble.solving.fit import Scatter, judge, variance_of_means
+from tumble.solving.fit import judge, variance_of_means
 from tumble.solving.stand_seen import StandSeen
 
 pytestmark = pytest.mark.python
@@ -175,7 +175,7 @@ def fit_of(run, stand):
     variance = variance_of_means(stand, run.samples, 0.0)
     model = reference.WholeModel(PAPER.data, run.means, variance, stand)
     nothing = StandSeen(None, None, 0.0, {}, {}, None)
-    return judge(model, 0.999, nothing, Scatter(None, 0, stand.sigma("noise"), variance, "V", 1.0))
+    return judge(model, 0.999, nothing)
 
 
 VIOLATIONS = {  # sizes at which the paper's stand nearly always finds them

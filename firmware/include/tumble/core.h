@@ -527,6 +527,9 @@ typedef struct {
     const uint32_t *samples;                   /* in the mean of each position, at least 1; null: the stand's */
     uint16_t only; /* bits of the coefficients (0 to 11: K row by row, then U0) to be judged now, so that all twelve can
                     * be judged in small steps; the others stay as they are. 0: all */
+    /* By how much the variance of the mean of each position and channel, as it was measured, is larger than declared:
+     * 0 or more. Null: by nothing. */
+    const double (*excess_variance_v2)[TUMBLE_CHANNELS];
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */

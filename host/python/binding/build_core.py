@@ -206,6 +206,7 @@ typedef struct {
     const bool *measured;
     const uint32_t *samples;
     uint16_t only;
+    const double (*excess_variance_v2)[3];
 } tumble_judged_run_t;
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 

@@ -64,7 +64,7 @@ static const tumble_gain_record_t *record;
 #if CANDIDATE >= 13 && CANDIDATE <= 15
 static tumble_uncertainty_t uncertainty;
 static const tumble_judged_run_t judged = {
-    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0};
+    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0, NULL};
 #define FOUND uncertainty
 #else
 static tumble_coefficients_t found;

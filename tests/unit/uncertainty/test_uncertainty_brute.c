@@ -78,10 +78,11 @@ static void force_derivative(const tumble_schedule_t *schedule, unsigned p, erro
     }
 }
 
-/* One row by brute force; `samples` may be null. */
-static double brute_force(const tumble_schedule_t *schedule, const tumble_stand_record_t *stand,
-                          const tumble_coefficients_t *block, const uint32_t *samples, const double *gains)
+/* One row by brute force. */
+static double brute_force(const tumble_judged_run_t *run, const double *gains)
 {
+    const tumble_schedule_t *schedule = run->schedule;
+    const tumble_stand_record_t *stand = run->stand;
     double sums[ERRORS] = {0};
     double by_mounting[ERRORS][256] = {{0}};
     double squares = 0.0;
@@ -89,14 +90,14 @@ static double brute_force(const tumble_schedule_t *schedule, const tumble_stand_
         if (schedule->positions[p].use != TUMBLE_USE_FIT) {
             continue;
         }
-        const double n = (double)((samples != NULL) ? samples[p] : stand->samples);
+        const double n = (double)((run->samples != NULL) ? run->samples[p] : stand->samples);
         for (int error = 0; error < ERRORS; error++) {
             double force[3];
             double effect = 0.0;
             force_derivative(schedule, p, (error_t)error, force);
             for (int i = 0; i < 3; i++) {
                 for (int j = 0; j < 3; j++) {
-                    effect += gains[i] * block->k_v_per_g[i][j] * force[j];
+                    effect += gains[i] * run->coefficients->k_v_per_g[i][j] * force[j];
                 }
             }
             sums[error] += effect;
@@ -106,7 +107,8 @@ static double brute_force(const tumble_schedule_t *schedule, const tumble_stand_
         for (int i = 0; i < 3; i++) {
             const double noise = stand->noise_v / sqrt(n);
             const double counted = (noise > stand->least_noise_v) ? noise : stand->least_noise_v;
-            squares += counted * counted * gains[i] * gains[i];
+            const double excess = (run->excess_variance_v2 != NULL) ? run->excess_variance_v2[p][i] : 0.0;
+            squares += (counted * counted + excess) * gains[i] * gains[i];
         }
         gains += 3;
     }
@@ -145,7 +147,7 @@ static void assert_as_by_brute_force(const tumble_judged_run_t *run, const doubl
     const size_t columns = 3U * (size_t)count_fit_positions(run->schedule);
     double expected[12];
     for (size_t row = 0; row < 12U; row++) {
-        expected[row] = brute_force(run->schedule, run->stand, run->coefficients, run->samples, gains + row * columns);
+        expected[row] = brute_force(run, gains + row * columns);
     }
     const double k[3][3] = {{expected[0], expected[1], expected[2]},
                             {expected[3], expected[4], expected[5]},
@@ -196,6 +198,7 @@ static void test_harmonic_estimators_among_other_positions(void)
     memcpy(positions + 2, tumble_schedule_paper.positions, 18U * sizeof positions[0]);
     const tumble_schedule_t extended = {tumble_schedule_paper.mountings, positions, 2, 20};
     uint32_t samples[20];
+    static double excess[20][3];
     for (int round = 0; round < 20; round++) {
         const tumble_coefficients_t block = random_block(&dice);
         const tumble_stand_record_t stand = random_stand(&dice);
@@ -203,7 +206,14 @@ static void test_harmonic_estimators_among_other_positions(void)
             samples[p] = 1U + dice_below(&dice, 100);
         }
         samples[1] = 0; /* of a check position: nobody asks */
-        const tumble_judged_run_t run = {&extended, &stand, &block, NULL, samples, 0};
+        for (int i = 0; i < 60; i++) {
+            excess[i / 3][i % 3] = 1e-6 * magnitude(dice_signed_unit(&dice));
+        }
+        const tumble_judged_run_t run = {.schedule = &extended,
+                                         .stand = &stand,
+                                         .coefficients = &block,
+                                         .samples = samples,
+                                         .excess_variance_v2 = (round % 2 != 0) ? excess : NULL};
         for (size_t pair = 0; pair < COUNT_OF(pairs); pair++) {
             gains_of(pairs[pair].estimator, &extended, table);
             const tumble_uncertainty_t found = judged(pairs[pair].judge, &run);

@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from tumble.arrays import Integers
 from tumble.units import volts_per
 
 INDEPENDENT = "independent"
@@ -54,6 +57,11 @@ class Stand:
         in the unit of the noise, leaves by rounding; step/sqrt(12) as a standard deviation."""
         rounding = abs(step) / math.sqrt(12.0) * _SIGMAS_PER_LIMIT[self.limits]
         return self if self.noise >= rounding else replace(self, noise=rounding)
+
+    def averaged_over(self, rows: Integers) -> Integers:
+        """How many samples the mean of each position of a run has, by its `rows`. If no position has more than one, the
+        rows are means of the stand's `samples`; a lone row among many is one sample."""
+        return np.where(rows > 1, rows, self.samples if rows.max(initial=0) <= 1 else 1)
 
     def sigma(self, source: str) -> float:
         """Standard deviation of a source, named by its attribute, such as "axis_tilt"."""

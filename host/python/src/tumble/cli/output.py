@@ -24,11 +24,16 @@ def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
         tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
     for beyond in [] if solution.second_order is None else solution.second_order.complaints:
         tell(f"tumble: warning: {beyond}")
+    if solution.lone:
+        tell(f"tumble: warning: a single row, taken for one sample, at {', '.join(solution.lone)}")
+    noisy = presentation.noise_notice(solution)
+    if noisy is not None:
+        tell(f"tumble: warning: {noisy}; the uncertainties count it")
     if solution.monte_carlo is not None and (open_or_not := propagated.complaint(solution.monte_carlo)):
         tell(f"tumble: warning: {open_or_not}")
     doubt = presentation.complaint(solution)
     if doubt is not None:
-        tell(f"tumble: warning: {doubt}; the uncertainties are too small")
+        tell(f"tumble: warning: {doubt}; the uncertainties {presentation.consequence(solution)}")
 
 
 def print_solution(solution: Solution, json_text: str | None, title: str) -> None:
@@ -47,7 +52,7 @@ def _plain_text(solution: Solution, file: str) -> str:
     """All of it, within 80 columns as long as the file's name and the numbers are of ordinary size."""
     lines = [presentation.title(solution, file), ""]
     lines += _table([presentation.coefficient_headings(solution), *presentation.coefficient_rows(solution)])
-    lines += presentation.notes(solution) + ([presentation.HINT] if solution.u_k is None else []) + [""]
+    lines += presentation.notes(solution) + presentation.uncertainty_notes(solution) + [""]
     lines += [presentation.gravity_title(solution)]
     lines += [_bar(bar) for bar in presentation.gravity_bars(solution)] + [""]
     lines += [*presentation.remarks(solution), "", *presentation.beware(solution)]

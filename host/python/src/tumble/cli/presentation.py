@@ -13,15 +13,19 @@ from tumble.cli import propagated
 from tumble.estimators import HARMONIC
 from tumble.fixture.judge import SYSTEMATIC, Limits
 from tumble.schedule import CHECK
+from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.fit import Explanation
+from tumble.solving.fit import NOISE, Explanation
+from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.units import noise_unit, per_g, volts_per
 
 _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
+_HEADINGS_ALONE = ("", "value", "unit", "u, scatter alone", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
-HINT = "For uncertainties, describe the stand: --stand FILE"
+_HINT = "For uncertainties, describe the stand: --stand FILE"
+_HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
 BAR_WIDTH = 36
 _COLUMNS = 80
 _UNKNOWN = "unknown"
@@ -48,7 +52,9 @@ def title(solution: Solution, file: str) -> str:
 
 def coefficient_headings(solution: Solution) -> tuple[str, ...]:
     """One for each column of `coefficient_rows`."""
-    return _HEADINGS if solution.truth is None else _HEADINGS_WITH_TRUTH
+    if solution.truth is not None:
+        return _HEADINGS_WITH_TRUTH
+    return _HEADINGS if solution.scatter_alone is None else _HEADINGS_ALONE
 
 
 def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
@@ -59,13 +65,14 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
     """
     unit, rows = solution.run.unit, []
+    u_k, u_u0 = solution.scatter_alone or (solution.u_k, solution.u_u0)
     marked = {name for names in assumed(solution).values() for name in names}
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
-            u = None if solution.u_k is None else solution.u_k[i, j]
+            u = None if u_k is None else u_k[i, j]
             relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
@@ -73,7 +80,7 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             name = f"K_{channel}{axis}"
             rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
-        u = None if solution.u_u0 is None else solution.u_u0[i]
+        u = None if u_u0 is None else u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"
@@ -86,6 +93,21 @@ def notes(solution: Solution) -> list[str]:
     """What marked coefficients, or all, rest on: one line each."""
     rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
     return [f"{'*' if names else 'All'} assuming {one.phrase}: {one.why}" for one, names in rests_on.items()]
+
+
+def uncertainty_notes(solution: Solution) -> list[str]:
+    """What uncertainties are made from, where that is not the stand file alone."""
+    if solution.u_k is None:
+        return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
+    told = noise_notice(solution)
+    return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+
+
+def noise_notice(solution: Solution) -> str | None:
+    """That the samples are noisier than declared, and that the uncertainties count that; None if not."""
+    if solution.stand is None:
+        return None
+    return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -227,12 +249,19 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
     return " or ".join([said, *(NAMES.get(other, other) for other in others)])
 
 
+def consequence(solution: Solution) -> str:
+    """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
+    causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
+    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
+    return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
+
+
 def beware(solution: Solution) -> list[str]:
     """What `complaint` has to say, if anything: a paragraph, and an empty line."""
     text = complaint(solution)
     if text is None:
         return []
-    warning = f"Beware: {text}. The uncertainties above are too small."
+    warning = f"Beware: {text}. The uncertainties above {consequence(solution)}."
     return [*textwrap.wrap(warning, _COLUMNS, break_on_hyphens=False), ""]
 
 

@@ -20,10 +20,8 @@ def show(solution: Solution, file: str) -> None:
     console.width = max(console.width, _WIDTH)
     console.print(Text(presentation.title(solution, file), style="bold"))
     console.print(_coefficients(solution))
-    for line in presentation.notes(solution):
+    for line in presentation.notes(solution) + presentation.uncertainty_notes(solution):
         console.print(Text(line, style="yellow"))
-    if solution.u_k is None:
-        console.print(Text(presentation.HINT, style="yellow"))
     console.print(Text("\n" + presentation.gravity_title(solution), style="bold"))
     block = "#" if console.options.ascii_only else "\u2588"
     for bar in presentation.gravity_bars(solution):

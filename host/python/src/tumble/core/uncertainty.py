@@ -20,17 +20,31 @@ class _JudgedRun:
         stand: Stand,
         samples: Integers,
         measured: Flags | None,
+        mean_variance: Floats | None = None,
         least_noise: float = 0.0,
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
         record += [stand.sigma(source) for source in ("seat", "platform")]
+        averaged_over = stand.averaged_over(samples)
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))
-        self._samples = ffi.new("uint32_t[]", np.where(samples > 1, samples, stand.samples).tolist())
+        self._samples = ffi.new("uint32_t[]", averaged_over.tolist())
         self._flags = schedule.flags(measured)
+        self._excess = ffi.NULL
+        if mean_variance is not None:
+            declared = np.maximum(stand.sigma("noise") ** 2 / averaged_over, least_noise**2)
+            self._excess = ffi.from_buffer(np.maximum(mean_variance - declared[:, None], 0.0))
         self.struct = ffi.new(
-            "tumble_judged_run_t *", [schedule.struct, self._stand, self._coefficients, self._flags, self._samples]
+            "tumble_judged_run_t *",
+            {
+                "schedule": schedule.struct,
+                "stand": self._stand,
+                "coefficients": self._coefficients,
+                "measured": self._flags,
+                "samples": self._samples,
+                "excess_variance_v2": ffi.cast("double (*)[3]", self._excess),
+            },
         )
 
 
@@ -41,13 +55,15 @@ def uncertainties(
     samples: Integers,
     estimator: str,
     measured: Flags | None = None,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate by a linear estimator of the core.
 
-    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, a lone one being a mean of the
-    stand's `samples`; `measured` (positions,) bool. Raises CoreRefusal(missing=..., unidentified=...).
+    `k` (3, 3): the solved K; `samples` (positions,): rows of the run at each position, as Stand.averaged_over takes
+    them; `measured` (positions,) bool; `mean_variance` (positions, 3): by the noise as measured, counts
+    where it is larger than the stand's. Raises CoreRefusal(missing=..., unidentified=...).
     """
-    run, found = _JudgedRun(schedule, k, stand, samples, measured), ffi.new("tumble_uncertainty_t *")
+    run, found = _JudgedRun(schedule, k, stand, samples, measured, mean_variance), ffi.new("tumble_uncertainty_t *")
     refusal = ffi.new("tumble_refusal_t *")
     require_estimable(schedule, ESTIMATOR_ROWS[estimator].uncertainty(run.struct, found, refusal), refusal)
     return unpack(found)
@@ -60,6 +76,7 @@ def uncertainties_of_gains(
     samples: Integers,
     gains: Floats,
     measured: Flags | None = None,
+    mean_variance: Floats | None = None,
     least_noise: float = 0.0,
 ) -> tuple[Floats, Floats]:
     """The same for an estimate by constant gains (12, 3 x fit positions). The noise of a mean never counts as less than
@@ -67,7 +84,7 @@ def uncertainties_of_gains(
     table = np.ascontiguousarray(gains, dtype=float)
     if table.ndim != 2 or table.shape[0] != lib.TUMBLE_COEFFICIENTS or table.shape[1] % 3:
         raise ValueError(f"gains must have shape (12, 3 x fit positions), not {table.shape}")
-    run = _JudgedRun(schedule, k, stand, samples, measured, least_noise)
+    run = _JudgedRun(schedule, k, stand, samples, measured, mean_variance, least_noise)
     found = ffi.new("tumble_uncertainty_t *")
     struct = ffi.new("tumble_gain_table_t *", [ffi.from_buffer("double[]", table), table.shape[1] // 3])
     require_ok(lib.tumble_uncertainty_gains(struct, run.struct, found))

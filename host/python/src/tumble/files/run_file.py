@@ -22,6 +22,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
+from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
 from tumble.files.run_layout import (
     COLUMNS,
     NO_WISHES,
@@ -46,7 +47,8 @@ class Run:
     `samples` (positions,): rows of each, 0 where none; `means` (positions, 3); `scatter` (positions, 3): standard
     deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
     `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file; `unit_told`: by the file or by
-    the user, not assumed; `table`: the rows themselves, None where nobody has them.
+    the user, not assumed; `table`: the rows themselves, None where nobody has them; `blocks`: how they move together
+    (files.run_blocks).
     """
 
     samples: Integers
@@ -57,6 +59,7 @@ class Run:
     sha256: str = ""
     unit_told: bool = True
     table: RunTable | None = None
+    blocks: Blocks = NO_BLOCKS
 
     @property
     def measured(self) -> Flags:
@@ -70,7 +73,7 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
     _require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
-    samples, means, scatter = _average(table, len(schedule.positions))
+    samples, means, scatter, blocks = _average(table, len(schedule.positions))
     measured = int((samples > 0).sum())
     counters = {
         "rows": len(table.index),
@@ -81,7 +84,7 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
         "columns_ignored": layout.width - len(COLUMNS),
     }
     digest = hashlib.sha256(data).hexdigest()
-    return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table)
+    return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks)
 
 
 def _require_text(data: bytes, file: str) -> None:
@@ -278,8 +281,8 @@ def _number(text: str, column: str, layout: Layout) -> float:
     return value
 
 
-def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats]:
-    """Samples, means and scatter per position. Sums are exact (fsum), so their order does not matter."""
+def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats, Blocks]:
+    """Samples, means, scatter and blocks per position. Sums are exact (fsum): to them the order does not matter."""
     samples = np.bincount(table.index, minlength=positions)
     means, scatter = np.full((2, positions, 3), np.nan)
     grouped = np.split(table.outputs[np.argsort(table.index, kind="stable")], np.cumsum(samples)[:-1])
@@ -288,4 +291,4 @@ def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats]
             means[index] = [math.fsum(channel) / len(rows) for channel in rows.T.tolist()]
         if len(rows) > 1:
             scatter[index] = rows.std(axis=0, ddof=1)
-    return samples, means, scatter
+    return samples, means, scatter, blocks_of(grouped)

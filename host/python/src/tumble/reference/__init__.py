@@ -8,6 +8,7 @@ every solve, means something only as long as that holds.
 from tumble.reference.estimators import estimate, magnification
 from tumble.reference.fit import WholeModel
 from tumble.reference.geometry import Geometry
+from tumble.reference.noise import MeasuredNoise, measured_noise
 from tumble.reference.optimal import OptimalEstimate, optimal, optimal_uncertainties
 from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.seat import unseen_tilt
@@ -17,6 +18,7 @@ from tumble.reference.verification import closure, gravity_errors, intrinsic, re
 
 __all__ = [
     "Geometry",
+    "MeasuredNoise",
     "OptimalEstimate",
     "RunSeen",
     "WholeModel",
@@ -28,6 +30,7 @@ __all__ = [
     "gravity_errors",
     "intrinsic",
     "magnification",
+    "measured_noise",
     "optimal",
     "optimal_uncertainties",
     "paper_schedule",

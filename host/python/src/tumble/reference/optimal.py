@@ -58,12 +58,14 @@ def optimal(
     step: float = 0.0,
     known_k: Floats | None = None,
     known_samples: float | None = None,
+    mean_variance: Floats | None = None,
 ) -> OptimalEstimate:
     """Solve one run. `means` (positions, 3), `samples` (positions,) as in `uncertainty.sources`; `step` of the
     converter in the outputs' unit, 0 where unknown; `known_k`: linearise there instead of at a first estimate. Weights
-    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`."""
+    take the noise of all means as equal, with the average of 1/N, or with N = `known_samples`. `mean_variance` as in
+    `uncertainty.sources`: of the uncertainties alone."""
     k = least_squares(schedule, means)[0] if known_k is None else known_k
-    return _Whitened(schedule, k, stand, samples, step, known_samples).solve(means)
+    return _Whitened(schedule, k, stand, samples, step, known_samples).solve(means, mean_variance)
 
 
 def optimal_uncertainties(
@@ -96,7 +98,7 @@ class _Whitened:
         derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
         self.model = np.hstack([dense_design(schedule), by_error])
-        self.averaged_over = np.where(samples > 1, samples, stand.samples)
+        self.averaged_over = stand.averaged_over(samples)
         self.one_sample = max(stand.sigma("noise"), abs(step) / np.sqrt(12.0))
         self.floor = _FLOOR_G * np.abs(k).max()
         inverse_samples = 1.0 / (self.averaged_over[self.fit] if known_samples is None else np.array([known_samples]))
@@ -114,14 +116,14 @@ class _Whitened:
         solved: Floats = solution + correction / length[:, None]
         return solved
 
-    def solve(self, means: Floats) -> OptimalEstimate:
+    def solve(self, means: Floats, mean_variance: Floats | None = None) -> OptimalEstimate:
         """Apply the linear solution, and again to what the second order leaves of the outputs."""
         measured = means[self.fit].reshape(-1, 1)
         x = self.unknowns(measured)
         for _ in range(CORRECTIONS):
             x = self.unknowns(measured - (self._exact(x) - self.model @ x))
         k, u0 = _coefficients(x[:12, 0])
-        covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance()
+        covariance = _Whitened(self.schedule, k, self.stand, self.samples, self.step).covariance(mean_variance)
         angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[:12]).sum(axis=1).max())
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
@@ -131,9 +133,11 @@ class _Whitened:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
         return noise
 
-    def covariance(self) -> Floats:
+    def covariance(self, mean_variance: Floats | None = None) -> Floats:
         """Of an estimate (12, 12), K row by row, that is linearised here: with each position's own noise."""
         noise = np.repeat(self._noise_of_means(), 3)
+        if mean_variance is not None:
+            noise = np.maximum(noise, np.sqrt(mean_variance).ravel())
         errors = {**self.errors, "noise": replace(self.errors["noise"], sigma=noise)}
         return joint(self._linear, errors)
 

@@ -32,16 +32,21 @@ class Source:
     errors: tuple[dict[str, float | Floats], ...] = ()
 
 
-def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> dict[str, Source]:
+def sources(
+    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
+) -> dict[str, Source]:
     """Every source of error, by name as in SOURCES; `seat` and `platform` where the stand declares them.
 
-    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position; a lone row is taken
-    for a mean of the stand's `samples`.
+    `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position, as
+    Stand.averaged_over takes them. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
+    where it is larger than what the stand declares.
     """
     geometry = Geometry(schedule)
     positions, mountings = len(schedule.positions), len(schedule.mountings)
     yaws = np.ones((1, mountings)) if stand.remounting == COMMON else np.eye(mountings)
-    averaged_over = np.where(samples > 1, samples, stand.samples)
+    noise = stand.sigma("noise") / np.sqrt(stand.averaged_over(samples))[:, None] * np.ones(3)
+    if mean_variance is not None:
+        noise = np.maximum(noise, np.sqrt(mean_variance))
 
     def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
         steps = [
@@ -55,7 +60,7 @@ def sources(schedule: Schedule, k: Floats, stand: Stand, samples: Integers) -> d
         "alpha3": angles("remount", [{"alpha3": yaw} for yaw in yaws]),
         "alpha4": angles("angle", [{"delta": one} for one in np.eye(positions)]),
         "noise": Source(
-            np.repeat(stand.sigma("noise") / np.sqrt(averaged_over), 3),
+            noise.ravel(),
             np.eye(3 * positions).reshape(-1, positions, 3),
         ),
     }
@@ -100,7 +105,14 @@ def joint(of: Callable[[Floats], Floats], errors: dict[str, Source]) -> Floats:
     return (product + product.T) / 2.0
 
 
-def covariance(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str) -> Floats:
+def covariance(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    mean_variance: Floats | None = None,
+) -> Floats:
     """Covariance (12, 12) of an estimate, K row by row, then U0, in its units. Arguments as of `sources`; `k` is the
     solved K."""
 
@@ -108,7 +120,7 @@ def covariance(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, e
         found_k, found_u0 = estimate(schedule, means, estimator)
         return np.concatenate([found_k.reshape(-1, 9), found_u0], axis=1)
 
-    return joint(coefficients, sources(schedule, k, stand, samples))
+    return joint(coefficients, sources(schedule, k, stand, samples, mean_variance))
 
 
 def standard_uncertainties(

@@ -6,6 +6,7 @@ The core computes, the numpy witness confirms, and only then is there a solution
     computation  what the core makes of the means
     optimal_run  the optimal estimator for one run: weights made for it (gains, gain_record), evaluated by the core
     uncertainty  the standard uncertainties that a result states
+    noise        the noise that a run itself shows, and where it counts
     covariance   what the covariance of the coefficients says of what is computed from them (si: in units of the SI)
     second_order what these leave out; monte_carlo: whether simulated runs confirm them (many_runs: solved at once)
     provenance   when, by what and from what a result was made

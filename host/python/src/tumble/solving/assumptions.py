@@ -12,6 +12,7 @@ from tumble.estimators import OPTIMAL
 from tumble.solving.solution import Solution
 
 Coefficients = tuple[str, ...]
+_FEWEST_TO_TEST = 4  # samples: two lengths of blocks
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,19 @@ def _in_volts(solution: Solution) -> Coefficients | None:
     return None if solution.run.unit_told else ()
 
 
+def _on_white_noise(solution: Solution) -> Coefficients | None:
+    return None if solution.run.samples.max() >= _FEWEST_TO_TEST else ()
+
+
+def _on_rounding(solution: Solution) -> Coefficients | None:
+    return () if solution.noise.undithered.any() else None
+
+
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
+    "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
+    "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
 }
 
 

@@ -8,7 +8,7 @@ in the same way. A pattern may also show where the residuals as a whole still fi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.reference.fit import Score, WholeModel, basis
 from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
-from tumble.solving.stand_seen import Quantity, StandSeen
+from tumble.solving.stand_seen import StandSeen
 from tumble.stand import Stand
 
 CONFIDENCE = 0.999
@@ -44,12 +44,30 @@ class Explanation:
     @property
     def may_be_another(self) -> bool:
         """Whether it may be no fault of the stand: the block's, or that of this run."""
-        return any(BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE)
+        return any(name not in BY_NAME or BY_NAME[name].whose != STAND for name in self.patterns if name != NOISE)
 
     def document(self) -> dict[str, object]:
         """Ready for JSON."""
         listed = {"patterns": list(self.patterns), "p": self.p, "size": self.size, "u_size": self.u_size}
         return {**listed, "unit": self.unit, "column": self.column or None}
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A pattern that samples show by themselves: `log_p`, how often they do by chance; `size`, `u_size` in `unit`, and
+    the `column` it is of; `variance` (positions,) of the means with it."""
+
+    name: str
+    log_p: float
+    size: float
+    u_size: float
+    unit: str
+    column: str
+    variance: Floats
+
+    def explanation(self, p: float) -> Explanation:
+        """As an explanation of a run, with its `p` after Holm."""
+        return Explanation((self.name,), p, self.size, self.u_size, self.unit, self.column)
 
 
 @dataclass(frozen=True)
@@ -95,43 +113,16 @@ class Fit:
         }
 
 
-@dataclass(frozen=True)
-class Scatter:
-    """Of the samples within positions: pooled `noise` with `freedom`, against the `declared` standard deviation, in the
-    unit of the outputs; `variance` (positions,) of the means if that is the noise. `unit` in which noise is reported,
-    so many `per_unit` of the outputs."""
-
-    noise: Quantity | None
-    freedom: int
-    declared: float
-    variance: Floats
-    unit: str
-    per_unit: float
-
-    @property
-    def log_p(self) -> float:
-        """How often declared noise scatters more."""
-        if self.noise is None or not self.noise.value > self.declared:
-            return 0.0
-        if self.declared == 0.0:
-            return -math.inf
-        return chi_squared_log_above(self.freedom * (self.noise.value / self.declared) ** 2, self.freedom)
-
-
-def judge(model: WholeModel, confidence: float, seen: StandSeen, scatter: Scatter) -> Fit:
-    """The verdict on a run."""
+def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequence[Sampled] = ()) -> Fit:
+    """The verdict on a run; `sampled`: what its samples show by themselves."""
     p = chi_squared_above(model.chi_squared, model.freedom)
-    explanations = tuple(_Search(model, seen, scatter, confidence).run()) if model.freedom else ()
+    explanations = tuple(_Search(model, seen, sampled, confidence).run()) if model.freedom else ()
     return Fit(model.chi_squared, model.freedom, p, confidence, explanations)
 
 
-def variance_of_means(stand: Stand, samples: Integers, step: float) -> Floats:
-    """By noise and rounding, for `stand` and the converter's `step` (0: unknown) in the unit of the outputs. Samples
-    with less noise than half a step round alike, and averaging does not help."""
-    averaged_over = np.where(samples > 1, samples, stand.samples)
-    own = stand.with_step(step).sigma("noise") ** 2 / averaged_over
-    alike = stand.sigma("noise") < abs(step) / 2.0
-    variance: Floats = own + (step**2 / 12.0 if alike else 0.0)
+def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
+    """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
+    variance: Floats = stand.sigma("noise") ** 2 / stand.averaged_over(samples) + rounding**2
     return variance
 
 
@@ -155,13 +146,14 @@ class _Search:
     the residuals do not fit, else as seldom as an honest run is refused.
 
     A pattern of random errors, such as set angles, has no shape: once it is found, the model has errors as large as the
-    run shows, instead of free columns. More noise within the positions than declared is one of them.
+    run shows, instead of free columns. Patterns of noise come from the samples, and not from the residuals.
     """
 
-    def __init__(self, model: WholeModel, seen: StandSeen, scatter: Scatter, confidence: float):
-        self._model, self._seen, self._scatter, self._confidence = model, seen, scatter, confidence
+    def __init__(self, model: WholeModel, seen: StandSeen, sampled: Sequence[Sampled], confidence: float):
+        self._model, self._seen, self._confidence = model, seen, confidence
+        self._sampled = {one.name: one for one in sampled}
         self._known: Columns = {}
-        self._left = [*(pattern.name for pattern in PATTERNS), NOISE]
+        self._left = [*(pattern.name for pattern in PATTERNS), *self._sampled]
 
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
@@ -169,19 +161,23 @@ class _Search:
             fits = self._rest_fits()
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
-            log_p |= {NOISE: self._scatter.log_p} if NOISE in self._left and not fits else {}
+            if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
+                log_p |= {name: one.log_p for name, one in self._sampled.items() if name in self._left}
             name = min(log_p, key=lambda one: log_p[one], default=None)
             if name is None:
                 return
             corrected = len(self._left) * math.exp(log_p[name])
             if corrected > (1.0 - self._confidence if fits else EXPLAINED):
                 return
-            alike = [] if name == NOISE else [other for other in found if self._may_be(found[name], found[other])]
+            alike = [other for other in found if name in found and self._may_be(found[name], found[other])]
             source = next((one for one in SYSTEMATIC if one in alike), None)
             if source is not None:  # where either may be, the declared one is the simpler
                 alike = [name, *(other for other in alike if other != source)]
                 name, corrected = source, len(self._left) * math.exp(log_p[source])
-            yield self._explanation(found.get(name), alike, corrected)
+            if name in self._sampled:
+                yield self._sampled[name].explanation(corrected)
+            else:
+                yield self._explanation(found[name], alike, corrected)
             self._take(name, found)
 
     def _rest_fits(self) -> bool:
@@ -220,19 +216,14 @@ class _Search:
     def _take(self, name: str, found: dict[str, _Candidate]) -> None:
         """Make what has been found part of the model."""
         self._left.remove(name)
-        if name == NOISE:
-            self._model = self._model.with_variance(self._scatter.variance)
+        if name in self._sampled:
+            self._model = self._model.with_variance(self._sampled[name].variance)
         elif found[name].pattern.random and self._seen.alpha4 is not None:
             self._model = self._model.with_set_angles(self._seen.alpha4.value)
         else:
             self._known |= {f"{name} {label}": one for label, one in found[name].columns.items()}
 
-    def _explanation(self, one: _Candidate | None, alike: list[str], p: float) -> Explanation:
-        if one is None:
-            scatter = self._scatter
-            assert scatter.noise is not None  # or its p would be 1
-            size, u_size = scatter.noise.value * scatter.per_unit, scatter.noise.u * scatter.per_unit
-            return Explanation((NOISE,), p, size, u_size, scatter.unit, "")
+    def _explanation(self, one: _Candidate, alike: list[str], p: float) -> Explanation:
         unit, sizes = one.pattern.unit, one.score.sizes
         seen = {"alpha4": self._seen.alpha4, **self._seen.angles}.get(one.pattern.name.removesuffix("_rad"))
         if seen is not None:  # as it stands in the result

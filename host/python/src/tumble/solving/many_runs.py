@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
@@ -33,6 +31,6 @@ def estimator_for(
 
 
 def table_at(schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float = 0.0) -> OptimalTable:
-    """The weights of `optimal` at `k`; `samples` (positions,): rows of each, a lone one a mean of the stand's."""
-    fitted = np.where(samples > 1, samples, stand.samples)[fit_indices(schedule)]
+    """The weights of `optimal` at `k`; `samples` (positions,): rows of each, as Stand.averaged_over has them."""
+    fitted = stand.averaged_over(samples)[fit_indices(schedule)]
     return optimal_table(schedule, k, stand, step, float(1.0 / (1.0 / fitted).mean()))

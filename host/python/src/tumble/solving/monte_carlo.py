@@ -112,14 +112,16 @@ def simulate(
     samples: Integers,
     runs: int,
     seed: int,
+    mean_variance: Floats | None = None,
 ) -> MonteCarlo:
     """Of a result `k` (3, 3), `u0` (3,) with stated uncertainties `u` (12,), on `schedule`, all of it measured, with
-    `samples` (positions,) rows each. `stand` in the unit of the outputs. The same seed gives the same numbers.
+    `samples` (positions,) rows each. `stand` in the unit of the outputs; `mean_variance` as of
+    `sources`. The same seed gives the same numbers.
 
     Raises UsageError where a run on such a stand cannot be solved.
     """
     estimate = estimator_for(schedule, k, stand, estimator, samples)
-    errors = sources(schedule, k, stand, samples)
+    errors = sources(schedule, k, stand, samples, mean_variance)
     try:
         found = _estimates(schedule, k, u0, errors, stand.limits, estimate, runs, seed)
     except CoreRefusal as refusal:

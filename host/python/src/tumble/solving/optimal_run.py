@@ -59,9 +59,9 @@ def apply_table(table: OptimalTable, schedule: core.CoreSchedule, means: Floats)
 
 
 def samples_in_a_mean(schedule: Schedule, measured: Flags, weighting: Weighting) -> float:
-    """As many samples in every mean as give the same noise on the average. A lone row is a mean of the stand's."""
+    """As many samples in every mean as give the same noise on the average."""
     if weighting.known is not None:
         return float(weighting.known.samples)
     fit = measured & np.array([position.use != CHECK for position in schedule.positions])
-    samples = weighting.samples[fit]
-    return float(1.0 / (1.0 / np.where(samples > 1, samples, weighting.stand.samples)).mean())
+    samples = weighting.stand.averaged_over(weighting.samples)[fit]
+    return float(1.0 / (1.0 / samples).mean())

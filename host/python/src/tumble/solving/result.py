@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import si, stand_seen
+from tumble.solving import noise, si, stand_seen
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
@@ -50,6 +50,8 @@ def document(
         "pass_reason": " and ".join(solution.failures) or None,
         "assumes": list(rests_on),
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
+        "noise": noise.document(solution.noise, solution.run.samples),
+        "scatter_alone": _scatter_alone(solution),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
@@ -70,6 +72,13 @@ def document(
         "item": item,
         "environment": environment,
     }
+
+
+def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
+    if solution.scatter_alone is None:
+        return None
+    u_k, u_u0 = solution.scatter_alone
+    return {"u_K": u_k.tolist(), "u_U0": u_u0.tolist()}
 
 
 def _intrinsic_uncertainties(solution: Solution) -> dict[str, Any] | None:

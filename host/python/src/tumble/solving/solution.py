@@ -16,7 +16,7 @@ from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
 from tumble.schedule import Schedule
-from tumble.solving import optimal_run, uncertainty
+from tumble.solving import noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import (
@@ -27,12 +27,13 @@ from tumble.solving.crosscheck import (
     compare_seen,
     compare_uncertainties,
 )
-from tumble.solving.fit import CONFIDENCE, Fit, Scatter, judge, variance_of_means
+from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
 from tumble.solving.monte_carlo import MonteCarlo, simulate
+from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
-from tumble.solving.stand_seen import StandSeen, look, own_variance
+from tumble.solving.stand_seen import StandSeen, look
 from tumble.stand import Stand
-from tumble.units import noise_unit, volts_per
+from tumble.units import volts_per
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,9 @@ class Solution:
 
     `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
     without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
-    `fit`: whether the run fits the declared stand, None without one; `truth`: None for a run that was measured;
+    `fit`: whether the run fits the declared stand, None without one; `noise`: what the samples show of it;
+    `scatter_alone`: without a declared stand, the standard uncertainties of K and U0 that the noise of the samples
+    leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
     of the run, 0: unknown; `monte_carlo`: None where nobody asked for it.
     """
@@ -70,6 +73,8 @@ class Solution:
     u_u0: Floats | None
     stand: Stand | None
     stand_seen: StandSeen
+    noise: noise_of_runs.Noise
+    scatter_alone: tuple[Floats, Floats] | None = None
     fit: Fit | None = None
     truth: Truth | None = None
     covariance: Floats | None = None
@@ -110,7 +115,8 @@ class Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self.found.u0, self._u, stand, self.found.estimator, samples
-        return replace(self, monte_carlo=simulate(*given, runs, seed))
+        variance = self.noise.mean_variance[self.run.measured]
+        return replace(self, monte_carlo=simulate(*given, runs, seed, variance))
 
     @property
     def _as_propagated(self) -> tuple[Schedule, Stand, Integers]:
@@ -135,6 +141,12 @@ class Solution:
         if self.covariance is None:
             return None
         return intrinsic_uncertainties(self.found.k, self.found.u0, self.covariance)
+
+    @property
+    def lone(self) -> list[str]:
+        """Positions with a single row where others have many: one sample each."""
+        alone = (self.run.samples == 1) & (self.run.samples.max() > 1)
+        return [position.label for position, one in zip(self.schedule.positions, alone.tolist()) if one]
 
     @property
     def worst_position(self) -> int:
@@ -176,47 +188,60 @@ def solve(
     name = core_schedule.name
     witnessed = (core_schedule.data if name is None else reference.built_in(name)).part(run.measured)
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, step)
+    noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
+    variance = noisy.mean_variance[run.measured]
+    model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy)
     optimal = None
     if weighting is not None and model is not None:
         _require_near(model, file)
-        optimal = _witness(witnessed, means, samples, weighting)
+        optimal = _witness(witnessed, means, samples, weighting, variance)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
-    u_k, u_u0, covariance, fit = None, None, None, None
-    if declared is not None:
-        u_k, u_u0 = _uncertainties(core_schedule, run, found.k, declared, estimator, step, file)
+    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
+    if declared is not None or noisy.is_known:
+        u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
-            covariance = reference.covariance(witnessed, found.k, declared, samples, estimator)
+            covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
         else:
             covariance = optimal.covariance
-        compare_uncertainties((u_k, u_u0), reference.by_coefficient(covariance), optimal is not None)
+        compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
     shown = RunSeen(core_schedule, run.means, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, means, found.k), samples, scatter, declared)
     if declared is not None and model is not None:
-        fit = judge(model, confidence, seen, _scatter(run, seen, declared, step))
+        fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
+    u_k, u_u0 = (None, None) if stand is None or u is None else u
+    alone = u if stand is None else None
     return Solution(
-        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, fit),
-        covariance=covariance,
+        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, fit),
+        covariance=None if stand is None else covariance,
         step=step,
     )
 
 
 def _uncertainties(
-    schedule: core.CoreSchedule, run: Run, k: Floats, stand: Stand, estimator: str, step: float, file: str
+    schedule: core.CoreSchedule,
+    run: Run,
+    k: Floats,
+    stand: Stand,
+    estimator: str,
+    step: float,
+    mean_variance: Floats,
+    file: str,
 ) -> tuple[Floats, Floats]:
     """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
     try:
-        return uncertainty.standard_uncertainties(schedule, run.measured, k, stand, run.samples, estimator, step)
+        return uncertainty.standard_uncertainties(
+            schedule, run.measured, k, stand, run.samples, estimator, step, mean_variance
+        )
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
 
 
 def _whole_model(
-    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, step: float
+    schedule: core.CoreSchedule, witnessed: Schedule, run: Run, stand: Stand, noisy: noise_of_runs.Noise
 ) -> reference.WholeModel:
     """The whole model of a run, by numpy; the core's has the same chi-squared. Raises Disagreement."""
-    variance = variance_of_means(stand, run.samples, step)
+    variance = variance_of_means(stand, run.samples, float(noisy.rounding.max()))
     model = reference.WholeModel(witnessed, run.means[run.measured], variance[run.measured], stand)
     compare_fit(chi_squared(schedule, run.means, run.measured, variance, stand), model)
     return model
@@ -231,21 +256,11 @@ def _require_near(model: reference.WholeModel, file: str) -> None:
 
 
 def _witness(
-    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting
+    schedule: Schedule, means: Floats, samples: Integers, weighting: optimal_run.Weighting, mean_variance: Floats
 ) -> reference.OptimalEstimate:
     """The optimal estimator by numpy."""
-    known = () if weighting.known is None else (weighting.known.k, weighting.known.samples)
-    return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, *known)
-
-
-def _scatter(run: Run, seen: StandSeen, stand: Stand, step: float) -> Scatter:
-    """Rounding by half a step counts as noise."""
-    several = run.samples[run.samples > 1]
-    declared = math.hypot(stand.sigma("noise"), step / 2.0)
-    variance = own_variance(seen.noise, run.samples[run.measured], stand)
-    assert variance is not None  # of a declared stand it is known
-    freedom = 3 * int((several - 1).sum())
-    return Scatter(seen.noise, freedom, declared, variance, noise_unit(run.unit), volts_per(run.unit))
+    k, of_means = (None, None) if weighting.known is None else (weighting.known.k, weighting.known.samples)
+    return reference.optimal(schedule, means, weighting.stand, samples, weighting.step, k, of_means, mean_variance)
 
 
 def _explain(refusal: core.CoreRefusal, estimator: str) -> str:

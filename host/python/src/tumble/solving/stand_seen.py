@@ -80,7 +80,7 @@ def look(
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
-    A lone row is taken for a mean of the stand's `samples`. A stand that is not to be trusted gives no uncertainties,
+    A stand that is not to be trusted gives no uncertainties,
     except where the run itself has none to give.
     """
     own = own_variance(noise, samples, stand)
@@ -98,9 +98,9 @@ def look(
     return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), run.fit(sigma, variance), source)
 
 
-def averaged_over(samples: Integers, stand: Stand | None) -> Floats:
+def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
     """How many samples each mean has."""
-    return np.where(samples > 1, samples, 1 if stand is None else stand.samples)
+    return np.maximum(samples, 1) if stand is None else stand.averaged_over(samples)
 
 
 def own_variance(noise: Quantity | None, samples: Integers, stand: Stand | None) -> Floats | None:

@@ -23,14 +23,16 @@ def standard_uncertainties(
     samples: Integers,
     estimator: str,
     step: float = 0.0,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate, in its units; `stand` and the converter's `step` in the outputs' unit.
 
-    `samples` and `measured` (positions,). Those of the optimal estimator are for weights made at the solved `k`: the
+    `samples` and `measured` (positions,); `mean_variance` (positions, 3): by the noise as measured, where it counts for
+    more than the stand's. Those of the optimal estimator are for weights made at the solved `k`: the
     second order, which it takes out, makes up for weights made elsewhere. Raises CoreRefusal.
     """
     if estimator != OPTIMAL:
-        return uncertainties(schedule, k, stand, samples, estimator, measured)
+        return uncertainties(schedule, k, stand, samples, estimator, measured, mean_variance)
     part = schedule.part(measured)
     weighting = optimal_run.Weighting(stand, samples, step)
     averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
@@ -48,4 +50,7 @@ def standard_uncertainties(
         limits="sigma1",
     )
     least_noise = NOISE_FLOOR_G * float(np.abs(k).max())  # as the weights have it
-    return uncertainties_of_gains(part, k, used, samples[measured], gains, least_noise=least_noise)
+    variance = None if mean_variance is None else mean_variance[measured]
+    return uncertainties_of_gains(
+        part, k, used, samples[measured], gains, mean_variance=variance, least_noise=least_noise
+    )

@@ -1,0 +1,99 @@
+"""The noise that a run itself shows, beside the declared one, and which of the two its uncertainties are made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble import reference
+from tumble.arrays import Flags, Floats, Integers
+from tumble.files.run_file import Run
+from tumble.solving.stand_seen import averaged_over
+from tumble.stand import Stand
+
+_ROUNDING = 1e-12  # of the largest output
+_CHANNELS = np.array(["ux", "uy", "uz"])
+NO_STAND = Stand(0.0, 0.0, 0.0, 0.0, 0.0, 1, "sigma1")
+
+
+@dataclass(frozen=True)
+class Noise:
+    """`measured`: by the samples, None where no position has two; `exceeds` (3,): that is more than declared, beyond
+    chance; `undithered` (3,): all samples of a position round alike, by `rounding` (3,), a standard deviation, 0 where
+    the step of the converter is not known. `mean_variance` (positions, 3): what uncertainties must count at least; 0
+    where the declared noise is right. None of it is known without samples and a stand."""
+
+    measured: reference.MeasuredNoise | None
+    exceeds: Flags
+    undithered: Flags
+    rounding: Floats
+    mean_variance: Floats
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the samples give every mean a standard error."""
+        return bool((self.mean_variance.max(axis=0) > 0.0).all())
+
+
+def look(run: Run, stand: Stand | None, step: float) -> Noise:
+    """`stand` (None: nothing is declared) and the `step` of the converter (0: not known) in the unit of the run."""
+    measured = reference.measured_noise(run.samples, run.scatter, run.blocks.squares)
+    declared = None if stand is None else stand.sigma("noise")
+    samples = np.where(run.measured, averaged_over(run.samples, stand), 1)
+    exceeds = _exceeds(measured, declared, run, step)
+    steps = np.full(3, step) if step > 0.0 else np.where(np.isfinite(run.blocks.resolution), run.blocks.resolution, 0.0)
+    undithered = _undithered(measured, declared, steps)
+    rounding = np.where(undithered, steps / np.sqrt(12.0), 0.0)
+    variance = np.zeros((len(samples), 3)) if measured is None else measured.mean_variance(samples) * exceeds
+    white = 0.0 if declared is None else declared**2
+    variance = np.where(undithered, np.maximum(variance, white / samples[:, None]) + rounding**2, variance)
+    return Noise(measured, exceeds, undithered, rounding, variance * run.measured[:, None])
+
+
+def _exceeds(measured: reference.MeasuredNoise | None, declared: float | None, run: Run, step: float) -> Flags:
+    """The steps of the converter and rounding are no noise."""
+    if measured is None:
+        return np.zeros(3, dtype=bool)
+    if declared is None:
+        return np.ones(3, dtype=bool)
+    rounded = _ROUNDING * float(np.nanmax(np.abs(run.means)))
+    return measured.exceeds(np.hypot(declared, step / 2.0 + rounded))
+
+
+def _undithered(measured: reference.MeasuredNoise | None, declared: float | None, steps: Floats) -> Flags:
+    """Is the noise of a sample under half a step? Rounding adds a twelfth of a step's square to a scatter."""
+    if measured is not None:
+        return np.asarray((measured.scatter**2 < steps**2 / 3.0) | (measured.scatter == 0.0))
+    return np.asarray((declared or 0.0) < steps / 2.0) & (declared is not None)
+
+
+def notice(noise: Noise, stand: Stand, samples: Integers, unit: str) -> str | None:
+    """That uncertainties are made from the noise measured and not from that of `stand`, in `unit`; None if not."""
+    if noise.measured is None or not noise.exceeds.any():
+        return None
+    sizes, length = of_means(noise.measured, samples)[noise.exceeds], noise.measured.length[noise.exceeds]
+    named = [f"{size:.1e} {unit} in {name}" for size, name in zip(sizes, _CHANNELS[noise.exceeds])]
+    blocks = f"blocks of {length.max()} samples" if length.max() > 1 else "the scatter of samples"
+    return f"noise above the declared {stand.sigma('noise'):.1e} {unit}: {', '.join(named)} by {blocks}"
+
+
+def document(noise: Noise, samples: Integers) -> dict[str, Any]:
+    """As it stands in a result, by channel."""
+    seen = noise.measured
+    return {
+        "scatter": None if seen is None else seen.scatter.tolist(),
+        "of_means": None if seen is None else of_means(seen, samples).tolist(),
+        "block_samples": None if seen is None else seen.length.tolist(),
+        "freedom": None if seen is None else seen.freedom.tolist(),
+        "above_declared": _CHANNELS[noise.exceeds].tolist(),
+        "undithered": _CHANNELS[noise.undithered].tolist(),
+    }
+
+
+def of_means(seen: reference.MeasuredNoise, samples: Integers) -> Floats:
+    """As much noise of a sample (3,) as would give the means their standard errors, were it white."""
+    several = samples[samples > 1]
+    found: Floats = np.sqrt((seen.mean_variance(several) * several[:, None]).mean(axis=0))
+    return found
