@@ -276,4 +276,6 @@ def verdict(solution: Solution) -> str:
         return f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
-    return line if len(line) <= _COLUMNS else line.removesuffix("; numpy agrees")  # as the table shows
+    for known in ("; numpy agrees", f", limit {solution.limit_g:g} g"):  # as the tables show
+        line = line if len(line) <= _COLUMNS else line.removesuffix(known)
+    return line

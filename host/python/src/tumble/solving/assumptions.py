@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
+from tumble.arrays import Flags
 from tumble.estimators import OPTIMAL
 from tumble.solving.solution import Solution
 
@@ -28,9 +29,22 @@ class Assumption:
 def _on_a_square_seat(solution: Solution) -> Coefficients | None:
     if solution.stand is not None and solution.stand.declares_seat:
         return None
-    estimator = "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
-    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, estimator)
-    return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, _linear(solution))
+    return None if moved is None else _names(moved)
+
+
+def _on_a_linear_block(solution: Solution) -> Coefficients | None:
+    moved = reference.unseen_patterns(solution.measured_schedule, solution.found.k, _linear(solution))
+    return _names(np.any(list(moved.values()), axis=0)) if moved else None
+
+
+def _linear(solution: Solution) -> str:
+    """Its estimator, or the one that is most like `optimal`."""
+    return "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
+
+
+def _names(moved: Flags) -> Coefficients:
+    return tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
 
 
 def _in_volts(solution: Solution) -> Coefficients | None:
@@ -47,6 +61,7 @@ def _on_rounding(solution: Solution) -> Coefficients | None:
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
+    "linear": Assumption("linearity", "the positions do not show all its higher orders", _on_a_linear_block),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
