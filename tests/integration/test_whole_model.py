@@ -325,5 +325,13 @@ def test_what_the_coefficients_take_up_does_not_show_by_the_angles_of_the_stand(
     assert scores["k3"] == 0 and scores["k2"] == 3 and scores["alpha2_plus_alpha3_rad"] == 1
 
 
+def test_a_column_that_is_only_rounding_does_not_show():
+    """The yaw of a block whose gravity lies along that axis, beside another yaw."""
+    model = perfect(2)
+    column = model.scene.by(alpha3=np.array([1.0, 0.0])) * np.eye(18)[2][:, None]
+    shown = model.whitened({"one": column, "none": 1e-16 * np.ones((18, 3)) * np.eye(18)[0][:, None]})
+    assert shown[:, 0].any() and not shown[:, 1].any()
+
+
 def test_every_pattern_is_known_by_name():
     assert len(BY_NAME) == len(PATTERNS)

@@ -134,7 +134,8 @@ class WholeModel:
         shown = self._left.T @ outputs
         beside = np.linalg.norm(outputs - self._coefficients @ (self._coefficients.T @ outputs), axis=0)
         length = np.linalg.norm(outputs, axis=0)
-        seen = (beside > _SHOWN * length) & (np.linalg.norm(shown, axis=0) > _NULL * length)
+        rounded = length <= _NULL * length.max(initial=0.0)  # such as a yaw where gravity lies along its axis
+        seen = (beside > _SHOWN * length) & (np.linalg.norm(shown, axis=0) > _NULL * length) & ~rounded
         return np.where(seen, shown, 0.0)
 
     def rest_beside(self, besides: Columns) -> Floats:
