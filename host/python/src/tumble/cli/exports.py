@@ -261,8 +261,11 @@ def warnings(result: dict[str, Any]) -> list[str]:
     if not check["pass"]:
         sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
-    if result["stand_doubts"] or (result["fit"] or {}).get("fits") is False:
+    fit = result["fit"] or {}
+    if result["stand_doubts"] or fit.get("fits") is False:
         found.append("the run does not fit the stand file: the uncertainties are too small")
+    elif fit.get("explanations"):
+        found.append("the run shows what the stand file does not declare: the uncertainties are too small")
     return found
 
 

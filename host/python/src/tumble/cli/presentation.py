@@ -247,11 +247,13 @@ def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
 
 
 def complaint(solution: Solution) -> str | None:
-    """That the run does not fit the declared stand, and what explains it; None where it fits, or none is declared."""
-    if solution.fit is None or solution.fit.fits:
+    """That the run does not fit the declared stand, or shows what is not declared; None where it does neither."""
+    if solution.fit is None:
         return None
-    shown = [_explained(solution, explanation) for explanation in solution.fit.explanations]
-    return f"the run does not fit the stand file: {'; '.join(shown) or 'no known pattern explains it'}"
+    shown = "; ".join(_explained(solution, explanation) for explanation in solution.fit.explanations)
+    if solution.fit.fits:
+        return f"the run fits the stand file, but shows {shown}" if shown else None
+    return f"the run does not fit the stand file: {shown or 'no known pattern explains it'}"
 
 
 def _explained(solution: Solution, explanation: Explanation) -> str:
@@ -276,7 +278,7 @@ def consequence(solution: Solution) -> str:
 
 
 def beware(solution: Solution) -> list[str]:
-    """That the run does not fit the declared stand, if so: a paragraph, and an empty line."""
+    """What `complaint` has to say, if anything: a paragraph, and an empty line."""
     text = complaint(solution)
     if text is None:
         return []
@@ -295,4 +297,6 @@ def verdict(solution: Solution) -> str:
         return f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
-    return line if len(line) <= _COLUMNS else line.removesuffix("; numpy agrees")  # as the table shows
+    for known in ("; numpy agrees", f", limit {solution.limit_g:g} g"):  # as the tables show
+        line = line if len(line) <= _COLUMNS else line.removesuffix(known)
+    return line

@@ -28,8 +28,8 @@ _STEP = 1e-30
 _FLOOR_G = 1e-7
 _LARGEST_RAD = 0.1
 _NULL = 1e-7
+_SHOWN = 0.01  # of a pattern, beside the coefficients: less shows only because the stand's angles are not zero
 _INESTIMABLE = 1e-6
-_VAGUE = 1e4  # millionths
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,8 @@ class WholeModel:
 
     def _linearise(self) -> None:
         """Solve the problem that is linear where the pass before ended. `rest`: what no unknown explains, as
-        independent numbers of variance 1; `_left`: the directions of these among outputs and errors."""
+        independent numbers of variance 1; `_left`: the directions of these among outputs and errors; `_coefficients`:
+        those of the coefficients."""
         force = self._force(self._x)
         design = np.hstack([np.kron(np.column_stack([force, np.ones(len(force))]), np.eye(3)), self._further])
         noise = np.repeat(self._noise, 3, axis=1).reshape(-1, 1)
@@ -102,7 +103,7 @@ class WholeModel:
         q, r = np.linalg.qr(system / length, mode="complete")
         unknowns = system.shape[1]
         change = np.linalg.solve(r[:unknowns], q[:, :unknowns].T @ right) / length
-        self._left = q[: len(left), unknowns:]
+        self._coefficients, self._left = q[: len(left), :12], q[: len(left), unknowns:]
         self.rest = q[:, unknowns:].T @ right
         self.k = self.k + change[:9].reshape(3, 3).T
         self._u0 = self._u0 + change[9:12]
@@ -136,11 +137,13 @@ class WholeModel:
 
     def whitened(self, columns: Columns) -> Floats:
         """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A
-        column that the unknowns take up is 0. So is one whose size they would tell to no better than a hundredth of g
-        or rad: it shows only by the errors of the stand, as cubes do on the diagonals."""
+        column that the coefficients take up, or nearly so, is 0."""
         outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
         shown = self._left.T @ outputs
-        seen = np.linalg.norm(shown, axis=0) > np.maximum(_NULL * np.linalg.norm(outputs, axis=0), 1.0 / _VAGUE)
+        beside = np.linalg.norm(outputs - self._coefficients @ (self._coefficients.T @ outputs), axis=0)
+        length = np.linalg.norm(outputs, axis=0)
+        rounded = length <= _NULL * length.max(initial=0.0)  # such as a yaw where gravity lies along its axis
+        seen = (beside > _SHOWN * length) & (np.linalg.norm(shown, axis=0) > _NULL * length) & ~rounded
         return np.where(seen, shown, 0.0)
 
     def rest_beside(self, besides: Columns) -> Floats:

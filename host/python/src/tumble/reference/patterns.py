@@ -21,6 +21,7 @@ _MILLIONTH = 1e-6
 _WARM_UPS = (0.05, 0.1, 0.2, 0.4)  # time constants over the length of the run
 _ROUNDING = 1e-9
 _CHANNELS = "xyz"
+_TURNS = {"yaw": "alpha3", "theta_h": "seat_h", "theta_n": "seat_n"}
 
 Columns = dict[str, Floats]  # by label, such as the channel: outputs (positions, 3) for a millionth
 
@@ -119,6 +120,26 @@ def _seat(scene: Scene) -> list[Columns]:
     ]
 
 
+def _lost_steps(scene: Scene) -> list[Columns]:
+    """Counted on from mounting to mounting, or anew in each."""
+    moves = np.arange(len(scene.time), dtype=float)
+    mounting = Geometry(scene.schedule).mounting_index
+    anew = moves - np.array([moves[mounting == index].min() for index in mounting])
+    return [{"": scene.by_angle * count[:, None] * _MILLIONTH} for count in (moves, anew)]
+
+
+def _slip(scene: Scene) -> list[Columns]:
+    """From a place on, until the block is mounted anew."""
+    turns = {name: scene.by(**{error: 1.0}) * _MILLIONTH for name, error in _TURNS.items()}
+    mounting = Geometry(scene.schedule).mounting_index
+    places = np.arange(len(mounting))
+    found = []
+    for first in places[1:][mounting[1:] == mounting[:-1]]:
+        after = ((places >= first) & (mounting == mounting[first])).astype(float)[:, None]
+        found.append({name: by * after for name, by in turns.items()})
+    return found
+
+
 def _yaw_change(scene: Scene) -> list[Columns]:
     first, *others = np.eye(len(scene.schedule.mountings))
     names = [mounting.number for mounting in scene.schedule.mountings]
@@ -154,7 +175,9 @@ PATTERNS = (
     Pattern("hysteresis", _hysteresis, "ug", BLOCK, "outputs that remember the half circle before"),
     Pattern("once_per_turn", _per_turn(1), "urad", STAND, "an error of the table angle, once per turn"),
     Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
+    Pattern("lost_steps", _lost_steps, "urad", STAND, "a table that loses something in every move"),
     Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
+    Pattern("slip", _slip, "urad", RUN, "a block that moved within a mounting"),
     Pattern("scale_drift", lambda s: [s.by_channel(s.force * s.time[:, None])], "ppm", RUN, "scales that drift"),
     Pattern("position", _position, "ug", RUN, "one position that is off"),
     Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
-from tumble.arrays import Floats
+from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
 from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
@@ -36,8 +36,23 @@ def resting_on_a_seat(
     a tilt or the fit positions show it. `terms`: further ones of the model."""
     if stand is not None and stand.declares_seat:
         return None
-    moved = reference.unseen_tilt(schedule, k, "least_squares" if estimator == OPTIMAL else estimator, terms)
-    return None if moved is None else tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+    moved = reference.unseen_tilt(schedule, k, _linear(estimator), terms)
+    return None if moved is None else _names(moved)
+
+
+def _on_a_linear_block(solution: Solution) -> Coefficients | None:
+    found = solution.found
+    moved = reference.unseen_patterns(solution.measured_schedule, found.k, _linear(found.estimator))
+    return _names(np.any(list(moved.values()), axis=0)) if moved else None
+
+
+def _linear(estimator: str) -> str:
+    """The estimator, or the one that is most like `optimal`."""
+    return "least_squares" if estimator == OPTIMAL else estimator
+
+
+def _names(moved: Flags) -> Coefficients:
+    return tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
 
 
 def _on_a_square_seat(solution: Solution) -> Coefficients | None:
@@ -59,6 +74,7 @@ def _on_rounding(solution: Solution) -> Coefficients | None:
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
+    "linear": Assumption("linearity", "the positions do not show all its higher orders", _on_a_linear_block),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),

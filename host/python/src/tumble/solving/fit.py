@@ -1,15 +1,15 @@
 """Does a run fit its stand? Chi-squared of all residuals against what is declared; and if not, what explains it.
 
-If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of reference.patterns is then
+If it does not fit, uncertainties made from the declaration mean nothing. Every pattern of reference.patterns is
 tested by its own score; the smallest p, with Holm's correction, is the first explanation. Whatever remains is explained
-in the same way.
+in the same way. A pattern may also show where the residuals as a whole still fit: it is told at the same confidence.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -116,10 +116,8 @@ class Fit:
 def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequence[Sampled] = ()) -> Fit:
     """The verdict on a run; `sampled`: what its samples show by themselves."""
     p = chi_squared_above(model.chi_squared, model.freedom)
-    fit = Fit(model.chi_squared, model.freedom, p, confidence, ())
-    if fit.fits:
-        return fit
-    return replace(fit, explanations=tuple(_Search(model, seen, sampled, confidence).run()))
+    explanations = tuple(_Search(model, seen, sampled, confidence).run()) if model.freedom else ()
+    return Fit(model.chi_squared, model.freedom, p, confidence, explanations)
 
 
 def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
@@ -144,7 +142,8 @@ class _Candidate:
 
 
 class _Search:
-    """The pattern with the smallest p, then with it in the model the next, until what remains fits or nothing shows.
+    """The pattern with the smallest p, then with it in the model the next, until nothing shows: below EXPLAINED where
+    the residuals do not fit, else as seldom as an honest run is refused.
 
     A pattern of random errors, such as set angles, has no shape: once it is found, the model has errors as large as the
     run shows, instead of free columns. Patterns of noise come from the samples, and not from the residuals.
@@ -158,13 +157,17 @@ class _Search:
 
     def run(self) -> Iterator[Explanation]:
         """Explanations, in the order in which they are found."""
-        while not self._rest_fits():
+        while True:
+            fits = self._rest_fits()
             found = {one.pattern.name: one for one in map(self._candidate, PATTERNS) if one is not None}
             log_p = {name: one.log_p for name, one in found.items() if name in self._left}
-            log_p |= {name: one.log_p for name, one in self._sampled.items() if name in self._left}
-            name = min(log_p, key=lambda one: log_p[one])
+            if not fits:  # else samples speak for themselves: uncertainties count their noise, and a warning tells it
+                log_p |= {name: one.log_p for name, one in self._sampled.items() if name in self._left}
+            name = min(log_p, key=lambda one: log_p[one], default=None)
+            if name is None:
+                return
             corrected = len(self._left) * math.exp(log_p[name])
-            if corrected > EXPLAINED:
+            if corrected > (1.0 - self._confidence if fits else EXPLAINED):
                 return
             alike = [other for other in found if name in found and self._may_be(found[name], found[other])]
             source = next((one for one in SYSTEMATIC if one in alike), None)
