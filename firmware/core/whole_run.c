@@ -52,8 +52,7 @@ static double declared_variance(const tumble_misfit_run_t *run, uint32_t samples
     const double noise_v2 = run->stand->noise_v * run->stand->noise_v;
     const double least_v2 = run->stand->least_noise_v * run->stand->least_noise_v;
     const bool alike = tumble_exceeds(step_v2, 4.0 * noise_v2);
-    const double own_v2 = tumble_larger(noise_v2, step_v2 / ROUNDING_V2) / (double)samples;
-    return tumble_larger(own_v2 + (alike ? (step_v2 / ROUNDING_V2) : 0.0), least_v2);
+    return tumble_larger((noise_v2 / (double)samples) + (alike ? (step_v2 / ROUNDING_V2) : 0.0), least_v2);
 }
 
 static void read_average(const tumble_misfit_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
