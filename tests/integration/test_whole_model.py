@@ -295,9 +295,7 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
     schedule, count, mountings = core.CoreSchedule(data), len(data.positions), len(data.mountings)
     for _ in range(8):
         stand = dataclasses.replace(
-            stand_named("paper"),
-            limits="sigma1",
-            remounting=rng.choice(["independent", "common"]),
+            stand_named("paper"), limits="sigma1", remounting=rng.choice(["independent", "common"]),
             noise=10.0 ** rng.uniform(-6, -3),
             samples=1,
             **{source: rng.choice([0.0, 1.0]) * 10.0 ** rng.uniform(-5, -3) for source in ANGLES},
