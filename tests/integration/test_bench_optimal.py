@@ -69,7 +69,7 @@ def test_what_is_wrong_is_said_and_nothing_runs(tmp_path):
     data = path.read_bytes()
     (tmp_path / "short.bin").write_bytes(data[:3000])
     (tmp_path / "damaged.bin").write_bytes(data[:3000] + bytes([data[3000] ^ 1]) + data[3001:])
-    (tmp_path / "large.bin").write_bytes(bytes(20_000))
+    (tmp_path / "large.bin").write_bytes(bytes(30_000))
     (tmp_path / "other").mkdir()
     other = gain_record(tmp_path / "other", type(SCHEDULE.data)(SCHEDULE.data.mountings, SCHEDULE.data.positions[1:]))
     cases = {
