@@ -155,7 +155,7 @@ static void walk_angle(walk_t *walk, tumble_angle_t *angle)
 
 static void walk_schedule(walk_t *walk, zcu102_commissioned_t *all)
 {
-    walk_count(walk, &all->schedule.mounting_count, TUMBLE_MAX_MOUNTINGS);
+    walk_count(walk, &all->schedule.mounting_count, ZCU102_MAX_MOUNTINGS);
     for (uint8_t m = 0; m < all->schedule.mounting_count; m++) {
         tumble_mounting_t *mounting = &all->mountings[m];
         walk_u8(walk, &mounting->number);
@@ -240,7 +240,7 @@ tumble_status_t zcu102_commission(zcu102_commissioned_t *to, const tumble_navcom
     const tumble_schedule_t *schedule = config->procedure->schedule;
     if ((config->stand != &tumble_drive402_kind) || (drive->receive_count > TUMBLE_DRIVE402_PDOS) ||
         (drive->transmit_count > TUMBLE_DRIVE402_PDOS) || (drive->write_count > ZCU102_MAX_WRITES) ||
-        (schedule->mounting_count > TUMBLE_MAX_MOUNTINGS) || (schedule->position_count > TUMBLE_MAX_POSITIONS)) {
+        (schedule->mounting_count > ZCU102_MAX_MOUNTINGS) || (schedule->position_count > TUMBLE_MAX_POSITIONS)) {
         return TUMBLE_E_ARGUMENT;
     }
     (void)memset(to, 0, sizeof *to);

@@ -16,6 +16,7 @@
 
 #define ZCU102_COMMISSIONING_BYTES 8192U /* room for the largest */
 #define ZCU102_MAX_WRITES 16U
+#define ZCU102_MAX_MOUNTINGS 6U
 
 typedef struct {
     tumble_averaging_config_t averaging;
@@ -25,7 +26,7 @@ typedef struct {
     uint16_t heartbeat_ms;
     uint16_t heartbeat_timeout_ms;
     tumble_schedule_t schedule; /* what the pointers above point at: */
-    tumble_mounting_t mountings[TUMBLE_MAX_MOUNTINGS];
+    tumble_mounting_t mountings[ZCU102_MAX_MOUNTINGS];
     tumble_position_t positions[TUMBLE_MAX_POSITIONS];
     tumble_drive_pdo_t receive[TUMBLE_DRIVE402_PDOS];
     tumble_drive_pdo_t transmit[TUMBLE_DRIVE402_PDOS];

@@ -13,7 +13,7 @@
 #define ALPHA1 TUMBLE_COEFFICIENTS
 #define ALPHA2 (ALPHA1 + 1)
 #define ALPHA3 (ALPHA2 + 1)
-#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_MOUNTINGS))
+#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_YAWS))
 
 typedef struct {
     const tumble_gain_record_t *record;

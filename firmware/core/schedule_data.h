@@ -34,11 +34,11 @@
 #define TUMBLE_N_V_H {3, {{ 0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}, TUMBLE_AT_0} /* ( n, v, h) */
 /* clang-format on */
 
-/* The schedule of a file's `mountings` and `positions`. */
-#define TUMBLE_SCHEDULE_OF_THIS_FILE                                                                                   \
+/* The schedule of a file's `mountings`, and of the positions in an array. */
+#define TUMBLE_SCHEDULE_OF(array)                                                                                      \
     {.mountings = mountings,                                                                                           \
-     .positions = positions,                                                                                           \
+     .positions = (array),                                                                                             \
      .mounting_count = sizeof mountings / sizeof mountings[0],                                                         \
-     .position_count = sizeof positions / sizeof positions[0]}
+     .position_count = sizeof(array) / sizeof(array)[0]}
 
 #endif

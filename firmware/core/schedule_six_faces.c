@@ -10,4 +10,4 @@ static const tumble_position_t positions[] = {
     {2, 5, TUMBLE_USE_FIT, TUMBLE_AT_180}, /* y down */
 };
 
-const tumble_schedule_t tumble_schedule_six_faces = TUMBLE_SCHEDULE_OF_THIS_FILE;
+const tumble_schedule_t tumble_schedule_six_faces = TUMBLE_SCHEDULE_OF(positions);

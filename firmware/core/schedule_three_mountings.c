@@ -4,4 +4,4 @@ static const tumble_mounting_t mountings[] = {TUMBLE_H_N_V, TUMBLE_MH_V_N, TUMBL
 static const tumble_position_t positions[] = {TUMBLE_NINE_POSITIONS(1), TUMBLE_NINE_POSITIONS(2),
                                               TUMBLE_NINE_POSITIONS(3)};
 
-const tumble_schedule_t tumble_schedule_three_mountings = TUMBLE_SCHEDULE_OF_THIS_FILE;
+const tumble_schedule_t tumble_schedule_three_mountings = TUMBLE_SCHEDULE_OF(positions);

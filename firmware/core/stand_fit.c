@@ -14,8 +14,8 @@
 #define INESTIMABLE 1e-6    /* of a combination: what the data do not determine */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 #define BISECTIONS 44
-#define LARGEST_ANGLE_SQUARE 1.0
-#define FREE (-1.0) /* for a variance of set angles without bound */
+#define LARGEST_ANGLE_SQUARE 1e12 /* beyond any angle: where a search ends for means that are nothing of the kind */
+#define FREE (-1.0)               /* for a variance of set angles without bound */
 
 typedef struct {
     const tumble_schedule_t *schedule;
@@ -163,7 +163,7 @@ static void add_across(tumble_fit_work_t *work, const place_t *place)
     }
 }
 
-/* Size of the problem. False: there is nothing to fit, or K is not usable. */
+/* Size of the problem. False: there is nothing to fit, too many mountings, or K is not usable. */
 static bool size_up(const run_t *run, tumble_fit_work_t *work)
 {
     work->unknowns = (uint8_t)(TUMBLE_COEFFICIENTS + 2 + run->schedule->mounting_count);
@@ -182,7 +182,7 @@ static bool size_up(const run_t *run, tumble_fit_work_t *work)
             work->smallest_v2 = (first || (variance < work->smallest_v2)) ? variance : work->smallest_v2;
         }
     }
-    return work->smallest_v2 > 0.0;
+    return (work->smallest_v2 > 0.0) && (run->schedule->mounting_count <= TUMBLE_MAX_YAWS);
 }
 
 /* The rows of all places, along or across the direction of the angle's error; returns by how much the sum of squares of
@@ -252,7 +252,7 @@ static tumble_seen_t combine(tumble_fit_work_t *work)
 }
 
 /* The yaws that the data have a say in, as unknowns, in the schedule's order. Returns how many. */
-static uint8_t list_yaws(const run_t *run, uint8_t yaws[TUMBLE_MAX_MOUNTINGS])
+static uint8_t list_yaws(const run_t *run, uint8_t yaws[TUMBLE_MAX_YAWS])
 {
     uint8_t count = 0;
     for (uint8_t m = 0; m < run->schedule->mounting_count; m++) {
@@ -282,7 +282,7 @@ tumble_status_t tumble_seen_fit(const tumble_schedule_t *schedule, const tumble_
         return TUMBLE_E_ARGUMENT;
     }
     (void)factor(&run, work, errors->angle_rad * errors->angle_rad);
-    uint8_t yaws[TUMBLE_MAX_MOUNTINGS];
+    uint8_t yaws[TUMBLE_MAX_YAWS];
     const uint8_t count = list_yaws(&run, yaws);
     clear_row(work);
     work->row[ALPHA1] = 1.0;

@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/closure.h"
 #include "core/normal.h"
 #include "core/vector.h"
 
@@ -64,26 +65,42 @@ static bool same_attitude(const tumble_schedule_t *schedule, uint8_t p, uint8_t 
            tumble_within(a->angle.cosine - b->angle.cosine, SAME_ATTITUDE);
 }
 
+static bool is_measured(const bool *measured, uint8_t p)
+{
+    return (measured == NULL) || measured[p];
+}
+
+bool tumble_closure_find(const tumble_schedule_t *schedule, const bool *measured, uint8_t mounting,
+                         tumble_closure_pair_t *pair)
+{
+    for (uint8_t late = schedule->position_count; late-- > 0U;) {
+        if ((schedule->positions[late].mounting != mounting) || !is_measured(measured, late)) {
+            continue;
+        }
+        for (uint8_t early = 0; early < late; early++) {
+            if (is_measured(measured, early) && same_attitude(schedule, early, late)) {
+                *pair = (tumble_closure_pair_t){early, late};
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 tumble_status_t tumble_closure(const tumble_schedule_t *schedule, const tumble_means_t *means, uint8_t mounting,
                                double difference_v[TUMBLE_CHANNELS])
 {
     if ((schedule == NULL) || (means == NULL) || (difference_v == NULL)) {
         return TUMBLE_E_ARGUMENT;
     }
-    for (uint8_t late = schedule->position_count; late-- > 0U;) {
-        if ((schedule->positions[late].mounting != mounting) || !means->measured[late]) {
-            continue;
-        }
-        for (uint8_t early = 0; early < late; early++) {
-            if (means->measured[early] && same_attitude(schedule, early, late)) {
-                for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-                    difference_v[i] = means->u_v[late][i] - means->u_v[early][i];
-                }
-                return TUMBLE_OK;
-            }
-        }
+    tumble_closure_pair_t pair;
+    if (!tumble_closure_find(schedule, means->measured, mounting, &pair)) {
+        return TUMBLE_E_MISSING_POSITION;
     }
-    return TUMBLE_E_MISSING_POSITION;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        difference_v[i] = means->u_v[pair.late][i] - means->u_v[pair.early][i];
+    }
+    return TUMBLE_OK;
 }
 
 void tumble_residual(const tumble_schedule_t *schedule, const tumble_means_t *means,

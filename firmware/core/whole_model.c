@@ -69,24 +69,25 @@ static void respond(const tumble_whole_work_t *work, const tumble_mounting_t *mo
 static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *work, uint8_t p, linear_place_t *place)
 {
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(run->schedule, p);
-    const double *own = work->local_rad[mounting - run->schedule->mountings];
+    const float *own = work->local_rad[mounting - run->schedule->mountings];
     sigmas_t sigmas;
     find_sigmas(run->stand, &sigmas);
     double sine = run->schedule->positions[p].angle.sine;
     double cosine = run->schedule->positions[p].angle.cosine;
     double tilt_sine = mounting->tilt.sine;
     double tilt_cosine = mounting->tilt.cosine;
-    tumble_turn(work->shared_rad[ALPHA2] + own[THETA_N] + work->angle_rad[p], &sine, &cosine);
+    const double angle_rad = (double)work->angle_rad[p];
+    tumble_turn(work->shared_rad[ALPHA2] + (double)own[THETA_N] + angle_rad, &sine, &cosine);
     tumble_turn(work->shared_rad[ALPHA1], &tilt_sine, &tilt_cosine);
     double force[3] = {tilt_cosine * sine, tilt_sine, tilt_cosine * cosine};
     double by_alpha1[3] = {-tilt_sine * sine, tilt_cosine, -tilt_sine * cosine};
     double by_turn[3] = {tilt_cosine * cosine, 0.0, -tilt_cosine * sine};
-    const double lean = own[THETA_H] + work->shared_rad[PLATFORM];
+    const double lean = (double)own[THETA_H] + work->shared_rad[PLATFORM];
     tumble_turn(lean, &force[1], &force[2]);
     tumble_turn(lean, &by_alpha1[1], &by_alpha1[2]);
     tumble_turn(lean, &by_turn[1], &by_turn[2]);
     double by_lean[3] = {0.0, force[2], -force[1]};
-    const double yaw = own[YAW] + work->shared_rad[COMMON_YAW];
+    const double yaw = (double)own[YAW] + work->shared_rad[COMMON_YAW];
     tumble_turn(yaw, &by_lean[0], &by_lean[1]);
     tumble_turn(yaw, &force[0], &force[1]);
     tumble_turn(yaw, &by_alpha1[0], &by_alpha1[1]);
@@ -104,7 +105,7 @@ static void look_at(const tumble_whole_run_t *run, const tumble_whole_work_t *wo
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
         place->residual_v[i] =
-            run->means->u_v[p][i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * work->angle_rad[p]);
+            run->means->u_v[p][i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
     }
     place->variance_v2 = tumble_larger(run->mean_variance_v2[p], work->least_v2);
 }
@@ -210,7 +211,7 @@ static void add_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *wor
     find_sigmas(run->stand, &sigmas);
     clear_rows(work, 0, TUMBLE_WHOLE_LOCAL);
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
-        add_prior(work, e, work->local_rad[m][e], sigmas.local_rad[e], columns);
+        add_prior(work, e, (double)work->local_rad[m][e], sigmas.local_rad[e], columns);
     }
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
         if (belongs(run, m, p)) {
@@ -261,11 +262,12 @@ static void update_mounting(const tumble_whole_run_t *run, tumble_whole_work_t *
     substitute_back(work, 0, TUMBLE_WHOLE_LOCAL);
     for (uint8_t p = 0; p < run->schedule->position_count; p++) {
         if (belongs(run, m, p)) {
-            work->angle_rad[p] = angle_error(run, work, p);
+            work->angle_rad[p] = tumble_to_float(angle_error(run, work, p));
         }
     }
     for (int e = 0; e < TUMBLE_WHOLE_LOCAL; e++) {
-        work->local_rad[m][e] = held(work->local_rad[m][e] + (sigmas.local_rad[e] * work->change[e]));
+        const double error_rad = (double)work->local_rad[m][e] + (sigmas.local_rad[e] * work->change[e]);
+        work->local_rad[m][e] = tumble_to_float(held(error_rad));
     }
 }
 

@@ -78,7 +78,7 @@ static tumble_status_t ask_uncertainty(const void *self, uint16_t coefficients, 
 static double closure_v(const tumble_navcomp_t *navcomp)
 {
     double largest_g = 0.0;
-    for (uint8_t m = 0; m < TUMBLE_MAX_MOUNTINGS; m++) {
+    for (uint8_t m = 0; m < navcomp->procedure_config.schedule->mounting_count; m++) {
         const double closure_g = tumble_procedure_closure_g(&navcomp->procedure, m);
         largest_g = tumble_exceeds(closure_g, largest_g) ? closure_g : largest_g;
     }

@@ -253,7 +253,6 @@ tumble_status_t tumble_procedure_start(tumble_procedure_t *procedure)
     procedure->index = 0;
     procedure->attempt = 0;
     procedure->restart_run = true;
-    (void)memset(procedure->closure_g, 0, sizeof procedure->closure_g);
     go_to(procedure, TUMBLE_STATE_PREFLIGHT);
     return TUMBLE_OK;
 }

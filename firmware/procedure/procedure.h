@@ -128,7 +128,7 @@ typedef struct {
     tumble_refusal_t refusal;
     tumble_averaging_t averaging;
     union {
-        tumble_means_t means; /* while a closure is checked, in SOLVE and in VERIFY */
+        tumble_means_t means; /* in SOLVE and in VERIFY */
         struct {
             tumble_gravity_check_t check; /* from PROPOSE on */
             tumble_misfit_work_t misfit;  /* lent to whoever judges what is proposed, while it must stay */
@@ -136,7 +136,6 @@ typedef struct {
     } work;
     tumble_coefficients_t coefficients;
     tumble_calibration_t calibration;
-    float closure_g[TUMBLE_MAX_MOUNTINGS]; /* 0 where there is none (yet) */
     tumble_procedure_counters_t counters;
 } tumble_procedure_t;
 
@@ -279,8 +278,8 @@ tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tum
 /* Has the position at `index` a finished mean? */
 bool tumble_procedure_has_mean(const tumble_procedure_t *procedure, uint8_t index);
 
-/* Closure of a mounting (index in the schedule) as last found: the largest |U9 - U1| of its channels over the nominal
- * scale, in g; 0 before it is complete, or when it has no such pair. */
+/* Closure of a mounting (index in the schedule): the largest |U9 - U1| of its channels over the nominal scale, in g; 0
+ * while it is not complete, or when it has no such pair. Computed from the means at every call. */
 double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index);
 
 /* Which positions or coefficients made an estimator refuse, or a schedule be refused (tumble/core.h); zeros

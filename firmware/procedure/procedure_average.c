@@ -4,7 +4,6 @@
 
 outcome_t tumble_average_enter(tumble_procedure_t *procedure)
 {
-    procedure->closure_g[tumble_mounting_index(procedure->config->schedule, procedure->index)] = 0.0F;
     (void)tumble_averaging_begin(&procedure->averaging, procedure->index);
     return OUTCOME_STAY;
 }

@@ -330,23 +330,9 @@ tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint
 
 /* Closure. */
 
-tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t index)
+tumble_reason_t tumble_check_closure(const tumble_procedure_t *procedure, uint8_t index)
 {
-    const tumble_procedure_config_t *config = procedure->config;
-    const uint8_t mounting = tumble_mounting_index(config->schedule, index);
-    double difference_v[TUMBLE_CHANNELS];
-    if (tumble_first_unmeasured(procedure, mounting) != config->schedule->position_count) {
-        return TUMBLE_REASON_NONE;
-    }
-    (void)tumble_averaging_means(&procedure->averaging, config->v_per_count, &procedure->work.means);
-    if (tumble_closure(config->schedule, &procedure->work.means, config->schedule->mountings[mounting].number,
-                       difference_v) != TUMBLE_OK) {
-        return TUMBLE_REASON_NONE;
-    }
-    double largest_g = 0.0;
-    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        largest_g = tumble_larger(tumble_abs(difference_v[i] / config->nominal_scale_v_per_g), largest_g);
-    }
-    procedure->closure_g[mounting] = tumble_to_float(largest_g);
-    return tumble_exceeds(largest_g, config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
+    const uint8_t mounting = tumble_mounting_index(procedure->config->schedule, index);
+    const double closure_g = tumble_procedure_closure_g(procedure, mounting);
+    return tumble_exceeds(closure_g, procedure->config->closure_limit_g) ? TUMBLE_REASON_SLIP : TUMBLE_REASON_NONE;
 }

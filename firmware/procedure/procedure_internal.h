@@ -124,9 +124,9 @@ outcome_t tumble_refuse_position(tumble_procedure_t *procedure, tumble_status_t 
  * Returns TUMBLE_REASON_NONE, TUMBLE_REASON_WRONG_MOUNTING, TUMBLE_REASON_SWAPPED_CHANNELS or TUMBLE_REASON_SLIP. */
 tumble_reason_t tumble_check_direction(const tumble_procedure_t *procedure, uint8_t index);
 
-/* If the mounting of the position is complete, note its closure.
+/* Does the mounting of the position close, if it is complete?
  * Returns TUMBLE_REASON_NONE, or TUMBLE_REASON_SLIP when the closure is too large. */
-tumble_reason_t tumble_check_closure(tumble_procedure_t *procedure, uint8_t index);
+tumble_reason_t tumble_check_closure(const tumble_procedure_t *procedure, uint8_t index);
 
 /* The table angle for a scheduled one: itself, or a whole number of turns off so that it and the way up to it lie
  * within the cable's limits. False: there is none. */

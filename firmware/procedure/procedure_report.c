@@ -2,6 +2,7 @@
 
 #include "core/arith.h"
 #include "core/averaging_state.h"
+#include "core/closure.h"
 #include "core/one_copy.h"
 
 #include <stddef.h>
@@ -115,7 +116,22 @@ tumble_status_t tumble_procedure_result(const tumble_procedure_t *procedure, tum
 
 double tumble_procedure_closure_g(const tumble_procedure_t *procedure, uint8_t mounting_index)
 {
-    return (mounting_index < TUMBLE_MAX_MOUNTINGS) ? (double)procedure->closure_g[mounting_index] : 0.0;
+    const tumble_schedule_t *schedule = procedure->config->schedule;
+    tumble_closure_pair_t pair;
+    if (!procedure->begun || (mounting_index >= schedule->mounting_count) ||
+        (tumble_first_unmeasured(procedure, mounting_index) != schedule->position_count) ||
+        !tumble_closure_find(schedule, NULL, schedule->mountings[mounting_index].number, &pair)) {
+        return 0.0;
+    }
+    double early_counts[TUMBLE_CHANNELS];
+    double late_counts[TUMBLE_CHANNELS];
+    (void)tumble_averaging_mean(&procedure->averaging, pair.early, early_counts, NULL);
+    (void)tumble_averaging_mean(&procedure->averaging, pair.late, late_counts, NULL);
+    double largest_counts = 0.0;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        largest_counts = tumble_larger(tumble_abs(late_counts[i] - early_counts[i]), largest_counts);
+    }
+    return tumble_abs(largest_counts * procedure->config->v_per_count / procedure->config->nominal_scale_v_per_g);
 }
 
 tumble_refusal_t tumble_procedure_refusal(const tumble_procedure_t *procedure)

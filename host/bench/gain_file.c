@@ -5,8 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Of the largest record: rows of 3 x 36 doubles for twelve coefficients, two errors of the stand, six yaws. */
-#define MAX_BYTES (240U + (24U * TUMBLE_MAX_POSITIONS * (14U + TUMBLE_MAX_MOUNTINGS)))
+/* Of the largest record: rows of 3 x 36 doubles for twelve coefficients, two errors of the stand, six yaws and
+ * seats. */
+#define MAX_BYTES (240U + (24U * TUMBLE_MAX_POSITIONS * (14U + (3U * TUMBLE_MAX_YAWS))))
 
 const char *bench_gain_file_read(const char *path, tumble_optimal_source_t *source)
 {

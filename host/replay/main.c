@@ -114,7 +114,7 @@ static int write_commissioning(const char *path, const bench_config_t *config)
     const tumble_navcomp_config_t navcomp = bench_navcomp_config(config, NULL, NULL, NULL);
     if (zcu102_commission(&commissioned, &navcomp) != TUMBLE_OK) {
         return arguments_fail("the board zcu102 cannot do this run",
-                              "it needs a drive, with a profile that fits its record", BENCH_EXIT_USAGE);
+                              "it needs a drive, with a profile and mountings that fit its record", BENCH_EXIT_USAGE);
     }
     return write_file(path, record, zcu102_commissioning_write(&commissioned, record));
 }

@@ -179,9 +179,9 @@ def white(rng, shape):
 
 @dataclass(frozen=True)
 class Row:
-    """`causes`: names of patterns that explain it rightly; `means` (world) of a run. Of samples: `noise` (rng, shape) of
-    unit variance along the last axis but one, rounded to `step` in units of the declared noise, which the stand file
-    `declares` or not."""
+    """`causes`: names of patterns that explain it rightly; `means` (world) of a run. Of samples: `noise` (rng, shape)
+    of unit variance along the last axis but one, rounded to `step` in units of the declared noise, which the stand
+    file `declares` or not."""
 
     name: str
     causes: tuple[str, ...]

@@ -3,10 +3,10 @@
     python tests/benchmark/violations.py [--runs N] [--stand NAME] [--schedule NAME] [ROW...]
 
 Prints a table for every example stand; a row is a violation. For every built-in schedule, in per cent: how often the
-stated uncertainties (k = 2) hold the true coefficients, mean and worst of the twelve, with `refined` and with `optimal`;
-runs that do not fit or are refused, by the product's own chi-squared; these and runs with a warning of what they show;
-of them, those whose first explanation is right; runs that the best test there can be would find, which knows the
-violation to the last digit and has 0.1 % of false alarms. Of samples a quarter of the runs. Needs the package to be
+stated uncertainties (k = 2) hold the true coefficients, mean and worst of the twelve, with `refined` and with
+`optimal`; runs that do not fit or are refused, by the product's own chi-squared; these and runs with a warning of what
+they show; of them, those whose first explanation is right; runs that the best test there can be would find, which knows
+the violation to the last digit and has 0.1 % of false alarms. Of samples a quarter of the runs. Needs the package to be
 importable, as in the tests.
 """
 
@@ -154,7 +154,7 @@ def per_cent(share):
 
 def columns(row, cell):
     """Two of the table: coverage, and who notices."""
-    covered = ["-" if np.isnan(one).any() else f"{per_cent(one.mean())}, {per_cent(one.min())}" for one in cell.coverage]
+    covered = [f"{per_cent(one.mean())}, {per_cent(one.min())}".replace("-, -", "-") for one in cell.coverage]
     explained = cell.explained if row.causes and cell.told > LEAST else math.nan
     shares = [cell.failed, cell.told, explained, cell.best]
     return "; ".join(covered), ", ".join(map(per_cent, shares))
@@ -169,7 +169,8 @@ def table(stand, schedules, wanted, runs):
         cells = [text for case in cases for text in columns(row, case.cell(row, runs))]
         print(f"| {' | '.join([row.name, *cells])} |", flush=True)
     for case, name in zip(cases, schedules):
-        print(f"{stand}, {name}: linear chi-squared {max(case.differences, default=0.0):.2g} off at most", file=sys.stderr)
+        off = max(case.differences, default=0.0)
+        print(f"{stand}, {name}: linear chi-squared {off:.2g} off at most", file=sys.stderr)
 
 
 def main():

@@ -2,8 +2,10 @@
 import os
 import subprocess
 import time
+from xml.etree import ElementTree
 
 import pytest
+import realbus
 import runner
 from conftest import ROOT
 
@@ -63,3 +65,35 @@ def test_a_busy_machine_is_seen():
             loop.kill()
             loop.wait()
     assert int(seen) >= 2
+
+
+@pytest.mark.parametrize("busy, alone, code, again", [(True, "passes", 0, 1), (True, "fails", 1, 1), (False, "", 1, 0)])
+def test_what_failed_in_a_busy_guest_is_run_once_more_alone(tmp_path, monkeypatch, busy, alone, code, again):
+    """And what failed in one that was not busy is not."""
+    asked = []
+
+    def guest(whole, chosen):
+        asked.append(chosen)
+        is_alone = "::" in chosen[0]
+        passes = alone == "passes" if is_alone else "test_load" not in chosen[0]
+        told = '<properties><property name="ran again" value="busy"/></properties>' if busy and not is_alone else ""
+        name = "tests.realbus.test_load" if is_alone else chosen[0].removesuffix(".py").replace("/", ".")
+        failure = "" if passes else '<failure message="planted"/>'
+        case = f'<testcase classname="{name}" name="test_planted">{told}{failure}</testcase>'
+        whole.append(ElementTree.fromstring(f"<testsuite>{case}</testsuite>"))
+        return 0 if passes else 1
+
+    monkeypatch.setattr(realbus, "in_uml", guest)
+    monkeypatch.setattr(realbus.os, "cpu_count", lambda: 1)
+    files = len(list((ROOT / "tests/realbus").glob("test_*.py")))
+    assert realbus.in_machines(tmp_path / "report.xml", ["--full"]) == code
+    assert asked[files:] == [["tests/realbus/test_load.py::test_planted", "--full"]] * again
+    outcome = runner.read_junit(tmp_path / "report.xml")
+    assert (outcome.failed, outcome.passed) == (code, files - code)
+    assert sum("run alone" in told for told in outcome.again) == again
+
+
+def test_a_guest_that_could_not_run_its_tests_has_failed(tmp_path, monkeypatch):
+    """Though no test in its report did."""
+    monkeypatch.setattr(realbus, "in_uml", lambda whole, chosen: realbus.NO_END)
+    assert realbus.in_machines(tmp_path / "report.xml", []) == realbus.NO_END

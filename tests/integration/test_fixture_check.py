@@ -184,6 +184,7 @@ def check(tumble, *arguments, code):
 def test_the_example_stands_pass(name, tumble):
     found = check(tumble, "--stand", f"{name}_stand.toml", f"{name}_stand.csv", code=0)
     assert found["combined"] is None and list(found["sources"]) == SOURCES
+    assert found["assumes"] == ["seat", "unit"] and found["assumed_for"] == {"seat": ["K_yz", "K_zy"], "unit": []}
     for source in found["sources"].values():
         assert (source["limit"], source["verdict"]) == tuple(source["declared"].values())
 
@@ -274,6 +275,11 @@ def test_several_runs_of_the_bench(tumble, tmp_path):
     assert text.splitlines()[-1].endswith(".") and "PASS, not conclusive: nothing exceeds" in text
     assert "cannot tell yet whether any source is as good as declared" in " ".join(text.split())
     assert "every source meets what 0.01 g needs" in " ".join(text.split())
+    assert "Assuming a square seat:" in text and "axis (K_yz, K_zy)." in " ".join(text.split())
+    assert [line.split()[0] for line in text.splitlines() if line.startswith("  K_") and "* " in line] == [
+        "K_yz*",
+        "K_zy*",
+    ]
     arguments = ("--stand", "lab_stand.toml", *runs, "--limit", "1e-2", "--levelled", "once")
     text = tumble("fixture", "check", *arguments, cwd=EXAMPLES).stdout
     assert "There is no combined result." in text and "K_xx" not in text

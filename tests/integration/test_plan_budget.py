@@ -131,6 +131,15 @@ def test_tables_fit_80_columns(subject, tumble):
     assert tumble("plan", subject, PYTHONIOENCODING="ascii").returncode == 0
 
 
+def test_a_row_of_a_budget_is_one_line_with_all_sources(tumble, tmp_path):
+    lab = (EXAMPLES / "lab_stand.toml").read_text().replace("limits", "seat_rad = 1e-4\nplatform_rad = 1e-4\nlimits")
+    (tmp_path / "stand.toml").write_text(lab)
+    lines = tumble("plan", "budget", "--stand", tmp_path / "stand.toml").stdout.splitlines()
+    assert max(map(len, lines)) <= 80
+    of_yz = next(line.split() for line in lines if "K_yz" in line)
+    assert of_yz == ["K_yz,", "ppm", "0", "500", "0", "93.5", "1170", "5000", "5000", "7190"]
+
+
 NO_BLOCK = '[stand]\naxis_tilt_rad=0\nlevel_rad=0\nremount_rad=0\nangle_rad=0\nnoise_v=0\nsamples=1\nlimits="sigma1"\n'
 ONE_TURN = "[[mounting]]\nnumber = 1\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n" + "".join(
     f"[[position]]\nmounting = 1\nposition = {number}\nangle_deg = {60 * number}\n" for number in range(1, 7)

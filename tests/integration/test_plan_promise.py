@@ -212,7 +212,15 @@ def test_people_get_80_columns(subject, tumble):
     runs = ["--runs", "200"] if subject == "validate" else []
     shown = tumble("plan", subject, *runs).stdout
     assert max(map(len, shown.splitlines())) <= 80
-    assert "every attitude" in shown
+    assert "every attitude" in shown and "Assuming a square seat: " in shown
+
+
+def test_a_promise_of_every_attitude_may_rest_on_a_square_seat(tumble, tmp_path):
+    """Not where the stand declares the seat, or a third mounting shows it."""
+    assert plan(tumble, "budget")["promise"]["assumes"] == ["seat"]
+    assert plan(tumble, "budget", "--schedule", "diagonal")["promise"]["assumes"] == []
+    declared = plan(tumble, "budget", "--stand", paper_stand(tmp_path, samples="50\nseat_rad = 5e-4"))["promise"]
+    assert declared["assumes"] == [] and declared["every_attitude"] < 0.9
 
 
 @pytest.mark.parametrize("text", ["0.4", "1", "95", "nan", "much"])

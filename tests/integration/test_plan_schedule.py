@@ -60,7 +60,9 @@ def test_a_subset_is_worth_what_its_own_gains_say(name, estimator):
     quiet = replace(case.stand, samples=20)
     for subset, u in zip(chosen, found):
         alone = replace(case, own_schedule=whole.part(subset), stand=quiet)
-        assert u == pytest.approx(worst_norm_of(alone, estimator)[0], rel=0.01)
+        assert u == pytest.approx(worst_norm_of(alone, estimator)[0], rel=0.02)  # at some attitudes
+        exact = NormSpread(case, whole, estimator).exact(subset, 20)
+        assert u <= exact and exact == pytest.approx(worst_norm_of(alone, estimator)[0], rel=1e-5)
 
 
 def test_a_subset_that_cannot_identify_is_far_off():
@@ -108,8 +110,8 @@ def test_the_fewest_samples_are_the_fewest():
     spread = NormSpread(case, schedule, "optimal")
     for norm_g in (1.2e-5, 2e-5, 1e-4):
         found = fewest_samples(spread, everything(schedule), norm_g)
-        assert spread.worst(everything(schedule)[None], found)[0] <= norm_g
-        assert found == 1 or spread.worst(everything(schedule)[None], found - 1)[0] > norm_g
+        assert spread.exact(everything(schedule), found) <= norm_g
+        assert found == 1 or spread.exact(everything(schedule), found - 1) > norm_g
 
 
 def test_no_subset_of_eight_positions_is_much_quicker():
@@ -131,7 +133,10 @@ def test_the_schedule_found_is_quicker_than_the_papers(estimator):
     found = quickest(case, estimator, norm_g, PACE, 45.0, 2)
     assert found.duration.total < PACE.duration(built_in("paper"), 50).total
     reached = replace(case, own_schedule=found.schedule, stand=replace(case.stand, samples=found.samples))
-    assert worst_norm_of(reached, estimator)[0] <= norm_g * 1.005
+    assert worst_norm_of(reached, estimator)[0] <= norm_g * 1.02  # the search looks at some attitudes
+    held = held_to(case, estimator, found.schedule, norm_g, PACE)
+    assert found.samples <= held.samples <= 1.05 * found.samples + 1
+    assert worst_norm_of(replace(reached, stand=replace(case.stand, samples=held.samples)), estimator)[0] <= norm_g
     assert found == quickest(case, estimator, norm_g, PACE, 45.0, 2)
 
 
@@ -180,7 +185,7 @@ def test_what_is_written_is_what_was_found(tumble, tmp_path):
     assert angles == document["schedule"]["angles_deg"]
     assert document["schedule"]["freedom"] == 3 * len(read.positions) - 12
     assert document["goal"] == {"norm_g": 2e-5, "limit_g": None, "probability": None}
-    assert document["u_norm_g"]["worst_g"] <= 2e-5 * 1.005
+    assert document["u_norm_g"]["worst_g"] <= 2e-5 * (1 + 1e-9)
     assert document["schedule"]["seconds"] < document["beside"]["paper"]["seconds"]
     for name in ("paper", "three_mountings", "diagonal"):
         (tmp_path / "again.toml").write_text(to_toml(built_in(name)))
@@ -203,8 +208,10 @@ def test_bench_and_validate_take_it(tumble, tmp_path):
     assert apart.max() < 0.1  # a solve weighs at the K found, the bench at the nominal one
     validated = plan(tumble, "validate", "--runs", "4000", *common)
     assert validated["pass"]
+    again = validated["estimators"]["optimal"]["promise"]
+    assert again.pop("assumes") == found["promise"].pop("assumes") == ["seat"]
     promised = {key: value for key, value in found["promise"].items() if key != "growth"}
-    assert validated["estimators"]["optimal"]["promise"] == pytest.approx(promised)
+    assert again == pytest.approx(promised)
 
 
 @pytest.mark.slow
@@ -223,9 +230,11 @@ def test_a_limit_is_kept_with_the_probability_asked_for(tumble, tmp_path):
 
 
 def test_people_get_80_columns(tumble, tmp_path):
-    shown = tumble("plan", *OPTIONS, "--out", "quick.toml", cwd=tmp_path).stdout
-    assert max(map(len, shown.splitlines())) <= 80
-    assert "three_mountings" in shown and "tumble bench --schedule quick.toml --samples " in shown
+    paper_stand(tmp_path).rename(tmp_path / "my stand.toml")
+    shown = tumble("plan", *OPTIONS, "--stand", "my stand.toml", "--out", "quick.toml", cwd=tmp_path).stdout
+    *lines, command = shown.splitlines()
+    assert max(map(len, lines)) <= 80 and "three_mountings" in shown
+    assert command.startswith("Run it: tumble bench --schedule quick.toml --stand 'my stand.toml' --samples ")
     assert max(map(len, tumble("plan", "schedule", "--help", COLUMNS="80").stdout.splitlines())) <= 80
 
 

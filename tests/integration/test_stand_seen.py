@@ -126,6 +126,9 @@ def test_core_and_numpy_see_the_same_on_any_schedule():
         pairs = [(core_eye.angle_error(variance).seen, numpy_eye.angle_error(variance).seen)]
         found, expected = core_eye.fit(alpha4, variance), numpy_eye.fit(alpha4, variance)
         pairs += [(found[name], expected[name]) for name in found]
+        others, theirs = core_eye.other_yaw_changes(alpha4, variance), numpy_eye.other_yaw_changes(alpha4, variance)
+        assert list(others) == list(theirs)
+        pairs += [(others[mounting], theirs[mounting]) for mounting in others]
         for mine, other in pairs:
             assert (mine is None) == (other is None), schedule.data
             known, unknown = known + (mine is not None), unknown + (mine is None)
@@ -211,6 +214,13 @@ def test_a_coarse_converter_is_no_disagreement(seed, tumble, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+def test_a_run_of_another_schedule_is_no_disagreement(tumble):
+    """Taken for positions 45 degrees off, its set angles come out at 2 rad."""
+    run = EXAMPLES / "diagonal_stand.csv", "--stand", EXAMPLES / "diagonal_stand.toml"
+    done = tumble("solve", *run, "--schedule", "three_mountings", "--estimator", "least_squares")
+    assert done.returncode == 1 and "FAIL" in done.stdout, done.stderr
+
+
 @pytest.mark.parametrize("spread", [5e-3, 1e-4, 1e-6])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9])
 def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
@@ -223,3 +233,32 @@ def test_core_and_witness_agree_far_beyond_the_noise(noise, spread):
         for trust in (True, False):
             seen = look(shown, stand_seen.noise(samples, scatter), samples, stand, trust)
             compare_seen(seen, reference.RunSeen(PAPER, means, k), samples, scatter, stand, trust)
+
+
+@pytest.mark.parametrize("name", ["three_mountings", "diagonal"])
+def test_three_mountings_show_the_yaw_of_each(name):
+    """Small yaws without any other error, to first order exact; the second order is some 1e-11."""
+    schedule, yaws = reference.built_in(name), np.array([3e-6, -1e-6, 2e-6])
+    k, u0 = np.array([[2.0, 0.03, 0.02], [-0.01, 1.9, 0.04], [0.05, -0.02, 2.1]]), np.array([0.1, 0.2, -0.1])
+    means = reference.Geometry(schedule).outputs(k, u0, alpha3=yaws)
+    measured, variance = np.ones(len(means), bool), np.full(len(means), 1e-10)
+    for seen in (stand_seen.RunSeen(core.CoreSchedule(schedule), means, measured, k, u0),
+                 reference.RunSeen(schedule, means, k)):  # fmt: skip
+        changes = seen.other_yaw_changes(1e-5, variance)
+        assert list(changes) == [3] and changes[3].value == pytest.approx(yaws[0] - yaws[2], abs=1e-10)
+        assert seen.fit(1e-5, variance)["alpha3_difference"].value == pytest.approx(yaws[0] - yaws[1], abs=1e-10)
+        assert changes[3].u > 0.0
+
+
+def test_two_mountings_have_no_other_yaw():
+    means = reference.Geometry(PAPER).outputs(np.eye(3), np.zeros(3))
+    seen = stand_seen.RunSeen(core.CoreSchedule(PAPER), means, np.ones(18, bool), np.eye(3), np.zeros(3))
+    assert seen.other_yaw_changes(1e-5, np.full(18, 1e-10)) == {}
+
+
+def test_people_read_the_yaw_of_each_mounting(tumble):
+    common = "--schedule", "three_mountings", "--stand", EXAMPLES / "three_mountings_stand.toml"
+    shown = tumble("solve", EXAMPLES / "three_mountings_stand.csv", *common).stdout
+    lines = shown[shown.index("Stand seen:") :].splitlines()[:6]
+    names = ["axis tilt", "level + yaw", "yaw 1 - 2", "yaw 1 - 3", "set angle", "noise"]
+    assert [line[12:24].strip() for line in lines] == names

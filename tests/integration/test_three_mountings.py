@@ -7,6 +7,7 @@ from math import isqrt
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, write_run
+from conftest import EXAMPLES
 
 from tumble import core, reference
 from tumble.reference import Geometry
@@ -23,7 +24,7 @@ def test_core_and_witness_have_the_same_schedules(name):
 
 
 def test_the_schedules_are_what_their_names_say():
-    assert [len(core.built_in(name).positions) for name in BUILT_IN] == [18, 27, 12, 6]
+    assert [len(core.built_in(name).positions) for name in BUILT_IN] == [18, 27, 12, 15, 6]
     force = Geometry(reference.built_in("six_faces")).force()
     faces = [[0, 0, 1], [1, 0, 0], [0, 0, -1], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
     np.testing.assert_allclose(force, faces, atol=1e-15)
@@ -175,17 +176,15 @@ def test_a_file_of_a_schedules_name_needs_a_path(tumble, refused, tmp_path):
     assert "paper: row 1" in refused("solve", run, "--schedule", "./paper", cwd=tmp_path)
 
 
-def schedule_text(matrix, fifth=False):
-    """A schedule file like `diagonal`, its third mounting with this matrix, with position 1 once more at the end."""
+def schedule_text(matrix):
+    """A schedule file like `diagonal`, its third mounting with this matrix."""
     schedule, lines = core.built_in("diagonal"), []
     for mounting in schedule.mountings:
         rows = matrix if mounting.number == 3 else [list(row) for row in mounting.matrix]
         lines += ["[[mounting]]", f"number = {mounting.number}", f"matrix = {rows}"]
-    again = [(m.number, 5, 45.0, "check") for m in schedule.mountings] if fifth else []
-    fitted = [(p.mounting, p.number, p.angle_deg, p.use) for p in schedule.positions]
-    for number, position, angle, use in fitted + again:
-        lines += ["[[position]]", f"mounting = {number}", f"position = {position}", f"angle_deg = {angle}"]
-        lines += [f'use = "{use}"']
+    for one in schedule.positions:
+        lines += ["[[position]]", f"mounting = {one.mounting}", f"position = {one.number}"]
+        lines += [f"angle_deg = {one.angle_deg}", f'use = "{one.use}"']
     return "\n".join(lines) + "\n"
 
 
@@ -231,14 +230,51 @@ def test_a_reflection_is_refused(refused, tmp_path):
     assert refused("solve", run, "--schedule", file).endswith(NO_ROTATION)
 
 
+def test_diagonal_closed_is_diagonal_and_a_check_of_its_first_angle():
+    closed = core.built_in("diagonal_closed")
+    assert closed.mountings == core.built_in("diagonal").mountings
+    fifths = [position for position in closed.positions if position.number == 5]
+    assert tuple(one for one in closed.positions if one not in fifths) == core.built_in("diagonal").positions
+    assert [(one.mounting, one.angle_deg, one.use) for one in fifths] == [(m, 45.0, "check") for m in (1, 2, 3)]
+
+
 def test_a_fifth_position_closes_each_mounting(tumble, tmp_path):
-    file = tmp_path / "closed.toml"
-    file.write_text(schedule_text([list(row) for row in core.built_in("diagonal").mountings[2].matrix], fifth=True))
-    done = tumble("bench", "--schedule", file, "--seed", "1", "--json", "--out", tmp_path / "run")
+    """The bench measures it, `diagonal` takes the run with it: closure by hand, and the same K and U0 as without it."""
+    done = tumble("bench", "--schedule", "diagonal_closed", "--seed", "1", "--json", "--out", tmp_path / "run")
     result = json.loads(done.stdout)
     assert done.returncode == 0 and result["counters"]["positions"] == 15
-    text = tumble("solve", tmp_path / "run" / "run.csv", "--schedule", file).stdout
-    assert all(f"Closure of mounting {mounting}: " in text for mounting in (1, 2, 3))
+    run, common = tmp_path / "run" / "run.csv", ("--unit", "V", "--schedule", "diagonal")
+    solved = json.loads(tumble("solve", run, *common, "--json").stdout)
+    outputs = {f"{one['mounting']}.{one['position']}": np.array(one["mean"]) for one in solved["means"]}
+    assert [one["mounting"] for one in solved["verification"]["closure"]] == [1, 2, 3]
+    for one in solved["verification"]["closure"]:
+        mounting = one["mounting"]
+        assert one["difference"] == pytest.approx(outputs[f"{mounting}.5"] - outputs[f"{mounting}.1"], abs=1e-15)
+    text = tumble("solve", run, *common).stdout
+    assert "at 15 of 15 positions" in text and text.count("Closure of mounting ") == 3
+
+    rows = run.read_text().splitlines()
+    (tmp_path / "four.csv").write_text("\n".join(row for row in rows if row.split(",")[1] != "5") + "\n")
+    four = json.loads(tumble("solve", tmp_path / "four.csv", *common, "--json").stdout)
+    assert (four["K"], four["U0"], four["verification"]["closure"]) == (solved["K"], solved["U0"], [])
+    assert "at 12 of 12 positions" in tumble("solve", tmp_path / "four.csv", *common).stdout
+
+
+def test_a_sixth_position_is_refused(refused, tmp_path):
+    schedule = core.built_in("diagonal_closed")
+    run = write_run(tmp_path / "run.csv", schedule, Geometry(schedule).outputs(NOMINAL_K, [0.1, 0.2, 0.3]))
+    run.write_text(run.read_text() + "1,6,1.0,1.0,1.0\n")
+    line = refused("solve", run, "--schedule", "diagonal")
+    assert line.endswith("the schedule has no position 6 in mounting 1; positions are 1 to 5\n")
+
+
+def test_fixture_check_takes_runs_with_and_without(tumble, tmp_path):
+    stand = "--stand", EXAMPLES / "diagonal_stand.toml"
+    for name, seed in (("diagonal", 1), ("diagonal_closed", 2)):
+        assert tumble("bench", *stand, "--schedule", name, "--seed", seed, "--out", tmp_path / name).returncode == 0
+    runs = tmp_path / "diagonal" / "run.csv", tmp_path / "diagonal_closed" / "run.csv"
+    done = tumble("fixture", "check", *stand, "--schedule", "diagonal", "--limit", "1e-3", "--json", *runs)
+    assert done.returncode == 0 and json.loads(done.stdout)["pass"]
 
 
 def test_six_faces_is_no_circle(refused, tmp_path):

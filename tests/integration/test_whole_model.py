@@ -17,7 +17,6 @@ from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.reference.fit import basis
 from tumble.reference.patterns import BY_NAME, PATTERNS
-from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.fit import judge, variance_of_means
 from tumble.solving.stand_seen import StandSeen
 
@@ -25,14 +24,7 @@ pytestmark = pytest.mark.python
 STANDS = ("paper", "angle", "lab")
 
 
-def three_mountings():
-    """The paper's two, and (a_x, a_y, a_z) = (n', v', h')."""
-    third = Mounting(3, ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)))
-    places = tuple(Position(3, turn, 45.0 * (turn - 1)) for turn in range(1, 10))
-    return Schedule((*PAPER.data.mountings, third), (*PAPER.data.positions, *places))
-
-
-SCHEDULES = {2: PAPER.data, 3: three_mountings()}
+SCHEDULES = {2: PAPER.data, 3: reference.built_in("three_mountings")}
 
 
 def perfect(mountings, stand=None):
@@ -264,6 +256,17 @@ def test_a_stand_s_own_tilt_is_no_pattern_of_the_block():
     assert not fit.fits and fit.doubts == ("alpha1_rad",) and len(fit.explanations) == 1
 
 
+@pytest.mark.parametrize(("name", "pattern"), [("diagonal", "k3"), ("paper", "seat")])
+def test_what_shows_only_by_errors_of_the_stand_explains_nothing(name, pattern):
+    """Cubes on the diagonals; theta_h in two mountings. A run that does not fit had 3.8 g/g^3 of it."""
+    schedule, rng, stand = reference.built_in(name), np.random.default_rng(15), stand_named("paper")
+    mountings, count = len(schedule.mountings), len(schedule.positions)
+    errors = {"alpha1": 2e-5, "alpha3": 4e-4 * rng.normal(size=mountings), "delta": 4e-5 * rng.normal(size=count)}
+    means = reference.Geometry(schedule).outputs(NOMINAL_K, U0, **errors)
+    model = reference.WholeModel(schedule, means, variance_of_means(stand, np.full(count, 50), 0.0), stand)
+    assert not shown(model, pattern).any()
+
+
 def test_core_and_witness_agree_far_from_the_declared_stand():
     rng = np.random.default_rng(46)
     for name, changes in itertools.product(
@@ -331,6 +334,13 @@ def test_a_column_that_is_only_rounding_does_not_show():
     column = model.scene.by(alpha3=np.array([1.0, 0.0])) * np.eye(18)[2][:, None]
     shown = model.whitened({"one": column, "none": 1e-16 * np.ones((18, 3)) * np.eye(18)[0][:, None]})
     assert shown[:, 0].any() and not shown[:, 1].any()
+
+
+def test_a_seat_is_told_by_its_mounting():
+    """As in "seat of mounting 1, theta_n -306 +- 22 urad"."""
+    found = BY_NAME["seat"].columns(perfect(2).scene)
+    labels = [f"mounting {number}, {name}" for name in ("theta_h", "theta_n") for number in (1, 2)]
+    assert [label for columns in found for label in columns] == labels
 
 
 def test_every_pattern_is_known_by_name():

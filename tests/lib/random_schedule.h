@@ -1,11 +1,11 @@
-/* random_schedule.h - schedules nobody would choose: any rotations, tilted axes, check positions, odd numbers. */
+/* random_schedule.h - schedules nobody would choose, that every estimator takes: any rotations, tilted axes, check positions, odd numbers. */
 #ifndef TUMBLE_TESTS_UNIT_RANDOM_SCHEDULE_H
 #define TUMBLE_TESTS_UNIT_RANDOM_SCHEDULE_H
 
 #include "model.h"
 
 typedef struct {
-    tumble_mounting_t mountings[TUMBLE_MAX_MOUNTINGS];
+    tumble_mounting_t mountings[TUMBLE_MAX_YAWS];
     tumble_position_t positions[TUMBLE_MAX_POSITIONS];
     tumble_schedule_t schedule; /* points at the two above: do not copy */
 } random_schedule_t;
@@ -24,7 +24,7 @@ static inline tumble_mounting_t random_mounting(dice_t *dice, uint8_t number)
 
 static inline void random_schedule(dice_t *dice, random_schedule_t *s)
 {
-    const uint8_t mountings = (uint8_t)(1U + dice_below(dice, TUMBLE_MAX_MOUNTINGS));
+    const uint8_t mountings = (uint8_t)(1U + dice_below(dice, TUMBLE_MAX_YAWS));
     const uint8_t positions = (uint8_t)(1U + dice_below(dice, TUMBLE_MAX_POSITIONS));
     for (uint8_t m = 0; m < mountings; m++) {
         s->mountings[m] = random_mounting(dice, (uint8_t)(200U - 7U * m));
@@ -38,6 +38,19 @@ static inline void random_schedule(dice_t *dice, random_schedule_t *s)
         };
     }
     s->schedule = (tumble_schedule_t){s->mountings, s->positions, mountings, positions};
+}
+
+/* So many mountings, each with one position: that of the paper's first. */
+static inline void free_attitudes(uint8_t count, tumble_mounting_t *mountings, tumble_position_t *positions,
+                                  tumble_schedule_t *schedule)
+{
+    for (uint8_t m = 0; m < count; m++) {
+        mountings[m] = tumble_schedule_paper.mountings[0];
+        positions[m] = tumble_schedule_paper.positions[0];
+        mountings[m].number = (uint8_t)(m + 1U);
+        positions[m].mounting = mountings[m].number;
+    }
+    *schedule = (tumble_schedule_t){mountings, positions, count, count};
 }
 
 static inline uint8_t count_fit_positions(const tumble_schedule_t *schedule)

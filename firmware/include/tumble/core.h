@@ -63,7 +63,8 @@ static_assert(sizeof(1.0) == sizeof(double), "compile without -fsingle-precision
 #define TUMBLE_COEFFICIENTS 12 /* K row by row, then U0 */
 #define TUMBLE_UNKNOWNS 4      /* of one channel: K_ix, K_iy, K_iz, U0_i */
 #define TUMBLE_MAX_POSITIONS 36
-#define TUMBLE_MAX_MOUNTINGS 6
+#define TUMBLE_MAX_MOUNTINGS TUMBLE_MAX_POSITIONS /* each position may have one of its own: any attitudes */
+#define TUMBLE_MAX_YAWS 6 /* mountings of a schedule, where each has unknowns: optimal, the fit of the stand seen */
 
 /* Averaging. A raw count is any int32; a sample may lie this far from the first one of its position. */
 #define TUMBLE_MAX_SAMPLES (INT64_C(1) << 20)
@@ -146,8 +147,9 @@ extern const tumble_schedule_t tumble_schedule_paper;
 extern const tumble_schedule_t tumble_schedule_three_mountings;
 
 /* The same three mountings, each at 45, 135, 225 and 315 degrees: as good on a square stand as the paper's, with 12
- * positions. */
+ * positions. With a closure: at the end of each mounting 45 degrees once more, to check only. */
 extern const tumble_schedule_t tumble_schedule_diagonal;
+extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 
 /* Each face of the block up once, in the paper's two mountings, with the numbers that these positions have there. Only
  * tumble_estimate_least_squares and gains solve it. */
@@ -629,9 +631,9 @@ uint32_t tumble_gain_record_schedule_crc(const tumble_schedule_t *schedule);
 typedef struct {
     double alpha1_rad;
     double alpha2_rad;
-    double alpha3_rad[TUMBLE_MAX_MOUNTINGS];  /* per mounting of the schedule, in its order; beyond: 0 */
-    double theta_h_rad[TUMBLE_MAX_MOUNTINGS]; /* likewise; the platform's is in each */
-    double theta_n_rad[TUMBLE_MAX_MOUNTINGS];
+    double alpha3_rad[TUMBLE_MAX_YAWS];  /* per mounting of the schedule, in its order; beyond: 0 */
+    double theta_h_rad[TUMBLE_MAX_YAWS]; /* likewise; the platform's is in each */
+    double theta_n_rad[TUMBLE_MAX_YAWS];
 } tumble_stand_errors_t;
 
 /* What the estimator works with beside its stack; the caller owns it. */
@@ -640,7 +642,7 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_MOUNTINGS) + 16U),
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_YAWS) + 16U),
               "with optimal a position costs 4 more, a mounting 24");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
@@ -693,7 +695,8 @@ tumble_status_t tumble_optimal_uncertainty(const void *source, const tumble_judg
  * The fit takes any schedule: generalised least squares for coefficients and angles together. It treats the error of a
  * set angle as an error of three outputs at once along one direction. Its uncertainties are the smallest possible, up
  * to six times smaller than those of the closed form, and only the fit gives alpha4 (docs/method.md, "The stand seen").
- * Only measured fit positions are read.
+ * Only measured fit positions are read. The fit has an unknown for the yaw of each
+ * mounting: more than TUMBLE_MAX_YAWS of them are TUMBLE_E_ARGUMENT.
  */
 
 /* One quantity with its standard uncertainty. If the run cannot tell it, `known` is false and both numbers are 0. */
@@ -717,7 +720,7 @@ typedef struct {
 } tumble_random_errors_t;
 
 /* Unknowns of the fit at most: coefficients, alpha1, alpha3 per mounting, alpha2; and room for them. */
-#define TUMBLE_FIT_UNKNOWNS (TUMBLE_COEFFICIENTS + 2 + TUMBLE_MAX_MOUNTINGS)
+#define TUMBLE_FIT_UNKNOWNS (TUMBLE_COEFFICIENTS + 2 + TUMBLE_MAX_YAWS)
 
 /* Working memory of the fit, 2 kB. The caller owns it; its content means nothing outside the fit. */
 typedef struct {
@@ -788,7 +791,7 @@ typedef struct {
 #define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
 #define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
 
-/* Working memory, 2.6 kB. The caller owns it; its content means nothing outside. */
+/* Working memory, 2.7 kB. The caller owns it; its content means nothing outside. */
 typedef struct {
     double triangle[(TUMBLE_WHOLE_UNKNOWNS * (TUMBLE_WHOLE_UNKNOWNS + 3)) / 2]; /* with right sides, by rows */
     double row[TUMBLE_WHOLE_UNKNOWNS + 1];
@@ -797,8 +800,8 @@ typedef struct {
     double least_v2; /* no mean has less variance */
     tumble_coefficients_t coefficients;
     double shared_rad[TUMBLE_WHOLE_SHARED];
-    double local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL];
-    double angle_rad[TUMBLE_MAX_POSITIONS];
+    float local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL]; /* where a step is linearised: a float will do */
+    float angle_rad[TUMBLE_MAX_POSITIONS];
 } tumble_whole_work_t;
 
 /* Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null), and what tumble_estimate_least_squares returns. Both results are written
@@ -820,8 +823,8 @@ tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_w
  *
  * A fault of one channel drowns in the sum over three. So each channel is judged again, given the other two: the sum
  * less the sum without that channel is chi-squared with n - 3 degrees of freedom. Hence four tests a mounting. Each
- * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million, so that all tests of TUMBLE_MAX_MOUNTINGS
- * together stay below 1e-3.
+ * fails an honest run in TUMBLE_MISFIT_CHANCE_PER_MILLION cases of a million at most, so that all tests together stay
+ * below 1e-3.
  *
  * Mountings are not compared with each other: a step between them, and a tilt of the seat, pass.
  *
@@ -835,7 +838,9 @@ tumble_status_t tumble_whole_chi_squared(const tumble_whole_run_t *run, tumble_w
 #define TUMBLE_MISFIT_CHANCE_PER_MILLION 32
 #define TUMBLE_MISFIT_CHANCE (1e-6 * TUMBLE_MISFIT_CHANCE_PER_MILLION)
 
-static_assert((TUMBLE_MISFIT_TESTS * TUMBLE_MAX_MOUNTINGS * TUMBLE_MISFIT_CHANCE_PER_MILLION) < 1000,
+/* A mounting that is judged has at least four positions. With four, the limit lies so far above the quantile that its
+ * chance is half; so it is mountings of five that add up. */
+static_assert((TUMBLE_MISFIT_TESTS * (TUMBLE_MAX_POSITIONS / 5) * TUMBLE_MISFIT_CHANCE_PER_MILLION) < 1000,
               "an honest run must be doubted in less than one case of a thousand");
 
 /* The run and its stand. All must stay as they are from the first step to the last. */

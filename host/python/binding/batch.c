@@ -1,7 +1,7 @@
 /* batch.c - many runs of one schedule in one call, all positions measured; part of the extension's source.
  *
- * means_v: runs x positions x 3. coefficients: runs x 12, K row by row, then U0. stand: runs x (2 + TUMBLE_MAX_MOUNTINGS),
- * alpha1, alpha2, alpha3 by mounting. A refusal stops at the run that `where` then names.
+ * means_v: runs x positions x 3. coefficients: runs x 12, K row by row, then U0. stand: runs x (2 + 3 TUMBLE_MAX_YAWS),
+ * alpha1, alpha2, alpha3 by mounting, the seats. A refusal stops at the run that `where` then names.
  */
 #include <string.h>
 

@@ -20,6 +20,7 @@ LIMITS = """
 #define TUMBLE_COEFFICIENTS ...
 #define TUMBLE_MAX_POSITIONS ...
 #define TUMBLE_MAX_MOUNTINGS ...
+#define TUMBLE_MAX_YAWS ...
 static const double TUMBLE_MIN_SENSITIVITY_G;
 static const double TUMBLE_MAX_MEAN_V;
 static const double TUMBLE_MIN_ROW_RATIO;
@@ -50,6 +51,7 @@ typedef struct { uint8_t circles[3]; ...; } tumble_harmonic_map_t;
 extern const tumble_schedule_t tumble_schedule_paper;
 extern const tumble_schedule_t tumble_schedule_three_mountings;
 extern const tumble_schedule_t tumble_schedule_diagonal;
+extern const tumble_schedule_t tumble_schedule_diagonal_closed;
 extern const tumble_schedule_t tumble_schedule_six_faces;
 tumble_status_t tumble_schedule_validate(const tumble_schedule_t *, uint8_t *where);
 void tumble_schedule_attitude(const tumble_schedule_t *, uint8_t index, double *a_g);

@@ -1,5 +1,6 @@
 /* The stand seen in the data: exact small cases. The statistics are tested from Python, on many runs. */
 #include "core/vector.h"
+#include "random_schedule.h"
 #include "support.h"
 #include "tumble/core.h"
 
@@ -284,6 +285,17 @@ static void test_the_noise_is_pooled_by_degrees_of_freedom(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, sqrt(variance), noise.value);
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, sqrt(variance / 30.0), noise.u);
     TEST_ASSERT_FALSE(tumble_seen_noise(samples, scatter, 1).known);
+}
+
+static void test_the_fit_takes_six_mountings(void)
+{
+    tumble_mounting_t mountings[TUMBLE_MAX_YAWS + 1];
+    tumble_position_t positions[TUMBLE_MAX_YAWS + 1];
+    tumble_schedule_t schedule;
+    free_attitudes(TUMBLE_MAX_YAWS, mountings, positions, &schedule);
+    ASSERT_STATUS(TUMBLE_OK, tumble_seen_fit(&schedule, &means, &block, &errors, &work, &seen));
+    free_attitudes(TUMBLE_MAX_YAWS + 1, mountings, positions, &schedule);
+    ASSERT_STATUS(TUMBLE_E_ARGUMENT, tumble_seen_fit(&schedule, &means, &block, &errors, &work, &seen));
 }
 
 static void test_bad_arguments(void)

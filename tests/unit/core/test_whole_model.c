@@ -129,7 +129,7 @@ static void test_errors_of_the_stand_are_held(void)
     ASSERT_STATUS(TUMBLE_OK, look());
     TEST_ASSERT_TRUE(square > 1e3);
     for (int p = 0; p < P; p++) {
-        TEST_ASSERT_TRUE(fabs(work.angle_rad[p]) <= TUMBLE_MAX_STAND_ERROR_RAD);
+        TEST_ASSERT_TRUE(fabsf(work.angle_rad[p]) <= (float)TUMBLE_MAX_STAND_ERROR_RAD);
     }
 }
 

@@ -8,7 +8,7 @@
 #include "simulation/maths.h"
 
 #define MOST_COLUMNS (3U * TUMBLE_MAX_POSITIONS)
-#define MOST_ROWS (14U + TUMBLE_MAX_MOUNTINGS)
+#define MOST_ROWS (14U + TUMBLE_MAX_YAWS)
 
 typedef struct {
     const gain_bytes_t *record;

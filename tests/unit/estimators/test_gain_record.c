@@ -203,6 +203,18 @@ static void test_a_record_of_another_schedule_is_refused(void)
     }
 }
 
+static void test_more_mountings_than_yaws_are_refused(void)
+{
+    tumble_mounting_t mountings[TUMBLE_MAX_YAWS + 1];
+    tumble_position_t positions[TUMBLE_MAX_YAWS + 1];
+    tumble_schedule_t schedule;
+    for (uint8_t count = TUMBLE_MAX_YAWS; count <= (TUMBLE_MAX_YAWS + 1); count++) {
+        free_attitudes(count, mountings, positions, &schedule);
+        empty_gains(&schedule, 1, &record);
+        assert_open((count > TUMBLE_MAX_YAWS) ? TUMBLE_E_GAIN_RECORD : TUMBLE_OK, record.bytes, record.size, &schedule);
+    }
+}
+
 /* The counts are compared too: a fingerprint alone could agree by accident. */
 static void test_the_counts_are_compared_beside_the_fingerprint(void)
 {

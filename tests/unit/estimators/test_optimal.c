@@ -46,7 +46,7 @@ static void assert_agrees(const definition_t *expected, const tumble_coefficient
     }
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected->x[12], stand->alpha1_rad);
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected->x[13], stand->alpha2_rad);
-    for (unsigned m = 0; m < TUMBLE_MAX_MOUNTINGS; m++) {
+    for (unsigned m = 0; m < TUMBLE_MAX_YAWS; m++) {
         const unsigned row = 14U + ((expected->rows == 15U) ? 0U : m);
         const double yaw = (m < expected->schedule->mounting_count) ? expected->x[row] : 0.0;
         TEST_ASSERT_DOUBLE_WITHIN(tolerance, yaw, stand->alpha3_rad[m]);

@@ -11,11 +11,11 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import HARMONIC
-from tumble.fixture.judge import SYSTEMATIC, Limits
+from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.fit import NOISE, Explanation
+from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
 from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
@@ -181,19 +181,24 @@ def remarks(solution: Solution) -> list[str]:
 def _stand_remarks(solution: Solution) -> list[str]:
     """What the run shows of every source, and what is declared of it: standard deviations."""
     seen, stand, unit = solution.stand_seen, solution.stand, solution.run.unit
-    told = {f"{name}_rad": angle for name, angle in seen.angles.items()}
-    told |= {"alpha4_rad": seen.alpha4, "noise_v": seen.noise}
-    mountings = len(solution.measured_schedule.fitted_mountings)
-    declared = {} if stand is None else Limits.declared(stand, mountings).sigma
+    angles = {f"{name}_rad": seen.augmented[name] if one is None else one for name, one in seen.angles.items()}
+    numbers = [mounting.number for mounting in solution.measured_schedule.fitted_mountings]
+    told = [(NAMES[source], source, one) for source, one in angles.items()]
+    if seen.other_yaw_changes:  # then each is named by its two mountings
+        changes = {numbers[1]: angles["alpha3_difference_rad"], **seen.other_yaw_changes}
+        told.pop()
+        told += [(f"yaw {numbers[0]} - {other}", "alpha3_difference_rad", one) for other, one in changes.items()]
+    told += [(NAMES[source], source, one) for source, one in (("alpha4_rad", seen.alpha4), ("noise_v", seen.noise))]
+    declared = {} if stand is None else Limits.declared(stand, len(numbers)).sigma
     lines: list[str] = []
-    for source, one in told.items():
+    for name, source, one in told:
         if one is not None:
             its_unit, factor = (noise_unit(unit), volts_per(unit)) if source == "noise_v" else ("rad", 1.0)
             has_u = seen.source is not None or source not in SYSTEMATIC
             measured = _measured(one, has_u, factor, " " if source not in SYSTEMATIC else "+")
             end = f", declared {declared[source]:.2e}" if source in declared else ""
             begin = "" if lines else "Stand seen:"
-            lines.append(f"{begin:11} {NAMES[source]:11} {measured} {its_unit}{end}")
+            lines.append(f"{begin:11} {name:11} {measured} {its_unit}{end}")
     return lines
 
 

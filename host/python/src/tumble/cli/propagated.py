@@ -7,7 +7,6 @@ import textwrap
 from tumble.estimators import COEFFICIENTS
 from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo, Verdict
 from tumble.solving.solution import Solution
-from tumble.units import per_g
 
 
 def remarks(solution: Solution) -> list[str]:
@@ -15,12 +14,12 @@ def remarks(solution: Solution) -> list[str]:
     found, u, norm = solution.found.intrinsic, solution.u_intrinsic, solution.u_norm
     if u is None or norm is None:
         return []
-    rows = [("", f"row of K, {per_g(solution.run.unit)}", "bias over it, g", "angle of two rows, rad")]
+    rows = [("Intrinsic: row of K", "bias over it, g", "angle of two rows, rad")]
     for i, (axis, pair) in enumerate(zip("xyz", ("xy", "xz", "yz"))):
-        scale = f"{axis} {found.scale[i]:.6g} +- {u.scale[i]:.1e}"
+        scale = f"{axis} {found.scale[i]:#.6g} +- {u.scale[i]:.1e}"
         bias = f"{found.bias[i]:+.3e} +- {u.bias[i]:.1e}"
-        rows.append(("" if i else "Intrinsic:", scale, bias, f"{pair} {found.angles[i]:.6f} +- {u.angles[i]:.1e}"))
-    lines = [f"{name:11} {scale:20}  {bias:21}  {angle}".rstrip() for name, scale, bias, angle in rows]
+        rows.append((scale, bias, f"{pair} {found.angles[i]:.6f} +- {u.angles[i]:.1e}"))
+    lines = [f"{scale:24}  {bias:21}  {angle}".rstrip() for scale, bias, angle in rows]
     x, y, z = norm.attitude
     lines.append(f"Worst u(|a|): {norm.worst * 1e6:.3g} ug, at the attitude ({x:+.2f}, {y:+.2f}, {z:+.2f})")
     return lines + ([] if solution.monte_carlo is None else _simulated(solution.monte_carlo))

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
 MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
 MAX_MOUNTINGS: int = lib.TUMBLE_MAX_MOUNTINGS
+MAX_YAWS: int = lib.TUMBLE_MAX_YAWS  # mountings, where each has unknowns of its own
 MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"

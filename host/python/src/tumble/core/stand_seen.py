@@ -10,6 +10,7 @@ from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.binding import Calibration, CoreRefusal, CoreSchedule, pack, require_ok
+from tumble.schedule import Schedule
 
 if TYPE_CHECKING:
     from _tumble_core import CData
@@ -62,7 +63,8 @@ class RunSeen:
     `u0` found from them. `alpha4` and `variance` as given are those that the uncertainties come from."""
 
     def __init__(self, schedule: CoreSchedule, means: Floats, measured: Flags, k: Floats, u0: Floats):
-        self._schedule = schedule
+        self.mountings = len(schedule.data.mountings)
+        self._schedule, self._given = schedule, (means, measured, k, u0)
         self._means = schedule.means(means, measured)
         self._calibration = Calibration(k, u0)
         self._coefficients = pack(k, u0)
@@ -86,6 +88,17 @@ class RunSeen:
         found = ffi.new("tumble_seen_angles_t *")
         require_ok(lib.tumble_seen_fit(*self._fit_arguments(alpha4, variance), found))
         return _angles(found)
+
+    def other_yaw_changes(self, alpha4: float, variance: Floats) -> dict[int, Seen | None]:
+        """By mounting, from the third on, the yaw of the first less that of this one: as if it were the second."""
+        whole, measured = self._schedule.data, self._given[1]
+        first, *others = whole.part(measured).fitted_mountings
+        found: dict[int, Seen | None] = {}
+        for one in others[1:]:
+            order = (first, one, *(other for other in whole.mountings if other not in (first, one)))
+            shown = RunSeen(CoreSchedule(Schedule(order, whole.positions)), *self._given)
+            found[one.number] = shown.fit(alpha4, variance)["alpha3_difference"]
+        return found
 
     def angle_error(self, variance: Floats) -> AngleError:
         """alpha4 from the residuals beyond the noise."""

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core import MAX_MEAN
+from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
 from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
@@ -35,7 +35,7 @@ from tumble.files.run_layout import (
     is_comment,
     split,
 )
-from tumble.schedule import Schedule
+from tumble.schedule import CHECK, CLOSED, Schedule
 
 _NOT_FINITE = {"nan", "inf", "infinity"}
 
@@ -65,6 +65,17 @@ class Run:
     def measured(self) -> Flags:
         """Which positions have a mean: (positions,) bool."""
         return self.samples > 0
+
+
+def read_measured(file: str, schedule: CoreSchedule, wishes: Wishes = NO_WISHES) -> tuple[Run, CoreSchedule]:
+    """Read a run file on a schedule, or where the run has positions that close its mountings, on the form of it that
+    has them. Raises BadInput."""
+    if schedule.name in CLOSED:
+        closed = CoreSchedule.built_in(CLOSED[schedule.name])
+        run = read_run(file, closed.data, wishes)
+        if any(run.samples[index] > 0 for index, one in enumerate(closed.data.positions) if one.use == CHECK):
+            return run, closed
+    return read_run(file, schedule.data, wishes), schedule
 
 
 def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:

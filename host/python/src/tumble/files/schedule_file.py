@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, CoreRefusal, CoreSchedule
+from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput
-from tumble.estimators import HARMONIC
+from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.files.toml import Table, read_toml
 from tumble.messages import tell
 from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
@@ -29,6 +29,8 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
     if estimator in HARMONIC:
         _require_positions(core_schedule, estimator, file)
+    if estimator == OPTIMAL and (count := len(core_schedule.data.mountings)) > MAX_YAWS:
+        raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
     return core_schedule
 
 
@@ -47,11 +49,16 @@ def _read(file: str, data: bytes | None) -> CoreSchedule:
         core_schedule.identify()
     except CoreRefusal as refusal:
         raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
-    for mounting, table in zip(schedule.mountings, mountings):
-        if (off := np.abs(np.subtract(mounting.matrix, table.matrix("matrix"))).max()) > 0.0:
-            changed = f"matrix of mounting {mounting.number} made orthonormal, by {off:.1g}"
-            tell(f"tumble: notice: {file}: {changed}")
+    _tell_of_rotations(schedule, [table.matrix("matrix") for table in mountings], file)
     return core_schedule
+
+
+def _tell_of_rotations(schedule: Schedule, given: list[tuple[tuple[float, ...], ...]], file: str) -> None:
+    off = {one.number: np.abs(np.subtract(one.matrix, matrix)).max() for one, matrix in zip(schedule.mountings, given)}
+    changed = [number for number, by in off.items() if by > 0.0]
+    if changed:
+        which = f"matrix of mounting {changed[0]}" if len(changed) == 1 else f"matrices of {len(changed)} mountings"
+        tell(f"tumble: notice: {file}: {which} made orthonormal, by {max(off.values()):.1g}")
 
 
 def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> None:

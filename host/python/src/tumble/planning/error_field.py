@@ -19,19 +19,19 @@ from tumble.planning.case import Case
 from tumble.planning.weights import estimator_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import sources
-from tumble.solving.covariance import spread_attitudes
 
 _ROWS, _COLUMNS = np.triu_indices(3)
 _BISECTIONS = 26
-_MANY = 10_000
 
 
 @dataclass(frozen=True)
 class ErrorField:
-    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g."""
+    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g; `coefficients` (draws, 12): K row
+    by row, V/g, then U0, V."""
 
     gravity: Floats
     forms: Floats
+    coefficients: Floats
 
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
@@ -47,7 +47,7 @@ def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
     force, to_g = reference.Geometry(case.schedule).force(), np.linalg.inv(k)
     left = outputs - force @ np.swapaxes(found_k, 1, 2) - found_u0[:, None]
     gravity = np.einsum("dpi,pi->dp", left @ to_g.T, force)
-    return ErrorField(gravity, norm_forms(-to_g @ found_k, -found_u0 @ to_g.T))
+    return ErrorField(gravity, norm_forms(-to_g @ found_k, -found_u0 @ to_g.T), found)
 
 
 def norm_forms(matrix: Floats, vector: Floats) -> Floats:
@@ -60,13 +60,6 @@ def features(at: Floats) -> Floats:
     """What forms are multiplied by at unit attitudes (n, 3): (n, 9)."""
     twice = np.where(_ROWS == _COLUMNS, 1.0, 2.0)
     return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
-
-
-def worst_norm(forms: Floats) -> tuple[float, Floats]:
-    """The worst u(|a|) over all attitudes, g, and where; for forms (draws, 9). To 0.1 %."""
-    at = spread_attitudes(_MANY)
-    u = np.linalg.norm(features(at) @ forms.T, axis=1)
-    return float(u.max()), at[u.argmax()]
 
 
 def largest_over_attitudes(forms: Floats) -> Floats:

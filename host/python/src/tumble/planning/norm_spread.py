@@ -20,11 +20,12 @@ from tumble.planning.case import Case
 from tumble.planning.error_field import features, norm_forms
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
-from tumble.solving.covariance import spread_attitudes
+from tumble.solving.covariance import spread_attitudes, worst_norm
 from tumble.solving.gains import mean_sigma
 
 ESTIMATORS = ("least_squares", OPTIMAL)
-_ATTITUDES = 400
+_ATTITUDES = 400  # a worst u(|a|) at one of these is short of the true one by a percent or two
+_ORDER = [4 * i + j for i in range(3) for j in range(3)] + [3, 7, 11]  # K row by row, then U0, of channel by channel
 _SENSITIVITY = 1e-3  # g: with less, per square root of the positions, a coefficient is not identified
 _UNKNOWN_G = 1e3  # prior of a coefficient, in parts of max|K|: what a subset cannot identify is this far off
 
@@ -36,7 +37,7 @@ class NormSpread:
         if estimator not in ESTIMATORS:
             raise UsageError(f"--estimator: a schedule is sought for {' or '.join(ESTIMATORS)}, not {estimator}")
         k, count = case.nominal_k(), len(schedule.positions)
-        self.estimator, self.schedule = estimator, schedule
+        self.estimator, self.schedule, self.k = estimator, schedule, k
         one_sample = replace(case.stand, samples=1)
         self.noise = mean_sigma(k, one_sample, case.step_v, 1)[0] ** 2
         found = sources(schedule, k, one_sample, np.ones(count, dtype=int))
@@ -52,13 +53,20 @@ class NormSpread:
         self.features = features(spread_attitudes(_ATTITUDES))
 
     def worst(self, chosen: Flags, samples: int) -> Floats:
-        """The worst u(|a|), g, of every subset: `chosen` (subsets, candidates), `samples` at each position."""
-        noise = self.local + self.noise / samples * np.eye(3)
-        find = self._optimal if self.estimator == OPTIMAL else self._least_squares
-        forms = self.to_forms @ find(chosen, noise) @ self.to_forms.T
+        """The worst u(|a|), g, of every subset at some attitudes: `chosen` (subsets, candidates), `samples` at each
+        position."""
+        forms = self.to_forms @ self._covariances(chosen, samples) @ self.to_forms.T
         variances = np.einsum("ar,brs,as->ba", self.features, forms, self.features, optimize=True)
         u: Floats = np.sqrt(variances.max(axis=1))
         return u
+
+    def exact(self, chosen: Flags, samples: int) -> float:
+        """The worst u(|a|), g, of one subset (candidates,) at any attitude."""
+        return worst_norm(self.k, self._covariances(chosen[None], samples)[0][np.ix_(_ORDER, _ORDER)]).worst
+
+    def _covariances(self, chosen: Flags, samples: int) -> Floats:
+        noise = self.local + self.noise / samples * np.eye(3)
+        return (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
 
     def _optimal(self, chosen: Flags, noise: Floats) -> Floats:
         """Covariances (subsets, 12, 12): unknowns are the coefficients, and the shared errors over their sigma."""

@@ -25,7 +25,9 @@ from tumble.estimators import ESTIMATORS
 from tumble.planning.case import Case
 from tumble.planning.error_field import error_field, largest_over_attitudes
 from tumble.planning.tables import percent
+from tumble.solving.assumptions import ASSUMPTIONS, resting_on_a_seat
 
+ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
 _ANY = 0.95  # of a growth that nobody asks for
 _SEED = 1
 _DIRECTIONS = {"positions": 32768, "attitudes": 8192}
@@ -89,21 +91,28 @@ def _unit_vectors(count: int, dimensions: int) -> Floats:
 class Promise:
     """For a limit in g: `passes`, the gravity check at all positions; `everywhere`, |a| at every attitude. `growth`:
     the factor by which all errors may grow together until the less probable of both is as asked; infinite without
-    errors."""
+    errors. `on_a_seat`: whether `everywhere` rests on a block that sits square, which nobody declares."""
 
     limit_g: float
     passes: Chance
     everywhere: Chance
     growth: float
+    on_a_seat: bool = False
 
     @property
     def sentence(self) -> str:
-        """For people, in two lines."""
+        """For people, in two lines, and what it rests on."""
         return (
             f"A run passes the gravity check of {self.limit_g:g} g with a probability of"
             f" {percent(self.passes.value)};\n"
             f"|a| is within that limit at every attitude with {percent(self.everywhere.value)}."
+            f"{self.condition}"
         )
+
+    @property
+    def condition(self) -> str:
+        """What it rests on, as a further line; empty for nothing."""
+        return f"\n{ON_A_SEAT}" if self.on_a_seat else ""
 
     def document(self) -> dict[str, Any]:
         """Ready for JSON."""
@@ -113,6 +122,7 @@ class Promise:
             "u_passes": self.passes.u,
             "every_attitude": self.everywhere.value,
             "u_every_attitude": self.everywhere.u,
+            "assumes": ["seat"] if self.on_a_seat else [],
         }
 
 
@@ -121,12 +131,14 @@ def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | N
 
     Raises UsageError where the schedule does not allow the estimator.
     """
-    field = error_field(case, estimator, case.nominal_k() if k is None else k)
+    k = case.nominal_k() if k is None else k
+    field = error_field(case, estimator, k)
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
     norm = Law.of(field.forms, _DIRECTIONS["attitudes"], largest_over_attitudes)
     needed = max(check.limit(probability), norm.limit(probability))
     growth = case.limit_g / needed if needed > 0.0 else np.inf
-    return Promise(case.limit_g, check.chance(case.limit_g), norm.chance(case.limit_g), growth)
+    on_a_seat = resting_on_a_seat(case.fitted, k, estimator, case.stand) is not None
+    return Promise(case.limit_g, check.chance(case.limit_g), norm.chance(case.limit_g), growth, on_a_seat)
 
 
 def promises(case: Case, probability: float) -> dict[str, Promise]:

@@ -11,6 +11,7 @@ from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, source
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
+from tumble.planning.promise import ON_A_SEAT
 from tumble.planning.published import EQUATION_18, EQUATION_19, evaluate
 from tumble.planning.require import CEILING_RAD, ROWS, Requirements
 from tumble.planning.weights import symbols
@@ -202,6 +203,8 @@ def _show_promises(out: Console, plan: dict[str, Any]) -> None:
     out.print(tables.table(("with", "", "passes", "every attitude", "may grow", "margin"), rows, left=(0, 1)))
     for line in _PROMISED:
         out.print(line.format(asked=asked))
+    if plan["promise"]["assumes"]:
+        out.print(ON_A_SEAT)
 
 
 def _asked(plan: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import asdict
 from typing import Any
 
@@ -65,8 +66,8 @@ def _angles(schedule: Schedule, mounting: Mounting) -> list[float]:
     return [position.angle_deg for position in schedule.positions if position.mounting == mounting.number]
 
 
-def show(found: Planned, written: str | None) -> None:
-    """Print the plan on standard output. `written`: the file that it went to."""
+def show(found: Planned, written: str | None, stand: str | None) -> None:
+    """Print the plan on standard output. `written`: the file that it went to; `stand`: that of the stand."""
     out, goal, pace = tables.console(), found.goal, found.pace
     wanted = f"a worst u(|a|) of {1e6 * (goal.norm_g or 0.0):.4g} ug"
     if goal.norm_g is None:
@@ -85,7 +86,8 @@ def show(found: Planned, written: str | None) -> None:
     out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom(found.best)} degrees of freedom check the model")
     out.print(found.promise.sentence)
     if written is not None:
-        options = f"--schedule {written} --samples {found.best.samples} --estimator {goal.estimator}"
+        files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
+        options = f"{shlex.join(files)} --samples {found.best.samples} --estimator {goal.estimator}"
         out.print(f"Run it: tumble bench {options}", soft_wrap=True)
 
 

@@ -16,10 +16,11 @@ from tumble.arrays import Flags
 from tumble.core import MAX_POSITIONS, MAX_SAMPLES
 from tumble.planning.case import Case
 from tumble.planning.duration import Duration, Pace
-from tumble.planning.error_field import error_field, worst_norm
+from tumble.planning.error_field import error_field
 from tumble.planning.mounting_sets import KINDS, mounting_sets, mountings, without_unused
 from tumble.planning.norm_spread import NormSpread
 from tumble.schedule import Position, Schedule
+from tumble.solving.covariance import worst_norm
 
 _FEWEST_POSITIONS = 6  # so that six residuals are left to check the model with
 _ALL_SETS = 3  # of so many mountings; more are added one by one
@@ -37,16 +38,23 @@ class Timed:
 
 
 def fewest_samples(spread: NormSpread, chosen: Flags, norm_g: float) -> int | None:
-    """The fewest samples with which a subset reaches a worst u(|a|); None if none do."""
+    """The fewest samples with which a subset has no worse u(|a|) at any attitude; None if none do."""
+    least = fewest_at_some(spread, chosen, norm_g)
+    return None if least is None else _fewest(lambda samples: spread.exact(chosen, samples) <= norm_g, least)
 
-    def reached(samples: int) -> bool:
-        return bool(spread.worst(chosen[None], samples)[0] <= norm_g)
 
+def fewest_at_some(spread: NormSpread, chosen: Flags, norm_g: float) -> int | None:
+    """The same at some attitudes, much faster: never more, and few less."""
+    return _fewest(lambda samples: bool(spread.worst(chosen[None], samples)[0] <= norm_g), 1)
+
+
+def _fewest(reached: Callable[[int], bool], least: int) -> int | None:
+    """From `least` on; None if not even the most suffice."""
     if not reached(MAX_SAMPLES):
         return None
-    low, high = 0, 1
+    low, high, step = least - 1, least, 1
     while not reached(high):
-        low, high = high, min(2 * high, MAX_SAMPLES)
+        low, high, step = high, min(high + step, MAX_SAMPLES), 2 * step
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if reached(middle) else (middle, high)
@@ -63,7 +71,7 @@ class _Candidates:
 
     def timed(self, chosen: Flags) -> Timed | None:
         """What a subset takes; None if it cannot do it, or has too many positions to be measured."""
-        samples = fewest_samples(self.spread, chosen, self.norm_g)
+        samples = fewest_at_some(self.spread, chosen, self.norm_g)
         if samples is None:
             return None
         schedule = without_unused(self.spread.schedule.part(chosen))
@@ -151,5 +159,7 @@ def measured_with(case: Case, timed: Timed) -> Case:
 
 def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
-    u, attitude = worst_norm(error_field(case, estimator, case.nominal_k()).forms)
-    return u, attitude.tolist()
+    k = case.nominal_k()
+    found = error_field(case, estimator, k).coefficients
+    worst = worst_norm(k, found.T @ found)
+    return worst.worst, worst.attitude.tolist()

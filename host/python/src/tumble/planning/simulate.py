@@ -8,6 +8,7 @@ from tumble import reference
 from tumble.arrays import Floats
 from tumble.planning.case import Case
 from tumble.solving.gains import mean_sigma, shared_sigmas, yaws_of
+from tumble.solving.monte_carlo import unit_draws
 
 U0_V = (0.01, -0.02, 0.03)  # of the simulated block: linear estimators do not care
 
@@ -21,20 +22,13 @@ def position_means(case: Case, k: Floats, runs: int, rng: np.random.Generator) -
     stand, geometry = case.stand, reference.Geometry(case.schedule)
     mountings, positions = len(case.schedule.mountings), len(case.schedule.positions)
     sigma = shared_sigmas(case.schedule, stand)
-    shared = _draws(stand.limits, rng, (runs, len(sigma))) * sigma
+    shared = unit_draws(rng, stand.limits, (runs, len(sigma))) * sigma
     alpha1, alpha2, yaws, seats = np.split(shared, [1, 2, 2 + yaws_of(case.fitted, stand)], axis=1)
     errors = {"alpha1": alpha1, "alpha2": alpha2, "alpha3": np.broadcast_to(yaws, (runs, mountings))}
     if stand.declares_seat:
         platform, leaning, turned = np.split(seats, [1, 1 + mountings], axis=1)
         errors |= {"seat_h": platform + leaning, "seat_n": turned}
-    errors["delta"] = _draws(stand.limits, rng, (runs, positions)) * stand.sigma("angle")
+    errors["delta"] = unit_draws(rng, stand.limits, (runs, positions)) * stand.sigma("angle")
     outputs = geometry.outputs(k, np.array(U0_V), **errors)
     noise = mean_sigma(k, stand, case.step_v, stand.samples)[0]
     return outputs + noise * rng.standard_normal(outputs.shape)
-
-
-def _draws(limits: str, rng: np.random.Generator, shape: tuple[int, int]) -> Floats:
-    """Numbers of mean 0 and variance 1."""
-    if limits == "uniform":
-        return rng.uniform(-(3.0**0.5), 3.0**0.5, shape)
-    return rng.standard_normal(shape)

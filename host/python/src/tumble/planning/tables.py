@@ -40,6 +40,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
+def millionths(value: float | None) -> str:
+    """A part in a million, to three digits; short, without an exponent where there need be none."""
+    return "-" if value is None or math.isnan(value) else f"{float(f'{1e6 * value:.3g}'):.6g}"
+
+
 def percent(probability: float) -> str:
     """To a tenth, which is as good as probabilities are computed."""
     return "> 99.9 %" if probability > 0.9995 else f"{100.0 * probability:.1f} %"

@@ -92,6 +92,7 @@ def _promised(found: Validated) -> str:
         f"{promised.limit_g:g} g: passes the gravity check {tables.percent(promised.passes.value)}"
         f" (seen {seen['passes']}),\n"
         f"|a| within it at every attitude {tables.percent(promised.everywhere.value)} (seen {seen['every_attitude']})"
+        f"{promised.condition}"
     )
 
 

@@ -19,6 +19,7 @@ from tumble.arrays import Floats
 from tumble.schedule import Schedule
 
 Error = complex | Floats | NDArray[np.complex128]
+_STEP = 1e-30  # a complex step has no cancellation, so it may be as small as one likes
 
 
 class Geometry:
@@ -65,3 +66,10 @@ class Geometry:
     def outputs(self, k: Floats, u0: Floats, **errors: Error) -> Floats:
         """Outputs U = U0 + K a of a block: (positions, 3). `errors` as in `force`."""
         return self.force(**errors) @ np.asarray(k).T + u0
+
+    def derivative(self, k: Floats, **unit: float | Floats) -> Floats:
+        """Of the outputs of a block of sensitivity `k`, by errors that grow together, on the ideal stand: (positions,
+        3). `unit` of each, real, as in `force`."""
+        force = self.force(**{name: 1j * _STEP * np.asarray(value) for name, value in unit.items()})
+        outputs: Floats = np.imag(force) / _STEP @ np.asarray(k).T
+        return outputs

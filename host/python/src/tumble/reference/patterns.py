@@ -18,7 +18,6 @@ from tumble.schedule import Schedule
 
 BLOCK, STAND, RUN = "block", "stand", "run"  # whose fault it is
 _MILLIONTH = 1e-6
-_STEP = 1e-30
 _WARM_UPS = (0.05, 0.1, 0.2, 0.4)  # time constants over the length of the run
 _ROUNDING = 1e-9
 _CHANNELS = "xyz"
@@ -57,8 +56,7 @@ class Scene:
 
     def by(self, **error: float | Floats) -> Floats:
         """The outputs' derivatives by an error of the stand, as Geometry.force has it: (P, 3)."""
-        steps = {name: 1j * _STEP * np.asarray(value) for name, value in error.items()}
-        return np.asarray(np.imag(Geometry(self.schedule).force(**steps)) / _STEP @ self.k.T)
+        return Geometry(self.schedule).derivative(self.k, **error)
 
     def in_mounting(self, index: int) -> Floats:
         """1 at the positions of a mounting, else 0: (P, 1)."""
@@ -117,7 +115,7 @@ def _seat(scene: Scene) -> list[Columns]:
     changes = {"theta_h": scene.by(seat_h=1.0), "theta_n": scene.by(seat_n=1.0)}
     numbers = [mounting.number for mounting in scene.schedule.mountings]
     return [
-        {f"{name} of {number}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
+        {f"mounting {number}, {name}": by * scene.in_mounting(m) * _MILLIONTH for m, number in enumerate(numbers)}
         for name, by in changes.items()
     ]
 

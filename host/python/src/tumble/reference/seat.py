@@ -12,7 +12,6 @@ from tumble.reference.estimators import dense_design, estimate
 from tumble.reference.geometry import Geometry
 from tumble.schedule import FIT, Schedule
 
-_STEP = 1e-30
 _SEEN = 1e-6  # of the effect, left by coefficients and other angles: rounding leaves 1e-14, a third mounting a half
 _COUNTS = 0.1  # of the largest change: less is the block's misalignment and no doubt worth a mark
 
@@ -22,16 +21,10 @@ def unseen_tilt(schedule: Schedule, k: Floats, estimator: str) -> Flags | None:
     it. `estimator`: one of estimators.LINEAR."""
     fitted = Schedule(schedule.mountings, tuple(position for position in schedule.positions if position.use == FIT))
     geometry, mountings = Geometry(fitted), np.eye(len(fitted.mountings))
-
-    def effect(**draw: float | Floats) -> Floats:
-        force = geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
-        outputs: Floats = np.imag(force) / _STEP @ k.T
-        return outputs
-
-    angles = [effect(alpha1=1.0), effect(alpha2=1.0)]
-    angles += [effect(**{name: one}) for name in ("alpha3", "seat_n") for one in mountings]
+    angles = [geometry.derivative(k, alpha1=1.0), geometry.derivative(k, alpha2=1.0)]
+    angles += [geometry.derivative(k, **{name: one}) for name in ("alpha3", "seat_n") for one in mountings]
     explaining = np.column_stack([dense_design(fitted), *(angle.ravel() for angle in angles)])
-    tilt = effect(seat_h=1.0)
+    tilt = geometry.derivative(k, seat_h=1.0)
     left = tilt.ravel() - explaining @ np.linalg.lstsq(explaining, tilt.ravel(), rcond=None)[0]
     if np.linalg.norm(left) > _SEEN * np.linalg.norm(tilt):
         return None

@@ -13,7 +13,9 @@ rotation of the block's own frame.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,10 +25,10 @@ from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
-_STEP = 1e-30
 _NULL = 1e-12
 _INESTIMABLE = 1e-6
 _SMALLEST_NOISE = 1e-7
+_Name = TypeVar("_Name", str, int)
 
 
 @dataclass(frozen=True)
@@ -72,25 +74,21 @@ class Model:
     alpha2, alpha3 by mounting; `by_set_angle` (P, 3P), their derivative with respect to each set angle; P positions."""
 
     def __init__(self, schedule: Schedule, k: Floats):
-        self._geometry, self._k = Geometry(schedule), k
-        positions, mountings = len(schedule.positions), len(schedule.mountings)
-        by_angle = [self._derivative(alpha1=1.0), self._derivative(alpha2=1.0)]
-        by_angle += [self._derivative(alpha3=yaw) for yaw in np.eye(mountings)]
-        self.design = np.column_stack([dense_design(schedule), *by_angle])
-        self.by_set_angle = np.array([self._derivative(delta=one) for one in np.eye(positions)])
-        mean, pair = np.zeros(mountings), np.zeros(mountings)
+        geometry, positions, mountings = Geometry(schedule), len(schedule.positions), len(schedule.mountings)
+        by_angle = [geometry.derivative(k, alpha1=1.0), geometry.derivative(k, alpha2=1.0)]
+        by_angle += [geometry.derivative(k, alpha3=yaw) for yaw in np.eye(mountings)]
+        self.design = np.column_stack([dense_design(schedule), *(one.ravel() for one in by_angle)])
+        self.by_set_angle = np.array([geometry.derivative(k, delta=one).ravel() for one in np.eye(positions)])
         used = [schedule.mountings.index(mounting) for mounting in schedule.fitted_mountings]
+        mean, one = np.zeros(mountings), np.eye(mountings)
         mean[used] = 1 / len(used)
-        pair[used[:2]] = [1.0, -1.0][: len(used)]
+        changes = {schedule.mountings[other].number: one[used[0]] - one[other] for other in used[1:]}
+        self.yaw_changes = {number: np.array([0.0, 0.0, *change]) for number, change in changes.items()}
         self.combinations = {
             "alpha1": np.array([1.0, 0.0, *np.zeros(mountings)]),
             "alpha2_plus_alpha3": np.array([0.0, 1.0, *mean]),
-            "alpha3_difference": np.array([0.0, 0.0, *pair]) if len(used) > 1 else None,
+            "alpha3_difference": next(iter(self.yaw_changes.values()), None),
         }
-
-    def _derivative(self, **draw: float | Floats) -> Floats:
-        force = self._geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()})
-        return (np.imag(force) / _STEP @ self._k.T).ravel()
 
 
 class RunSeen:
@@ -98,6 +96,7 @@ class RunSeen:
     `variance` (positions,) is that of each mean by its noise, every `alpha4` the standard deviation of a set angle."""
 
     def __init__(self, schedule: Schedule, means: Floats, k: Floats):
+        self.mountings = len(schedule.mountings)
         self._fit = fit_indices(schedule)
         self._fitted = Schedule(schedule.mountings, tuple(schedule.positions[index] for index in self._fit))
         self._scale = np.abs(k).max()
@@ -130,6 +129,16 @@ class RunSeen:
 
     def fit(self, alpha4: float, variance: Floats) -> dict[str, Estimate | None]:
         """The angles by least squares for everything at once, each None where these positions cannot tell it."""
+        return self._combined(self._model.combinations, alpha4, variance)
+
+    def other_yaw_changes(self, alpha4: float, variance: Floats) -> dict[int, Estimate | None]:
+        """By mounting, from the third on, the yaw of the first less that of this one, likewise."""
+        others = list(self._model.yaw_changes.items())[1:]
+        return self._combined(dict(others), alpha4, variance) if others else {}
+
+    def _combined(
+        self, combinations: Mapping[_Name, Floats | None], alpha4: float, variance: Floats
+    ) -> dict[_Name, Estimate | None]:
         design, by_set_angle, right = self._whitened(variance)
         count, unknowns = by_set_angle.shape[1], design.shape[1]
         prior = np.hstack([np.zeros((count, unknowns)), np.eye(count)])
@@ -137,8 +146,8 @@ class RunSeen:
         left, singular, directions = np.linalg.svd(whole)
         rank = int((singular > _NULL * singular[0]).sum())
         inverse = (directions[:rank].T / singular[:rank]) @ left[:, :rank].T
-        found = dict.fromkeys(ANGLES)
-        for name, combination in self._model.combinations.items():
+        found: dict[_Name, Estimate | None] = dict.fromkeys(combinations)
+        for name, combination in combinations.items():
             row = np.zeros(unknowns + count)
             if combination is not None:
                 row[12:unknowns] = combination

@@ -17,7 +17,6 @@ from tumble.reference.geometry import Geometry
 from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand
 
-_STEP = 1e-30  # a complex step has no cancellation, so it may be as small as one likes
 SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
 
 
@@ -49,10 +48,8 @@ def sources(
         noise = np.maximum(noise, np.sqrt(mean_variance))
 
     def angles(source: str, draws: list[dict[str, float | Floats]]) -> Source:
-        steps = [
-            geometry.force(**{name: 1j * _STEP * np.asarray(value) for name, value in draw.items()}) for draw in draws
-        ]
-        return Source(np.full(len(draws), stand.sigma(source)), np.imag(steps) / _STEP @ k.T, tuple(draws))
+        by_draw = np.array([geometry.derivative(k, **draw) for draw in draws])
+        return Source(np.full(len(draws), stand.sigma(source)), by_draw, tuple(draws))
 
     found = {
         "alpha1": angles("axis_tilt", [{"alpha1": 1.0}]),

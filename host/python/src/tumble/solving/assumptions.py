@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble import reference
-from tumble.arrays import Flags
+from tumble.arrays import Flags, Floats
 from tumble.estimators import OPTIMAL
+from tumble.schedule import Schedule
 from tumble.solving.solution import Solution
+from tumble.stand import Stand
 
 Coefficients = tuple[str, ...]
 _FEWEST_TO_TEST = 4  # samples: two lengths of blocks
@@ -26,25 +28,33 @@ class Assumption:
     of: Callable[[Solution], Coefficients | None]
 
 
-def _on_a_square_seat(solution: Solution) -> Coefficients | None:
-    if solution.stand is not None and solution.stand.declares_seat:
+def resting_on_a_seat(schedule: Schedule, k: Floats, estimator: str, stand: Stand | None) -> Coefficients | None:
+    """The coefficients that a tilt of the block against the axis would move unseen; None where the stand declares such
+    a tilt or the fit positions show it."""
+    if stand is not None and stand.declares_seat:
         return None
-    moved = reference.unseen_tilt(solution.measured_schedule, solution.found.k, _linear(solution))
+    moved = reference.unseen_tilt(schedule, k, _linear(estimator))
     return None if moved is None else _names(moved)
 
 
 def _on_a_linear_block(solution: Solution) -> Coefficients | None:
-    moved = reference.unseen_patterns(solution.measured_schedule, solution.found.k, _linear(solution))
+    estimator = _linear(solution.found.estimator)
+    moved = reference.unseen_patterns(solution.measured_schedule, solution.found.k, estimator)
     return _names(np.any(list(moved.values()), axis=0)) if moved else None
 
 
-def _linear(solution: Solution) -> str:
-    """Its estimator, or the one that is most like `optimal`."""
-    return "least_squares" if solution.found.estimator == OPTIMAL else solution.found.estimator
+def _linear(estimator: str) -> str:
+    """That one, or the one that is most like `optimal`."""
+    return "least_squares" if estimator == OPTIMAL else estimator
 
 
 def _names(moved: Flags) -> Coefficients:
     return tuple(f"K_{'xyz'[i]}{'xyz'[j]}" for i, j in np.argwhere(moved))
+
+
+def _on_a_square_seat(solution: Solution) -> Coefficients | None:
+    found = solution.found
+    return resting_on_a_seat(solution.measured_schedule, found.k, found.estimator, solution.stand)
 
 
 def _in_volts(solution: Solution) -> Coefficients | None:

@@ -43,18 +43,9 @@ class IntrinsicUncertainties:
     bias: Floats
 
 
-def force_covariance(k: Floats, covariance: Floats, attitudes: Floats) -> Floats:
-    """Covariance (..., 3, 3), g^2, of the specific force that the calibrated block shows at `attitudes` (..., 3)."""
-    n = np.asarray(attitudes, dtype=float)
-    by_k = np.einsum("ic,...j->...icj", np.linalg.inv(k), n)
-    by_u0 = np.broadcast_to(np.linalg.inv(k), (*n.shape[:-1], 3, 3))
-    by_coefficient = np.concatenate([by_k.reshape(*n.shape[:-1], 3, 9), by_u0], axis=-1)
-    found: Floats = by_coefficient @ covariance @ np.swapaxes(by_coefficient, -1, -2)
-    return found
-
-
 def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats) -> Floats:
-    """Standard uncertainty (...), g, of the length of that specific force at `attitudes` (..., 3), unit vectors."""
+    """Standard uncertainty (...), g, of the length of the specific force that the calibrated block shows at `attitudes`
+    (..., 3), unit vectors."""
     n = np.asarray(attitudes, dtype=float)
     w = n @ np.linalg.inv(k)
     gradient = np.concatenate([np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9), w], axis=-1)

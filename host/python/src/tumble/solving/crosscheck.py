@@ -107,6 +107,8 @@ def compare_seen(
     for name in ANGLES:
         _require_seen(name, found.angles[name], witness.angles[name], rounded, misfit)
         _require_seen(f"augmented {name}", found.augmented[name], witness.augmented[name], rounded, misfit)
+    for mounting, change in found.other_yaw_changes.items():
+        _require_seen(f"yaw change {mounting}", change, witness.other_yaw_changes[mounting], rounded, misfit)
 
 
 def compare_uncertainties(stated: tuple[Floats, Floats], witness: tuple[Floats, Floats], optimal: bool) -> None:

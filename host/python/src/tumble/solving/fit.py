@@ -17,7 +17,7 @@ from tumble.arrays import Floats, Integers
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.reference.fit import Score, WholeModel, basis
 from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
-from tumble.solving.stand_seen import StandSeen
+from tumble.solving.stand_seen import ANGLES, StandSeen
 from tumble.stand import Stand
 
 CONFIDENCE = 0.999
@@ -25,7 +25,7 @@ EXPLAINED = 0.01  # largest p, after Holm, of an explanation
 ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
 _CONTAINED = 0.9999
 NOISE = "noise_v"
-SYSTEMATIC = ("alpha1_rad", "alpha2_plus_alpha3_rad", "alpha3_difference_rad")
+SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
 SOURCES = (*SYSTEMATIC, "alpha4_rad", NOISE)
 
 

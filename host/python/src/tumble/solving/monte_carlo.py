@@ -22,7 +22,7 @@ from tumble.estimators import COEFFICIENTS
 from tumble.reference.uncertainty import Source, exact_outputs, sources
 from tumble.schedule import Schedule
 from tumble.solving.many_runs import ManyRuns, estimator_for
-from tumble.stand import Stand
+from tumble.stand import SIGMA, Stand
 
 COVERAGE = 0.95
 LEVEL = 0.999  # of the range in which an end of a simulated interval lies
@@ -179,14 +179,14 @@ def _estimates(
     rng, found = np.random.default_rng(seed), []
     for start in range(0, runs, _CHUNK):
         count = min(_CHUNK, runs - start)
-        draws = [_draws(rng, source, limits, count) for source in errors.values()]
+        draws = [
+            unit_draws(rng, limits if source.errors else SIGMA, (count, len(source.sigma)))  # noise is normal
+            for source in errors.values()
+        ]
         found.append(estimate(exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))))
     return np.concatenate(found)
 
 
-def _draws(rng: np.random.Generator, source: Source, limits: str, runs: int) -> Floats:
-    """Numbers of mean 0 and variance 1; angles of a uniform law where the stand declares half-widths."""
-    shape = (runs, len(source.sigma))
-    if limits == "uniform" and source.errors:
-        return rng.uniform(-(3.0**0.5), 3.0**0.5, shape)
-    return rng.standard_normal(shape)
+def unit_draws(rng: np.random.Generator, limits: str, shape: tuple[int, int]) -> Floats:
+    """Numbers of mean 0 and variance 1; of a uniform law where the stand declares half-widths."""
+    return rng.uniform(-(3.0**0.5), 3.0**0.5, shape) if limits == "uniform" else rng.standard_normal(shape)

@@ -270,6 +270,8 @@ def _explain(refusal: core.CoreRefusal, estimator: str) -> str:
         return f"{estimator} needs every fit position (another schedule: --schedule); missing {missing}"
     if refusal.name == "TUMBLE_E_NOT_HARMONIC":
         return f"the schedule lacks positions that {estimator} needs; least_squares solves any schedule"
+    if refusal.name == "TUMBLE_E_GAIN_RECORD":  # only for want of room: the record was made for this run
+        return f"more than {core.MAX_YAWS} mountings, which optimal takes at most; least_squares solves any schedule"
     if refusal.name == "TUMBLE_E_RANK":
         return f"these positions cannot identify {', '.join(refusal.details['unidentified'])}"
     if refusal.name == "TUMBLE_E_SINGULAR":

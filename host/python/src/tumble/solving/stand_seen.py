@@ -7,12 +7,13 @@ once.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.core import MAX_YAWS
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
@@ -44,10 +45,14 @@ class AngleError(Protocol):
 
 
 class RunSeen(Protocol):
-    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen."""
+    """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
+    `mountings`: how many the schedule has."""
+
+    mountings: int
 
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
+    def other_yaw_changes(self, alpha4: float, variance: Floats, /) -> Mapping[int, Quantity | None]: ...
     def angle_error(self, variance: Floats, /) -> AngleError: ...
 
 
@@ -58,7 +63,8 @@ class StandSeen:
 
     `angles`: by the closed form; `augmented`: by least squares for everything at once; both by name as in ANGLES, with
     the uncertainty of `source` ("stand": as declared; "run": of this run's own scatter and residuals, `freedom`
-    degrees of freedom; None: unknown, and u is 0). `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
+    degrees of freedom; None: unknown, and u is 0). `other_yaw_changes`: by mounting, from the third on, the yaw of the
+    first less that of this one, as `augmented`. `alpha4`: standard deviation of a set angle, with `alpha4_freedom`.
     """
 
     noise: Quantity | None
@@ -67,6 +73,7 @@ class StandSeen:
     angles: Mapping[str, Quantity | None]
     augmented: Mapping[str, Quantity | None]
     source: str | None
+    other_yaw_changes: Mapping[int, Quantity | None] = field(default_factory=dict)
 
     @property
     def freedom(self) -> float | None:
@@ -80,9 +87,11 @@ def look(
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
-    A stand that is not to be trusted gives no uncertainties,
-    except where the run itself has none to give.
+    Free attitudes, more mountings than the core has yaws for, show the noise alone. A stand that is not to be trusted
+    gives no uncertainties, except where the run itself has none to give.
     """
+    if run.mountings > MAX_YAWS:
+        return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
     own = own_variance(noise, samples, stand)
     error = None if own is None else run.angle_error(own)
     alpha4 = None if error is None else error.seen
@@ -95,7 +104,8 @@ def look(
         angles = run.angles(None, np.zeros(len(samples)))
         return StandSeen(noise, None, 0.0, angles, dict.fromkeys(ANGLES), None)
     freedom = 0.0 if error is None or alpha4 is None else error.freedom
-    return StandSeen(noise, alpha4, freedom, run.angles(sigma, variance), run.fit(sigma, variance), source)
+    found = run.angles(sigma, variance), run.fit(sigma, variance), source, run.other_yaw_changes(sigma, variance)
+    return StandSeen(noise, alpha4, freedom, *found)
 
 
 def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
@@ -115,6 +125,10 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
     """As it stands in a result: every quantity with its `u_` twin."""
     has_u = seen.source is not None
     augmented = {key: value for name in ANGLES for key, value in _pair(f"{name}_rad", seen.augmented[name]).items()}
+    others = [
+        {"mounting": mounting, **_pair("alpha3_difference_rad", change)}
+        for mounting, change in seen.other_yaw_changes.items()
+    ]
     listed = [_pair(f"{name}_rad", seen.angles[name], has_u) for name in ANGLES]
     listed += [_pair("alpha4_rad", seen.alpha4), _pair("noise_v", seen.noise, factor=volts_per_unit)]
     return {
@@ -122,7 +136,7 @@ def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:
         "u_from": seen.source,
         "u_freedom": seen.freedom,
         "alpha4_freedom": None if seen.alpha4 is None else seen.alpha4_freedom,
-        "augmented": None if set(augmented.values()) == {None} else augmented,
+        "augmented": None if set(augmented.values()) == {None} else {**augmented, "other_yaw_changes": others},
     }
 
 

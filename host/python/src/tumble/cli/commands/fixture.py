@@ -147,22 +147,24 @@ def _views(
     arguments: argparse.Namespace, stand_file: StandFile, schedule: CoreSchedule | None, limit_g: float
 ) -> list[RunView]:
     """Every run, solved and looked at. Raises TumbleError."""
-    from tumble.core import CoreSchedule, paper_schedule
+    from tumble.core import MAX_YAWS, CoreSchedule
     from tumble.files import run_rows
-    from tumble.files.run_file import read_run
+    from tumble.files.run_file import read_measured
     from tumble.fixture.judge import RunView
     from tumble.messages import tell
     from tumble.solving import plausibility
     from tumble.solving.solution import solve
 
-    core_schedule = schedule or CoreSchedule(paper_schedule())
+    planned = schedule or CoreSchedule.built_in("paper")
+    if (count := len(planned.data.mountings)) > MAX_YAWS:
+        raise BadInput(f"{count} mountings: a run shows the stand in {MAX_YAWS} at most", arguments.schedule)
     views: list[RunView] = []
     for file in arguments.runs:
-        run = read_run(file, core_schedule.data)
+        run, core_schedule = read_measured(file, planned)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
         odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
-        solution = solve(run, schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
+        solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
         for odd in (*odd_rows, *plausibility.require(solution, stand_file, file)):
             tell(f"tumble: warning: {file_name(file)}: {odd}")
         views.append(RunView.of(solution, core_schedule, file))

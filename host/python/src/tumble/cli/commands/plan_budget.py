@@ -64,7 +64,7 @@ def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     rows = [units, sizes]
     for index, name in enumerate(NAMES):
         unit = "ug" if name.startswith("a0") else "ppm"
-        cells = [tables.number(1e6 * value) for value in (*found.terms[index], found.total[index])]
+        cells = [tables.millionths(value) for value in (*found.terms[index], found.total[index])]
         rows.append((f"{name}, {unit}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)

@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         write_json(schedule_report.document(found, step_deg))
     else:
-        schedule_report.show(found, arguments.out)
+        schedule_report.show(found, arguments.out, arguments.stand)
     return EXIT_PASS
 
 

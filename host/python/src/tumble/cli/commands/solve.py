@@ -58,30 +58,31 @@ def run(arguments: argparse.Namespace) -> int:
     runs, seed = _parse_monte_carlo(arguments)
     wishes = _wishes(arguments)
 
-    from tumble import core
     from tumble.cli.output import print_solution, warn
+    from tumble.core import CoreSchedule
     from tumble.files import run_rows
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
-    from tumble.files.run_file import read_run
+    from tumble.files.run_file import read_measured
     from tumble.solving import plausibility, provenance, result
     from tumble.solving.solution import solve
 
     created = provenance.created()
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
-    stand_file = schedule = None
+    stand_file = None
     if arguments.stand is not None:
         from tumble.files.stand_file import read_stand
 
         stand_file = read_stand(arguments.stand)
         limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g
-    if arguments.schedule is not None:
+    if arguments.schedule is None:
+        schedule = CoreSchedule.built_in("paper")
+    else:
         from tumble.files.schedule_file import read_schedule
 
         schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
-    planned = core.paper_schedule() if schedule is None else schedule.data
-    recorded = read_run(arguments.run, planned, wishes)
-    odd_rows = run_rows.require(recorded, planned, stand_file, arguments.run)
+    recorded, schedule = read_measured(arguments.run, schedule, wishes)
+    odd_rows = run_rows.require(recorded, schedule.data, stand_file, arguments.run)
     step_v = 0.0 if stand_file is None else stand_file.step_v
     solution = solve(
         recorded,
