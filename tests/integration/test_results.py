@@ -181,7 +181,8 @@ def test_plain_text_has_the_numbers_of_the_result(case, tumble):
         assert ("over" in bar) == (abs(place["delta_g_g"]) > result["verification"]["limit_g"])
     verdict = text.splitlines()[-1]
     linearity = " and linearity" if "linear" in result["assumes"] else ""
-    assert verdict.startswith(f"PASS, assuming a square seat{linearity}: " if result["verification"]["pass"] else "FAIL: ")
+    passed = f"PASS, assuming a square seat{linearity}: "
+    assert verdict.startswith(passed if result["verification"]["pass"] else "FAIL: ")
     assert ("--stand" in text) == (result["u_K"] is None)
 
 
