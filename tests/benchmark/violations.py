@@ -4,10 +4,10 @@
 
 Prints a table for every example stand; a row is a violation. For every built-in schedule, in per cent: how often the
 stated uncertainties (k = 2) hold the true coefficients, mean and worst of the twelve, with `refined` and with
-`optimal`; runs that do not fit or are refused, by the product's own chi-squared; these and runs with a warning of
-what they show; of them, those whose first explanation is right; runs that the best test there can be would find,
-which knows the violation to the last digit and has 0.1 % of false alarms. Of samples a quarter of the runs. Needs the
-package to be importable, as in the tests.
+`optimal`; runs that do not fit or are refused, by the product's own chi-squared; these and runs with a warning of what
+they show; of them, those whose first explanation is right; runs that the best test there can be would find, which knows
+the violation to the last digit and has 0.1 % of false alarms. Of samples a quarter of the runs. Needs the package to be
+importable, as in the tests.
 """
 
 import argparse
@@ -154,8 +154,7 @@ def per_cent(share):
 
 def columns(row, cell):
     """Two of the table: coverage, and who notices."""
-    known = [None if np.isnan(one).any() else (one.mean(), one.min()) for one in cell.coverage]
-    covered = ["-" if one is None else ", ".join(map(per_cent, one)) for one in known]
+    covered = [f"{per_cent(one.mean())}, {per_cent(one.min())}".replace("-, -", "-") for one in cell.coverage]
     explained = cell.explained if row.causes and cell.told > LEAST else math.nan
     shares = [cell.failed, cell.told, explained, cell.best]
     return "; ".join(covered), ", ".join(map(per_cent, shares))

@@ -28,8 +28,8 @@ _STEP = 1e-30
 _FLOOR_G = 1e-7
 _LARGEST_RAD = 0.1
 _NULL = 1e-7
-_SHOWN = 0.01  # of a pattern, beside the coefficients: less shows only because the stand's angles are not zero
 _INESTIMABLE = 1e-6
+_SHOWN = 0.01
 
 
 @dataclass(frozen=True)
@@ -137,13 +137,15 @@ class WholeModel:
 
     def whitened(self, columns: Columns) -> Floats:
         """What the residuals show of a pattern: (freedom, columns), where they are independent and of variance 1. A
-        column that the coefficients take up, or nearly so, is 0."""
+        column that the unknowns take up is 0. So is one of which the coefficients leave less than a hundredth: it shows
+        only by the errors of the stand, as cubes do on the diagonals; or only by rounding, as a yaw does where gravity
+        lies along its axis."""
         outputs = np.array([(column / self._noise).ravel() for column in columns.values()]).T
-        shown = self._left.T @ outputs
-        beside = np.linalg.norm(outputs - self._coefficients @ (self._coefficients.T @ outputs), axis=0)
-        length = np.linalg.norm(outputs, axis=0)
-        rounded = length <= _NULL * length.max(initial=0.0)  # such as a yaw where gravity lies along its axis
-        seen = (beside > _SHOWN * length) & (np.linalg.norm(shown, axis=0) > _NULL * length) & ~rounded
+        shown, length = self._left.T @ outputs, np.linalg.norm(outputs, axis=0)
+        beside = outputs - self._coefficients @ (self._coefficients.T @ outputs)
+        seen = np.linalg.norm(shown, axis=0) > _NULL * length
+        seen &= np.linalg.norm(beside, axis=0) > _SHOWN * length
+        seen &= length > _NULL * length.max(initial=0.0)
         return np.where(seen, shown, 0.0)
 
     def rest_beside(self, besides: Columns) -> Floats:

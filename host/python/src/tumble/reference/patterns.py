@@ -177,7 +177,7 @@ PATTERNS = (
     Pattern("twice_per_turn", _per_turn(2), "urad", STAND, "an error of the table angle, twice per turn"),
     Pattern("lost_steps", _lost_steps, "urad", STAND, "a table that loses something in every move"),
     Pattern("seat", _seat, "urad", STAND, "mountings that sit tilted on the platform"),
-    Pattern("slip", _slip, "urad", RUN, "a block that moved within a mounting"),
+    Pattern("slip", _slip, "urad", STAND, "a block that moved within a mounting"),
     Pattern("scale_drift", lambda s: [s.by_channel(s.force * s.time[:, None])], "ppm", RUN, "scales that drift"),
     Pattern("position", _position, "ug", RUN, "one position that is off"),
     Pattern("alpha1_rad", lambda s: [{"": s.by(alpha1=1.0)}], "rad", STAND, "an axis tilt beyond the declared"),
