@@ -258,3 +258,13 @@ BAD = {
 def test_bad_input_is_one_line(case, refused):
     arguments, message = BAD[case]
     assert message in refused("plan", "schedule", *arguments)
+
+
+def test_a_stand_beyond_the_arithmetic_is_refused(refused, tmp_path):
+    """One error alone, and no noise: information of a position beyond what a double holds beside the others'."""
+    stand = tmp_path / "stand.toml"
+    zeros = "".join(f"{key} = 0\n" for key in ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad", "noise_v"))
+    head = '[stand]\nname = "odd"\nsamples = 50\nlimits = "sigma1"\nseat_rad = 1e-4\n'
+    stand.write_text(f"{head}{zeros}[block]\nscale_v_per_g = -2.0\nmisalignment_rad = 0.02\n")
+    given = ("--stand", stand, "--mountings", "3", "--angles", "45", "--norm", "1e-4")
+    assert "too large, or too unequal" in refused("plan", "schedule", *given)

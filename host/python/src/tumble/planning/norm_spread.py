@@ -21,7 +21,7 @@ from tumble.planning.error_field import features, norm_forms
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.solving.covariance import spread_attitudes, worst_norm
-from tumble.solving.gains import mean_sigma
+from tumble.solving.gains import UNEQUAL, mean_sigma
 
 ESTIMATORS = ("least_squares", OPTIMAL)
 _ATTITUDES = 400  # a worst u(|a|) at one of these is short of the true one by a percent or two
@@ -77,7 +77,12 @@ class NormSpread:
         prior = np.r_[np.full(12, self.weak), np.ones(model.shape[2] - 12)]
         scale = np.sqrt(total.diagonal(axis1=1, axis2=2) + prior)
         total = (total + np.diag(prior)) / scale[:, :, None] / scale[:, None, :]
-        found: Floats = (np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :])[:, :12, :12]
+        try:
+            found: Floats = (np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :])[:, :12, :12]
+        except np.linalg.LinAlgError:
+            raise UsageError(UNEQUAL) from None
+        if not (found.diagonal(axis1=1, axis2=2) > 0.0).all():
+            raise UsageError(UNEQUAL)
         return found
 
     def _least_squares(self, chosen: Flags, noise: Floats) -> Floats:

@@ -31,6 +31,7 @@ from tumble.schedule import Schedule
 from tumble.stand import COMMON, Stand
 
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
+UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
 _LARGEST_SIGMA = 1e100
 _REMEMBERED = 64  # schedules: a plan asks for the same one thousands of times
 _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
@@ -123,7 +124,7 @@ def optimal_table(
         lost = np.abs(beta @ system[: data.shape[1], nuisances:] - np.eye(len(beta))).max()
         claimed = standard_deviations(schedule, beta, k, stand, sigma_mean)
     if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
-        raise UsageError("no optimal weights: the stand's errors are too large, or too unequal, to compute with")
+        raise UsageError(UNEQUAL)
     nuisance_gains = _by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
     counts = yaws_of(schedule, stand), len(schedule.mountings) if stand.declares_seat else 0
     return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
