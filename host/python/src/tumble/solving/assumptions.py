@@ -74,7 +74,7 @@ def _on_rounding(solution: Solution) -> Coefficients | None:
 
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
-    "linear": Assumption("linearity", "the positions do not show all its higher orders", _on_a_linear_block),
+    "linear": Assumption("linearity", "the positions do not show all higher orders of the block", _on_a_linear_block),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
