@@ -91,7 +91,7 @@ def in_machines(report, chosen):
 def last_of(whole):
     """Each test as it was run last, by the name that pytest takes."""
     cases = whole.iter("testcase")
-    return {f"{case.get('classname').replace('.', '/')}.py::{case.get('name')}": case for case in cases}
+    return {f"tests/realbus/{case.get('classname')}.py::{case.get('name')}": case for case in cases}
 
 
 def failed(case):

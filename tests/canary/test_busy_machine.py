@@ -2,6 +2,7 @@
 import os
 import subprocess
 import time
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -77,7 +78,7 @@ def test_what_failed_in_a_busy_guest_is_run_once_more_alone(tmp_path, monkeypatc
         is_alone = "::" in chosen[0]
         passes = alone == "passes" if is_alone else "test_load" not in chosen[0]
         told = '<properties><property name="ran again" value="busy"/></properties>' if busy and not is_alone else ""
-        name = "tests.realbus.test_load" if is_alone else chosen[0].removesuffix(".py").replace("/", ".")
+        name = "test_load" if is_alone else Path(chosen[0]).stem
         failure = "" if passes else '<failure message="planted"/>'
         case = f'<testcase classname="{name}" name="test_planted">{told}{failure}</testcase>'
         whole.append(ElementTree.fromstring(f"<testsuite>{case}</testsuite>"))

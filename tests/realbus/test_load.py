@@ -126,7 +126,8 @@ def calibrate(bus, started, folder, bits_per_s):
     if late_us > HELD_UP_US:
         return 0.0
     assert (code, document["end"]) == (0, "done"), document["reason"]
-    assert load <= MOST and bare < load < 1.2 * bare
+    assert load <= MOST
+    assert load < ENOUGH or bare < load < 1.2 * bare  # a machine too slow for the load starts the stand late as well
     for name in ("kernel_dropped", "samples_lost", "frames_wrong_crc", "lone_halves", "positions_refused"):
         assert counters[name] == 0, name
     for name in ("kernel_dropped", "queue_overflow", "bus_overflow"):
