@@ -17,6 +17,7 @@ def tries(more=[0]):
     more[0] += 1
     return more[0]
 @pytest.mark.real_time
+@pytest.mark.answers_within(0.25)
 def test_planted(pytestconfig):
     number = tries()
     seen = pytestconfig.stash[busy_machine.WATCH].seen
@@ -59,6 +60,16 @@ def test_only_a_busy_machine_gives_another_try(tmp_path, busy, passes_at, passed
 def test_one_that_fails_at_once_waits_for_what_the_watch_says_of_that_time(tmp_path):
     outcome = outcome_of(tmp_path, True, 2, told_after=0.3, sleeps=0.0)
     assert (outcome.passed, outcome.failed, len(outcome.again)) == (1, 0, 1)
+
+
+@pytest.mark.parametrize("busy, waited_s, told", [(True, 0.3, (0, 0, 1, 3)), (True, 0.2, (0, 1, 0, 3)),
+                                                  (False, 0.3, (0, 1, 0, 0))])
+def test_what_no_try_could_answer_in_time_is_not_judged(tmp_path, busy, waited_s, told):
+    """And what was let run, or failed on a machine at rest, has failed."""
+    patch = f"import busy_machine\nbusy_machine.Sleeper.end = lambda sleeper: {waited_s}\n"
+    (tmp_path / "sitecustomize.py").write_text(f"import sys; sys.path.insert(0, {str(PLUGIN)!r})\n{patch}")
+    outcome = outcome_of(tmp_path, busy, 9, tmp_path)
+    assert (outcome.passed, outcome.failed, outcome.skipped, len(outcome.again)) == told
 
 
 def test_a_busy_machine_is_seen():

@@ -6,6 +6,10 @@ marked test failed and the machine was busy in its time, the test is run again, 
 machine has come to rest. On a machine that was not busy a failure is a failure at once, and what fails every time has
 failed.
 
+A test that also says within what time its own processes must answer (`answers_within`) is skipped, with the times told,
+where a thread of its process waited longer than that for a processor in each of these tries: it asks what such a
+machine cannot give. One whose process was let run has failed.
+
 Inside user-mode Linux that is the processor in there, which an emulated board may fill, by its own clock: that one
 stands still while the machine outside holds it up (boards/linux/uml_clock.c). `TUMBLE_WATCH` is `no`: nothing is
 watched.
@@ -86,12 +90,36 @@ def busy(watch, since):
     return next((why for when, why in reversed(watch.seen) if when >= since), None)
 
 
+class Sleeper(threading.Thread):
+    """How much later than it asked for a thread of this process was woken, at most."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self._worst_s, self._ended = 0.0, threading.Event()
+        self.start()
+
+    def run(self):
+        """Until the end."""
+        ended = False
+        while not ended:
+            begin = time.monotonic()
+            ended = self._ended.wait(PERIOD_S)
+            self._worst_s = max(self._worst_s, time.monotonic() - begin - PERIOD_S)
+
+    def end(self):
+        """Seconds."""
+        self._ended.set()
+        self.join()
+        return self._worst_s
+
+
 class Retried:
     """One test's tries."""
 
     def __init__(self, item):
         self._item = item
         self.begin = time.monotonic()
+        self._waited_s = []
 
     def again(self, error):
         """Is the test to be run again? One that passed is asked about as well, without an error."""
@@ -106,6 +134,13 @@ class Retried:
         self._item.user_properties.append(("ran again", f"the machine was busy ({why}): {error}"))
         return True
 
+    def failed(self, waited_s, limit_s):
+        """A try whose process waited so long; skip the test if none could answer in time."""
+        self._waited_s.append(waited_s)
+        if len(self._waited_s) == TRIES and min(self._waited_s) > limit_s:
+            waited = ", ".join(f"{one:.2f}" for one in self._waited_s)
+            pytest.skip(f"{TRIES} tries waited {waited} s for a processor, and {limit_s} s is what the test can bear")
+
 
 WATCH = pytest.StashKey()
 RETRIED = pytest.StashKey()
@@ -114,6 +149,7 @@ RETRIED = pytest.StashKey()
 def pytest_configure(config):
     """Watch, or read what is watched outside."""
     config.addinivalue_line("markers", "real_time: waits in real time; run again where it failed on a busy machine")
+    config.addinivalue_line("markers", "answers_within(seconds): its own processes must; not judged where none can")
     config.stash[WATCH] = Watch()
     if os.environ.get("TUMBLE_WATCH") != "no":
         config.stash[WATCH].start()
@@ -133,3 +169,19 @@ def pytest_runtest_setup(item):
     """Each try has its own time."""
     if (retried := item.stash.get(RETRIED, None)) is not None:
         retried.begin = time.monotonic()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """Measure how long the process of a test that must answer in time waits."""
+    marker, retried = item.get_closest_marker("answers_within"), item.stash.get(RETRIED, None)
+    if marker is None or retried is None:
+        return (yield)
+    sleeper = Sleeper()
+    try:
+        return (yield)
+    except AssertionError:
+        retried.failed(sleeper.end(), *marker.args)
+        raise
+    finally:
+        sleeper.end()

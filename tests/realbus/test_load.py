@@ -13,6 +13,7 @@ from collections import Counter
 from pathlib import Path
 
 import can
+import pytest
 from processes import HASTE, Node, Stand, scenario, wait_until
 
 RATES = (500000, 500000, 250000, 125000)  # bits a second, one after the other, until the load is there
@@ -24,7 +25,7 @@ BARE_BITS = 47  # of a frame without data, likewise without stuff bits
 BURST = 32
 BURSTS = 40  # of a cangen; then its pace is corrected
 FULL = 0.97  # of the bus, to make up for the past: a full one starves whoever has the last word
-HELD_UP_US = 150000  # a process that was not let run for so long is a machine too busy for this rate
+HELD_UP_S = 0.15  # a process that was not let run for so long: what was lost then is not the product's
 CANDUMP_BUFFER = 32 * 2**20
 # What node 1 itself sends: NMT, EMCY, transmit PDOs, set-points, answers and requests by SDO, its heartbeat.
 NODE_1 = {0x000, 0x081, 0x181, 0x281, 0x381, 0x681, 0x6C1, 0x202, 0x581, 0x602, 0x701}
@@ -96,7 +97,8 @@ def require_nothing_lost_unnoticed(folder, dropped):
 
 
 def calibrate(bus, started, folder, bits_per_s):
-    """Once, with all that has to hold whatever the load was. Returns the load; 0 if the machine let a process wait."""
+    """Once, with all that has to hold whatever the load was. Returns the load; 0 if it does not hold and the machine
+    let a process wait."""
     folder.mkdir()
     path = scenario(folder, **HASTE, bus__bits_per_second=bits_per_s)
     with open(folder / "candump.log", "w") as log:
@@ -117,14 +119,23 @@ def calibrate(bus, started, folder, bits_per_s):
     dump.terminate()
     dump.wait()
 
+    late_s = 1e-6 * max(document["counters"]["latest_step_us"], ended["counters"]["latest_step_us"])
+    try:
+        return judged(bits_per_s, folder, code, document, ended, packets, octets, refused)
+    except AssertionError as error:
+        print(f"late {late_s:.2f} s: {error}")
+        if late_s <= HELD_UP_S:
+            raise
+        return 0.0
+
+
+def judged(bits_per_s, folder, code, document, ended, packets, octets, refused):
+    """The load that the stand counted in a run in which nothing was lost unnoticed."""
     duration_s, counters = ended["virtual_s"], document["counters"]
     load = ended["counters"]["bus_busy_us"] * 1e-6 / duration_s
     bare = (BARE_BITS * packets + 8 * octets) / bits_per_s / duration_s  # as the interface has it, without stuff bits
-    late_us = max(counters["latest_step_us"], ended["counters"]["latest_step_us"])
     print(f"load {load:.2f} of {bits_per_s} bit/s over {duration_s:.1f} s, {bare:.2f} without stuff bits;"
-          f" {counters['frames_ignored']} of {packets} frames cangen; late {late_us} us")
-    if late_us > HELD_UP_US:
-        return 0.0
+          f" {counters['frames_ignored']} of {packets} frames cangen")
     assert (code, document["end"]) == (0, "done"), document["reason"]
     assert load <= MOST
     assert load < ENOUGH or bare < load < 1.2 * bare  # a machine too slow for the load starts the stand late as well
@@ -139,6 +150,7 @@ def calibrate(bus, started, folder, bits_per_s):
     return load
 
 
+@pytest.mark.answers_within(HELD_UP_S)
 def test_a_calibration_at_80_percent_load(bus, started, tmp_path):
     loads = []
     for number, bits_per_s in enumerate(RATES):
