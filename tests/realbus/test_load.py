@@ -90,6 +90,7 @@ def require_nothing_lost_unnoticed(folder, dropped):
     flood = [frame for frame in ours if frame[0] == FLOOD_ID]
     seen = []
     for frames in (theirs, ours):
+        assert {flood[0], flood[-1]} <= set(frames)
         between = frames[frames.index(flood[0]) : frames.index(flood[-1]) + 1]
         seen.append([frame for frame in between if frame[0] not in NODE_1])
     missing = Counter(seen[0]) - Counter(seen[1])
