@@ -75,8 +75,9 @@ def _parse(file: str) -> dict[str, Any]:
     def refuse_constant(name: str) -> None:
         raise ValueError(f"{name} is not a number")
 
+    data = read_bytes(file)
     try:
-        result = json.loads(read_bytes(file).decode("utf-8-sig"), parse_constant=refuse_constant)
+        result = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:
         raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
     except (ValueError, RecursionError) as error:
