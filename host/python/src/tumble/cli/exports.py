@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
-import numpy as np
-
+from tumble.api.complaints import complaints_of_document
 from tumble.arrays import Floats
-from tumble.solving import si
 from tumble.solving.assumptions import phrase
-from tumble.terms import DRIFT, KEYS, POWERS, Terms, names
-from tumble.units import per_g, per_m_s2
+from tumble.solving.coefficients import Coefficients
+from tumble.terms import DRIFT, POWERS, Terms
 
 _C_HEADER = """\
 /* Coefficients of a three-axis block of accelerometers: U = U0 + K a{model}
@@ -78,80 +74,12 @@ static inline void tumble_exported_force(const double outputs[3], double force[3
 _MODEL = {"k2": " + K_ii K2_i a_i^2", "k3": " + K_ii K3_i a_i^3"}
 
 FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
-NAMES = tuple([f"K_{i}{j}" for i in "xyz" for j in "xyz"] + [f"U0_{i}" for i in "xyz"])
 
 
 def _assumed(result: dict[str, Any], coefficient: str) -> list[str]:
     """Names of what a coefficient rests on."""
     of = result["assumed_for"]
     return [name for name in result["assumes"] if coefficient in (of.get(name) or [coefficient])]
-
-
-@dataclass(frozen=True)
-class Coefficients:
-    """What is exported: the twelve in the order of NAMES, then K2 and K3 if the model has them, each with its unit and
-    its standard uncertainty, and their covariance (None: unknown), for accelerations in `force_unit`, one of
-    FORCE_UNITS. `terms`: of POWERS, those of the model."""
-
-    values: Floats
-    units: list[str]
-    covariance: Floats | None
-    uncertainties: list[float] | None
-    force_unit: str
-    terms: Terms
-
-    @classmethod
-    def of(cls, result: dict[str, Any], force_unit: str = "g") -> Coefficients:
-        """Of a result. Raises ValueError for m/s2 where its environment names no gravity, and for a singular K."""
-        extended = result["extended"] or {"terms": [], "covariance": result["covariance"]}
-        terms = tuple(term for term in extended["terms"] if term in POWERS)
-        values = np.array([*chain(*result["K"]), *result["U0"], *chain(*(extended[KEYS[term]] for term in terms))])
-        powers = np.concatenate([si.POWERS_OF_TWELVE, np.repeat([POWERS[term] - 1.0 for term in terms], 3)])
-        joint = None if extended["covariance"] is None else np.array(extended["covariance"])[: len(values)]
-        joint = None if joint is None else joint[:, : len(values)]
-        stated = None if result["u_K"] is None else [*chain(*result["u_K"]), *result["u_U0"]]
-        if stated is not None:
-            stated += [u for term in terms for u in extended[f"u_{KEYS[term]}"]]
-        unit, is_g = result["unit"], force_unit == "g"
-        force = "g" if is_g else "(m/s^2)"
-        units = [per_g(unit) if is_g else per_m_s2(unit)] * 9 + [unit] * 3
-        units += [f"1/{force}" + ("" if POWERS[term] == 2 else "^2") for term in terms for _ in "xyz"]
-        if not is_g:
-            gravity, u_gravity = si.gravity_of(result["environment"])
-            if gravity is None:
-                raise ValueError("no coefficients in m/s2: its environment has no gravity_m_s2")
-            if joint is not None:
-                joint = None if u_gravity is None else si.joint(values, powers, joint, gravity, u_gravity)
-            stated = None if joint is None else np.sqrt(np.diag(joint)).tolist()
-            values = values / gravity**powers
-        if not np.isfinite(np.linalg.cond(values[:9].reshape(3, 3))):
-            raise ValueError("K is singular: it tells no acceleration")
-        return cls(values, units, joint, stated, force_unit, terms)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of all."""
-        return NAMES + names(self.terms)
-
-    @property
-    def inverse(self) -> Floats:
-        """K^-1 (3, 3)."""
-        inverse: Floats = np.linalg.inv(self.values[:9].reshape(3, 3)).astype(float)
-        return inverse
-
-    @property
-    def inverse_unit(self) -> str:
-        """Of its elements."""
-        return f"{'g' if self.force_unit == 'g' else '(m/s^2)'}/{self.units[9]}"
-
-    @property
-    def u_inverse(self) -> Floats | None:
-        """Standard uncertainties of K^-1 (3, 3): it changes by - K^-1 dK K^-1."""
-        if self.covariance is None:
-            return None
-        by_k = np.kron(self.inverse, self.inverse.T)
-        u: Floats = np.sqrt(np.diag(by_k @ self.covariance[:9, :9] @ by_k.T)).reshape(3, 3)
-        return u
 
 
 def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
@@ -255,20 +183,6 @@ def _covariance(them: Coefficients) -> str:
     return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
-def warnings(result: dict[str, Any]) -> list[str]:
-    """What whoever uses these coefficients should know first."""
-    found, check = [], result["verification"]
-    if not check["pass"]:
-        sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
-        found.append(f"the gravity check FAILED: {sizes}")
-    fit = result["fit"] or {}
-    if result["stand_doubts"] or fit.get("fits") is False:
-        found.append("the run does not fit the stand file: the uncertainties are too small")
-    elif fit.get("explanations"):
-        found.append("the run shows what the stand file does not declare: the uncertainties are too small")
-    return found
-
-
 def _origin(result: dict[str, Any]) -> list[str]:
     """Where the coefficients come from, as lines that fit into a comment."""
     told = [("Block", result["serial"]), ("Run file", result["run_file"])]
@@ -276,7 +190,7 @@ def _origin(result: dict[str, Any]) -> list[str]:
     lines = [f"{_comment(name)}: {_comment(text)}" for name, text in told if text is not None]
     if DRIFT in (result["extended"] or {"terms": []})["terms"]:
         lines.append("A drift over the run was found and taken out: U0 is that of the middle of the run.")
-    return lines + [f"WARNING: {warning}" for warning in warnings(result)]
+    return lines + [f"WARNING: {warning}" for warning in complaints_of_document(result)]
 
 
 def _comment(text: object) -> str:

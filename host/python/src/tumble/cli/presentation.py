@@ -8,16 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.api.complaints import complaint, consequence, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import HARMONIC
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
-from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
+from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
-from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.terms import names
@@ -117,13 +116,6 @@ def uncertainty_notes(solution: Solution) -> list[str]:
         return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
     told = noise_notice(solution)
     return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
-
-
-def noise_notice(solution: Solution) -> str | None:
-    """That the samples are noisier than declared, and that the uncertainties count that; None if not."""
-    if solution.stand is None:
-        return None
-    return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -244,37 +236,6 @@ def _three(values: Floats) -> str:
 
 def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
     return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
-
-
-def complaint(solution: Solution) -> str | None:
-    """That the run does not fit the declared stand, or shows what is not declared; None where it does neither."""
-    if solution.fit is None:
-        return None
-    shown = "; ".join(_explained(solution, explanation) for explanation in solution.fit.explanations)
-    if solution.fit.fits:
-        return f"the run fits the stand file, but shows {shown}" if shown else None
-    return f"the run does not fit the stand file: {shown or 'no known pattern explains it'}"
-
-
-def _explained(solution: Solution, explanation: Explanation) -> str:
-    """Such as "k2 of y 104 +- 12 ug/g^2 or asymmetry"; of a source, what is declared of it."""
-    name, *others = explanation.patterns
-    size, unit = explanation.size, explanation.unit
-    if name in NAMES and solution.stand is not None:
-        limits = Limits.declared(solution.stand, len(solution.measured_schedule.fitted_mountings))
-        seen = "" if size is None else f" {abs(size):.1e} {unit}"
-        said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
-    else:
-        said = name + (f" of {explanation.column}" if explanation.column else "")
-        said += "" if size is None else f" {size:.3g} +- {explanation.u_size:.2g} {unit}"
-    return " or ".join([said, *(NAMES.get(other, other) for other in others)])
-
-
-def consequence(solution: Solution) -> str:
-    """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
-    causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
-    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
-    return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
 
 
 def beware(solution: Solution) -> list[str]:

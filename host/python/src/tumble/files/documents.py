@@ -29,13 +29,18 @@ def to_json(result: dict[str, Any]) -> str:
 
 
 def read_coefficients(file: str) -> dict[str, Any]:
-    """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
-    it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit and stand_doubts, else
-    None; assumes and assumed_for, else empty.
+    """As `checked_coefficients`, of a file."""
+    return checked_coefficients(read_bytes(file), file)
+
+
+def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
+    """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
+    and where it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit and
+    stand_doubts, else None; assumes and assumed_for, else empty.
 
     Raises BadInput.
     """
-    result = _parse(file)
+    result = _parse(data, file)
     checks = {
         "schema": lambda value: value == RESULT,
         "estimator": lambda value: isinstance(value, str) and value.isidentifier() and value.isascii(),
@@ -62,6 +67,7 @@ def read_coefficients(file: str) -> dict[str, Any]:
     optional |= dict.fromkeys(("item", "environment", "fit"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
+    _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
     _require(result, "assumes", _is_names, file, default=[])
     _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})
     environment = result["environment"] or {}
@@ -71,11 +77,10 @@ def read_coefficients(file: str) -> dict[str, Any]:
     return result
 
 
-def _parse(file: str) -> dict[str, Any]:
+def _parse(data: bytes, file: str) -> dict[str, Any]:
     def refuse_constant(name: str) -> None:
         raise ValueError(f"{name} is not a number")
 
-    data = read_bytes(file)
     try:
         result = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:

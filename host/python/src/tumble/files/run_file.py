@@ -87,7 +87,7 @@ def on_schedule(run_on: Callable[[Schedule], Run], schedule: CoreSchedule) -> tu
 def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: bytes | None = None) -> Run:
     """Read a run file (CSV); `data`: what is in it, if that has been read. Raises BadInput."""
     data = read_bytes(file) if data is None else data
-    _require_text(data, file)
+    require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
     ignored = layout.width - len(COLUMNS)
@@ -111,7 +111,8 @@ def averaged(
     return Run(samples, means, scatter, unit, counters, sha256, unit_told, table, blocks)
 
 
-def _require_text(data: bytes, file: str) -> None:
+def require_text(data: bytes, file: str) -> None:
+    """Raise BadInput for what is no text, or empty."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
     zero = data.find(b"\0")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
+from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -133,7 +134,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     if arguments.block is not None:
         block, truth = read_block(arguments.block, given[arguments.block])
     if limit_g is None:
-        limit_g = options.DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
     return Setup(
         seed=seed,

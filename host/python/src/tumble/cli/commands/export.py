@@ -34,7 +34,8 @@ def add_to(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Convert and write. Returns the exit code; raises TumbleError."""
-    from tumble.cli.exports import to_c, to_csv, warnings
+    from tumble.api.complaints import complaints_of_document
+    from tumble.cli.exports import to_c, to_csv
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import read_coefficients
 
@@ -44,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = {"c": to_c, "csv": to_csv}[arguments.format](result, arguments.unit)
     except ValueError as error:
         raise BadInput(str(error), arguments.result) from None
-    for warning in warnings(result):
+    for warning in complaints_of_document(result):
         tell(f"tumble: warning: {file_name(arguments.result)}: {warning}")
     if arguments.out is None:
         sys.stdout.write(text)

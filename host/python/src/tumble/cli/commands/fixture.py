@@ -9,7 +9,6 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli.options import (
-    DEFAULT_LIMIT_G,
     Subparsers,
     add_estimator,
     add_limit,
@@ -18,6 +17,7 @@ from tumble.cli.options import (
     parse_limit,
     parse_number,
 )
+from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 
 if TYPE_CHECKING:
