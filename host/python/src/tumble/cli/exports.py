@@ -7,6 +7,7 @@ from typing import Any
 
 from tumble.api.complaints import complaints_of_document
 from tumble.arrays import Floats
+from tumble.cli.fixed_point import double_literal, fixed_point_function, float_literal
 from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
 from tumble.terms import DRIFT, POWERS, Terms
@@ -30,8 +31,8 @@ _C_HEADER = """\
 {definitions}
 
 typedef struct {{
-    double k[3][3]; /* {k_unit} */
-    double u0[3];   /* {unit} */
+    {number} k[3][3]; /* {k_unit} */
+    {number} u0[3];   /* {unit} */
 }} tumble_exported_t;
 
 /* tumble_exported_t coefficients = TUMBLE_COEFFICIENTS_INITIALIZER; */
@@ -39,7 +40,7 @@ typedef struct {{
     {{ {{ {rows} }}, \\
       {{ {biases} }} }}
 
-/* K^-1, {inverse_unit}: double inverse[3][3]. */
+/* K^-1, {inverse_unit}: {number} inverse[3][3]. */
 #define TUMBLE_K_INVERSE_INITIALIZER \\
     {inverse}
 {covariance}{force_function}
@@ -47,10 +48,10 @@ typedef struct {{
 """
 _FORCE = """
 /* The specific force that outputs show: a = K^-1 (U - U0). */
-static inline void tumble_exported_force(const double outputs[3], double force[3])
+static inline void tumble_exported_force(const {number} outputs[3], {number} force[3])
 {{
-    static const double inverse[3][3] = TUMBLE_K_INVERSE_INITIALIZER;
-    const double left[3] = {{ {biases} }};
+    static const {number} inverse[3][3] = TUMBLE_K_INVERSE_INITIALIZER;
+    const {number} left[3] = {{ {biases} }};
     for (int i = 0; i < 3; i++) {{
         force[i] = inverse[i][0] * left[0] + inverse[i][1] * left[1] + inverse[i][2] * left[2];
     }}
@@ -58,11 +59,11 @@ static inline void tumble_exported_force(const double outputs[3], double force[3
 """
 _FORCE_WITH_TERMS = """
 /* The specific force that outputs show. Every pass is closer by a factor of 2 K2 a + 3 K3 a^2: of a few thousandths. */
-static inline void tumble_exported_force(const double outputs[3], double force[3])
+static inline void tumble_exported_force(const {number} outputs[3], {number} force[3])
 {{
-    static const double inverse[3][3] = TUMBLE_K_INVERSE_INITIALIZER;
-    const double shown[3] = {{ {biases} }};
-    double left[3] = {{ shown[0], shown[1], shown[2] }};
+    static const {number} inverse[3][3] = TUMBLE_K_INVERSE_INITIALIZER;
+    const {number} shown[3] = {{ {biases} }};
+    {number} left[3] = {{ shown[0], shown[1], shown[2] }};
     for (int n = 0; n < 8; n++) {{
         for (int i = 0; i < 3; i++) {{
             force[i] = inverse[i][0] * left[0] + inverse[i][1] * left[1] + inverse[i][2] * left[2];
@@ -72,6 +73,9 @@ static inline void tumble_exported_force(const double outputs[3], double force[3
 }}
 """
 _MODEL = {"k2": " + K_ii K2_i a_i^2", "k3": " + K_ii K3_i a_i^3"}
+
+DOUBLE, FLOAT = "double", "float"
+_LITERALS = {DOUBLE: double_literal, FLOAT: float_literal}
 
 FORCE_UNITS = {"g": "units of local gravity", "m/s2": "m/s^2"}
 
@@ -107,8 +111,12 @@ def _plain(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9.+:_-]", "", text)
 
 
-def to_c(result: dict[str, Any], force_unit: str = "g") -> str:
-    """A header of constants that needs nothing else. Unknown uncertainties are left out, not invented."""
+def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, step: float | None = None) -> str:
+    """A header of constants that needs nothing else. Unknown uncertainties are left out, not invented. `number`: what
+    they are, DOUBLE or FLOAT; with a `step`, the size of a count of the outputs, they are double, but the function
+    computes with integers (cli.fixed_point). Raises ValueError."""
+    real = FLOAT if number == FLOAT else DOUBLE
+    _literal = _LITERALS[real]
     them, definitions = Coefficients.of(result, force_unit), []
     for i, (name, value, unit) in enumerate(zip(them.names, them.values.tolist(), them.units)):
         condition = phrase(_assumed(result, name))
@@ -127,36 +135,35 @@ def to_c(result: dict[str, Any], force_unit: str = "g") -> str:
         verdict=f"passed{phrase(result['assumes'])}" if verification["pass"] else "FAILED",
         largest=verification["max_abs_delta_g_g"],
         limit=verification["limit_g"],
-        known="TUMBLE_U_..., below" if is_known else f"unknown, {_why_unknown(result)}",
-        origin="".join(f" * {line}\n" for line in _origin(result)),
+        known="TUMBLE_U_..., below" if is_known else f"unknown, {why_unknown(result)}",
+        origin="".join(f" * {line}\n" for line in origin(result)),
         passed=int(verification["pass"]),
         is_known=int(is_known),
         definitions="\n".join(definitions),
         rows=", \\\n        ".join(f"{{ {', '.join(f'TUMBLE_K_{i}{j}' for j in 'XYZ')} }}" for i in "XYZ"),
         biases=", ".join(f"TUMBLE_U0_{i}" for i in "XYZ"),
-        covariance=_covariance(them),
+        covariance=_covariance(them, real),
         model="".join(_MODEL[term] for term in them.terms),
-        inverse=_matrix(them.inverse),
+        inverse=_matrix(them.inverse, real),
+        number=real,
         inverse_unit=them.inverse_unit,
-        force_function=_force_function(them.terms),
+        force_function=_force_function(them.terms, real) if step is None else fixed_point_function(them, step),
     )
 
 
-def _matrix(rows: Floats) -> str:
+def _matrix(rows: Floats, number: str) -> str:
     """As an initializer."""
-    return (
-        "{ " + ", \\\n      ".join(f"{{ {', '.join(_literal(one) for one in row)} }}" for row in rows.tolist()) + " }"
-    )
+    return "{ " + ", \\\n      ".join(f"{{ {', '.join(map(_LITERALS[number], row))} }}" for row in rows.tolist()) + " }"
 
 
-def _force_function(terms: Terms) -> str:
+def _force_function(terms: Terms, number: str) -> str:
     """In C: from outputs to the specific force."""
     biases = ", ".join(f"outputs[{i}] - TUMBLE_U0_{axis}" for i, axis in enumerate("XYZ"))
     if not terms:
-        return _FORCE.format(biases=biases)
+        return _FORCE.format(biases=biases, number=number)
     beyond = [f"TUMBLE_K_{axis * 2} * ({_powers(terms, i, axis)})" for i, axis in enumerate("XYZ")]
     lines = [f"        left[{i}] = shown[{i}] - {one};" for i, one in enumerate(beyond)]
-    return _FORCE_WITH_TERMS.format(biases=biases, beyond="\n".join(lines))
+    return _FORCE_WITH_TERMS.format(biases=biases, beyond="\n".join(lines), number=number)
 
 
 def _powers(terms: Terms, i: int, axis: str) -> str:
@@ -164,26 +171,26 @@ def _powers(terms: Terms, i: int, axis: str) -> str:
     return " + ".join(" * ".join([f"TUMBLE_{term.upper()}_{axis}", *[force] * POWERS[term]]) for term in terms)
 
 
-def _why_unknown(result: dict[str, Any]) -> str:
+def why_unknown(result: dict[str, Any]) -> str:
     return "no stand was declared" if result["u_K"] is None else "that of gravity is not told"
 
 
-def _covariance(them: Coefficients) -> str:
+def _covariance(them: Coefficients, number: str) -> str:
     """The macro for an array of all coefficients; nothing where it is unknown."""
     if them.covariance is None:
         return ""
     rows, count = [], len(them.names)
     for row in them.covariance.tolist():
-        numbers = [_literal(value) for value in row]
+        numbers = [_LITERALS[number](value) for value in row]
         lines = [", ".join(numbers[start : start + 4]) for start in range(0, count, 4)]
         rows.append("{ " + ", \\\n        ".join(lines) + " }")
     body = ", \\\n      ".join(rows)
     order = "K row by row, then U0" + "".join(f", then {term.upper()}" for term in them.terms)
-    about = f"/* Of {order}, in the products of their units: double covariance[{count}][{count}]. */"
+    about = f"/* Of {order}, in the products of their units: {number} covariance[{count}][{count}]. */"
     return f"\n{about}\n#define TUMBLE_COVARIANCE_INITIALIZER \\\n    {{ {body} }}\n"
 
 
-def _origin(result: dict[str, Any]) -> list[str]:
+def origin(result: dict[str, Any]) -> list[str]:
     """Where the coefficients come from, as lines that fit into a comment."""
     told = [("Block", result["serial"]), ("Run file", result["run_file"])]
     told += [(f"{name}.{key}", text) for name in ("item", "environment") for key, text in (result[name] or {}).items()]
@@ -197,9 +204,3 @@ def _comment(text: object) -> str:
     """Foreign text, made fit for a comment in C: ASCII in one line that neither ends nor opens one, no trigraphs."""
     plain = ascii(str(text))[1:-1].replace("*/", "* /").replace("/*", "/ *")
     return re.sub(r"\?(?=\?)", "? ", plain)
-
-
-def _literal(value: float) -> str:
-    """A C double: 17 digits, and never an integer literal."""
-    text = format(value, ".17g")
-    return text if any(sign in text for sign in ".e") else text + ".0"

@@ -51,7 +51,7 @@ class Force:
     def _refined(self, left: Floats, force: Floats) -> Floats:
         """From a force without the further terms, whose roots are taken that are nearest to it."""
         sign = np.sign(np.linalg.det(self._k))
-        known: Flags = np.isfinite(left).all(axis=1)
+        known: Flags = np.isfinite(left.sum(axis=1))
         found = np.where(known[:, None], force, 0.0)
         target = np.where(known[:, None], left, 0.0)
         with np.errstate(all="ignore"):  # what does not converge is told of below
@@ -97,7 +97,7 @@ class Force:
 
     def _uncertainty(self, force: Floats) -> Floats:
         assert self._covariance is not None  # as is_certain says
-        known: Flags = np.isfinite(force).all(axis=1)
+        known: Flags = np.isfinite(force.sum(axis=1))
         to_force = np.linalg.inv(np.where(known[:, None, None], self._slope(force), self._k))
         with np.errstate(invalid="ignore"):
             direction = force / np.linalg.norm(force, axis=1)[:, None]

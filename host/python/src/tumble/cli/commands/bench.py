@@ -38,6 +38,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
+        aliases=["simulate"],
         help="calibrate on a simulated stand: the firmware itself, in virtual time",
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
