@@ -289,8 +289,21 @@ tumble_status_t batch_optimal(const tumble_gain_record_t *, const tumble_schedul
 def main(output: str) -> None:
     """Write the extension's C source to the file `output`."""
     ffi = cffi.FFI()
-    ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION + OPTIMAL + STAND_SEEN
-             + UNCERTAINTY + WHOLE_MODEL + ESTIMATORS + BATCH)
+    ffi.cdef(
+        LIMITS
+        + STATUS
+        + SCHEDULE
+        + AVERAGING
+        + ESTIMATOR
+        + CALIBRATION
+        + VERIFICATION
+        + OPTIMAL
+        + STAND_SEEN
+        + UNCERTAINTY
+        + WHOLE_MODEL
+        + ESTIMATORS
+        + BATCH
+    )
     ffi.set_source("_tumble_core", HEADERS + Path(__file__).with_name("batch.c").read_text(encoding="utf-8"))
     ffi.emit_c_code(output)
 

@@ -52,4 +52,5 @@ def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, output
     if outputs.ndim < 1 or outputs.shape[-1] != 3:
         raise UsageError(f"an array of shape {outputs.shape} holds no outputs: its last axis must be of 3 channels")
     flat = outputs.reshape(-1, 3) * factor_of(outputs_unit, unit, "data")
-    return values_of(force, flat, with_uncertainty).reshape(*outputs.shape[:-1], -1)
+    values = values_of(force, flat, with_uncertainty)
+    return values.reshape(*outputs.shape[:-1], values.shape[1])

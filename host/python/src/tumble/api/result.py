@@ -40,9 +40,9 @@ class Result:
         self.warnings = tuple(complaints_of_document(self._checked)) if warnings is None else warnings
         """Why the result may not be what it claims: sentences, as the command line prints them."""
 
-    @cached_property
+    @property
     def document(self) -> dict[str, Any]:
-        """All that is known, as it is written: docs/files.md explains every key."""
+        """All that is known, as it is written: docs/files.md explains every key. A copy, which may be changed."""
         found: dict[str, Any] = json.loads(self._text)
         return found
 

@@ -140,7 +140,7 @@ def solve(
     >>> result.passed, result.K.shape, result.u_U0.shape
     (True, (3, 3), (3,))
     >>> round(float(result.K[2, 2]), 3)
-    2.0
+    2.004
     """
     if limit_g is not None and not 0.0 < limit_g <= 1.0:
         raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
