@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import json
+import re
 import subprocess
 import sys
 
@@ -293,3 +294,13 @@ def test_what_is_not_installed_is_told(file, package, tmp_path):
     said = f"tumble: {tmp_path / file}: {kind} needs {package}: pip install 'tumble[{extra}]'\n"
     assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
     assert issubclass(tumble.NotInstalled, ImportError)
+
+
+def test_the_page_shows_what_is_printed(tmp_path):
+    page = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / "examples").symlink_to(EXAMPLES)
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == shown
+    for name in set(tumble.__all__) - {"__version__", "TumbleError"}:
+        assert f"`{name}" in page, name
