@@ -6,7 +6,6 @@ The libraries are loaded when such a file is read. Raises BadInput; NotInstalled
 from __future__ import annotations
 
 import os
-import zipfile
 from typing import Any
 
 import numpy as np
@@ -55,6 +54,8 @@ def _read_parquet(file: str) -> Any:
 
 
 def _read_npz(file: str) -> dict[str, Any]:
+    import zipfile
+
     if not zipfile.is_zipfile(file):
         with open(file, "rb"):
             raise BadInput("not an NPZ file", file)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
 import sys
-import tempfile
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import options
@@ -71,6 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     if True in kinds and arguments.out is None:
         raise UsageError("Parquet goes to a file: --out FILE")
     if arguments.out is None:
+        import shutil
+        import tempfile
+
         with tempfile.SpooledTemporaryFile(_IN_MEMORY) as spooled:  # no half of it on stdout where a row is bad
             _calibrate(arguments.data, spooled, demand)  # type: ignore[arg-type] # a BinaryIO in all but name
             spooled.seek(0)
