@@ -11,6 +11,7 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import HARMONIC
+from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving import noise
@@ -181,6 +182,7 @@ def remarks(solution: Solution) -> list[str]:
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
+    lines += _temperature_line(solution)
     lines += [
         f"Closure of mounting {mounting}: {_three(difference)} {unit}"
         for mounting, difference in solution.found.closure.items()
@@ -192,6 +194,13 @@ def remarks(solution: Solution) -> list[str]:
         freedom = f"{solution.fit.freedom} degrees of freedom"
         lines.append(f"Fit to the stand: chi-squared {solution.fit.chi_squared:.3g}, {freedom}, p {solution.fit.p:.2g}")
     return lines + _stand_remarks(solution) + propagated.remarks(solution)
+
+
+def _temperature_line(solution: Solution) -> list[str]:
+    """That of the run; no line where it is not known."""
+    found = solution.run.temperature
+    who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}
+    return [] if found is None else [f"Temperature of the run: {found.text} ({who[found.source]})"]
 
 
 def _stand_remarks(solution: Solution) -> list[str]:

@@ -37,6 +37,7 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
+from tumble.files.run_temperature import Temperatures, read_temperatures
 from tumble.schedule import CHECK, CLOSED, Schedule
 
 _NOT_FINITE = {"nan", "inf", "infinity"}
@@ -50,7 +51,8 @@ class Run:
     deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
     `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file; `unit_told`: by the file or by
     the user, not assumed; `table`: the rows themselves, None where nobody has them; `blocks`: how they move together
-    (files.run_blocks).
+    (files.run_blocks); `temperature`: None where it is not told; `passed_over`: sentences about columns that look like
+    what they are not.
     """
 
     samples: Integers
@@ -62,6 +64,8 @@ class Run:
     unit_told: bool = True
     table: RunTable | None = None
     blocks: Blocks = NO_BLOCKS
+    temperature: Temperatures | None = None
+    passed_over: tuple[str, ...] = ()
 
     @property
     def measured(self) -> Flags:
@@ -87,6 +91,7 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
     samples, means, scatter, blocks = _average(table, len(schedule.positions))
+    temperature, passed_over = read_temperatures(_rows(data, layout), layout, file)
     measured = int((samples > 0).sum())
     counters = {
         "rows": len(table.index),
@@ -94,10 +99,11 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
         "positions_missing": len(schedule.positions) - measured,
         "blank_lines": table.blanks,
         "comment_lines": table.comments,
-        "columns_ignored": layout.width - len(COLUMNS),
+        "columns_ignored": layout.width - len(COLUMNS) - (temperature is not None),
     }
     digest = hashlib.sha256(data).hexdigest()
-    return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks)
+    found = samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks
+    return Run(*found, temperature, passed_over)
 
 
 def _require_text(data: bytes, file: str) -> None:
@@ -283,6 +289,11 @@ def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """What follows the header: lines and their numbers."""
     lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
     return ((row, line) for row, line in lines if row > layout.header_row)
+
+
+def _rows(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+    """Of these, the lines that hold a row."""
+    return ((row, line) for row, line in _body(data, layout) if not is_blank(line) and not is_comment(line))
 
 
 def _hint(

@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import noise, si, stand_seen
+from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
@@ -72,6 +72,7 @@ def document(
         "counters": solution.run.counters,
         "item": item,
         "environment": environment,
+        "temperature": temperature.document(solution.run),
     }
 
 

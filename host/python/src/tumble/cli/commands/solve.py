@@ -74,6 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.run_file import read_measured
     from tumble.solving import plausibility, provenance, result
     from tumble.solving.solution import solve
+    from tumble.solving.temperature import in_environment
 
     created = provenance.created()
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
@@ -92,8 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
     recorded, schedule = read_measured(arguments.run, schedule, wishes)
     odd_rows = run_rows.require(recorded, schedule.data, stand_file, arguments.run)
     step_v = 0.0 if stand_file is None else stand_file.step_v
+    item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     solution = solve(
-        recorded,
+        in_environment(recorded, environment),
         schedule,
         arguments.estimator,
         options.DEFAULT_LIMIT_G if limit_g is None else limit_g,
@@ -108,7 +110,6 @@ def run(arguments: argparse.Namespace) -> int:
         solution = solution.simulated(runs, seed)
     text = ""
     if arguments.json or arguments.out is not None:
-        item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
         name = os.path.basename(arguments.run)
         text = to_json(result.document(solution, item, environment, serial, name, created))
@@ -159,14 +160,14 @@ def _parse_model(arguments: argparse.Namespace) -> Terms:
 
 def _parse_columns(text: str) -> dict[str, str]:
     """Read `ux=AccX,uy=AccY`."""
-    from tumble.files.run_layout import COLUMNS
+    from tumble.files.run_layout import COLUMNS, TEMPERATURE
 
-    columns = {}
+    columns, known = {}, (*COLUMNS, TEMPERATURE)
     for part in text.split(","):
         wanted, equals, name = (piece.strip() for piece in part.partition("="))
-        if not equals or wanted not in COLUMNS or not name or wanted in columns:
-            known = ", ".join(COLUMNS)
-            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {known}, once each")
+        if not equals or wanted not in known or not name or wanted in columns:
+            listed = ", ".join(known)
+            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {listed}, once each")
         columns[wanted] = name
     return columns
 
