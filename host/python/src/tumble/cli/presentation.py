@@ -10,12 +10,13 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.cli import propagated
-from tumble.estimators import HARMONIC
+from tumble.estimators import COEFFICIENTS, HARMONIC
 from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
+from tumble.solving.coverage import PROBABILITY, Coverage
 from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
 from tumble.solving.further import Further
 from tumble.solving.noise_patterns import CORRELATED
@@ -115,9 +116,22 @@ def notes(solution: Solution) -> list[str]:
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
+        return [_HINT] if solution.coverage is None else [_HINT_ALONE, _expanded(solution.coverage)]
     told = noise_notice(solution)
-    return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
+
+
+def _expanded(coverage: Coverage) -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest."""
+    k, freedom = coverage.factors, coverage.freedom
+    least = int(freedom.argmin())
+    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
+    line = f"{PROBABILITY * 100:.0f} % within k u: k = {high if low == high else f'{low} to {high}'}"
+    if math.isinf(freedom[least]):
+        return line
+    whose = "" if low == high else f"{COEFFICIENTS[least]}: "
+    return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
 
 
 def noise_notice(solution: Solution) -> str | None:

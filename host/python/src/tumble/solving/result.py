@@ -53,6 +53,7 @@ def document(
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
         "noise": noise.document(solution.noise, solution.run.samples),
         "scatter_alone": _scatter_alone(solution),
+        "coverage": None if solution.coverage is None else solution.coverage.document(),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {

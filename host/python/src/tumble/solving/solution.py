@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,6 +21,7 @@ from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run, uncertainty
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
+from tumble.solving.coverage import Coverage, coverage
 from tumble.solving.crosscheck import (
     LARGEST_MISFIT,
     Comparison,
@@ -66,7 +68,8 @@ class Solution:
     leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
     of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
-    twelve coefficients, None where nobody asked for any.
+    twelve coefficients, None where nobody asked for any; `coverage`: how well the uncertainties are known, by a stand or
+    by scatter alone, None where there are none.
     """
 
     schedule: Schedule
@@ -86,6 +89,7 @@ class Solution:
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
+    coverage: Coverage | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -209,7 +213,7 @@ def solve(
         optimal = _witness(witnessed, means, samples, weighting, variance, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
+    u, covariance, fit, covers, errors = None, None, None, None, declared or noise_of_runs.NO_STAND
     if declared is not None or noisy.is_known:
         u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
@@ -227,6 +231,8 @@ def solve(
             u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
             covariance = joint[:12, :12]
             further = further if stand is None else replace(further, covariance=joint, without=without)
+        by_variance = _covariance_with(witnessed, found, errors, samples, step)
+        covers = coverage(noisy, run.measured, errors, samples, by_variance)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
@@ -241,7 +247,20 @@ def solve(
         covariance=None if stand is None else covariance,
         step=step,
         further=further,
+        coverage=covers,
     )
+
+
+def _covariance_with(
+    schedule: Schedule, found: Computation, stand: Stand, samples: Integers, step: float
+) -> Callable[[Floats], Floats]:
+    """From variances of the means, as measured, to the covariance of what is stated, by the witness."""
+    given = schedule, found.k, stand, samples
+    if found.estimator == OPTIMAL:
+        return lambda variance: reference.optimal_covariance(*given, step, variance, found.terms)
+    if found.terms:
+        return lambda variance: extended_covariance(*given, found.terms, variance)
+    return lambda variance: reference.covariance(*given, found.estimator, variance)
 
 
 def _without_angles(seen: StandSeen) -> StandSeen:
