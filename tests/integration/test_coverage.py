@@ -8,7 +8,7 @@ import pytest
 from conftest import EXAMPLES
 from documents import valid
 from hypothesis import given, strategies as st
-from test_noise import K, OUTPUTS, POSITIONS, autoregressive, noisy_run, run_of, solved
+from test_noise import OUTPUTS, POSITIONS, K, autoregressive, noisy_run, run_of, solved
 
 from tumble import reference
 from tumble.cli import presentation

@@ -1,4 +1,4 @@
-"""The temperature of a run: read from its file or the stand file, carried into results and exports, warned of in use."""
+"""The temperature of a run: read from its file or the stand file, carried into results and exports, warned of."""
 
 import json
 import math
@@ -54,7 +54,9 @@ def told(folder, temperatures, wishes=None, **layout):
     return None if found is None else (found.low_c, found.high_c), run.passed_over
 
 
-@pytest.mark.parametrize("header", ["temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]"])
+@pytest.mark.parametrize(
+    "header", ["temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]"]
+)
 def test_a_column_of_temperatures_is_found(header, tmp_path):
     assert told(tmp_path, ["20.5", "21", " 19.25 ", "-3e0"], header=header) == ((-3.0, 21.0), ())
 
@@ -96,13 +98,11 @@ def test_what_is_no_temperature(header, texts, why, tmp_path):
 
 
 def test_two_columns_that_could_be_it(tmp_path):
-    file = tmp_path / "run.csv"
-    text = open(run_file(tmp_path, ["20,30"], header="temp,Temp (C)")).read()
-    file.write_text(text)
-    run = read_run(str(file), PAPER)
+    file = run_file(tmp_path, ["20,30"], header="temp,Temp (C)")
+    run = read_run(file, PAPER)
     several = "columns 'temp' and 'Temp (C)' could both be temperature; say which with --columns temperature=NAME"
     assert run.temperature is None and run.passed_over == (several,)
-    chosen = read_run(str(file), PAPER, Wishes(columns={"temperature": "Temp (C)"}))
+    chosen = read_run(file, PAPER, Wishes(columns={"temperature": "Temp (C)"}))
     assert (chosen.temperature.low_c, chosen.passed_over) == (30.0, ())
 
 
@@ -150,7 +150,7 @@ def test_results_and_exports_carry_it(tumble, tmp_path):
     text = json.loads(result.read_text())
     for odd in ("warm", {"min_c": 20}, {"min_c": 20, "max_c": "hot"}):
         result.write_text(json.dumps({**text, "temperature": odd}))
-        with pytest.raises(BadInput, match="not a result of schema tumble.result/1: temperature is "):
+        with pytest.raises(BadInput, match=r"not a result of schema tumble\.result/1: temperature is "):
             read_coefficients(str(result))
     del text["temperature"]  # of an earlier version
     result.write_text(json.dumps(text))

@@ -35,8 +35,8 @@ _ALIASES = {
 class Wishes:
     """What the user says about a run file; whatever is empty or None is detected.
 
-    `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`: "." or ",".
-    `unit`: of the outputs.
+    `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`:
+    "." or ",". `unit`: of the outputs.
     """
 
     columns: dict[str, str] = field(default_factory=dict)

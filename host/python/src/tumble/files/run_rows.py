@@ -53,7 +53,8 @@ class _Found:
 
 
 def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
-    """Warnings about columns that are passed over, and about rows that are odd but do not matter. Raises BadInput, naming rows, for those that do.
+    """Warnings about columns that are passed over, and about rows that are odd but do not matter. Raises BadInput,
+    naming rows, for those that do.
 
     `stand_file` tells of the block's range; None: unknown."""
     if run.table is None:

@@ -87,8 +87,8 @@ def optimal_covariance(
     mean_variance: Floats | None = None,
     terms: Terms = (),
 ) -> Floats:
-    """Covariance (12, 12), with `terms` also of their sizes, of `optimal` for a block that has this `k`. Arguments as of
-    `optimal`."""
+    """Covariance (12, 12), with `terms` also of their sizes, of `optimal` for a block that has this `k`. Arguments as
+    of `optimal`."""
     return _Whitened(schedule, k, stand, samples, step, terms=terms).covariance(mean_variance)
 
 

@@ -82,7 +82,9 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
-    "temperature": Assumption("one temperature", "K and U0 hold at that of the run, which is unknown", _on_a_temperature),
+    "temperature": Assumption(
+        "one temperature", "K and U0 hold at that of the run, which is unknown", _on_a_temperature
+    ),
 }
 
 

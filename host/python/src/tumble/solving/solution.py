@@ -68,8 +68,7 @@ class Solution:
     leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
     `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
     of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
-    twelve coefficients, None where nobody asked for any; `coverage`: how well the uncertainties are known, by a stand or
-    by scatter alone, None where there are none.
+    twelve coefficients, None where nobody asked for any.
     """
 
     schedule: Schedule
@@ -89,7 +88,6 @@ class Solution:
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
-    coverage: Coverage | None = None
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -121,6 +119,16 @@ class Solution:
         schedule, stand, samples = self._as_propagated
         given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
         return second_order(*given, terms=self.found.terms)
+
+    @cached_property
+    def coverage(self) -> Coverage | None:
+        """How well the uncertainties are known, of a stand or by scatter alone; None where there are none."""
+        if self.u_k is None and self.scatter_alone is None:
+            return None
+        stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
+        measured, samples = self.run.measured, self.run.samples[self.run.measured]
+        by_variance = _covariance_with(self.measured_schedule, self.found, stand, samples, self.step)
+        return coverage(self.noise, measured, stand, samples, by_variance)
 
     def simulated(self, runs: int, seed: int) -> Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
@@ -213,7 +221,7 @@ def solve(
         optimal = _witness(witnessed, means, samples, weighting, variance, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    u, covariance, fit, covers, errors = None, None, None, None, declared or noise_of_runs.NO_STAND
+    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
     if declared is not None or noisy.is_known:
         u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
         if optimal is None:
@@ -231,8 +239,6 @@ def solve(
             u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
             covariance = joint[:12, :12]
             further = further if stand is None else replace(further, covariance=joint, without=without)
-        by_variance = _covariance_with(witnessed, found, errors, samples, step)
-        covers = coverage(noisy, run.measured, errors, samples, by_variance)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
     compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
@@ -247,7 +253,6 @@ def solve(
         covariance=None if stand is None else covariance,
         step=step,
         further=further,
-        coverage=covers,
     )
 
 
