@@ -80,6 +80,17 @@ def test_scatter_alone_has_the_freedom_of_its_samples(estimator, samples):
     )
 
 
+def test_further_terms_of_the_model_have_the_same_freedom():
+    run = noisy_run(np.random.default_rng(77), 3)
+    solution = solve(run, None, "least_squares", 1.0, None, "run.csv", terms=("k2", "drift"))
+    assert solution.coverage.freedom == pytest.approx(np.full(12, POSITIONS * 2.0), rel=1e-6)
+    loud = loud_in_x(np.random.default_rng(78))
+    plain, wider = (solve(loud, None, "optimal", 1.0, PAPER_STAND, "run.csv", terms=t).coverage for t in ((), ("k2",)))
+    least = solved(loud).noise.measured.freedom[0]
+    assert (plain.freedom >= least * (1 - 1e-6)).all() and (wider.freedom >= least * (1 - 1e-6)).all()
+    assert wider.freedom[9] != pytest.approx(plain.freedom[9], rel=1e-3)  # K2 takes weight from U0
+
+
 def test_a_run_of_means_alone_has_no_coverage():
     solution = solved(noisy_run(np.random.default_rng(72), 1), None)
     assert solution.coverage is None
@@ -148,7 +159,7 @@ def test_expanded_intervals_of_few_samples_cover(capsys):
     for _ in range(runs):
         run = run_of(outputs[:, None, :] + 1e-3 * rng.standard_normal((6, 2, 3)))
         solution = solve(run, schedule, "least_squares", 1.0, None, "run.csv")
-        u_k, u_u0 = solution.scatter_alone
+        u_k, u_u0 = solution.scatter_alone.u_k, solution.scatter_alone.u_u0
         assert solution.coverage.freedom == pytest.approx(np.full(12, 6.0), rel=1e-6)
         score = np.concatenate([((solution.found.k - K) / u_k).ravel(), solution.found.u0 / u_u0])
         scores.append(np.abs(score) / solution.coverage.factors)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import student_quantile
 from tumble.solving.noise import Noise
 from tumble.stand import Stand
@@ -51,7 +51,7 @@ class Coverage:
 
 
 def coverage(
-    noise: Noise, measured: Floats, stand: Stand, samples: Integers, covariance_with: Callable[[Floats], Floats]
+    noise: Noise, measured: Flags, stand: Stand, samples: Integers, covariance_with: Callable[[Floats], Floats]
 ) -> Coverage:
     """Of the uncertainties that `covariance_with` gives: from variances (positions, 3) of the means, which count where
     they are larger than those of `stand`, to a covariance of the twelve, and perhaps of more behind them.

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -35,7 +34,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look
-from tumble.solving.stated import Propagation, Stated
+from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import Stand
 from tumble.terms import Terms
 from tumble.units import volts_per
@@ -137,7 +136,8 @@ class Solution:
             return None
         stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
         measured, samples = self.run.measured, self.run.samples[self.run.measured]
-        by_variance = _covariance_with(self.measured_schedule, self.found, stand, samples, self.step)
+        witness = Witness(self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step)
+        by_variance = partial(witness.covariance, terms=self.found.terms)
         return coverage(self.noise, measured, stand, samples, by_variance)
 
     def simulated(self, runs: int, seed: int) -> Solution:
@@ -251,18 +251,6 @@ def solve(
         step=step,
         further=further if stand is None else costly,
     )
-
-
-def _covariance_with(
-    schedule: Schedule, found: Computation, stand: Stand, samples: Integers, step: float
-) -> Callable[[Floats], Floats]:
-    """From variances of the means, as measured, to the covariance of what is stated, by the witness."""
-    given = schedule, found.k, stand, samples
-    if found.estimator == OPTIMAL:
-        return lambda variance: reference.optimal_covariance(*given, step, variance, found.terms)
-    if found.terms:
-        return lambda variance: extended_covariance(*given, found.terms, variance)
-    return lambda variance: reference.covariance(*given, found.estimator, variance)
 
 
 def _without_angles(seen: StandSeen) -> StandSeen:
