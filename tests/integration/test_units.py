@@ -106,12 +106,12 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     run = EXAMPLES / "paper_stand.csv"
     done = tumble("solve", run, "--json")
     assert done.returncode == 0
-    assert json.loads(done.stdout)["assumes"] == ["seat", "unit"]
+    assert json.loads(done.stdout)["assumes"] == ["seat", "unit", "temperature"]
     assert json.loads(done.stdout)["assumed_for"]["unit"] == []
     said = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
     assert done.stderr == f"tumble: warning: {said}\n"
     shown = tumble("solve", run).stdout.splitlines()
     assert "All assuming volts: the run file names no unit (--unit)" in shown
-    assert shown[-1].startswith("PASS, assuming a square seat and volts: ")
+    assert shown[-1].startswith("PASS, assuming a square seat and volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
-    assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat"]
+    assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]

@@ -21,6 +21,7 @@ from tumble.files.stand_file import StandFile, read_stand
 from tumble.schedule import Schedule
 from tumble.solving import plausibility, provenance, result
 from tumble.solving.solution import Solution, solve as solve_run
+from tumble.solving.temperature import in_environment
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
 
@@ -65,7 +66,7 @@ def solved(
     run, planned = recording.on(_schedule(schedule, estimator))
     odd_rows = run_rows.require(run, planned.data, stand_file, recording.name)
     solution = solve_run(
-        run,
+        in_environment(run, None if stand_file is None else stand_file.environment),
         planned,
         estimator,
         DEFAULT_LIMIT_G if told_g is None else told_g,

@@ -27,7 +27,8 @@ _C_HEADER = """\
 #define TUMBLE_FORCE_UNIT "{force_unit}"
 #define TUMBLE_GRAVITY_CHECK_PASSED {passed}
 #define TUMBLE_UNCERTAINTY_KNOWN {is_known}
-
+#define TUMBLE_TEMPERATURE_KNOWN {temperature_known}
+{temperatures}
 {definitions}
 
 typedef struct {{
@@ -92,8 +93,11 @@ def to_csv(result: dict[str, Any], force_unit: str = "g") -> str:
     them = Coefficients.of(result, force_unit)
     joint_names = ",".join(f"covariance_{name}" for name in them.names)
     heading = f"coefficient,value,unit,standard_uncertainty,uncertainty_unit,assumes,{joint_names}"
-    rows = [f"{heading},inverse,inverse_unit,inverse_standard_uncertainty,created,tumble"]
-    origin = [result["created"] or "", _plain(result["tumble"] or "")]
+    further = "inverse,inverse_unit,inverse_standard_uncertainty,created,tumble,temperature_min_c,temperature_max_c"
+    rows = [f"{heading},{further}"]
+    at = result["temperature"]
+    span = ["", ""] if at is None else [format(at[key], ".17g") for key in ("min_c", "max_c")]
+    origin = [result["created"] or "", _plain(result["tumble"] or ""), *span]
     for i, (name, value, unit) in enumerate(zip(them.names, them.values, them.units)):
         u = "" if them.uncertainties is None else format(them.uncertainties[i], ".17g")
         joint = [""] * len(them.names) if them.covariance is None else [format(x, ".17g") for x in them.covariance[i]]
@@ -139,6 +143,8 @@ def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, st
         origin="".join(f" * {line}\n" for line in origin(result)),
         passed=int(verification["pass"]),
         is_known=int(is_known),
+        temperature_known=int(result["temperature"] is not None),
+        temperatures=_temperature_macros(result["temperature"]),
         definitions="\n".join(definitions),
         rows=", \\\n        ".join(f"{{ {', '.join(f'TUMBLE_K_{i}{j}' for j in 'XYZ')} }}" for i in "XYZ"),
         biases=", ".join(f"TUMBLE_U0_{i}" for i in "XYZ"),
@@ -148,6 +154,14 @@ def to_c(result: dict[str, Any], force_unit: str = "g", number: str = DOUBLE, st
         number=real,
         inverse_unit=them.inverse_unit,
         force_function=_force_function(them.terms, real) if step is None else fixed_point_function(them, step),
+    )
+
+
+def _temperature_macros(at: dict[str, Any] | None) -> str:
+    """Of the run; nothing where it is not known."""
+    ends = {} if at is None else {"MIN": at["min_c"], "MAX": at["max_c"]}
+    return "".join(
+        f"#define TUMBLE_TEMPERATURE_{end}_C ({double_literal(c)}) /* deg C, of the run */\n" for end, c in ends.items()
     )
 
 

@@ -94,11 +94,13 @@ def add_layout(parser: argparse.ArgumentParser, file: str) -> argparse._Argument
 def wishes(arguments: argparse.Namespace, unit: str | None, known: tuple[str, ...] = ()) -> Wishes:
     """What the options of add_layout say, and the `unit` of the outputs, if it is given. `known`: the columns that are
     wanted; empty for a run's. Raises UsageError."""
-    from tumble.files.run_layout import COLUMNS, Wishes
+    from tumble.files.run_layout import COLUMNS, TEMPERATURE, Wishes
 
-    wanted = known or COLUMNS
+    wanted, named = known or COLUMNS, known or (*COLUMNS, TEMPERATURE)
     return Wishes(
-        columns={} if arguments.columns is None else _parse_columns(arguments.columns, wanted),
+        columns={}
+        if arguments.columns is None
+        else _parse_columns(arguments.columns, known or (*COLUMNS, TEMPERATURE)),
         delimiter=None if arguments.delimiter is None else _parse_delimiter(arguments.delimiter),
         decimal=arguments.decimal,
         unit=None if unit is None else _parse_unit(unit),

@@ -11,10 +11,12 @@ import numpy as np
 from tumble.api.complaints import complaint, consequence, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
-from tumble.estimators import HARMONIC
+from tumble.estimators import COEFFICIENTS, HARMONIC
+from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
+from tumble.solving.coverage import PROBABILITY, Coverage
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
@@ -113,9 +115,22 @@ def notes(solution: Solution) -> list[str]:
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
+        return [_HINT] if solution.coverage is None else [_HINT_ALONE, _expanded(solution.coverage)]
     told = noise_notice(solution)
-    return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
+
+
+def _expanded(coverage: Coverage) -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest."""
+    k, freedom = coverage.factors, coverage.freedom
+    least = int(freedom.argmin())
+    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
+    line = f"{PROBABILITY * 100:.0f} % within k u: k = {high if low == high else f'{low} to {high}'}"
+    if math.isinf(freedom[least]):
+        return line
+    whose = "" if low == high else f"{COEFFICIENTS[least]}: "
+    return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -173,6 +188,7 @@ def remarks(solution: Solution) -> list[str]:
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
+    lines += _temperature_line(solution)
     lines += [
         f"Closure of mounting {mounting}: {_three(difference)} {unit}"
         for mounting, difference in solution.found.closure.items()
@@ -184,6 +200,13 @@ def remarks(solution: Solution) -> list[str]:
         freedom = f"{solution.fit.freedom} degrees of freedom"
         lines.append(f"Fit to the stand: chi-squared {solution.fit.chi_squared:.3g}, {freedom}, p {solution.fit.p:.2g}")
     return lines + _stand_remarks(solution) + propagated.remarks(solution)
+
+
+def _temperature_line(solution: Solution) -> list[str]:
+    """That of the run; no line where it is not known."""
+    found = solution.run.temperature
+    who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}
+    return [] if found is None else [f"Temperature of the run: {found.text} ({who[found.source]})"]
 
 
 def _stand_remarks(solution: Solution) -> list[str]:

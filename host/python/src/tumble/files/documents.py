@@ -35,8 +35,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
 
 def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
-    and where it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit and
-    stand_doubts, else None; assumes and assumed_for, else empty.
+    and where it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit, temperature
+    and stand_doubts, else None; assumes and assumed_for, else empty.
 
     Raises BadInput.
     """
@@ -68,6 +68,7 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
+    _require(result, "temperature", _null_or_temperature, file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
     _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})
     environment = result["environment"] or {}
@@ -116,6 +117,10 @@ def _is_table(value: Any, is_item: Check) -> bool:
 
 def _null_or_covariance(value: Any, size: int = 12) -> bool:
     return value is None or _is_array(value, size, lambda row: _is_array(row, size, _is_number))
+
+
+def _null_or_temperature(value: Any) -> bool:
+    return value is None or (isinstance(value, dict) and all(_is_number(value.get(key)) for key in ("min_c", "max_c")))
 
 
 def _null_or_extended(value: Any) -> bool:

@@ -37,6 +37,7 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
+from tumble.files.run_temperature import Temperatures, read_temperatures
 from tumble.schedule import CHECK, CLOSED, Schedule
 
 
@@ -48,7 +49,8 @@ class Run:
     deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
     `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file; `unit_told`: by the file or by
     the user, not assumed; `table`: the rows themselves, None where nobody has them; `blocks`: how they move together
-    (files.run_blocks).
+    (files.run_blocks); `temperature`: None where it is not told; `passed_over`: sentences about columns that look like
+    what they are not.
     """
 
     samples: Integers
@@ -60,6 +62,8 @@ class Run:
     unit_told: bool = True
     table: RunTable | None = None
     blocks: Blocks = NO_BLOCKS
+    temperature: Temperatures | None = None
+    passed_over: tuple[str, ...] = ()
 
     @property
     def measured(self) -> Flags:
@@ -90,12 +94,21 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: by
     require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
-    ignored = layout.width - len(COLUMNS)
-    return averaged(table, schedule, layout.unit, layout.unit_told, ignored, hashlib.sha256(data).hexdigest())
+    temperature, passed_over = read_temperatures(_rows(data, layout), layout, file)
+    ignored = layout.width - len(COLUMNS) - (temperature is not None)
+    told = ignored, hashlib.sha256(data).hexdigest(), temperature, passed_over
+    return averaged(table, schedule, layout.unit, layout.unit_told, *told)
 
 
 def averaged(
-    table: RunTable, schedule: Schedule, unit: str, unit_told: bool, columns_ignored: int, sha256: str = ""
+    table: RunTable,
+    schedule: Schedule,
+    unit: str,
+    unit_told: bool,
+    columns_ignored: int,
+    sha256: str = "",
+    temperature: Temperatures | None = None,
+    passed_over: tuple[str, ...] = (),
 ) -> Run:
     """The run that the rows of a `table` are."""
     samples, means, scatter, blocks = _average(table, len(schedule.positions))
@@ -108,7 +121,8 @@ def averaged(
         "comment_lines": table.comments,
         "columns_ignored": columns_ignored,
     }
-    return Run(samples, means, scatter, unit, counters, sha256, unit_told, table, blocks)
+    given = samples, means, scatter, unit, counters, sha256, unit_told, table, blocks
+    return Run(*given, temperature, passed_over)
 
 
 def require_text(data: bytes, file: str) -> None:
@@ -237,6 +251,11 @@ def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """What follows the header: lines and their numbers."""
     lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
     return ((row, line) for row, line in lines if row > layout.header_row)
+
+
+def _rows(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+    """Of these, the lines that hold a row."""
+    return ((row, line) for row, line in _body(data, layout) if not is_blank(line) and not is_comment(line))
 
 
 def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex) -> str:

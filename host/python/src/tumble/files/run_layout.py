@@ -14,6 +14,7 @@ from tumble.errors import BadInput, quoted
 from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
+TEMPERATURE = "temperature"  # a column that need not be there
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -26,6 +27,7 @@ _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
+    TEMPERATURE: {"temperature", "temp", "temperaturec", "tempc"},
 }
 
 
@@ -33,8 +35,8 @@ _ALIASES = {
 class Wishes:
     """What the user says about a run file; whatever is empty or None is detected.
 
-    `columns`: names of columns in the file, by name in COLUMNS. `delimiter`: one character. `decimal`: "." or ",".
-    `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last.
+    `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`:
+    "." or ",". `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -48,9 +50,21 @@ NO_WISHES = Wishes()
 
 
 @dataclass(frozen=True)
+class Column:
+    """One of `width` columns that need not be there: its `name` in the file, `unit` in brackets there, empty if none;
+    `told` by the user, not found."""
+
+    index: int
+    name: str
+    unit: str
+    told: bool
+
+
+@dataclass(frozen=True)
 class Layout:
     """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among `width`
-    columns; the `unit` of the outputs is `unit_told`, or assumed."""
+    columns; the `unit` of the outputs is `unit_told`, or assumed. `temperature`: the column of that name, if there is
+    one; `doubt`: why it is not known which one that is."""
 
     header_row: int
     comments: int
@@ -61,6 +75,8 @@ class Layout:
     width: int
     unit: str
     unit_told: bool
+    temperature: Column | None = None
+    doubt: str | None = None
 
 
 def decoded(data: bytes) -> str:
@@ -126,7 +142,8 @@ def _from_header(
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit or _DEFAULT_UNIT, unit is not None)
+        told = unit or _DEFAULT_UNIT, unit is not None
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *_temperature(names, wishes))
     if _TOML.match(line):
         raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)
@@ -173,13 +190,27 @@ def is_number(text: str) -> bool:
     return NUMBER.fullmatch(text.replace(",", ".")) is not None
 
 
+def _temperature(names: list[str], wishes: Wishes) -> tuple[Column | None, str | None]:
+    """The column of the temperature, and why it is not known; that a told one is there, is known."""
+    try:
+        index = _find(TEMPERATURE, names, wishes.columns)
+    except ValueError as several:
+        return None, str(several)
+    if index is None:
+        return None, None
+    unit = _BRACKETED.search(names[index])
+    told = TEMPERATURE in wishes.columns
+    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), told), None
+
+
 def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
     """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
     renamed = wishes.columns
-    found = {wanted: _find(wanted, names, renamed) for wanted in wishes.wanted}
+    told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
+    found = {wanted: _find(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
-        return tuple(index for index in found.values() if index is not None)
+        return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
     asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []

@@ -79,10 +79,17 @@ def optimal(
 
 
 def optimal_covariance(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, mean_variance: Floats | None = None
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: float,
+    mean_variance: Floats | None = None,
+    terms: Terms = (),
 ) -> Floats:
-    """Covariance (12, 12) of `optimal` for a block that has this `k`. Arguments as of `optimal`."""
-    return _Whitened(schedule, k, stand, samples, step).covariance(mean_variance)
+    """Covariance (12, 12), with `terms` also of their sizes, of `optimal` for a block that has this `k`. Arguments as
+    of `optimal`."""
+    return _Whitened(schedule, k, stand, samples, step, terms=terms).covariance(mean_variance)
 
 
 def optimal_uncertainties(

@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import noise, si, stand_seen
+from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
@@ -53,6 +53,7 @@ def document(
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
         "noise": noise.document(solution.noise, solution.run.samples),
         "scatter_alone": _scatter_alone(solution),
+        "coverage": None if solution.coverage is None else solution.coverage.document(),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
@@ -72,6 +73,7 @@ def document(
         "counters": solution.run.counters,
         "item": item,
         "environment": environment,
+        "temperature": temperature.document(solution.run),
     }
 
 

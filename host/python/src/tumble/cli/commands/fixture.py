@@ -154,6 +154,7 @@ def _views(
     from tumble.messages import tell
     from tumble.solving import plausibility
     from tumble.solving.solution import solve
+    from tumble.solving.temperature import in_environment
 
     planned = schedule or CoreSchedule.built_in("paper")
     if (count := len(planned.data.mountings)) > MAX_YAWS:
@@ -164,6 +165,7 @@ def _views(
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
         odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
+        run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
         for odd in (*odd_rows, *plausibility.require(solution, stand_file, file)):
             tell(f"tumble: warning: {file_name(file)}: {odd}")
