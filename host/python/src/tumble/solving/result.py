@@ -144,4 +144,6 @@ def truth(known: Truth) -> dict[str, Any]:
         "alpha4_rad": list(known.alpha4),
         "theta_h_rad": list(known.theta_h),
         "theta_n_rad": list(known.theta_n),
+        **({"encoder_rad": list(known.encoder)} if any(known.encoder) else {}),
+        **({"drift_v": list(known.drift)} if any(known.drift) else {}),
     }
