@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,9 +22,10 @@ def document(
     serial: str | None = None,
     run_file: str | None = None,
     created: str | None = None,
+    warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
-    when, None where no clock was looked at."""
+    when, None where no clock was looked at; `warnings`: sentences that a person is told beside it."""
     unit, rests_on = solution.run.unit, assumed(solution)
     return {
         "schema": RESULT,
@@ -51,6 +53,7 @@ def document(
         "pass_reason": " and ".join(solution.failures) or None,
         "assumes": list(rests_on),
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
+        "warnings": list(warnings),
         "noise": noise.document(solution.noise, solution.run.samples),
         "scatter_alone": _scatter_alone(solution),
         "verification": _verification(solution),

@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
     terms = _parse_model(arguments)
     wishes = _wishes(arguments)
 
-    from tumble.cli.output import print_solution, warn
+    from tumble.cli.output import print_solution, warn, warnings
     from tumble.core import CoreSchedule
     from tumble.files import run_rows
     from tumble.files.disk import refuse_overwriting, write_text
@@ -106,15 +106,16 @@ def run(arguments: argparse.Namespace) -> int:
     odd = plausibility.require(solution, stand_file, arguments.run)
     if runs is not None:
         solution = solution.simulated(runs, seed)
+    sentences = warnings(solution, (*odd_rows, *odd), plausibility.confirms_volts(solution, stand_file))
     text = ""
     if arguments.json or arguments.out is not None:
         item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
         serial = None if stand_file is None else stand_file.serial
         name = os.path.basename(arguments.run)
-        text = to_json(result.document(solution, item, environment, serial, name, created))
+        text = to_json(result.document(solution, item, environment, serial, name, created, sentences))
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(solution, (*odd_rows, *odd))
+    warn(sentences)
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
 
