@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 from conftest import EXAMPLES
+from documents import valid
 
 from tumble import core, reference
 from tumble.core.fit import chi_squared
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.core.uncertainty import uncertainties
 from tumble.estimators import LINEAR
+from tumble.files.run_file import Run
+from tumble.fixture.combination import covariances
 from tumble.reference.fit import WholeModel
 from tumble.reference.uncertainty import exact_outputs, sources
 from tumble.schedule import CHECK, Schedule
@@ -21,6 +24,7 @@ from tumble.solving import gain_record
 from tumble.solving.crosscheck import compare_fit
 from tumble.solving.gains import gains, linearise, optimal_table, standard_deviations
 from tumble.solving.optimal_run import Weighting, apply_table, make_table
+from tumble.solving.solution import solve
 from tumble.stand import Stand
 
 PAPER = reference.paper_schedule()
@@ -285,3 +289,83 @@ def test_drift_is_in_volts_whatever_the_unit_of_the_run(tmp_path, tumble):
     milli = json.loads(tumble("solve", path, "--unit", "mV", "--stand", stand, "--json").stdout)
     assert np.array(milli["u_U0"]) == pytest.approx(1e3 * np.array(solved(tumble, stand)["u_U0"]), rel=1e-9)
     assert milli["fit"]["chi2"] == pytest.approx(solved(tumble, stand)["fit"]["chi2"], rel=1e-6)
+
+
+@pytest.mark.parametrize("estimator", ["refined", "least_squares", "optimal"])
+def test_a_budget_has_a_column_for_each(estimator, tmp_path, tumble):
+    stand = with_keys(tmp_path, encoder_rad=1e-4, drift_v=5e-4)
+    plan = valid(tumble("plan", "budget", "--stand", stand, "--estimator", estimator, "--json").stdout, "plan")
+    assert list(plan["sources"])[5:-1] == ["encoder_rad", "drift_v"]
+    rows = gains(PAPER, estimator, NOMINAL_K, BOTH)
+    parts = dataclasses.replace(BOTH, drift=0.0), dataclasses.replace(BOTH, encoder=0.0)
+    of_k = np.abs(np.concatenate([NOMINAL_K.ravel(), np.diag(NOMINAL_K)]))
+    squares = [np.diag(rows @ by_hand(PAPER, NOMINAL_K, one) @ rows.T) for one in parts]
+    expected = np.sqrt(np.maximum(squares, 0.0)) / of_k
+    found = np.array(list(plan["terms"].values()))[:, 5:]
+    assert found == pytest.approx(expected.T, rel=1e-5, abs=1e-10)
+    assert "V, mean" in tumble("plan", "budget", "--stand", stand).stdout
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_requirements_name_both(estimator, tmp_path, tumble):
+    stand = with_keys(tmp_path, encoder_rad=1e-4, drift_v=5e-4)
+    plan = valid(tumble("plan", "require", "--stand", stand, "--estimator", estimator, "--json").stdout, "plan")
+    assert (plan["declared"]["encoder_rad"], plan["declared"]["drift_v"]) == (1e-4, 5e-4)
+    assert {"encoder", "drift"} <= set(plan["set_by"]) == set(plan["split"])
+    if estimator == "refined":
+        row = plan["rows"][plan["set_by"]["encoder"]]
+        column = list(plan["split"]).index("encoder")
+        assert row["weights"][column] * plan["encoder_rad"] == pytest.approx(row["shares"][column])
+        assert (plan["set_by"]["drift"], plan["drift_v"]) == (None, None)  # by no row: it moves cross terms, and no bias
+
+
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
+def test_simulated_runs_of_a_plan_drift_and_turn(estimator, tmp_path, tumble):
+    """They spread as planned: by the law of a spread within 5 standard errors."""
+    stand = with_keys(tmp_path, encoder_rad=3e-4, drift_v=2e-3)
+    command = ("plan", "validate", "--stand", stand, "--estimator", estimator, "--runs", "4000", "--json")
+    done = tumble(*command)
+    assert done.returncode == 0, done.stderr
+    valid(done.stdout, "plan")
+
+
+def test_a_schedule_is_planned_for_both(tmp_path, tumble):
+    stand = with_keys(tmp_path, encoder_rad=1e-5, drift_v=1e-4)
+    done = tumble("plan", "schedule", "--stand", stand, "--norm", "1e-4", "--mountings", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    assert valid(done.stdout, "plan")["u_norm_g"]["worst_g"] <= 1e-4
+
+
+def test_the_bench_draws_both_and_tells_them(tmp_path, tumble):
+    """On the exact geometry: what it told of the stand gives the means again, to their noise; and it passes."""
+    stand = with_keys(tmp_path, encoder_rad=1e-3, drift_v=2e-3)
+    done = tumble("bench", "--stand", stand, "--seed", "3", "--out", tmp_path / "run", "--json")
+    result = valid(done.stdout)
+    truth = result["truth"]
+    waves = reference.uncertainty.encoder_waves(PAPER)
+    outputs = reference.Geometry(PAPER).outputs(
+        np.array(truth["K"]),
+        np.array(truth["U0"]),
+        alpha1=truth["alpha1_rad"],
+        alpha2=truth["alpha2_rad"],
+        alpha3=np.array(truth["alpha3_rad"]),
+        delta=np.array(truth["alpha4_rad"]) + np.array(truth["encoder_rad"]) @ waves,
+    )
+    outputs = outputs + np.array(truth["drift_v"]) * (np.arange(18)[:, None] / 17 - 0.5)
+    means = np.array([mean["mean"] for mean in result["means"]])
+    assert np.abs(means - outputs).max() < 5 * 3e-4 / 50**0.5 + 2 * 1e-3 * 2e-4
+    assert result["fit"]["fits"]
+    plain = json.loads(tumble("bench", "--seed", "3", "--out", tmp_path / "plain", "--json").stdout)
+    assert not {"encoder_rad", "drift_v"} & set(plain["truth"])
+
+
+@pytest.mark.parametrize(("changes", "is_shared"), [({"encoder": 1e-3}, True), ({"drift": 1e-2}, False)])
+def test_all_runs_share_the_encoder_and_none_the_drift(changes, is_shared):
+    means = drawn(np.random.default_rng(1), PAPER, NOMINAL_K, STAND)
+    run = Run(np.full(18, 50), means, np.full((18, 3), 3e-4), "V", {})
+    parts = {}
+    for declared in (STAND, dataclasses.replace(STAND, **changes)):
+        parts[declared] = covariances(solve(run, None, "refined", 1.0, declared, "run.csv"), True)
+    (own, shared), (more_own, more_shared) = parts.values()
+    assert bool(np.trace(more_shared) > 2 * np.trace(shared)) == is_shared
+    assert bool(np.trace(more_own) > 2 * np.trace(own)) != is_shared

@@ -112,8 +112,8 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
             sums[error] += effect;
             by_mounting[error][schedule->positions[p].mounting] += effect;
             squares += (error == ALPHA2) ? stand->angle_rad * stand->angle_rad * effect * effect : 0.0;
-            for (int n = 0; (n < 4) && (error == ALPHA2); n++) {
-                waves[n] += effect * wave_at(schedule, p, n);
+            for (int wave = 0; (wave < 4) && (error == ALPHA2); wave++) {
+                waves[wave] += effect * wave_at(schedule, p, wave);
             }
         }
         for (int i = 0; i < 3; i++) {

@@ -50,15 +50,17 @@ def absolute_weights(
     mountings = np.unique(model.mounting)[:, None] == model.mounting
     yaws = np.ones((1, len(model.mounting)), dtype=bool) if common_yaw else mountings
 
-    def of(force: Floats, draws: Floats) -> Floats:
-        parts = rows * (force @ k.T)
-        sums, largest = parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ np.abs(draws).T
+    def in_quadrature(sums: Floats, largest: Floats) -> Floats:
         rounded = np.abs(sums) <= _ROUNDING * largest.max(axis=1, keepdims=True)
         sizes: Floats = np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
         return sizes
 
+    def of(force: Floats, draws: Floats) -> Floats:
+        parts = rows * (force @ k.T)
+        return in_quadrature(parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ np.abs(draws).T)
+
     together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
-    by_drift = np.einsum("rpi,p->ri", rows, model.course)
+    drifts = rows * model.course[:, None]
     found = {
         "alpha1": of(model.alpha1, together),
         "alpha2": of(model.delta, together),
@@ -68,7 +70,7 @@ def absolute_weights(
         "seat": np.hypot(of(model.theta_h, mountings), of(model.delta, mountings)),
         "platform": of(model.theta_h, together),
         "encoder": of(model.delta, model.waves.T),
-        "drift": np.linalg.norm(by_drift, axis=1),
+        "drift": in_quadrature(drifts.sum(axis=1), np.abs(drifts).sum(axis=1)),
     }
     return np.stack([found[source] for source in sources], axis=1)
 

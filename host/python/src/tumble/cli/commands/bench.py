@@ -220,6 +220,7 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
 
 def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
     from tumble.bench import realbus
+    from tumble.cli.output import warnings
     from tumble.files.documents import to_json
     from tumble.solving import provenance, result
 
