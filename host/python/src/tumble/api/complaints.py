@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tumble.fixture.judge import Limits
-from tumble.solving import noise
+from tumble.solving import noise, plausibility
 from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
@@ -15,10 +15,11 @@ from tumble.solving.stand_seen import NAMES
 from tumble.units import noise_unit
 
 
-def complaints(solution: Solution, odd: Sequence[str] = ()) -> list[str]:
-    """All of them. `odd`: what is odd about its rows and its K."""
+def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: bool = False) -> list[str]:
+    """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that outputs
+    without a unit are in volts."""
     told: list[str] = []
-    if not solution.run.unit_told:
+    if not solution.run.unit_told and not confirmed_volts:
         told.append("the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
     told += odd
     unit = solution.run.unit
@@ -31,6 +32,7 @@ def complaints(solution: Solution, odd: Sequence[str] = ()) -> list[str]:
         told.append(f"{noisy}; the uncertainties count it")
     if solution.monte_carlo is not None and (open_or_not := simulation_complaint(solution.monte_carlo)):
         told.append(open_or_not)
+    told += plausibility.unchecked(solution)
     if (doubt := complaint(solution)) is not None:
         told.append(f"{doubt}; the uncertainties {consequence(solution)}")
     return told

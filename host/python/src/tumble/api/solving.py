@@ -37,11 +37,16 @@ class Solved:
     created: str | None
     run_file: str | None
 
+    def complaints(self, solution: Solution | None = None) -> list[str]:
+        """Why it may not be what it claims; `solution`: if more has been found since."""
+        confirmed = plausibility.confirms_volts(self.solution, self.stand_file)
+        return complaints(solution or self.solution, self.odd, confirmed)
+
     def document(self, solution: Solution | None = None) -> dict[str, Any]:
-        """As it is written, schema tumble.result/1; `solution`: if more has been found since."""
-        file = self.stand_file
+        """As it is written, schema tumble.result/1; `solution` as of `complaints`."""
+        file, told_of = self.stand_file, self.complaints(solution)
         told = (None, None, None) if file is None else (file.item, file.environment, file.serial)
-        return result.document(solution or self.solution, *told, self.run_file, self.created)
+        return result.document(solution or self.solution, *told, self.run_file, self.created, told_of)
 
 
 def solved(
@@ -157,4 +162,4 @@ def solve(
         confidence=confidence,
         terms=parse(wanted, estimator) if wanted else (),
     )
-    return Result(to_json(found.document()), tuple(complaints(found.solution, found.odd)))
+    return Result(to_json(found.document()), tuple(found.complaints()))

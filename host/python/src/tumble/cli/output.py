@@ -5,16 +5,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from tumble.api.complaints import complaints
 from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.messages import tell
 from tumble.solving.solution import Solution
 
 
-def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
-    """A line on stderr for each reason why a solution may not be what it claims, as `complaints` gives them."""
-    for sentence in complaints(solution, odd):
+def warn(sentences: Sequence[str]) -> None:
+    """A line on stderr for each of `complaints`."""
+    for sentence in sentences:
         tell(f"tumble: warning: {sentence}")
 
 

@@ -43,7 +43,8 @@ from tumble.units import volts_per
 @dataclass(frozen=True)
 class Truth:
     """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
-    platform's in it) and `theta_n` by mounting and `alpha4` by position."""
+    platform's in it) and `theta_n` by mounting and `alpha4` by position, `encoder` by sine and cosine of the table
+    angle and of its double; `drift` by channel, V."""
 
     k: Floats
     u0: Floats
@@ -53,6 +54,8 @@ class Truth:
     alpha4: tuple[float, ...]
     theta_h: tuple[float, ...]
     theta_n: tuple[float, ...]
+    encoder: tuple[float, ...] = (0.0,) * 4
+    drift: tuple[float, ...] = (0.0,) * 3
 
 
 @dataclass(frozen=True)

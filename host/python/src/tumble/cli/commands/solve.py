@@ -76,11 +76,12 @@ def run(arguments: argparse.Namespace) -> int:
         terms=terms,
     )
     solution = found.solution if runs is None else found.solution.simulated(runs, seed)
+    sentences = found.complaints(solution)
     wanted = arguments.json or arguments.out is not None
     text = to_json(found.document(solution)) if wanted else ""
     if arguments.out is not None:
         write_text(arguments.out, text)
-    warn(solution, found.odd)
+    warn(sentences)
     print_solution(solution, text if arguments.json else None, os.path.basename(arguments.run))
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
 
