@@ -83,7 +83,7 @@ def read_measured(file: str, schedule: CoreSchedule, wishes: Wishes = NO_WISHES)
 def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
     """Read a run file (CSV). Raises BadInput with file, row and column."""
     data = read_bytes(file)
-    _require_text(data, file)
+    require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
     samples, means, scatter, blocks = _average(table, len(schedule.positions))
@@ -100,7 +100,8 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
     return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks)
 
 
-def _require_text(data: bytes, file: str) -> None:
+def require_text(data: bytes, file: str) -> None:
+    """Raises BadInput for what is no text, or none at all."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
     zero = data.find(b"\0")
@@ -192,6 +193,20 @@ def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str)
 
 def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTable | None:
     """All rows, or None where the file is not plain or not in order."""
+    plain = read_plain(data, layout)
+    if plain is None:
+        return None
+    values, lines, blanks = plain
+    index = positions.of_arrays(values[:, 0], values[:, 1])
+    outputs = values[:, 2:]
+    if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
+        return None
+    return RunTable(index, outputs, lines, blanks, layout.comments)
+
+
+def read_plain(data: bytes, layout: Layout) -> tuple[Floats, Integers, int] | None:
+    """The numbers in the layout's columns, their lines, and how many blank lines there are; None where the file is not
+    plain."""
     body = _end_of_line(data, layout.header_row)
     if not _is_plain(data, body, layout):
         return None
@@ -212,13 +227,9 @@ def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTabl
         )
     except ValueError:
         return None
-    index = positions.of_arrays(values[:, 0], values[:, 1])
-    outputs = values[:, 2:]
-    if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
-        return None
     lines = layout.header_row + 1 + np.flatnonzero(full)
     blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
-    return RunTable(index, outputs, lines, layout.blanks + blanks, layout.comments)
+    return values, lines, layout.blanks + blanks
 
 
 def _end_of_line(data: bytes, row: int) -> int:
@@ -260,7 +271,7 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     indices: list[int] = []
     outputs, lines = [], []
     blanks, comments = layout.blanks, layout.comments
-    for row, line in _body(data, layout):
+    for row, line in body_of(data, layout):
         if is_blank(line) or is_comment(line):
             blanks, comments = blanks + is_blank(line), comments + is_comment(line)
             continue
@@ -279,7 +290,7 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
 
 
-def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """What follows the header: lines and their numbers."""
     lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
     return ((row, line) for row, line in lines if row > layout.header_row)
@@ -304,7 +315,7 @@ def _hint(
 
 def _has_numbers_alone(data: bytes, layout: Layout, positions: PositionIndex) -> bool:
     """Can all rows be read, as far as numbers go?"""
-    for _, line in _body(data, layout):
+    for _, line in body_of(data, layout):
         try:
             if not is_blank(line) and not is_comment(line):
                 _read_row(line, layout, positions)

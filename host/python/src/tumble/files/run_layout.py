@@ -25,6 +25,14 @@ _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
+    "angle": {"angle", "angledeg", "tableangle", "tableangledeg", "phi", "phideg"},
+    "number": {"number", "no", "nr", "n", "point", "step", "index", "sample", "samples", "nsamples", "sampleno"}
+    | {"counter", "count", "row", "seq"},
+    "time": {
+        stem + unit
+        for stem in ("time", "t", "timestamp", "ts", "elapsed", "elapsedtime", "clock", "datetime", "gpstime", "uptime")
+        for unit in ("", "s", "sec", "ms", "us", "ns")
+    },
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
 }
 
@@ -34,13 +42,16 @@ class Wishes:
     """What the user says about a run file; whatever is empty or None is detected.
 
     `columns`: names of columns in the file, by name in COLUMNS. `delimiter`: one character. `decimal`: "." or ",".
-    `unit`: of the outputs.
+    `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last. `has_preamble`: other rows may
+    stand above the header.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
     delimiter: str | None = None
     decimal: str | None = None
     unit: str | None = None
+    wanted: tuple[str, ...] = COLUMNS
+    has_preamble: bool = False
 
 
 NO_WISHES = Wishes()
@@ -48,8 +59,8 @@ NO_WISHES = Wishes()
 
 @dataclass(frozen=True)
 class Layout:
-    """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns; the
-    `unit` of the outputs is `unit_told`, or assumed."""
+    """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among `width` columns;
+    the `unit` of the outputs is `unit_told`, or assumed."""
 
     header_row: int
     comments: int
@@ -119,19 +130,22 @@ def _from_header(
     for delimiter in candidates:
         try:
             names = split(line, delimiter)
-            indices = _find_all(names, wishes.columns)
+            indices = find_all(names, wishes)
         except (csv.Error, ValueError) as error:
             attempts.append((line.count(delimiter), str(error)))
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
-        unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
+        unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
         return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit or _DEFAULT_UNIT, unit is not None)
-    if _TOML.match(line):
-        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
-        raise BadInput(f"no header line; the first line must name the columns {','.join(COLUMNS)}", file, row)
-    if below := _rows_above_header([line, *following], candidates, wishes):
+        raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
+    below = _rows_above_header([line, *following], candidates, wishes)
+    if _TOML.match(line) and not (below and wishes.has_preamble):
+        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+    if below:
+        if wishes.has_preamble:
+            return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)
         advice = "delete the rows above it, or begin each of them with #"
         raise BadInput(f"is no header; row {row + below} looks like it: {advice}", file, row)
     raise BadInput(max(attempts)[1], file, row)
@@ -151,20 +165,20 @@ def _rows_above_header(lines: list[str], delimiters: list[str], wishes: Wishes) 
 
 def _has_columns(line: str, _following: list[str], delimiter: str, wishes: Wishes) -> bool:
     try:
-        _find_all(split(line, delimiter), wishes.columns)
+        find_all(split(line, delimiter), wishes)
     except (csv.Error, ValueError):
         return False
     return True
 
 
-def _is_above_numbers(line: str, following: list[str], delimiter: str, _wishes: Wishes) -> bool:
+def _is_above_numbers(line: str, following: list[str], delimiter: str, wishes: Wishes) -> bool:
     """As many different names as there are fields in a row of numbers below?"""
     try:
         names, rows = split(line, delimiter), [split(below, delimiter) for below in following]
     except csv.Error:
         return False
     alike = [sum(map(is_number, row)) for row in rows if len(row) == len(names) == len(set(names))]
-    return not any(map(is_number, names)) and max(alike, default=0) >= len(COLUMNS)
+    return not any(map(is_number, names)) and max(alike, default=0) >= len(wishes.wanted)
 
 
 def is_number(text: str) -> bool:
@@ -172,9 +186,10 @@ def is_number(text: str) -> bool:
     return NUMBER.fullmatch(text.replace(",", ".")) is not None
 
 
-def _find_all(names: list[str], renamed: dict[str, str]) -> tuple[int, ...]:
-    """Indices of COLUMNS. Raises ValueError, naming all that are not there, and what is."""
-    found = {wanted: _find(wanted, names, renamed) for wanted in COLUMNS}
+def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
+    """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
+    renamed = wishes.columns
+    found = {wanted: find_column(wanted, names, renamed) for wanted in wishes.wanted}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
         return tuple(index for index in found.values() if index is not None)
@@ -198,7 +213,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
 
 
-def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
+def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
     """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
@@ -225,7 +240,7 @@ def _bare(name: str) -> str:
     return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
 
 
-def _detect_unit(names: list[str], file: str, row: int) -> str | None:
+def detect_unit(names: list[str], file: str, row: int | None) -> str | None:
     """The unit in brackets after the names of the outputs, None where none has one. Raises BadInput if they differ."""
     units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
     if len(set(units)) > 1:
@@ -240,7 +255,7 @@ def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) 
             fields = [] if is_comment(line) else split(line, delimiter)
         except csv.Error:
             continue
-        for index in indices[2:]:
+        for index in indices[-3:]:
             mark = set(fields[index] if index < len(fields) else "") & {".", ","}
             if mark:
                 return mark.pop() if len(mark) == 1 else "."
