@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
-from tumble.cli.commands import bench, export, fixture, plan, replay, solve, store, uml
+from tumble.cli.commands import bench, export, fixture, import_recording, plan, replay, solve, store, uml
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, Interrupted, TumbleError, UsageError
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, bench, replay, plan, fixture, export, store, uml)
+_COMMANDS = (solve, import_recording, bench, replay, plan, fixture, export, store, uml)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import TYPE_CHECKING
 
-from tumble.cli import options
+from tumble.cli import layout_options, options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import OPTIMAL
 from tumble.schedule import file_of
 from tumble.terms import EXTENDABLE, TERMS, Terms
 
-if TYPE_CHECKING:
-    from tumble.files.run_layout import Wishes
-
 FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
-_DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
 
 def add_to(subparsers: options.Subparsers) -> None:
@@ -49,11 +44,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         " decide nearly all); 1000 to 1000000; needs --stand",
     )
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
-    layout = parser.add_argument_group("layout of the run file", "detected, unless given")
-    layout.add_argument("--columns", metavar="NAME=COLUMN,...", help="names of its columns, such as ux=AccX,uy=AccY")
-    layout.add_argument("--delimiter", metavar="SIGN", help="comma, semicolon, tab or another sign")
-    layout.add_argument("--decimal", choices=(".", ","), help="decimal mark")
-    layout.add_argument("--unit", help="unit of the outputs; default: the one in brackets in the header, else V")
+    layout_options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
 
@@ -64,7 +55,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     runs, seed = _parse_monte_carlo(arguments)
     terms = _parse_model(arguments)
-    wishes = _wishes(arguments)
 
     from tumble.cli.output import print_solution, warn
     from tumble.core import CoreSchedule
@@ -72,9 +62,11 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
     from tumble.files.run_file import read_measured
+    from tumble.files.run_layout import COLUMNS
     from tumble.solving import plausibility, provenance, result
     from tumble.solving.solution import solve
 
+    wishes = layout_options.wishes(arguments, COLUMNS)
     created = provenance.created()
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     stand_file = None
@@ -119,18 +111,6 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
 
 
-def _wishes(arguments: argparse.Namespace) -> Wishes:
-    """What the options say about the layout of the run file. Raises UsageError."""
-    from tumble.files.run_layout import Wishes
-
-    return Wishes(
-        columns={} if arguments.columns is None else _parse_columns(arguments.columns),
-        delimiter=None if arguments.delimiter is None else _parse_delimiter(arguments.delimiter),
-        decimal=arguments.decimal,
-        unit=None if arguments.unit is None else _parse_unit(arguments.unit),
-    )
-
-
 def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
     """Runs to simulate, None for no such wish, and the seed. Raises UsageError."""
     if arguments.monte_carlo is None:
@@ -155,34 +135,3 @@ def _parse_model(arguments: argparse.Namespace) -> Terms:
         closed = f"{arguments.estimator} is a closed form of twelve coefficients"
         raise UsageError(f"--model: {closed}; use --estimator least_squares, or optimal with --stand FILE")
     return tuple(term for term in TERMS if term in named)
-
-
-def _parse_columns(text: str) -> dict[str, str]:
-    """Read `ux=AccX,uy=AccY`."""
-    from tumble.files.run_layout import COLUMNS
-
-    columns = {}
-    for part in text.split(","):
-        wanted, equals, name = (piece.strip() for piece in part.partition("="))
-        if not equals or wanted not in COLUMNS or not name or wanted in columns:
-            known = ", ".join(COLUMNS)
-            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {known}, once each")
-        columns[wanted] = name
-    return columns
-
-
-def _parse_delimiter(text: str) -> str:
-    """Read one character, or comma, semicolon, tab."""
-    delimiter = _DELIMITERS.get(text.lower(), text)
-    if len(delimiter) != 1 or delimiter in '"#\r\n.+-' or delimiter.isalnum():
-        raise UsageError(f"--delimiter: {quoted(text)} is not comma, semicolon, tab or another single sign")
-    return delimiter
-
-
-def _parse_unit(text: str) -> str:
-    """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
-    from tumble.units import UNIT
-
-    if not UNIT.fullmatch(text) or text != text.strip():
-        raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
-    return text
