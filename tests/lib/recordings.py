@@ -3,7 +3,7 @@
 The truth comes along: which rows are at rest at which position. Nothing here is taken from tumble.importing.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from tumble.reference import Geometry
 @dataclass
 class Recorded:
     """`outputs` (rows, 3), `time_s` (rows,), `truth` (rows,): index of the position in the schedule, -1 elsewhere;
-    `k`, `u0`: the block; `forces` (positions, 3): what it really felt; `noise`: of a sample, g."""
+    `k`, `u0`: the block; `forces` (positions, 3): what it really felt; `noise`: of a sample, `step`: of the converter, both in g."""
 
     outputs: np.ndarray
     time_s: np.ndarray
@@ -22,7 +22,7 @@ class Recorded:
     u0: np.ndarray
     forces: np.ndarray
     noise: float
-    options: dict = field(default_factory=dict)
+    step: float
 
     def csv(self, header="time,Ax,Ay,Az", digits=7):
         """As a file's text."""
@@ -80,7 +80,7 @@ def recording(schedule, visits, k, u0, habits, rng):
     while rng.random() < habits.gap:
         begin = int(rng.integers(0, len(felt)))
         kept[begin : begin + int(rng.uniform(0.1, 3.0) * habits.rate_hz)] = False
-    return Recorded(outputs[kept], time_s[kept], truth[kept], k, u0, forces, habits.noise_g)
+    return Recorded(outputs[kept], time_s[kept], truth[kept], k, u0, forces, habits.noise_g, habits.step)
 
 
 def _widen(felt, truth, forces, noise_g):
@@ -168,3 +168,54 @@ def _at(schedule, mounting, angles):
 def _unit(rng):
     vector = rng.normal(size=3)
     return vector / np.linalg.norm(vector)
+
+
+ORDERS = ("schedule", "reversed", "exchanged", "shuffled")
+
+
+@dataclass
+class Case:
+    """A random recording, and what its user says: `order`, and `signs` or None."""
+
+    recorded: Recorded
+    kind: str
+    order: str
+    signs: tuple | None
+    true_signs: tuple
+
+
+def random_case(schedule, seed):
+    """Any block, noise, rate, order, pace and accident; half of the blocks have channels that are upside down."""
+    rng = np.random.default_rng(seed)
+    rate = float(rng.choice([20, 50, 100, 200]))
+    habits = Habits(
+        rate_hz=rate,
+        noise_g=10 ** rng.uniform(-5, -2),
+        angle=10 ** rng.uniform(-5, -3),
+        seat=10 ** rng.uniform(-5, -2.5),
+        rest_s=(2.0, rng.uniform(3, 30 if rate <= 100 else 10)),
+        offset_s=rng.choice([0.0, rng.uniform(0, 1e3), 1.7e9]),
+        jitter=rng.choice([0.0, 0.3]),
+        step=rng.choice([0.0, 10 ** rng.uniform(-5, -2.5)]),
+    )
+    signs = rng.choice([-1, 1], 3) if rng.random() < 0.5 else np.ones(3, dtype=int)
+    scale = 10 ** rng.uniform(-3, 4)
+    k = scale * (np.diag(signs * rng.uniform(0.7, 1.3, 3)) + rng.uniform(-0.05, 0.05, (3, 3)))
+    kind = str(rng.choice(ORDERS, p=[0.4, 0.2, 0.2, 0.2]))
+    visits = _visits(schedule, kind, rng)
+    order = "schedule" if kind == "schedule" or rng.random() < 0.3 else "any"
+    told = tuple(int(sign) for sign in signs) if rng.random() < 0.7 else None
+    recorded = recording(schedule, visits, k, rng.uniform(-3, 3, 3) * scale, habits, rng)
+    return Case(recorded, kind, order, told, tuple(int(sign) for sign in signs))
+
+
+def _visits(schedule, kind, rng):
+    places = range(len(schedule.positions))
+    if kind == "reversed":
+        return list(places)[::-1]
+    blocks = [[p for p in places if schedule.positions[p].mounting == m.number] for m in schedule.mountings]
+    if kind == "shuffled":
+        blocks = [[int(p) for p in rng.permutation(block)] for block in blocks]
+    if kind == "exchanged" or (kind == "shuffled" and rng.random() < 0.5):
+        blocks.reverse()
+    return sum(blocks, [])

@@ -25,6 +25,7 @@ from tumble.schedule import Schedule
 POSITIVE: Signs = (1, 1, 1)
 REPEATS = ("first", "last", "longest")
 _CHANCE = 1e-6  # that an honest rest is called off
+_CHANCE_SPARE = 1e-4  # the same of one whose position another rest has
 _AGREE = 5.0  # standard errors: two rests closer than this are one, twice interrupted
 _CLEARLY_WORSE = 3.0  # times as far off
 _FEWEST = 5  # positions: K and U0 take four
@@ -232,7 +233,7 @@ class _Matcher:
         """How far off its attitude a rest outside the fit may be that is still at it, rad."""
         if not spare:
             return {}
-        factor = f_quantile(1 - _CHANCE, 3.0, max(freedom, 1))
+        factor = f_quantile(1 - _CHANCE_SPARE, 3.0, max(freedom, 1))
         wider = 1.0 + fit.leverage(self._attitudes.forces[nearest[spare]])
         noise = self._variances(fit)[spare]
         return dict(zip(spare, np.sqrt(3.0 * factor * (wider * variance + noise)).tolist()))

@@ -186,7 +186,7 @@ def _labelled_rests(
             continue
         begin, end = max(inside, key=lambda part: part[1] - part[0])
         groups.append(group)
-        rests.append(rest_of(outputs, begin, end, found.block))
+        rests.append(rest_of(outputs, begin, end, found.block, found.noise))
     if not groups:
         raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
     return groups, rests, lost

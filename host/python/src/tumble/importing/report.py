@@ -15,11 +15,11 @@ SCHEMA = "tumble.import/1"
 WIDTH = 80
 _REMARKS = {
     TAKEN: "",
-    JOINED: "joined with its neighbour",
-    REPEATED: "left out: position comes again",
-    OFF: "left out: off its attitude",
-    NOWHERE: "left out: at no position",
-    LEFT_OUT: "left out, as told",
+    JOINED: "joined to the next",
+    REPEATED: "left out: comes again",
+    OFF: "left out: is off",
+    NOWHERE: "left out: nowhere",
+    LEFT_OUT: "left out as told",
 }
 
 

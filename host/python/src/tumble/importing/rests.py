@@ -7,7 +7,7 @@ means are both taken from the recording itself: of all windows, the quietest clu
 a coarse converter, is no motion.
 
 A rest is a run of still windows. Blocks at its ends that are off its level or scatter, where the table settles,
-are left out, and two blocks more at each end.
+are left out, and half a window more at each end.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ _FEWEST_BLOCKS = 3  # of a rest
 _CLUSTER = 4.0  # a cluster of variances spans this factor: chi-squared of a few degrees of freedom
 _PART_OF_DENSEST = 0.4  # of the windows in the densest cluster: fewer are chance
 _NEAR = 3.0  # block noises: a block at an end that is further off the level of its rest is not at rest
-_GUARD = 2  # blocks left out at each end beyond those
-_STEPS = 0.3  # noise is no less than this part of the converter's step, about step / sqrt(12)
+_STEPS = 0.5  # noise is no less than this part of the converter's step: the scatter of a value between two
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Thresholds:
 @dataclass(frozen=True)
 class Rest:
     """Rows `begin` to `end` (exclusive) of a recording, at rest. `mean`, `error` (3,): of each channel, the latter the
-    standard error of the mean by the scatter of blocks."""
+    standard error of the mean by the scatter of samples or of blocks, whichever is larger."""
 
     begin: int
     end: int
@@ -85,7 +84,7 @@ class _Blocks:
 def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresholds: Thresholds) -> Found:
     """Rests of `outputs` (rows, 3). `gaps`: rows before which time is missing; `interval_s`: between two rows, None if
     unknown."""
-    block, fewest = _lengths(interval_s, thresholds)
+    block, guard, fewest = _lengths(interval_s, thresholds)
     blocks = _blocks(outputs, gaps, block)
     nothing = Found((), np.zeros(3), np.zeros(3), block)
     if len(blocks.begin) < _PER_WINDOW:
@@ -107,31 +106,31 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     rests = [
         rest
         for first, last in _runs(still)
-        if (rest := _rest(outputs, blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise**2)) is not None
+        if (rest := _rest(outputs, blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)) is not None
         and rest.samples >= fewest
     ]
     return Found(tuple(rests), noise, block_noise, block)
 
 
-def rest_of(outputs: Floats, begin: int, end: int, block: int) -> Rest:
-    """Rows that are at rest."""
+def rest_of(outputs: Floats, begin: int, end: int, block: int, noise: Floats) -> Rest:
+    """Rows that are at rest; `noise` (3,): of a sample, at least."""
     rows = outputs[begin:end]
-    mean = rows.mean(axis=0)
+    error = np.maximum(rows.std(axis=0, ddof=1) if len(rows) > 1 else 0.0, noise) / math.sqrt(len(rows))
     count = len(rows) // block
     if count >= _FEWEST_BLOCKS:
         spread = rows[: count * block].reshape(count, block, 3).mean(axis=1).std(axis=0, ddof=1)
-        return Rest(begin, end, mean, spread / math.sqrt(count))
-    spread = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(3)
-    return Rest(begin, end, mean, spread / math.sqrt(len(rows)))
+        error = np.maximum(error, spread / math.sqrt(count))
+    return Rest(begin, end, rows.mean(axis=0), error)
 
 
-def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int]:
-    """Samples of a block, and the fewest of a rest."""
-    if interval_s is None:
-        block = thresholds.window_samples // _PER_WINDOW
-        return max(block, _FEWEST_IN_BLOCK), thresholds.min_rest_samples
-    block = max(round(thresholds.window_s / interval_s / _PER_WINDOW), _FEWEST_IN_BLOCK)
-    return block, max(math.ceil(thresholds.min_rest_s / interval_s), _FEWEST_IN_BLOCK)
+def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int, int]:
+    """Samples of a block, blocks to be left out at each end of a rest, and the fewest samples of a rest."""
+    interval = interval_s or 1.0
+    window = thresholds.window_samples if interval_s is None else thresholds.window_s
+    rest = thresholds.min_rest_samples if interval_s is None else thresholds.min_rest_s
+    block = max(round(window / interval / _PER_WINDOW), _FEWEST_IN_BLOCK)
+    guard = max(round(window / interval / 2 / block), 1)
+    return block, guard, max(math.ceil(rest / interval), _FEWEST_IN_BLOCK)
 
 
 def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
@@ -170,16 +169,18 @@ def _runs(flags: Flags) -> list[tuple[int, int]]:
     return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()))
 
 
-def _rest(outputs: Floats, blocks: _Blocks, first: int, end: int, far: Floats, variance: Floats) -> Rest | None:
+def _rest(
+    outputs: Floats, blocks: _Blocks, first: int, end: int, far: Floats, noise: Floats, guard: int
+) -> Rest | None:
     """The blocks `first` to `end` (exclusive) without those at the ends that are off their level or scatter more than
     the noise, and a few more, in which a table still settles unseen."""
     level = np.median(blocks.means[first:end], axis=0)
     calm = (np.abs(blocks.means[first:end] - level) <= far).all(axis=1)
-    calm &= (blocks.variances[first:end] <= variance * (1.0 + 3.0 / math.sqrt(blocks.length))).all(axis=1)
+    calm &= (blocks.variances[first:end] <= noise**2 * (1.0 + 3.0 / math.sqrt(blocks.length))).all(axis=1)
     inner = np.flatnonzero(calm)
     if len(inner) < _FEWEST_BLOCKS:
         return None
-    begin, last = first + int(inner[0]) + _GUARD, first + int(inner[-1]) - _GUARD
+    begin, last = first + int(inner[0]) + guard, first + int(inner[-1]) - guard
     if last - begin + 1 < _FEWEST_BLOCKS:
         return None
-    return rest_of(outputs, int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length, blocks.length)
+    return rest_of(outputs, int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length, blocks.length, noise)
