@@ -1,8 +1,9 @@
-"""Recordings as a logger makes them of a block on a stand: rests, turning, settling, mounting by hand, a clock of its own.
+"""Recordings as a logger makes them of a block on a stand: rests, turning, settling, mounting by hand, its own clock.
 
 The truth comes along: which rows are at rest at which position. Nothing here is taken from tumble.importing.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,8 @@ from tumble.reference import Geometry
 @dataclass
 class Recorded:
     """`outputs` (rows, 3), `time_s` (rows,), `truth` (rows,): index of the position in the schedule, -1 elsewhere;
-    `k`, `u0`: the block; `forces` (positions, 3): what it really felt; `noise`: of a sample, `step`: of the converter, both in g."""
+    `k`, `u0`: the block; `forces` (positions, 3): what it really felt; `noise`: of a sample, `step`: of the converter,
+    both in g."""
 
     outputs: np.ndarray
     time_s: np.ndarray
@@ -29,8 +31,7 @@ class Recorded:
         scale = np.abs(self.outputs).max()
         places = max(0, int(digits - np.floor(np.log10(scale))))
         row = f"%.6f,%.{places}f,%.{places}f,%.{places}f\n"
-        return header + "\n" + "".join(row % values for values in
-                                       zip(self.time_s.tolist(), *self.outputs.T.tolist()))
+        return header + "\n" + "".join(row % values for values in zip(self.time_s.tolist(), *self.outputs.T.tolist()))
 
 
 @dataclass
@@ -54,14 +55,17 @@ class Habits:
 def recording(schedule, visits, k, u0, habits, rng):
     """A recording of `schedule` whose positions are visited in the order `visits` (indices)."""
     mountings = [one.number for one in schedule.mountings]
-    forces = Geometry(schedule).force(alpha1=rng.normal(0, habits.angle), alpha2=rng.normal(0, habits.angle),
-                                      alpha3=rng.normal(0, habits.seat, len(mountings)),
-                                      delta=rng.normal(0, habits.angle, len(schedule.positions)),
-                                      seat_h=rng.normal(0, habits.seat, len(mountings)),
-                                      seat_n=rng.normal(0, habits.seat, len(mountings)))
+    forces = Geometry(schedule).force(
+        alpha1=rng.normal(0, habits.angle),
+        alpha2=rng.normal(0, habits.angle),
+        alpha3=rng.normal(0, habits.seat, len(mountings)),
+        delta=rng.normal(0, habits.angle, len(schedule.positions)),
+        seat_h=rng.normal(0, habits.seat, len(mountings)),
+        seat_n=rng.normal(0, habits.seat, len(mountings)),
+    )
     path = _Path(habits, rng)
     path.by_hand(_unit(rng), forces[visits[0]])
-    for place, (now, after) in enumerate(zip(visits, [*visits[1:], None])):
+    for now, after in zip(visits, [*visits[1:], None]):
         path.rest(forces[now], rng.uniform(*habits.rest_s), now)
         if after is None:
             path.by_hand(forces[now], _unit(rng))
@@ -75,7 +79,9 @@ def recording(schedule, visits, k, u0, habits, rng):
     if habits.step:
         step = habits.step * np.abs(np.diag(k))
         outputs = np.round(outputs / step) * step
-    time_s = habits.offset_s + (np.arange(len(felt)) + habits.jitter * rng.uniform(-0.5, 0.5, len(felt))) / habits.rate_hz
+    time_s = (
+        habits.offset_s + (np.arange(len(felt)) + habits.jitter * rng.uniform(-0.5, 0.5, len(felt))) / habits.rate_hz
+    )
     kept = np.ones(len(felt), dtype=bool)
     while rng.random() < habits.gap:
         begin = int(rng.integers(0, len(felt)))
@@ -125,7 +131,7 @@ class _Path:
         stops = [first, last]
         if self.rng.random() < self.habits.pause:
             stops.insert(1, first + (last - first) * self.rng.uniform(0.35, 0.65))
-        for begin, end in zip(stops, stops[1:]):
+        for begin, end in itertools.pairwise(stops):
             rows = self.count(max(abs(end - begin) / 45.0, 0.5))
             phase = np.linspace(0, 1, rows)
             angles = begin + (end - begin) * (phase - np.sin(2 * np.pi * phase) / (2 * np.pi))
@@ -147,7 +153,7 @@ class _Path:
             lies = face + tilt * self.rng.uniform(0.01, 0.08)
             stops.append(lies / np.linalg.norm(lies))
         stops.append(end)
-        for place, (one, other) in enumerate(zip(stops, stops[1:])):
+        for place, (one, other) in enumerate(itertools.pairwise(stops)):
             rows = self.count(self.rng.uniform(1.0, 3.0))
             phase = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, rows))
             felt = one + phase[:, None] * (other - one)

@@ -59,8 +59,8 @@ NO_WISHES = Wishes()
 
 @dataclass(frozen=True)
 class Layout:
-    """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among `width` columns;
-    the `unit` of the outputs is `unit_told`, or assumed."""
+    """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among
+    `width` columns; the `unit` of the outputs is `unit_told`, or assumed."""
 
     header_row: int
     comments: int

@@ -59,8 +59,8 @@ class Fit:
 
     def attitudes(self, means: Floats) -> Floats:
         """What the block feels where it gives `means` (n, 3): (n, 3), g."""
-        felt: Floats = np.linalg.solve(self.k, (means - self.u0).T).T
-        return felt
+        felt = np.linalg.solve(self.k, (means - self.u0).T).T
+        return np.asarray(felt, dtype=np.float64)
 
     def leverage(self, forces: Floats) -> Floats:
         """How much of its own error an attitude takes into the fit."""
@@ -152,7 +152,8 @@ def fitted(forces: Floats, means: Floats, weights: Floats | None = None) -> Fit 
     k = solution[:3].T
     if abs(np.linalg.det(k)) < 1e-6 * np.linalg.norm(k) ** 3:
         return None
-    return Fit(k, solution[3], np.linalg.inv(weighted.T @ weighted))
+    inverse = np.linalg.inv(weighted.T @ weighted)
+    return Fit(*(np.asarray(one, dtype=np.float64) for one in (k, solution[3], inverse)))
 
 
 def _design(forces: Floats) -> Floats:

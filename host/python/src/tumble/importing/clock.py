@@ -10,7 +10,6 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, quoted
-from tumble.files.run_layout import NUMBER
 
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _IN_NAME = re.compile(r"(?:[\[(\s_]|^t|time|stamp)(ns|us|µs|ms|s|sec|seconds)[\])]?\s*$", re.IGNORECASE)
@@ -93,7 +92,9 @@ def _clock(seconds: Floats, notes: list[str], file: str) -> Clock:
     coarse = len(forward) < 0.8 * len(steps)
     interval = float(seconds[-1] - seconds[0]) / len(steps) if coarse else float(np.median(forward))
     if coarse:
-        notes.append(f"clock: it moves on at {len(forward)} of {len(steps)} rows; {1 / max(interval, 1e-9):.4g} Hz on average")
+        notes.append(
+            f"clock: it moves on at {len(forward)} of {len(steps)} rows; {1 / max(interval, 1e-9):.4g} Hz on average"
+        )
     if not interval > 0.0:
         raise BadInput("the clock runs backwards: --rate HZ reads the recording without it", file)
     back = steps < 0.0

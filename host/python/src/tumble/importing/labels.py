@@ -16,7 +16,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
-from tumble.importing.match import Claims, Doubtful, Matched, TAKEN
+from tumble.importing.hypotheses import Claims, Doubtful
+from tumble.importing.match import TAKEN, Matched
 from tumble.importing.rests import Rest
 from tumble.schedule import Schedule
 
@@ -46,7 +47,7 @@ def groups_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[Group
         Group(begin, end, int(file_of_row[begin]), *(
             labels[name][begin] if name in labels else None for name in ("mounting", "position", "angle", "number")
         ))
-        for begin, end in zip(begins, begins[1:])
+        for begin, end in itertools.pairwise(begins)
     ]  # fmt: skip
 
 
@@ -145,7 +146,9 @@ def _position(group: Group, mounting: int, schedule: Schedule) -> int:
         what = f"position {quoted(group.position)}"
     else:
         value = _value(group.angle)
-        off = {index: abs(schedule.positions[index].angle_deg - (np.inf if value is None else value)) for index in inside}
+        off = {
+            index: abs(schedule.positions[index].angle_deg - (np.inf if value is None else value)) for index in inside
+        }
         found = [index for index in sorted(inside, key=off.__getitem__)[:1] if off[index] <= _NEAR_DEG]
         what = f"angle {quoted(group.angle)}"
     if not found:
@@ -158,8 +161,8 @@ def _running(group: Group, schedule: Schedule) -> int:
     value = _value(text)
     if value is None or value != int(value) or not 1 <= value <= len(schedule.positions):
         raise Doubtful(
-            f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; another "
-            "schedule? (--schedule)"
+            f"{quoted(text)} is no running number of the schedule's {len(schedule.positions)} positions, from 1; "
+            "another schedule? (--schedule)"
         )
     return int(value) - 1
 
@@ -173,8 +176,8 @@ def _held_against_gravity(
     fit = attitudes.fitted(forces, means)
     if fit is None:
         raise Doubtful(
-            f"{len(set(positions.tolist()))} positions do not show scale and bias of every channel: give the recordings "
-            "of all mountings together"
+            f"{len(set(positions.tolist()))} positions do not show scale and bias of every channel: give the "
+            "recordings of all mountings together"
         )
     signs = claims.signs or tuple(1 if own >= 0 else -1 for own in np.diag(fit.k))
     own = np.diag(fit.k) * np.array(signs)
@@ -189,9 +192,7 @@ def _held_against_gravity(
     if off[worst] > min(claims.tolerance, 0.4 * known.apart):
         label = schedule.positions[positions[worst]].label
         raise Doubtful(
-            f"group {worst + 1} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: correct its "
-            "label, or delete its rows"
+            f"group {worst + 1} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
+            "correct its label, or delete its rows"
         )
     return off, fit
-
-

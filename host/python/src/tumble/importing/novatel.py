@@ -19,8 +19,8 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput
 
-_LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*]*;([^*]*))\*([0-9a-fA-F]{8})")
-_ANY = re.compile(rb"^[^\n]{0,200}?[#%]RAWIMUS?X?A,", re.MULTILINE)
+_LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*#%]*;([^*#%]*))\*([0-9a-fA-F]{8})")
+_START = re.compile(rb"[#%]RAWIMUS?X?A,")
 _HEAD = 1 << 16
 _WEEK_S = 604800.0
 UNIT = "counts"
@@ -29,7 +29,8 @@ UNIT = "counts"
 @dataclass(frozen=True)
 class Log:
     """`outputs` (rows, 3): x, y, z in counts; `seconds` (rows,): of GNSS time; `lines` (rows,): numbers of lines;
-    `damaged`: lines of such a log whose check sum is wrong; `others`: lines of something else."""
+    `damaged`: messages of such a log that are torn or
+    whose check sum is wrong; `others`: lines of something else."""
 
     outputs: Floats
     seconds: Floats
@@ -40,7 +41,7 @@ class Log:
 
 def is_log(data: bytes) -> bool:
     """Does this begin like such a log?"""
-    return _ANY.search(data[:_HEAD]) is not None
+    return _START.search(data[:_HEAD]) is not None
 
 
 def read(data: bytes, file: str) -> Log:
@@ -48,17 +49,15 @@ def read(data: bytes, file: str) -> Log:
     rows, lines = [], []
     damaged = others = 0
     for number, line in enumerate(data.split(b"\n"), start=1):
-        found = _LINE.search(line)
-        if found is None:
-            is_torn = _ANY.search(line) is not None
-            damaged, others = damaged + is_torn, others + (not is_torn and bool(line.strip()))
-            continue
-        row = _row(found) if int(found[5], 16) == crc32(found[1]) else None
-        if row is None:
-            damaged += 1
-            continue
-        rows.append(row)
-        lines.append(number)
+        begun = len(_START.findall(line))  # two, where the end of one was lost
+        others += begun == 0 and bool(line.strip())
+        for found in _LINE.finditer(line):
+            row = _row(found) if int(found[5], 16) == crc32(found[1]) else None
+            if row is not None:
+                rows.append(row)
+                lines.append(number)
+                begun -= 1
+        damaged += begun
     if not rows:
         raise BadInput(f"{damaged} lines of a RAWIMU log, none with a good check sum: log it anew, as ASCII", file)
     values = np.array(rows)

@@ -62,11 +62,11 @@ def _in_order(nearest: Integers, nearness: Floats, of_position: Integers) -> Ass
             rest -= 1
         else:
             position -= 1
-    for rest in np.flatnonzero(found != NONE):
+    for rest in np.flatnonzero(found != NONE).tolist():
         through = ahead[rest, :-1] + worth[rest] + behind[rest + 1, 1:]
         others = np.flatnonzero((worth[rest] > 0) & (through > best - 0.5))
         if len(others) > 1:
-            doubts[int(rest)] = tuple(map(int, others))
+            doubts[rest] = tuple(map(int, others))
     return Assigned(found, doubts)
 
 
@@ -119,7 +119,7 @@ def _mountings(
     ranked = []
     for choice in itertools.product(*(open_to[rest] for rest in open_rests)):
         mounting = {rest: open_to[rest][0] for rest in used} | dict(zip(open_rests, choice))
-        changes = sum(mounting[one] != mounting[other] for one, other in zip(used, used[1:]))
+        changes = sum(mounting[one] != mounting[other] for one, other in itertools.pairwise(used))
         ranked.append((-_positions_found(mounting, nearest, by_attitude), changes, choice))
     ranked.sort()
     best = [choice for found, changes, choice in ranked if (found, changes) == ranked[0][:2]]

@@ -12,7 +12,8 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
-from tumble.importing.match import Claims, Doubtful, Matched
+from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
+from tumble.importing.match import Matched
 from tumble.importing.order import ANY, NONE
 from tumble.importing.recording import Recording, Timing
 from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
@@ -152,7 +153,7 @@ def _other_schedule(rests: list[Rest], matched: Matched | None, claims: Claims) 
             continue
         schedule = built_in(name)
         for order in dict.fromkeys((claims.order, ANY)):
-            signs = claims.signs or match.POSITIVE
+            signs = claims.signs or POSITIVE
             tried = replace(claims, order=order, signs=signs, repeats=claims.repeats or "first")
             try:
                 other = match.match(rests, schedule, tried)
@@ -186,7 +187,7 @@ def _labelled_rests(
             continue
         begin, end = max(inside, key=lambda part: part[1] - part[0])
         groups.append(group)
-        rests.append(rest_of(outputs, begin, end, found.block, found.noise))
+        rests.append(rest_of(outputs, begin, end, found.block, found.rounding))
     if not groups:
         raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
     return groups, rests, lost
@@ -218,7 +219,9 @@ def _notes(
 ) -> list[str]:
     several = len(recordings) > 1
     notes = [
-        f"{f'file {number}: ' if several else ''}{note}" for number, one in enumerate(recordings, 1) for note in one.notes
+        f"{f'file {number}: ' if several else ''}{note}"
+        for number, one in enumerate(recordings, 1)
+        for note in one.notes
     ]
     if settings.schedule is None:
         notes.append(f"schedule: nobody says, taken for {DEFAULT_SCHEDULE} (--schedule)")
@@ -227,5 +230,3 @@ def _notes(
     if not all(one.unit_told for one in recordings):
         notes.append("unit: nobody says; the run file names none either (--unit)")
     return notes
-
-

@@ -26,14 +26,14 @@ def require_format(file: str) -> None:
     if os.path.splitext(file)[1].lower() not in FORMATS:
         raise UsageError(f"--plot: {quoted(file)} does not end in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
     try:
-        import matplotlib  # noqa: F401
+        import matplotlib  # type: ignore[import-not-found, unused-ignore] # noqa: F401
     except ImportError:
         raise Skipped("--plot needs matplotlib: pip install 'tumble[plot]'") from None
 
 
 def picture(done: Imported, file: str) -> bytes:
     """The picture, in the format that the file's name says."""
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure  # type: ignore[import-not-found, unused-ignore]
 
     figure: Any = Figure(figsize=(12, 6), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)

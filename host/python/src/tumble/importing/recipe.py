@@ -19,8 +19,9 @@ from dataclasses import fields, replace
 from tumble.errors import BadInput, quoted
 from tumble.files.run_layout import Wishes
 from tumble.files.toml import Table, read_toml
+from tumble.importing.attitudes import Signs
 from tumble.importing.clock import UNITS
-from tumble.importing.match import REPEATS, Claims, Signs
+from tumble.importing.hypotheses import REPEATS, Claims
 from tumble.importing.order import ANY, SCHEDULE
 from tumble.importing.pipeline import Settings
 from tumble.importing.recording import OPTIONAL, OUTPUTS, Timing
@@ -89,7 +90,7 @@ def to_toml(settings: Settings) -> str:
     """A recipe's text, which reads back as the same settings but for rests that are left out or taken."""
     claims, timing, wishes = settings.claims, settings.timing, settings.wishes
     signs = None if claims.signs is None else "".join("+" if sign > 0 else "-" for sign in claims.signs)
-    tables = {
+    tables: dict[str, dict[str, object]] = {
         "import": {
             "schedule": settings.schedule_name,
             "order": claims.order,

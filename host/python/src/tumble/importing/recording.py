@@ -1,7 +1,7 @@
 """Recordings in, as loggers write them: rows of a preamble, a row of units, clocks, labels, raw logs of receivers.
 
-The layout is found by files.run_layout, the numbers of a plain file by files.run_file; what a run file must not have and
-a recording may is added here. Everything that was passed over or taken for granted is noted.
+The layout is found by files.run_layout, the numbers of a plain file by files.run_file; what a run file must not have
+and a recording may is added here. Everything that was passed over or taken for granted is noted.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Timing:
-    """What the user says about time: `rate_hz` instead of a clock; `unit` of the clock's numbers, one of clock.UNITS."""
+    """What the user says about time: `rate_hz` instead of a clock; `unit` of its numbers, one of clock.UNITS."""
 
     rate_hz: float | None = None
     unit: str | None = None
@@ -72,9 +72,9 @@ def read(file: str, wishes: Wishes, timing: Timing) -> Recording:
 
 def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
     log = novatel.read(data, file)
-    notes = [f"RAWIMU log: {len(log.lines)} lines; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
+    notes = [f"RAWIMU log: {len(log.lines)} messages; ux is its X, uy the negative of its -Y, uz its Z, in counts"]
     if log.damaged or log.others:
-        notes.append(f"left out: {log.damaged} lines with a wrong check sum, {log.others} of something else")
+        notes.append(f"left out: {log.damaged} messages that are damaged, {log.others} lines of something else")
     told = _clock_of(log.seconds, "time s", timing, file)
     return Recording(
         file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
@@ -138,9 +138,7 @@ def _optional_columns(names: list[str], wishes: Wishes, file: str, row: int) -> 
     return found
 
 
-def _below_units(
-    data: bytes, layout: Layout, names: list[str], wishes: Wishes, file: str
-) -> tuple[Layout, list[str]]:
+def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, file: str) -> tuple[Layout, list[str]]:
     """The layout with a row of units taken for a part of the header, if there is one."""
     for row, line in body_of(data, layout):
         if is_blank(line) or is_comment(line):
@@ -216,7 +214,9 @@ def _number(text: str, layout: Layout, file: str, row: int, name: str) -> float 
     pointed = text.replace(",", ".") if layout.decimal == "," else text
     if not NUMBER.fullmatch(pointed):
         other = "." if layout.decimal == "," else ","
-        hint = f" (its decimal mark? see --decimal {other})" if other in text else "; begin the row with # to leave it out"
+        hint = (
+            f" (its decimal mark? see --decimal {other})" if other in text else "; begin the row with # to leave it out"
+        )
         raise BadInput(f"{quoted(text)} is not a number{hint}", file, row, name)
     return float(pointed)
 
@@ -255,4 +255,6 @@ def require_alike(recordings: list[Recording]) -> None:
     """Several files that are to be one run have the same unit. Raises UsageError."""
     units = {one.unit for one in recordings}
     if len(units) > 1:
-        raise UsageError(f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each")
+        raise UsageError(
+            f"recordings in different units, {', '.join(sorted(units))}: --unit says which, or import each"
+        )

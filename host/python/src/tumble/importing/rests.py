@@ -12,6 +12,7 @@ are left out, and half a window more at each end.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -46,7 +47,8 @@ class Thresholds:
 @dataclass(frozen=True)
 class Rest:
     """Rows `begin` to `end` (exclusive) of a recording, at rest. `mean`, `error` (3,): of each channel, the latter the
-    standard error of the mean by the scatter of samples or of blocks, whichever is larger."""
+    standard error of the mean by the scatter of samples or of blocks, whichever is larger, and by
+    rounding."""
 
     begin: int
     end: int
@@ -62,17 +64,20 @@ class Rest:
 @dataclass(frozen=True)
 class Found:
     """The rests, in order of time; `noise`, `block_noise` (3,): standard deviation of a sample, and of the mean of a
-    block of `block` samples."""
+    block of `block` samples; `rounding` (3,): error of a mean of samples that round alike, 0 where noise spreads
+    them."""
 
     rests: tuple[Rest, ...]
     noise: Floats
     block_noise: Floats
+    rounding: Floats
     block: int
 
 
 @dataclass(frozen=True)
 class _Blocks:
-    """`begin` (blocks,): first rows; `means`, `variances` (blocks, 3); `part` (blocks,): which stretch without a gap."""
+    """`begin` (blocks,): first rows; `means`, `variances` (blocks, 3); `part` (blocks,): of which stretch without
+    gaps."""
 
     begin: Integers
     means: Floats
@@ -86,7 +91,7 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     unknown."""
     block, guard, fewest = _lengths(interval_s, thresholds)
     blocks = _blocks(outputs, gaps, block)
-    nothing = Found((), np.zeros(3), np.zeros(3), block)
+    nothing = Found((), np.zeros(3), np.zeros(3), np.zeros(3), block)
     if len(blocks.begin) < _PER_WINDOW:
         return nothing
     windows = np.lib.stride_tricks.sliding_window_view
@@ -96,8 +101,11 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     ranges = means.max(axis=-1) - means.min(axis=-1)
     if not whole.any():
         return nothing
-    floor = _STEPS * _steps(outputs)
-    noise = np.maximum(np.sqrt(_quietest(within[whole])), floor)
+    steps = _steps(outputs)
+    floor = _STEPS * steps
+    scatter = np.sqrt(_quietest(within[whole]))
+    rounding = np.where(scatter < steps / 2, steps / math.sqrt(12.0), 0.0)
+    noise = np.maximum(scatter, floor)
     white = noise / math.sqrt(block)
     usual = np.sqrt(_quietest(means.var(axis=-1, ddof=1)[whole]))
     block_noise = np.maximum(np.minimum(usual, noise), np.maximum(white, floor / 2))
@@ -106,21 +114,21 @@ def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresh
     rests = [
         rest
         for first, last in _runs(still)
-        if (rest := _rest(outputs, blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)) is not None
-        and rest.samples >= fewest
+        if (part := _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)) is not None
+        and (rest := rest_of(outputs, *part, block, rounding)).samples >= fewest
     ]
-    return Found(tuple(rests), noise, block_noise, block)
+    return Found(tuple(rests), noise, block_noise, rounding, block)
 
 
-def rest_of(outputs: Floats, begin: int, end: int, block: int, noise: Floats) -> Rest:
-    """Rows that are at rest; `noise` (3,): of a sample, at least."""
+def rest_of(outputs: Floats, begin: int, end: int, block: int, rounding: Floats) -> Rest:
+    """Rows that are at rest; `rounding` (3,): error of a mean of samples that round alike."""
     rows = outputs[begin:end]
-    error = np.maximum(rows.std(axis=0, ddof=1) if len(rows) > 1 else 0.0, noise) / math.sqrt(len(rows))
+    error = rows.std(axis=0, ddof=1) / math.sqrt(len(rows)) if len(rows) > 1 else np.zeros(3)
     count = len(rows) // block
     if count >= _FEWEST_BLOCKS:
         spread = rows[: count * block].reshape(count, block, 3).mean(axis=1).std(axis=0, ddof=1)
         error = np.maximum(error, spread / math.sqrt(count))
-    return Rest(begin, end, rows.mean(axis=0), error)
+    return Rest(begin, end, rows.mean(axis=0), np.hypot(error, rounding))
 
 
 def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int, int]:
@@ -136,7 +144,7 @@ def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int
 def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
     """What is left over at the end of a stretch without gaps belongs to no block."""
     edges = [0, *np.asarray(gaps).tolist(), len(outputs)]
-    stretches = [(first, (last - first) // length) for first, last in zip(edges, edges[1:])]
+    stretches = [(first, (last - first) // length) for first, last in itertools.pairwise(edges)]
     begin = np.concatenate([first + length * np.arange(count) for first, count in stretches]).astype(int)
     part = np.repeat(np.arange(len(stretches)), [count for _, count in stretches])
     grouped = outputs[begin[:, None] + np.arange(length)]
@@ -169,11 +177,9 @@ def _runs(flags: Flags) -> list[tuple[int, int]]:
     return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()))
 
 
-def _rest(
-    outputs: Floats, blocks: _Blocks, first: int, end: int, far: Floats, noise: Floats, guard: int
-) -> Rest | None:
-    """The blocks `first` to `end` (exclusive) without those at the ends that are off their level or scatter more than
-    the noise, and a few more, in which a table still settles unseen."""
+def _calm_part(blocks: _Blocks, first: int, end: int, far: Floats, noise: Floats, guard: int) -> tuple[int, int] | None:
+    """Rows of the blocks `first` to `end` (exclusive) without those at the ends that are off their level or scatter
+    more than the noise, and `guard` more, in which a table still settles unseen; None: nothing is left."""
     level = np.median(blocks.means[first:end], axis=0)
     calm = (np.abs(blocks.means[first:end] - level) <= far).all(axis=1)
     calm &= (blocks.variances[first:end] <= noise**2 * (1.0 + 3.0 / math.sqrt(blocks.length))).all(axis=1)
@@ -183,4 +189,4 @@ def _rest(
     begin, last = first + int(inner[0]) + guard, first + int(inner[-1]) - guard
     if last - begin + 1 < _FEWEST_BLOCKS:
         return None
-    return rest_of(outputs, int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length, blocks.length, noise)
+    return int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length

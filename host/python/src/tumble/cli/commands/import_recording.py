@@ -14,7 +14,7 @@ from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
-    from tumble.importing.match import Claims
+    from tumble.importing.hypotheses import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
 
@@ -27,8 +27,8 @@ def add_to(subparsers: options.Subparsers) -> None:
         "import",
         help="make a run file from continuous recordings: rests found and matched to a schedule",
         description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
-        " direction of gravity, and write a run file. What was taken for granted is told; what fits two ways is refused.",
-        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 --plot without matplotlib, 130 interrupted.",
+        " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
+        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 no matplotlib for --plot, 130 interrupted.",
     )
     parser.add_argument(
         "recordings",
@@ -197,5 +197,3 @@ def _positive(text: str, option: str, most: float = 1e6) -> float:
     if not 0.0 < value <= most:
         raise UsageError(f"{option}: {quoted(text)} is not a number above 0, at most {most:g}")
     return value
-
-
