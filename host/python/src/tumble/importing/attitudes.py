@@ -23,6 +23,7 @@ _SAME = 1e-6  # rad: attitudes closer than this are one
 _LEAST_SINGULAR = 1e-2  # of the largest: below, the rests do not show scale and bias of every channel
 _ROUGH = 0.45  # of the smallest angle between attitudes: how far off a first guess may be
 _ROUNDS = 12
+_SQUARES = 6  # unknowns of an ellipsoid along the axes
 _CROSS = 0.5  # of a channel's own axis: what it may feel of another
 _RANK = 4  # of the unit attitudes with a column of ones: K and U0 need as much
 
@@ -105,9 +106,11 @@ def views(signs: Signs | None, channels: bool) -> Iterator[View]:
 def scale_and_bias(means: Floats) -> tuple[Floats, Floats] | None:
     """Size of the scale (3,) and bias (3,) of each channel, as if it felt its own axis alone; None where the rests do
     not show them."""
+    if len(means) < _SQUARES:
+        return None
     middle = (means.max(axis=0) + means.min(axis=0)) / 2
     half = (means.max(axis=0) - means.min(axis=0)) / 2
-    if len(means) < 6 or not (half > 0.0).all():
+    if not (half > 0.0).all():
         return None
     unit = (means - middle) / half
     design = np.hstack([unit**2, unit])

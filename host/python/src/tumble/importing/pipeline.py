@@ -13,7 +13,7 @@ from tumble.errors import BadInput, UsageError
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
-from tumble.importing.match import Matched
+from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
 from tumble.importing.order import ANY, NONE
 from tumble.importing.recording import Recording, Timing
 from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
@@ -22,6 +22,7 @@ from tumble.schedule import BUILT_IN, Schedule
 
 DEFAULT_SCHEDULE = "paper"
 _FEWEST_ROWS_IN_BLOCK = 4
+_EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
 
 
 @dataclass(frozen=True)
@@ -146,8 +147,8 @@ def _matched(rests: list[Rest], schedule: Schedule, settings: Settings) -> Match
 
 
 def _other_schedule(rests: list[Rest], matched: Matched | None, claims: Claims) -> str | None:
-    """Advice, where the rests fit another built-in schedule as a whole."""
-    placed = 0 if matched is None else int((matched.positions != NONE).sum())
+    """Advice, where another built-in schedule is found as a whole, and explains nearly all rests."""
+    explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
     for name in BUILT_IN:
         if name == DEFAULT_SCHEDULE:
             continue
@@ -160,9 +161,14 @@ def _other_schedule(rests: list[Rest], matched: Matched | None, claims: Claims) 
             except Doubtful:
                 continue
             whole = set(range(len(schedule.positions))) <= set(other.positions.tolist())
-            if whole and int((other.positions != NONE).sum()) >= placed:
+            if whole and _explained(other) >= explained:
                 return f"all of {name} have: --schedule {name}" + (" --order any" if order != claims.order else "")
     return None
+
+
+def _explained(matched: Matched) -> int:
+    """How many rests are at a position, if for the second time."""
+    return sum(state in (TAKEN, JOINED, REPEATED) for state in matched.states)
 
 
 def _labelled_rests(
