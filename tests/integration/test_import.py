@@ -5,11 +5,12 @@ import itertools
 import json
 import os
 import re
+import shlex
 
 import numpy as np
 import pytest
 from blocks import NOMINAL_K
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 from documents import paper_stand, valid
 from recordings import Habits, recording
 
@@ -271,3 +272,13 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
             if place >= 0:
                 could_be = sorted({int(way[rest]) for way in ways} - {-1})
                 assert sorted(found.doubts.get(rest, (place,))) == could_be
+
+
+# The page.
+
+
+def test_the_page_shows_what_is_printed(tumble, tmp_path):
+    page = (ROOT / "docs/import.md").read_text(encoding="utf-8")
+    (command, shown) = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    assert tumble(*shlex.split(command), cwd=tmp_path).stdout == shown

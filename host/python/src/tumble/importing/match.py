@@ -204,6 +204,9 @@ class _Judge:
         notes = []
         if self._given.claims.signs is None:
             notes.append("signs of K: nobody says them, taken for positive (--signs, or scale_v_per_g of a stand file)")
+        else:
+            told = "".join("+" if sign > 0 else "-" for sign in self._given.claims.signs)
+            notes.append(f"signs of K in x, y, z: {told}, as told")
         if self._given.claims.order == ANY:
             run = [position for position in positions.tolist() if position != NONE]
             notes.append("order: any; measured in " + self._told_order(run))
