@@ -119,7 +119,8 @@ def test_positive_signs_are_told(tumble, tmp_path):
     document = valid(done.stdout, "import")
     assert any(note.startswith("signs of K: nobody says them, taken for positive") for note in document["assumed"])
     assert (document["signs"], document["order"], document["missing"]) == (None, "schedule", [])
-    assert [(rest["mounting"], rest["position"]) for rest in document["rests"] if rest["position"]] == expected(IN_ORDER)
+    placed = [(rest["mounting"], rest["position"]) for rest in document["rests"] if rest["position"]]
+    assert placed == expected(IN_ORDER)
 
 
 # Rests in doubt.
@@ -279,6 +280,7 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
 
 def test_the_page_shows_what_is_printed(tumble, tmp_path):
     page = (ROOT / "docs/import.md").read_text(encoding="utf-8")
-    (command, shown) = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    step = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL)
+    command, shown = step.groups()
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     assert tumble(*shlex.split(command), cwd=tmp_path).stdout == shown
