@@ -16,8 +16,8 @@ from tumble.units import noise_unit
 
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: bool = False) -> list[str]:
-    """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that outputs
-    without a unit are in volts."""
+    """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that
+    outputs without a unit are in volts."""
     told: list[str] = []
     if not solution.run.unit_told and not confirmed_volts:
         told.append("the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")

@@ -5,21 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.schedule import BUILT_IN
 
-if TYPE_CHECKING:
-    from tumble.files.run_layout import Wishes
-
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
 FIRMWARES = ("host", "zcu102")
 LARGEST_SEED = 2**64 - 1
-_DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "\\t": "\t"}
 
 
 def add_subjects(subparsers: Subparsers, name: str, about: str, description: str = "") -> Subparsers:
@@ -82,32 +78,6 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
 
 
-def add_layout(parser: argparse.ArgumentParser, file: str) -> argparse._ArgumentGroup:
-    """--columns, --delimiter, --decimal, of a table in a `file`. Returns their group."""
-    layout = parser.add_argument_group(f"layout of {file}", "detected, unless given")
-    layout.add_argument("--columns", metavar="NAME=COLUMN,...", help="names of its columns, such as ux=AccX,uy=AccY")
-    layout.add_argument("--delimiter", metavar="SIGN", help="comma, semicolon, tab or another sign")
-    layout.add_argument("--decimal", choices=(".", ","), help="decimal mark")
-    return layout
-
-
-def wishes(arguments: argparse.Namespace, unit: str | None, known: tuple[str, ...] = ()) -> Wishes:
-    """What the options of add_layout say, and the `unit` of the outputs, if it is given. `known`: the columns that are
-    wanted; empty for a run's. Raises UsageError."""
-    from tumble.files.run_layout import COLUMNS, TEMPERATURE, Wishes
-
-    wanted, named = known or COLUMNS, known or (*COLUMNS, TEMPERATURE)
-    return Wishes(
-        columns={}
-        if arguments.columns is None
-        else _parse_columns(arguments.columns, known or (*COLUMNS, TEMPERATURE)),
-        delimiter=None if arguments.delimiter is None else _parse_delimiter(arguments.delimiter),
-        decimal=arguments.decimal,
-        unit=None if unit is None else _parse_unit(unit),
-        wanted=wanted,
-    )
-
-
 def parse_limit(text: str | None) -> float | None:
     """The value of --limit, g; None without one. Raises UsageError."""
     if text is None:
@@ -143,32 +113,3 @@ def parse_number(text: str) -> float:
     from tumble.files.run_layout import NUMBER
 
     return float(text) if NUMBER.fullmatch(text) else math.nan
-
-
-def _parse_columns(text: str, known: tuple[str, ...]) -> dict[str, str]:
-    """Read `ux=AccX,uy=AccY`."""
-    columns = {}
-    for part in text.split(","):
-        wanted, equals, name = (piece.strip() for piece in part.partition("="))
-        if not equals or wanted not in known or not name or wanted in columns:
-            listed = ", ".join(known)
-            raise UsageError(f"--columns: {quoted(part)} is not NAME=COLUMN with NAME one of {listed}, once each")
-        columns[wanted] = name
-    return columns
-
-
-def _parse_delimiter(text: str) -> str:
-    """Read one character, or comma, semicolon, tab."""
-    delimiter = _DELIMITERS.get(text.lower(), text)
-    if len(delimiter) != 1 or delimiter in '"#\r\n.+-' or delimiter.isalnum():
-        raise UsageError(f"--delimiter: {quoted(text)} is not comma, semicolon, tab or another single sign")
-    return delimiter
-
-
-def _parse_unit(text: str) -> str:
-    """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
-    from tumble.units import UNIT
-
-    if not UNIT.fullmatch(text) or text != text.strip():
-        raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
-    return text

@@ -17,6 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.core import MAX_MEAN
 from tumble.errors import BadInput, NotInstalled, file_name, quoted
 from tumble.files import frames
 from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
@@ -136,7 +137,7 @@ class CsvData:
         """A piece with its new columns, how many lines it has, and whether any is a row; `row`: lines before it."""
         lines = list(_lines(piece))
         fast = fast_numbers(piece, 0, self._layout)
-        if fast is not None:
+        if fast is not None and (np.abs(fast[0]) <= MAX_MEAN).all():
             outputs, full = fast
             places = np.flatnonzero(full).tolist()
         else:

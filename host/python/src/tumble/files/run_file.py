@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core import CoreSchedule
+from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput
 from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import read_bytes
@@ -202,16 +202,27 @@ def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str)
 
 def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTable | None:
     """All rows, or None where the file is not plain or not in order."""
+    plain = read_plain(data, layout)
+    if plain is None:
+        return None
+    values, lines, blanks = plain
+    index = positions.of_arrays(values[:, 0], values[:, 1])
+    outputs = values[:, 2:]
+    if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
+        return None
+    return RunTable(index, outputs, lines, blanks, layout.comments)
+
+
+def read_plain(data: bytes, layout: Layout) -> tuple[Floats, Integers, int] | None:
+    """The numbers in the layout's columns, their lines, and how many blank lines there are; None where the file is not
+    plain."""
     found = fast_numbers(data, _end_of_line(data, layout.header_row), layout)
     if found is None:
         return None
     values, full = found
-    index = positions.of_arrays(values[:, 0], values[:, 1])
-    if (index < 0).any():
-        return None
     lines = layout.header_row + 1 + np.flatnonzero(full)
     blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
-    return RunTable(index, values[:, 2:], lines, layout.blanks + blanks, layout.comments)
+    return values, lines, layout.blanks + blanks
 
 
 def _end_of_line(data: bytes, row: int) -> int:
@@ -228,7 +239,7 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     indices: list[int] = []
     outputs, lines = [], []
     blanks, comments = layout.blanks, layout.comments
-    for row, line in _body(data, layout):
+    for row, line in body_of(data, layout):
         if is_blank(line) or is_comment(line):
             blanks, comments = blanks + is_blank(line), comments + is_comment(line)
             continue
@@ -247,7 +258,7 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
 
 
-def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """What follows the header: lines and their numbers."""
     lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
     return ((row, line) for row, line in lines if row > layout.header_row)
@@ -255,7 +266,7 @@ def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
 
 def _rows(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """Of these, the lines that hold a row."""
-    return ((row, line) for row, line in _body(data, layout) if not is_blank(line) and not is_comment(line))
+    return ((row, line) for row, line in body_of(data, layout) if not is_blank(line) and not is_comment(line))
 
 
 def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex) -> str:
@@ -275,7 +286,7 @@ def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: L
 
 def _has_numbers_alone(data: bytes, layout: Layout, positions: PositionIndex) -> bool:
     """Can all rows be read, as far as numbers go?"""
-    for _, line in _body(data, layout):
+    for _, line in body_of(data, layout):
         try:
             if not is_blank(line) and not is_comment(line):
                 _read_row(line, layout, positions)

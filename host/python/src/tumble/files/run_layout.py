@@ -26,6 +26,14 @@ _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
+    "angle": {"angle", "angledeg", "tableangle", "tableangledeg", "phi", "phideg"},
+    "number": {"number", "no", "nr", "n", "point", "step", "index", "sample", "samples", "nsamples", "sampleno"}
+    | {"counter", "count", "row", "seq"},
+    "time": {
+        stem + unit
+        for stem in ("time", "t", "timestamp", "ts", "elapsed", "elapsedtime", "clock", "datetime", "gpstime", "uptime")
+        for unit in ("", "s", "sec", "ms", "us", "ns")
+    },
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
     TEMPERATURE: {"temperature", "temp", "temperaturec", "tempc"},
 }
@@ -36,7 +44,8 @@ class Wishes:
     """What the user says about a run file; whatever is empty or None is detected.
 
     `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`:
-    "." or ",". `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last.
+    "." or ",". `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last. `has_preamble`:
+    other rows may stand above the header.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
@@ -44,6 +53,7 @@ class Wishes:
     decimal: str | None = None
     unit: str | None = None
     wanted: tuple[str, ...] = COLUMNS
+    has_preamble: bool = False
 
 
 NO_WISHES = Wishes()
@@ -144,12 +154,15 @@ def _from_header(
         unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
         told = unit or _DEFAULT_UNIT, unit is not None
         return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *_temperature(names, wishes))
-    if _TOML.match(line):
-        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
-    if below := _rows_above_header([line, *following], candidates, wishes):
+    below = _rows_above_header([line, *following], candidates, wishes)
+    if _TOML.match(line) and not (below and wishes.has_preamble):
+        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+    if below:
+        if wishes.has_preamble:
+            return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)
         advice = "delete the rows above it, or begin each of them with #"
         raise BadInput(f"is no header; row {row + below} looks like it: {advice}", file, row)
     raise BadInput(max(attempts)[1], file, row)
@@ -193,7 +206,7 @@ def is_number(text: str) -> bool:
 def _temperature(names: list[str], wishes: Wishes) -> tuple[Column | None, str | None]:
     """The column of the temperature, and why it is not known; that a told one is there, is known."""
     try:
-        index = _find(TEMPERATURE, names, wishes.columns)
+        index = find_column(TEMPERATURE, names, wishes.columns)
     except ValueError as several:
         return None, str(several)
     if index is None:
@@ -207,7 +220,7 @@ def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
     """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
     renamed = wishes.columns
     told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
-    found = {wanted: _find(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
+    found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
         return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
@@ -231,7 +244,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
 
 
-def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
+def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
     """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)

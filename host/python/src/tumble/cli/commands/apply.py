@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from tumble.cli import options
+from tumble.cli import layout_options, options
 from tumble.errors import EXIT_PASS, UsageError, file_name, quoted
 from tumble.messages import tell
 
@@ -43,7 +44,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         help="standard uncertainties of x, y, z and of their norm, by those of the coefficients, as columns u_x, u_y,"
         " u_z, u_norm before x",
     )
-    options.add_layout(parser, "the data")
+    layout_options.add_layout(parser, "data", has_unit=False)
     parser.set_defaults(run_command=run)
 
 
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import written
     from tumble.files.tables import PARQUET, suffix_of
 
-    wishes = options.wishes(arguments, unit=None, known=OUTPUTS)
+    wishes = replace(layout_options.wishes(arguments, OUTPUTS, has_unit=False), wanted=OUTPUTS)
     targets = _targets(arguments)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     result = load(arguments.result)

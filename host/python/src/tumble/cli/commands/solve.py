@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 
-from tumble.cli import options
+from tumble.cli import layout_options, options
 from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
@@ -45,8 +45,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         " decide nearly all); 1000 to 1000000; needs --stand",
     )
     parser.add_argument("--seed", metavar="N", help="of --monte-carlo, 0 to 2^64 - 1; default: 1")
-    layout = options.add_layout(parser, "the run file")
-    layout.add_argument("--unit", help="unit of the outputs; default: the one in brackets in the header, else V")
+    layout_options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
 
@@ -57,14 +56,15 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(NEEDS_STAND)
     runs, seed = _parse_monte_carlo(arguments)
     terms = () if arguments.model is None else parse(arguments.model, arguments.estimator)
-    wishes = options.wishes(arguments, unit=arguments.unit)
 
     from tumble.api.recording import recording_of
     from tumble.api.solving import solved
     from tumble.cli.output import print_solution, warn
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.files.documents import to_json
+    from tumble.files.run_layout import COLUMNS, TEMPERATURE
 
+    wishes = layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
     found = solved(
         recording_of(arguments.run, wishes),
