@@ -34,8 +34,9 @@ def test_arrays_stay_arrays_and_frames_frames(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     options = ["--strict", "--explicit-package-bases", "--ignore-missing-imports", "--python-version", "3.11"]
     done = subprocess.run(
-        [sys.executable, "-m", "mypy", *options, "--allow-empty-bodies", "script.py"], cwd=tmp_path, capture_output=True,
-        text=True, env={**os.environ, "MYPYPATH": f"{ROOT}/host/python/src:{ROOT}/host/python/binding"},
+        [sys.executable, "-m", "mypy", *options, "--allow-empty-bodies", "script.py"],
+        cwd=tmp_path, capture_output=True, text=True,
+        env={**os.environ, "MYPYPATH": f"{ROOT}/host/python/src:{ROOT}/host/python/binding"},
     )  # fmt: skip
     told = [line.split(":", 3) for line in done.stdout.splitlines() if line.startswith("script.py:")]
     for number, kind in SAID.items():
