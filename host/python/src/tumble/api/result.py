@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, TypeVar, overload
+from typing import Any, Protocol, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,16 @@ from tumble.files.documents import checked_coefficients
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.force import Force
 
-FrameT = TypeVar("FrameT")
+
+class HasColumns(Protocol):
+    """A DataFrame of pandas or polars, or a table of pyarrow."""
+
+    @property
+    def columns(self) -> Any:
+        """Of whatever kind: each library has its own."""
+
+
+FrameT = TypeVar("FrameT", bound=HasColumns)
 UNITS = ("g", "m/s2")
 
 
@@ -97,16 +107,6 @@ class Result:
     @overload
     def apply(
         self,
-        data: ArrayLike,
-        *,
-        unit: str = "g",
-        uncertainty: bool = False,
-        columns: dict[str, str] | None = None,
-        outputs_unit: str | None = None,
-    ) -> Floats: ...
-    @overload
-    def apply(
-        self,
         data: FrameT,
         *,
         unit: str = "g",
@@ -114,6 +114,26 @@ class Result:
         columns: dict[str, str] | None = None,
         outputs_unit: str | None = None,
     ) -> FrameT: ...
+    @overload
+    def apply(
+        self,
+        data: Mapping[str, Any],
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> dict[str, Any]: ...
+    @overload
+    def apply(
+        self,
+        data: ArrayLike,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> Floats: ...
     def apply(
         self,
         data: Any,

@@ -160,6 +160,6 @@ def solve(
         estimator=estimator,
         limit_g=limit_g,
         confidence=confidence,
-        terms=parse(wanted, estimator) if wanted else (),
+        terms=parse(wanted or None, estimator),
     )
     return Result(to_json(found.document()), tuple(found.complaints()))

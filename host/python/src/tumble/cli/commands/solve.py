@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.estimator == OPTIMAL and arguments.stand is None:
         raise UsageError(NEEDS_STAND)
     runs, seed = _parse_monte_carlo(arguments)
-    terms = () if arguments.model is None else parse(arguments.model, arguments.estimator)
+    terms = parse(arguments.model, arguments.estimator)
 
     from tumble.api.recording import recording_of
     from tumble.api.solving import solved
