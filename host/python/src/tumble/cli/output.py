@@ -12,7 +12,6 @@ from tumble.solving import plausibility
 from tumble.solving.solution import Solution
 from tumble.units import noise_unit
 
-
 _NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
 
 
