@@ -216,8 +216,7 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
                        (square(stand->remount_rad) * yaws_squared) +
                        (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
                        (square(stand->seat_rad) * response->seats_squared) +
-                       square(stand->platform_rad * response->lean) +
-                       tumble_course_variance(stand, &response->course));
+                       square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
 /* Mounting by mounting, so that no number has to be kept for each. */
@@ -298,8 +297,8 @@ static bool stand_is_valid(const tumble_stand_record_t *stand)
            is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->encoder_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->drift_v, TUMBLE_MAX_MEAN_V) &&
-           is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
-           is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) && (stand->samples >= 1U);
+           is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) && is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
+           (stand->samples >= 1U);
 }
 
 static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)

@@ -13,9 +13,8 @@ static void read_mean(const tumble_whole_run_t *run, uint8_t p, tumble_whole_rea
 {
     reading->measured = run->means->measured[p];
     reading->variance_v2 = run->mean_variance_v2[p];
-    reading->course = tumble_is_positive(run->stand->drift_v)
-                          ? tumble_course_at(run->schedule, run->means->measured, p)
-                          : 0.0;
+    reading->course =
+        tumble_is_positive(run->stand->drift_v) ? tumble_course_at(run->schedule, run->means->measured, p) : 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         reading->u_v[i] = run->means->u_v[p][i];
     }

@@ -316,7 +316,7 @@ def test_requirements_name_both(estimator, tmp_path, tumble):
         row = plan["rows"][plan["set_by"]["encoder"]]
         column = list(plan["split"]).index("encoder")
         assert row["weights"][column] * plan["encoder_rad"] == pytest.approx(row["shares"][column])
-        assert (plan["set_by"]["drift"], plan["drift_v"]) == (None, None)  # by no row: it moves cross terms, and no bias
+        assert (plan["set_by"]["drift"], plan["drift_v"]) == (None, None)  # it moves cross terms alone
 
 
 @pytest.mark.parametrize("estimator", ["refined", "optimal"])
@@ -369,3 +369,13 @@ def test_all_runs_share_the_encoder_and_none_the_drift(changes, is_shared):
     (own, shared), (more_own, more_shared) = parts.values()
     assert bool(np.trace(more_shared) > 2 * np.trace(shared)) == is_shared
     assert bool(np.trace(more_own) > 2 * np.trace(own)) != is_shared
+
+
+@pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
+def test_a_drift_that_is_solved_for_is_none_beside(estimator, tmp_path, tumble):
+    """With --model drift it is an unknown: what is declared of it changes nothing."""
+    told = ("--estimator", estimator, "--model", "drift")
+    declared, absent = (
+        solved(tumble, stand, *told) for stand in (with_keys(tmp_path, drift_v=2e-3), EXAMPLES / "paper_stand.toml")
+    )
+    assert declared["u_U0"] == absent["u_U0"] and declared["fit"] == absent["fit"]

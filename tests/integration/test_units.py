@@ -43,7 +43,7 @@ def test_uncertainties_follow_the_unit(unit, factor, tumble, tmp_path):
 def test_another_unit_takes_the_place_of_the_volt(tumble, tmp_path):
     run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
     other, volts = (solved(tumble, file, "--stand", STAND) for file in (run, EXAMPLES / "paper_stand.csv"))
-    its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for")
+    its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for", "warnings")
     assert {**other, **{name: volts[name] for name in its_own}} == volts and volts["unit"] == "V"
     done = tumble("solve", run, "--stand", STAND)
     assert "m/s^2, declared 3.00e-04\n" in done.stdout

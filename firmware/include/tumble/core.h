@@ -584,8 +584,8 @@ typedef struct {
     uint16_t schema;
     uint8_t fit_positions;
     uint8_t mountings;
-    uint8_t yaws;  /* 1: one yaw for all mountings; else one for each */
-    uint8_t seats; /* 0: none is declared; else one for each mounting */
+    uint8_t yaws;   /* 1: one yaw for all mountings; else one for each */
+    uint8_t seats;  /* 0: none is declared; else one for each mounting */
     uint8_t waves;  /* numbers of the encoder: 0, or TUMBLE_WAVES */
     uint8_t drifts; /* 0, or one for each channel */
     uint32_t schedule_crc;
@@ -971,7 +971,7 @@ typedef struct {
     tumble_whole_place_t place;
     tumble_coefficients_t coefficients;
     double shared_rad[TUMBLE_WHOLE_SHARED];
-    double course[TUMBLE_WHOLE_COURSE]; /* rad; V */
+    double course[TUMBLE_WHOLE_COURSE];                        /* rad; V */
     float local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL]; /* where a round is linearised: a float will do */
     float angle_rad[TUMBLE_MAX_POSITIONS];
 } tumble_whole_work_t;

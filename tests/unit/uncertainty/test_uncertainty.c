@@ -113,11 +113,10 @@ static void test_a_tilted_platform(void)
 static void test_sources_add_in_quadrature(void)
 {
     const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3};
-    const tumble_stand_record_t alone[9] = {{.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},
-                                            {.remount_rad = 3e-3, .samples = 1},   {.angle_rad = 4e-3, .samples = 1},
-                                            {.noise_v = 5e-3, .samples = 1},       {.seat_rad = 6e-3, .samples = 1},
-                                            {.platform_rad = 7e-3, .samples = 1},  {.encoder_rad = 8e-3, .samples = 1},
-                                            {.drift_v = 9e-3, .samples = 1}};
+    const tumble_stand_record_t alone[9] = {
+        {.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},   {.remount_rad = 3e-3, .samples = 1},
+        {.angle_rad = 4e-3, .samples = 1},     {.noise_v = 5e-3, .samples = 1},     {.seat_rad = 6e-3, .samples = 1},
+        {.platform_rad = 7e-3, .samples = 1},  {.encoder_rad = 8e-3, .samples = 1}, {.drift_v = 9e-3, .samples = 1}};
     dice_t dice = {71};
     const tumble_coefficients_t block = random_block(&dice);
     double k[3][3] = {{0}};

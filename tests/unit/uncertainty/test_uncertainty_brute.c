@@ -95,6 +95,7 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
     double waves[4] = {0};
     double drifts[3] = {0};
     int fit = 0;
+    const int fits = (int)count_fit_positions(schedule);
     for (unsigned p = 0; p < schedule->position_count; p++) {
         if (schedule->positions[p].use != TUMBLE_USE_FIT) {
             continue;
@@ -117,7 +118,7 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
             }
         }
         for (int i = 0; i < 3; i++) {
-            drifts[i] += gains[i] * ((double)fit / (count_fit_positions(schedule) - 1.0) - 0.5);
+            drifts[i] += gains[i] * ((fits > 1) ? (double)fit / (fits - 1) - 0.5 : -0.5);
         }
         fit++;
         for (int i = 0; i < 3; i++) {

@@ -21,8 +21,8 @@ LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 @dataclass(frozen=True)
 class Stand:
-    """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them, all
-    >= 0.
+    """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
+    all >= 0.
 
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when

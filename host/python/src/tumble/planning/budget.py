@@ -1,8 +1,8 @@
 """The error budget, forward: what a stand leaves of the accuracy of every coefficient.
 
 Each of the twelve has five terms, gamma times the size of the source, as in equation (2), and derived ones for seat,
-platform, encoder and drift where the stand declares them; their signs being unknown, they add in quadrature. `derived` works in standard
-deviations, `published` with the numbers as the stand file has them.
+platform, encoder and drift where the stand declares them; their signs being unknown, they add in quadrature. `derived`
+works in standard deviations, `published` with the numbers as the stand file has them.
 """
 
 from __future__ import annotations

@@ -80,8 +80,8 @@ def sources(
 
 
 def encoder_waves(schedule: Schedule) -> Floats:
-    """What one unit of each number of the encoder adds to the table angle (4, positions): the sine and the cosine of the
-    angle, and of its double."""
+    """What one unit of each number of the encoder adds to the table angle (4, positions): the sine and the cosine of
+    the angle, and of its double."""
     turned = np.exp(1j * np.deg2rad([position.angle_deg for position in schedule.positions]))
     return np.array([turned.imag, turned.real, (turned**2).imag, (turned**2).real])
 

@@ -94,9 +94,8 @@ def from_bytes(data: bytes) -> Record:
     """Read a record again. Raises BadRecord."""
     if len(data) < _HEAD.size + _TAIL.size or data[:4] != MAGIC:
         raise BadRecord("not a gain record")
-    _, size, schema, positions, mountings, *nuisances, schedule_crc, block_crc = _HEAD.unpack_from(data)
-    yaws, seats, waves, drifts = nuisances
-    if schema != SCHEMA or size != size_of(positions, *nuisances) or size > len(data):
+    _, size, schema, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
+    if schema != SCHEMA or size != size_of(positions, yaws, seats, waves, drifts) or size > len(data):
         raise BadRecord("a gain record of another schema or size")
     possible = yaws in (1, mountings) and seats in (0, mountings) and waves in (0, 4) and drifts in (0, 3)
     if positions == 0 or not possible:
@@ -109,7 +108,9 @@ def from_bytes(data: bytes) -> Record:
     numbers = np.frombuffer(data, "<f8", (size - _HEAD.size - _TAIL.size) // 8, _HEAD.size).astype(float)
     head, tables = numbers[:_HEAD_DOUBLES], numbers[_HEAD_DOUBLES:].reshape(-1, 3 * positions)
     return Record(
-        *(positions, mountings, *nuisances, schedule_crc, block_crc),
+        *(positions, mountings, yaws, seats, waves, drifts),
+        schedule_crc=crcs[0],
+        block_crc=crcs[1],
         k=head[:9].reshape(3, 3),
         sigma=head[9:13],
         sigma_mean=float(head[13]),

@@ -43,8 +43,8 @@ class Linearised:
     """The outputs of the fit positions to first order: ideal force and its derivatives in g, (P, 3) each.
 
     `alpha3` and `theta_h` are the derivatives by the yaw and the seat of a position's own mounting; `delta` also those
-    by alpha2 and by theta_n. `waves` (P, 4): what a unit of each number of the encoder adds to the table angle; `course`
-    (P,): how far the run has come, -1/2 to 1/2. `mounting` (P,): index of each position's mounting, of so many
+    by alpha2 and by theta_n. `waves` (P, 4): what a unit of each number of the encoder adds to the table angle;
+    `course` (P,): how far the run has come, -1/2 to 1/2. `mounting` (P,): index of each position's mounting, of so many
     `mountings`.
     """
 
@@ -65,9 +65,9 @@ class OptimalTable:
 
     `gains` (12, 3P), with further rows if it was made with further columns; `nuisance_gains` (2 + `yaws` + 2 `seats` +
     `waves` + `drifts`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the
-    platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma_shared`, as shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise
-    of a mean; `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the
-    floor and not the stand's.
+    platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma_shared`, as
+    shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u`: standard deviations
+    of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
     """
 
     k: Floats

@@ -36,7 +36,7 @@ from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import Stand
-from tumble.terms import Terms
+from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
 
@@ -209,6 +209,8 @@ def solve(
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
     step = step_v / volts_per(run.unit)
+    if stand is not None and DRIFT in terms:
+        stand = replace(stand, drift=0.0)  # it is an unknown, whatever its size
     declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
     weighting = None

@@ -63,9 +63,9 @@ def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
     for index, name in enumerate(NAMES):
-        unit = "ug" if name.startswith("a0") else "ppm"
+        millionth = "ug" if name.startswith("a0") else "ppm"
         cells = [tables.millionths(value) for value in (*found.terms[index], found.total[index])]
-        rows.append((f"{name}, {unit}", *cells))
+        rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
     if promised is not None:
