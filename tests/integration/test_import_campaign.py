@@ -65,8 +65,8 @@ def outcomes(seeds, folder):
     return found
 
 
-def require(found):
-    """Nothing is wrong; what is said truly is right, and what is not is refused."""
+def require(found, least):
+    """Nothing is wrong; what is said falsely is refused, what is said truly is right in a part of cases, at `least`."""
     assert [(seed, what) for seed, _, outcome, what in found if outcome == "wrong"] == []
     for seed, case, outcome, what in found:
         if outcome == "refused":
@@ -74,7 +74,7 @@ def require(found):
         elif case.order == "schedule":
             assert case.kind == "schedule", seed
     true = [outcome for _, case, outcome, _ in found if is_true(case)]
-    assert true.count("right") >= 0.9 * len(true)
+    assert true.count("right") >= least * len(true)
 
 
 def is_true(case):
@@ -84,7 +84,7 @@ def is_true(case):
 
 
 def test_a_few_dozen(tmp_path):
-    require(outcomes(range(32), tmp_path))
+    require(outcomes(range(32), tmp_path), 0.8)
 
 
 @pytest.mark.full
@@ -93,4 +93,4 @@ def test_a_thousand(tmp_path):
     found = outcomes(range(1000, 2000), tmp_path)
     print(Counter(outcome for *_, outcome, _ in found))
     print("of those whose user says what is so:", Counter(outcome for _, case, outcome, _ in found if is_true(case)))
-    require(found)
+    require(found, 0.95)
