@@ -44,8 +44,11 @@ MAY_IMPORT = {
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving"},
     "bench": {"core", "reference", "files", "solving", "fixture"},
-    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "bench", DOOR},
-    DOOR: {"core", "reference", "files", "solving", "fixture", "planning"},
+    "importing": {"reference", "files"},
+    "api": {"core", "files", "solving", "fixture"},
+    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "importing", "bench", "api",
+            DOOR},
+    DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.
 OF_THE_CORE = {"status", "version"}

@@ -76,12 +76,14 @@ static bool is_record(const tumble_gain_record_t *record, size_t memory_bytes)
 
 static bool is_well_formed(const tumble_gain_record_t *record)
 {
-    const size_t rows = (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws + (2U * (size_t)record->seats);
+    const size_t rows = (size_t)TUMBLE_COEFFICIENTS + 2U + record->yaws + (2U * (size_t)record->seats) +
+                        (size_t)record->waves + (size_t)record->drifts;
     const size_t size = HEAD_BYTES + (rows * row_bytes(record)) + TAIL_BYTES;
-    const unsigned reserved = (unsigned)record->reserved[0] | record->reserved[1];
     return (record->size_bytes == size) && (record->mountings <= TUMBLE_MAX_YAWS) &&
            ((record->yaws == 1U) || (record->yaws == record->mountings)) &&
-           ((record->seats == 0U) || (record->seats == record->mountings)) && (reserved == 0U) &&
+           ((record->seats == 0U) || (record->seats == record->mountings)) &&
+           ((record->waves == 0U) || (record->waves == (uint8_t)TUMBLE_WAVES)) &&
+           ((record->drifts == 0U) || (record->drifts == (uint8_t)TUMBLE_CHANNELS)) &&
            (word_at(record, size - TAIL_BYTES) == 0U);
 }
 

@@ -71,8 +71,16 @@ static double largest_k(const tumble_coefficients_t *coefficients)
     return largest;
 }
 
+/* Variance of an angle's error at one position, the encoder's included, as if it were drawn there anew. The test of the
+ * whole model knows better; this one asks less of such a stand. */
+static double angle_variance(const tumble_stand_record_t *stand)
+{
+    return square_of(stand->angle_rad) + (2.0 * square_of(stand->encoder_rad));
+}
+
 /* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
- * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. */
+ * added: `by_angle_v` does not contain it, and on a coarse stand it exceeds the noise. So is the mean square of a drift
+ * over the run. */
 static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
 {
     const double step_v = tumble_abs(run->v_per_count);
@@ -84,7 +92,8 @@ static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
                                                                   : ((square_of(noise_v) + rounding_v2) / n);
     variance = tumble_larger(variance, square_of(run->stand->least_noise_v));
     variance = tumble_larger(variance, square_of(SMALLEST_NOISE * scale_v));
-    return variance + square_of(square_of(run->stand->angle_rad) * scale_v);
+    variance += square_of(run->stand->drift_v) / 12.0;
+    return variance + square_of(angle_variance(run->stand) * scale_v);
 }
 
 /* Along the block's axes: a specific force given along h and v of the table. */
@@ -155,7 +164,7 @@ static void add_position(tumble_misfit_work_t *work, const tumble_misfit_run_t *
 {
     fitted_t place;
     look_at(work, run, p, &place);
-    const double angle_square = square_of(run->stand->angle_rad);
+    const double angle_square = angle_variance(run->stand);
     const double length_square = tumble_dot(place.by_angle_v, place.by_angle_v);
     const double kappa = angle_square / (place.variance_v2 + (angle_square * length_square));
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {

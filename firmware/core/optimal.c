@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/course.h"
 #include "core/means.h"
 #include "core/turn.h"
 
@@ -9,11 +10,12 @@
 
 #define PASSES 3 /* the gains, then twice with what is not linear taken out of the means */
 
-/* Rows of a record: the coefficients, alpha1, alpha2, the yaws, theta_h of each seat, theta_n of each. */
+/* Rows of a record: the coefficients, alpha1, alpha2, the yaws, theta_h of each seat, theta_n of each, the numbers of the
+ * encoder, drifts. */
 #define ALPHA1 TUMBLE_COEFFICIENTS
 #define ALPHA2 (ALPHA1 + 1)
 #define ALPHA3 (ALPHA2 + 1)
-#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_YAWS))
+#define MAX_ROWS (ALPHA3 + (3 * TUMBLE_MAX_YAWS) + TUMBLE_WAVES + TUMBLE_CHANNELS)
 
 typedef struct {
     const tumble_gain_record_t *record;
@@ -32,7 +34,7 @@ typedef struct {
     const tumble_angle_t *angle; /* phi */
     double yaw_rad;              /* alpha3 */
     double lean_rad;             /* theta_h */
-    double turn_rad;             /* alpha2 and theta_n */
+    double turn_rad;             /* alpha2, theta_n, and the encoder's */
 } pose_t;
 
 static pose_t pose_of(const work_t *work, uint8_t p)
@@ -40,8 +42,10 @@ static pose_t pose_of(const work_t *work, uint8_t p)
     const tumble_mounting_t *mounting = tumble_schedule_mounting_of(work->schedule, p);
     const tumble_stand_errors_t *stand = work->stand;
     const ptrdiff_t m = mounting - work->schedule->mountings;
-    return (pose_t){mounting, &work->schedule->positions[p].angle, stand->alpha3_rad[m], stand->theta_h_rad[m],
-                    stand->alpha2_rad + stand->theta_n_rad[m]};
+    const tumble_angle_t *angle = &work->schedule->positions[p].angle;
+    const double encoder_rad = tumble_course_angle_error(angle, stand->encoder_rad);
+    return (pose_t){mounting, angle, stand->alpha3_rad[m], stand->theta_h_rad[m],
+                    stand->alpha2_rad + stand->theta_n_rad[m] + encoder_rad};
 }
 
 static double dot(const double a[3], const double b[3])
@@ -122,13 +126,16 @@ static double angle_gain(const tumble_gain_record_t *record, const double by_ang
     return variance / (noise + (variance * dot(by_angle_v, by_angle_v)));
 }
 
-/* Take out of the means of one position what the exact outputs, at the present estimate, have beyond the linear ones. */
-static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_rad, double u_v[3])
+/* Take out of the means of one position, the fit position number `fit` from 0, what the exact outputs, at the present
+ * estimate, have beyond the linear ones. */
+static bool subtract_curvature(const work_t *work, uint8_t p, size_t fit, double u_v[3])
 {
     const pose_t pose = pose_of(work, p);
+    const double course = tumble_course_of((uint8_t)fit, work->record->fit_positions);
+    float *const curvature_rad = &work->curvature_rad[fit];
     double f_g[3];
     double by_angle[3] = {0.0, 0.0, 0.0};
-    double beyond[3] = {0.0, 0.0, 0.0}; /* first the linear outputs, but for U0, which is in both */
+    double beyond[3] = {0.0, 0.0, 0.0}; /* first the linear outputs, but for U0 and drift, which are in both */
     turning_force(&pose, f_g);
     add_outputs(work->record->k_v_per_g, &pose, f_g, by_angle);
     ideal_force(&pose, f_g);
@@ -138,7 +145,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
     const double gain = angle_gain(work->record, by_angle);
     double delta = 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
-        delta += by_angle[i] * (u_v[i] - work->block->u0_v[i] - beyond[i]);
+        delta += by_angle[i] * (u_v[i] - work->block->u0_v[i] - (course * work->stand->drift_v[i]) - beyond[i]);
     }
     delta = (gain * delta) - (double)*curvature_rad;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
@@ -157,7 +164,7 @@ static bool subtract_curvature(const work_t *work, uint8_t p, float *curvature_r
 
 static int rows_of(const tumble_gain_record_t *record)
 {
-    return ALPHA3 + (int)record->yaws + (2 * (int)record->seats);
+    return ALPHA3 + (int)record->yaws + (2 * (int)record->seats) + (int)record->waves + (int)record->drifts;
 }
 
 /* What the means of one position add to the unknowns; `column`: its first one in the record. */
@@ -193,6 +200,13 @@ static bool take_over(const work_t *work)
         work->stand->theta_h_rad[m] = seats[m];
         work->stand->theta_n_rad[m] = seats[(int)work->record->seats + m];
     }
+    const double *const waves = &seats[2 * (int)work->record->seats];
+    for (int n = 0; n < (int)work->record->waves; n++) {
+        work->stand->encoder_rad[n] = waves[n];
+    }
+    for (int i = 0; i < (int)work->record->drifts; i++) {
+        work->stand->drift_v[i] = waves[(int)work->record->waves + i];
+    }
     return finite;
 }
 
@@ -208,7 +222,7 @@ static tumble_status_t pass(work_t *work, const tumble_means_t *means, bool firs
         if (work->schedule->positions[p].use == TUMBLE_USE_FIT) {
             double u_v[3] = {means->u_v[p][0], means->u_v[p][1], means->u_v[p][2]};
             if (!first) {
-                small = subtract_curvature(work, p, &work->curvature_rad[fit], u_v) && small;
+                small = subtract_curvature(work, p, fit, u_v) && small;
             }
             apply_gains(work, TUMBLE_CHANNELS * fit, u_v);
             fit++;

@@ -1,6 +1,7 @@
 #include "tumble/core.h"
 
 #include "core/arith.h"
+#include "core/course.h"
 #include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
@@ -39,6 +40,7 @@ typedef struct {
     double yaws_squared;
     double lean;
     double seats_squared;
+    tumble_course_response_t course;
 } response_t;
 
 /* The same of the errors that each mounting has for itself, for one of them. */
@@ -194,6 +196,7 @@ static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t
     seat->theta_n += turning;
     response->alpha4_squared += turning * turning;
     response->noise_squared += noise_squared_at(run, p, g);
+    tumble_course_add(run, p, turning, g, &response->course);
 }
 
 /* What is common to all mountings adds up before it is squared. */
@@ -213,7 +216,7 @@ static double combined(const tumble_stand_record_t *stand, const response_t *res
                        (square(stand->remount_rad) * yaws_squared) +
                        (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
                        (square(stand->seat_rad) * response->seats_squared) +
-                       square(stand->platform_rad * response->lean));
+                       square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
 /* Mounting by mounting, so that no number has to be kept for each. */
@@ -292,8 +295,10 @@ static bool stand_is_valid(const tumble_stand_record_t *stand)
            is_sigma(stand->remount_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->angle_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
            is_sigma(stand->seat_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
-           is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) &&
-           is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) && (stand->samples >= 1U);
+           is_sigma(stand->platform_rad, TUMBLE_MAX_STAND_SIGMA_RAD) &&
+           is_sigma(stand->encoder_rad, TUMBLE_MAX_STAND_SIGMA_RAD) && is_sigma(stand->drift_v, TUMBLE_MAX_MEAN_V) &&
+           is_sigma(stand->noise_v, TUMBLE_MAX_MEAN_V) && is_sigma(stand->least_noise_v, TUMBLE_MAX_MEAN_V) &&
+           (stand->samples >= 1U);
 }
 
 static tumble_status_t check_arguments(const tumble_judged_run_t *run, const tumble_uncertainty_t *uncertainty)

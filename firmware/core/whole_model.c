@@ -14,27 +14,29 @@
 #include "core/vector.h"
 
 #define ROUNDS 4            /* of Gauss and Newton */
-#define TURNS 6             /* rotations of a row in one step */
+#define TURNS 6             /* rotations of a row in one step, */
+#define LONG_ROW_TURNS 4    /* and of one that has encoder and drift */
 #define SMALLEST_NOISE 1e-7 /* of a mean, relative to the largest element of K, so that all have weights */
 
 /* The unknowns: what a mounting has for itself comes first, so that it is eliminated with the mounting. Then the
- * coefficients channel by channel (K_ix, K_iy, K_iz, U0_i), then what all share. */
+ * coefficients channel by channel (K_ix, K_iy, K_iz, U0_i), then what all share, then, where either is declared, encoder
+ * and drift. */
 #define COEFFICIENTS TUMBLE_WHOLE_LOCAL
 #define SHARED (COEFFICIENTS + TUMBLE_COEFFICIENTS)
-#define UNKNOWNS TUMBLE_WHOLE_UNKNOWNS
+#define COURSE (SHARED + TUMBLE_WHOLE_SHARED)
 
 enum { ROUND, OPEN, LOOK, ROW, SOLVE, ANGLE };
 
 static double *triangle_row(tumble_whole_work_t *work, int j)
 {
-    return &work->triangle[(j * (UNKNOWNS + 1)) - ((j * (j - 1)) / 2)];
+    return &work->triangle[(j * ((int)work->unknowns + 1)) - ((j * (j - 1)) / 2)];
 }
 
 static void clear_rows(tumble_whole_work_t *work, int from, int to)
 {
     for (int j = from; j < to; j++) {
         double *r = triangle_row(work, j);
-        for (int k = 0; k <= (UNKNOWNS - j); k++) {
+        for (int k = 0; k <= ((int)work->unknowns - j); k++) {
             r[k] = 0.0;
         }
     }
@@ -52,7 +54,7 @@ static void turn_row(tumble_whole_work_t *work, int from, int to)
         const double length = tumble_sqrt((r[0] * r[0]) + (row[j] * row[j]));
         const double c = r[0] / length;
         const double s = row[j] / length;
-        for (int k = j; k <= UNKNOWNS; k++) {
+        for (int k = j; k <= (int)work->unknowns; k++) {
             const double kept = (c * r[k - j]) + (s * row[k]);
             row[k] = (c * row[k]) - (s * r[k - j]);
             r[k - j] = kept;
@@ -63,19 +65,30 @@ static void turn_row(tumble_whole_work_t *work, int from, int to)
 /* What is left of a row's right side is a residual, if the row was turned into all. */
 static void end_row(tumble_whole_work_t *work)
 {
-    work->residual_square += work->row[UNKNOWNS] * work->row[UNKNOWNS];
+    work->residual_square += work->row[work->unknowns] * work->row[work->unknowns];
 }
 
 /* An error of the stand is one of its sigmas, give or take one. */
 static void add_prior(tumble_whole_work_t *work, int unknown, double error_rad, double sigma_rad)
 {
-    for (int k = 0; k <= UNKNOWNS; k++) {
+    for (int k = 0; k <= (int)work->unknowns; k++) {
         work->row[k] = 0.0;
     }
     work->row[unknown] = 1.0;
-    work->row[UNKNOWNS] = tumble_exceeds(sigma_rad, 0.0) ? (-error_rad / sigma_rad) : 0.0;
+    work->row[work->unknowns] = tumble_exceeds(sigma_rad, 0.0) ? (-error_rad / sigma_rad) : 0.0;
     turn_row(work, unknown, work->columns);
     end_row(work);
+}
+
+/* Its part by encoder and drift, if it has one. */
+static void make_row_of_course(tumble_whole_work_t *work, const double mix[TUMBLE_CHANNELS])
+{
+    const tumble_whole_place_t *place = &work->place;
+    const double by_angle = tumble_dot(mix, place->by_angle);
+    for (int e = 0; e < ((int)work->unknowns - COURSE); e++) {
+        const int i = e - TUMBLE_WAVES;
+        work->row[COURSE + e] = (i < 0) ? (place->wave_rad[e] * by_angle) : (place->drift_v * mix[i]);
+    }
 }
 
 /* The row of the outputs combined by `mix`. */
@@ -96,7 +109,8 @@ static void make_row(tumble_whole_work_t *work, const double mix[TUMBLE_CHANNELS
     for (int e = 0; e < TUMBLE_WHOLE_SHARED; e++) {
         row[SHARED + e] = tumble_dot(mix, place->by_shared[e]);
     }
-    row[UNKNOWNS] = tumble_dot(mix, place->residual_v);
+    make_row_of_course(work, mix);
+    row[work->unknowns] = tumble_dot(mix, place->residual_v);
 }
 
 /* The whitened row of a channel: V^-1/2 = (I - c d d^T) / sqrt(v) for the covariance V = v I + sigma^2 d d^T of the
@@ -122,8 +136,8 @@ static void substitute_back(tumble_whole_work_t *work, int from, int to)
 {
     for (int j = to - 1; j >= from; j--) {
         const double *r = triangle_row(work, j);
-        double value = r[UNKNOWNS - j];
-        for (int k = j + 1; k < UNKNOWNS; k++) {
+        double value = r[(int)work->unknowns - j];
+        for (int k = j + 1; k < (int)work->unknowns; k++) {
             value -= r[k - j] * work->change[k];
         }
         work->change[j] = tumble_within(r[0], 0.0) ? 0.0 : (value / r[0]);
@@ -142,8 +156,8 @@ static double angle_error(const tumble_whole_model_t *model, tumble_whole_work_t
     const tumble_whole_place_t *place = &work->place;
     const double square = model->stand->angle_rad * model->stand->angle_rad;
     make_row(work, place->by_angle);
-    double along = work->row[UNKNOWNS];
-    for (int k = 0; k < UNKNOWNS; k++) {
+    double along = work->row[work->unknowns];
+    for (int k = 0; k < (int)work->unknowns; k++) {
         along -= work->row[k] * work->change[k];
     }
     return held(square * along / (place->variance_v2 + (square * tumble_dot(place->by_angle, place->by_angle))));
@@ -174,6 +188,10 @@ static void update_common(const tumble_whole_model_t *model, tumble_whole_work_t
     }
     for (int e = 0; e < TUMBLE_WHOLE_SHARED; e++) {
         work->shared_rad[e] = held(work->shared_rad[e] + (sigmas.shared_rad[e] * work->change[SHARED + e]));
+    }
+    for (int e = 0; e < ((int)work->unknowns - COURSE); e++) {
+        const double error = work->course[e] + (sigmas.course[e] * work->change[COURSE + e]);
+        work->course[e] = (e < TUMBLE_WAVES) ? held(error) : error;
     }
 }
 
@@ -214,12 +232,17 @@ static void begin_round(const tumble_whole_model_t *model, tumble_whole_work_t *
 {
     tumble_whole_sigmas_t sigmas;
     tumble_whole_sigmas(model->stand, &sigmas);
-    begin_pass(work, UNKNOWNS);
-    clear_rows(work, 0, UNKNOWNS);
+    const bool has_course = tumble_is_positive(model->stand->encoder_rad + model->stand->drift_v);
+    work->unknowns = (uint8_t)(has_course ? TUMBLE_WHOLE_UNKNOWNS : COURSE);
+    begin_pass(work, (int)work->unknowns);
+    clear_rows(work, 0, (int)work->unknowns);
     work->residual_square = 0.0;
     work->means = 0;
     for (int e = 0; e < TUMBLE_WHOLE_SHARED; e++) {
         add_prior(work, SHARED + e, work->shared_rad[e], sigmas.shared_rad[e]);
+    }
+    for (int e = 0; e < ((int)work->unknowns - COURSE); e++) {
+        add_prior(work, COURSE + e, work->course[e], sigmas.course[e]);
     }
 }
 
@@ -240,7 +263,7 @@ static void end_mounting(const tumble_whole_model_t *model, tumble_whole_work_t 
     work->mounting++;
     if (work->mounting < model->schedule->mounting_count) {
         work->stage = OPEN;
-    } else if (work->columns == (uint8_t)UNKNOWNS) {
+    } else if (work->columns == work->unknowns) {
         work->stage = SOLVE;
     } else {
         update_common(model, work);
@@ -256,7 +279,7 @@ static void look(const tumble_whole_model_t *model, const tumble_whole_reading_t
         work->channel = 0;
         work->column = 0;
         work->stage = ROW;
-    } else if (work->columns == (uint8_t)UNKNOWNS) {
+    } else if (work->columns == work->unknowns) {
         end_mounting(model, work);
     } else {
         substitute_back(work, 0, TUMBLE_WHOLE_LOCAL);
@@ -268,7 +291,8 @@ static void look(const tumble_whole_model_t *model, const tumble_whole_reading_t
 static void add_row(const tumble_whole_model_t *model, tumble_whole_work_t *work)
 {
     const int from = (int)work->column;
-    const int to = ((from + TURNS) < (int)work->columns) ? (from + TURNS) : (int)work->columns;
+    const int turns = (work->unknowns > (uint8_t)COURSE) ? LONG_ROW_TURNS : TURNS;
+    const int to = ((from + turns) < (int)work->columns) ? (from + turns) : (int)work->columns;
     if (from == 0) {
         make_row_of_channel(model, work);
     }
@@ -291,7 +315,7 @@ static bool solve(tumble_whole_work_t *work)
     work->chi_squared = work->residual_square;
     work->freedom = (uint8_t)(work->means - (uint8_t)TUMBLE_COEFFICIENTS);
     work->round++;
-    substitute_back(work, TUMBLE_WHOLE_LOCAL, UNKNOWNS);
+    substitute_back(work, TUMBLE_WHOLE_LOCAL, (int)work->unknowns);
     begin_pass(work, TUMBLE_WHOLE_LOCAL);
     return work->round < (uint8_t)ROUNDS;
 }

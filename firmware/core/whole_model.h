@@ -15,6 +15,7 @@
 typedef struct {
     double shared_rad[TUMBLE_WHOLE_SHARED];
     double local_rad[TUMBLE_WHOLE_LOCAL];
+    double course[TUMBLE_WHOLE_COURSE]; /* rad; V */
 } tumble_whole_sigmas_t;
 
 /* What a run says of a position. */
@@ -22,6 +23,7 @@ typedef struct {
     bool measured;
     double u_v[TUMBLE_CHANNELS];
     double variance_v2;
+    double course; /* tumble_course_at; 0 where no drift is declared */
 } tumble_whole_reading_t;
 
 /* What is tested. */

@@ -1,6 +1,7 @@
 #include "core/whole_model.h"
 
 #include "core/arith.h"
+#include "core/course.h"
 #include "core/turn.h"
 #include "core/vector.h"
 
@@ -16,6 +17,9 @@ void tumble_whole_sigmas(const tumble_stand_record_t *stand, tumble_whole_sigmas
     sigmas->local_rad[YAW] = stand->common_yaw ? 0.0 : stand->remount_rad;
     sigmas->local_rad[THETA_H] = stand->seat_rad;
     sigmas->local_rad[THETA_N] = stand->seat_rad;
+    for (int e = 0; e < TUMBLE_WHOLE_COURSE; e++) {
+        sigmas->course[e] = (e < TUMBLE_WAVES) ? stand->encoder_rad : stand->drift_v;
+    }
 }
 
 /* From (h, n, v) of the table to the block's axes. */
@@ -51,7 +55,8 @@ void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_rea
     double cosine = model->schedule->positions[p].angle.cosine;
     double tilt_sine = mounting->tilt.sine;
     double tilt_cosine = mounting->tilt.cosine;
-    tumble_turn(work->shared_rad[ALPHA2] + (double)own[THETA_N] + angle_rad, &sine, &cosine);
+    const double encoder_rad = tumble_course_angle_error(&model->schedule->positions[p].angle, work->course);
+    tumble_turn(work->shared_rad[ALPHA2] + (double)own[THETA_N] + angle_rad + encoder_rad, &sine, &cosine);
     tumble_turn(work->shared_rad[ALPHA1], &tilt_sine, &tilt_cosine);
     double force[3] = {tilt_cosine * sine, tilt_sine, tilt_cosine * cosine};
     double by_alpha1[3] = {-tilt_sine * sine, tilt_cosine, -tilt_sine * cosine};
@@ -76,9 +81,15 @@ void tumble_whole_look(const tumble_whole_model_t *model, const tumble_whole_rea
     respond(work, mounting, by_lean, sigmas.shared_rad[PLATFORM], place->by_shared[PLATFORM]);
     respond(work, mounting, by_yaw, sigmas.shared_rad[COMMON_YAW], place->by_shared[COMMON_YAW]);
     respond(work, mounting, by_turn, 1.0, place->by_angle);
+    tumble_course_waves(&model->schedule->positions[p].angle, place->wave_rad);
+    for (int n = 0; n < TUMBLE_WAVES; n++) {
+        place->wave_rad[n] *= model->stand->encoder_rad;
+    }
+    place->drift_v = reading->course * model->stand->drift_v;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         const double felt_v = tumble_dot(work->coefficients.k_v_per_g[i], place->attitude_g);
-        place->residual_v[i] = reading->u_v[i] - work->coefficients.u0_v[i] - felt_v + (place->by_angle[i] * angle_rad);
+        const double linear_v = work->coefficients.u0_v[i] + (reading->course * work->course[TUMBLE_WAVES + i]);
+        place->residual_v[i] = reading->u_v[i] - linear_v - felt_v + (place->by_angle[i] * angle_rad);
     }
     place->variance_v2 = tumble_larger(reading->variance_v2, work->least_v2);
 }

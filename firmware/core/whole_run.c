@@ -1,6 +1,7 @@
 #include "core/whole_model.h"
 
 #include "core/arith.h"
+#include "core/course.h"
 
 #include <stddef.h>
 
@@ -12,6 +13,8 @@ static void read_mean(const tumble_whole_run_t *run, uint8_t p, tumble_whole_rea
 {
     reading->measured = run->means->measured[p];
     reading->variance_v2 = run->mean_variance_v2[p];
+    reading->course =
+        tumble_is_positive(run->stand->drift_v) ? tumble_course_at(run->schedule, run->means->measured, p) : 0.0;
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         reading->u_v[i] = run->means->u_v[p][i];
     }
@@ -55,12 +58,22 @@ static double declared_variance(const tumble_misfit_run_t *run, uint32_t samples
     return tumble_larger((noise_v2 / (double)samples) + (alike ? (step_v2 / ROUNDING_V2) : 0.0), least_v2);
 }
 
+static double course_of_average(const tumble_misfit_run_t *run, uint8_t p)
+{
+    bool measured[TUMBLE_MAX_POSITIONS];
+    for (uint8_t other = 0; other < run->schedule->position_count; other++) {
+        measured[other] = run->averaging->averages[other].samples != 0U;
+    }
+    return tumble_course_at(run->schedule, measured, p);
+}
+
 static void read_average(const tumble_misfit_run_t *run, uint8_t p, tumble_whole_reading_t *reading)
 {
     const uint32_t samples = run->averaging->averages[p].samples;
     reading->measured = (samples != 0U) && (tumble_averaging_mean(run->averaging, p, reading->u_v, NULL) == TUMBLE_OK);
     if (reading->measured) {
         reading->variance_v2 = declared_variance(run, samples);
+        reading->course = tumble_is_positive(run->stand->drift_v) ? course_of_average(run, p) : 0.0;
         for (int i = 0; i < TUMBLE_CHANNELS; i++) {
             reading->u_v[i] *= run->v_per_count;
         }

@@ -33,8 +33,8 @@ static uint32_t add_numbers(uint32_t crc, const double *numbers, size_t count)
 
 #define ADD(crc, numbers) add_numbers((crc), (numbers), sizeof(numbers) / sizeof((numbers)[0]))
 
-/* What is declared of it, and how it is turned. Sets in memory bear this number: a stand that declares no seat keeps the
- * one that it had before seats could be declared. */
+/* What is declared of it, and how it is turned. Sets in memory bear this number: a stand that declares no seat, and
+ * neither encoder nor drift, keeps the one that it had before these could be declared. */
 uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
 {
     const tumble_navcomp_config_t *config = navcomp->config;
@@ -48,6 +48,10 @@ uint32_t tumble_stand_fingerprint(const tumble_navcomp_t *navcomp)
         const double seats[] = {stand->seat_rad, stand->platform_rad};
         if (tumble_is_positive(stand->seat_rad + stand->platform_rad)) {
             crc = ADD(crc, seats);
+        }
+        const double course[] = {stand->encoder_rad, stand->drift_v};
+        if (tumble_is_positive(stand->encoder_rad + stand->drift_v)) {
+            crc = ADD(crc, course);
         }
     }
     double numbers[TUMBLE_STAND_NUMBERS] = {0};

@@ -41,6 +41,8 @@ const bench_key_t bench_config_keys[] = {
     {"stand.angle_rad", BENCH_F64, 1, STAND(angle_rad), 0, 1, "rad; limit of alpha4"},
     {"stand.seat_rad", BENCH_F64, 1, STAND(seat_rad), 0, 1, "rad; limit of theta_h and theta_n of a mounting"},
     {"stand.platform_rad", BENCH_F64, 1, STAND(platform_rad), 0, 1, "rad; limit of theta_h of the platform"},
+    {"stand.encoder_rad", BENCH_F64, 1, STAND(encoder_rad), 0, 1, "rad; limit of each number of the encoder's errors"},
+    {"stand.drift_v", BENCH_F64, 1, STAND(drift_v), 0, BIG, "V; limit of a channel's drift over the run"},
     {"stand.limits", BENCH_ENUM, 1, STAND(law), 0, 0, "sigma1|sigma3|uniform"},
     {"stand.remount", BENCH_ENUM, 1, STAND(remount), 0, 0, "independent|common"},
 

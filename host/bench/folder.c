@@ -107,9 +107,9 @@ static void write_rows(const bench_recorded_t *recorded, const tumble_position_t
     for (uint32_t n = 0; n < recorded->count; n++) {
         const tumble_block_sample_t *const sample = &recorded->samples[n];
         const int32_t *const c = sample->raw.counts;
-        (void)fprintf(out, "%d,%d,%.17g,%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId32 ",%d,%d\n", position->mounting,
-                      position->number, c[0] * v_per_count, c[1] * v_per_count, c[2] * v_per_count, c[0], c[1], c[2],
-                      sample->raw.counter, sample->timestamp_ms);
+        (void)fprintf(out, "%d,%d,%.17g,%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId32 ",%d,%d,%.1f\n",
+                      position->mounting, position->number, c[0] * v_per_count, c[1] * v_per_count, c[2] * v_per_count,
+                      c[0], c[1], c[2], sample->raw.counter, sample->timestamp_ms, sample->temperature_half_c / 2.0);
     }
 }
 
@@ -117,7 +117,7 @@ static void write_rows(const bench_recorded_t *recorded, const tumble_position_t
 static void write_run(const bench_folder_t *folder, const bench_world_t *world, FILE *out)
 {
     const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
-    (void)fputs("mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp\n", out);
+    (void)fputs("mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature\n", out);
     for (uint8_t i = 0; i < schedule->position_count; i++) {
         double mean_v[TUMBLE_CHANNELS];
         double error_v[TUMBLE_CHANNELS];

@@ -4,7 +4,8 @@
  * nothing that looks finished.
  *
  * run.csv has one row per averaged sample, position by position in the schedule's order:
- * mounting,position,ux,uy,uz (V, 17 digits),cx,cy,cz (raw counts),counter (the block's, 16 bits),timestamp (its ms)
+ * mounting,position,ux,uy,uz (V, 17 digits),cx,cy,cz (raw counts),counter (the block's, 16 bits),timestamp (its ms),
+ * temperature (its, deg C)
  * bus.log has one line per frame in the form of candump -L: (seconds.microseconds) can0 ID#DATA, virtual time.
  * Whoever has another bus or document than the bench's sets them after opening.
  */

@@ -165,6 +165,8 @@ static void put_truth(const bench_world_t *world, bench_json_t *json)
     bench_json_vector(json, "alpha4_rad", truth->alpha4_rad, schedule->position_count);
     bench_json_vector(json, "theta_h_rad", truth->theta_h_rad, schedule->mounting_count);
     bench_json_vector(json, "theta_n_rad", truth->theta_n_rad, schedule->mounting_count);
+    bench_json_vector(json, "encoder_rad", truth->encoder_rad, TUMBLE_WAVES);
+    bench_json_vector(json, "drift_v", truth->drift_v, TUMBLE_CHANNELS);
     bench_json_close(json, '}');
 }
 

@@ -2,6 +2,8 @@
 
 #include "simulation/geometry.h"
 
+#include <string.h>
+
 void bench_world_abort(bench_world_t *world)
 {
     (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
@@ -36,8 +38,12 @@ void bench_world_mount(bench_world_t *world, uint8_t index)
         sim_truth_remount(&world->truth, scenario, index);
     }
     const sim_truth_t *const truth = &world->truth;
-    const sim_seat_t seat = {truth->alpha1_rad, truth->alpha2_rad, truth->alpha3_rad[index], truth->theta_h_rad[index],
-                             truth->theta_n_rad[index]};
+    sim_seat_t seat = {.alpha1_rad = truth->alpha1_rad,
+                       .alpha2_rad = truth->alpha2_rad,
+                       .alpha3_rad = truth->alpha3_rad[index],
+                       .theta_h_rad = truth->theta_h_rad[index],
+                       .theta_n_rad = truth->theta_n_rad[index]};
+    memcpy(seat.encoder_rad, truth->encoder_rad, sizeof seat.encoder_rad);
     sim_geometry_init(&geometry, &scenario->schedule.mountings[index], &seat);
     sim_block_mount(&world->block, &geometry);
 }

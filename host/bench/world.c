@@ -152,6 +152,7 @@ static bool look_at_procedure(bench_world_t *world)
     world->mark = mark;
     tumble_procedure_progress(procedure, &world->progress);
     world->angle_error.position = world->progress.index;
+    sim_truth_bias(&world->truth, &world->config->scenario.schedule, world->progress.index, world->sensor.u0_v);
     bench_fault_script_look(world, &world->progress);
     if (world->watcher->on_change != NULL) {
         world->watcher->on_change(world->watcher->context, &world->progress);

@@ -26,13 +26,26 @@ void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounti
         }
     }
     geometry->level_deg = (seat->alpha2_rad + seat->theta_n_rad) * SIM_DEG_PER_RAD;
+    for (int n = 0; n < TUMBLE_WAVES; n++) {
+        geometry->encoder_deg[n] = seat->encoder_rad[n] * SIM_DEG_PER_RAD;
+    }
+}
+
+static double encoder_error_deg(const sim_geometry_t *geometry, double actual_deg)
+{
+    double sine;
+    double cosine;
+    sim_sincos_deg(actual_deg, &sine, &cosine);
+    const double *const number = geometry->encoder_deg;
+    return number[0] * sine + number[1] * cosine + number[2] * (2.0 * sine * cosine) +
+           number[3] * (cosine * cosine - sine * sine);
 }
 
 void sim_geometry_force(const sim_geometry_t *geometry, double actual_deg, double a_g[3])
 {
     double sine;
     double cosine;
-    sim_sincos_deg(actual_deg + geometry->level_deg, &sine, &cosine);
+    sim_sincos_deg(actual_deg + geometry->level_deg + encoder_error_deg(geometry, actual_deg), &sine, &cosine);
     for (int i = 0; i < 3; i++) {
         const double *const a = geometry->a[i];
         a_g[i] = a[0] * sine + a[1] * cosine + a[2];

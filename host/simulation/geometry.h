@@ -17,6 +17,7 @@
 typedef struct {
     double a[3][3];   /* block axes x, y, z over (sin p, cos p, 1) */
     double level_deg; /* alpha2 + theta_n */
+    double encoder_deg[TUMBLE_WAVES];
 } sim_geometry_t;
 
 /* The errors of the stand that do not change as long as a block stays mounted. */
@@ -26,6 +27,7 @@ typedef struct {
     double alpha3_rad;
     double theta_h_rad;
     double theta_n_rad;
+    double encoder_rad[TUMBLE_WAVES]; /* by sine and cosine of the table angle, and of its double */
 } sim_seat_t;
 
 void sim_geometry_init(sim_geometry_t *geometry, const tumble_mounting_t *mounting, const sim_seat_t *seat);

@@ -30,7 +30,9 @@ typedef enum {
     SIM_CAUSE_POWER_ON,      /* where the table stands before homing */
     SIM_CAUSE_LIFE,          /* the course of a hostile life; index: what is drawn (hostile_draw.h) */
     SIM_CAUSE_PLATFORM,      /* theta_h of the platform */
-    SIM_CAUSE_SEAT           /* theta_h, then theta_n of the seat; index: number of the mounting */
+    SIM_CAUSE_SEAT,          /* theta_h, then theta_n of the seat; index: number of the mounting */
+    SIM_CAUSE_ENCODER,       /* the four numbers of its errors */
+    SIM_CAUSE_DRIFT          /* over the run, of each channel */
 } sim_cause_t;
 
 typedef struct {

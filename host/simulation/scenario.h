@@ -26,6 +26,8 @@ typedef struct {
     double angle_rad;     /* alpha4 */
     double seat_rad;      /* theta_h and theta_n of a mounting */
     double platform_rad;  /* theta_h of them all */
+    double encoder_rad;   /* each number of the encoder's errors */
+    double drift_v;       /* of a channel, from the first fit position to the last */
     sim_law_t law;
     sim_remount_t remount;
 } sim_stand_t;

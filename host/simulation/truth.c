@@ -35,6 +35,16 @@ static void draw_seat(sim_truth_t *truth, const sim_stand_t *stand, uint8_t m)
     truth->theta_n_rad[m] = sim_law_draw(stand->law, stand->seat_rad, &truth->seat[m]);
 }
 
+static void draw_several(const sim_stand_t *stand, double limit, uint64_t seed, sim_cause_t cause, double *drawn,
+                         int count)
+{
+    sim_random_t stream;
+    sim_random_open(&stream, seed, cause, 0);
+    for (int i = 0; i < count; i++) {
+        drawn[i] = sim_law_draw(stand->law, limit, &stream);
+    }
+}
+
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed)
 {
     const sim_stand_t *const stand = &scenario->stand;
@@ -42,6 +52,8 @@ void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t
     truth->alpha1_rad = draw_once(stand, stand->axis_tilt_rad, seed, SIM_CAUSE_AXIS_TILT);
     truth->alpha2_rad = draw_once(stand, stand->level_rad, seed, SIM_CAUSE_LEVEL);
     truth->platform_rad = draw_once(stand, stand->platform_rad, seed, SIM_CAUSE_PLATFORM);
+    draw_several(stand, stand->encoder_rad, seed, SIM_CAUSE_ENCODER, truth->encoder_rad, TUMBLE_WAVES);
+    draw_several(stand, stand->drift_v, seed, SIM_CAUSE_DRIFT, truth->drift_v, TUMBLE_CHANNELS);
     if (scenario->block.given) {
         memcpy(truth->block.k_v_per_g, scenario->block.sensor.k_v_per_g, sizeof truth->block.k_v_per_g);
         memcpy(truth->block.u0_v, scenario->block.sensor.u0_v, sizeof truth->block.u0_v);
@@ -64,5 +76,22 @@ void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8
     if (stand->remount == SIM_REMOUNT_INDEPENDENT) {
         truth->alpha3_rad[mounting_index] =
             sim_law_draw(stand->law, stand->remount_rad, &truth->remount[mounting_index]);
+    }
+}
+
+void sim_truth_bias(const sim_truth_t *truth, const tumble_schedule_t *schedule, uint8_t position,
+                    double u0_v[TUMBLE_CHANNELS])
+{
+    int before = 0;
+    int all = 0;
+    for (uint8_t p = 0; p < schedule->position_count; p++) {
+        const int fits = (schedule->positions[p].use == TUMBLE_USE_FIT) ? 1 : 0;
+        before += (p < position) ? fits : 0;
+        all += fits;
+    }
+    const double place = before - ((schedule->positions[position].use == TUMBLE_USE_FIT) ? 0.0 : 0.5);
+    const double course = place / ((all > 1) ? all - 1.0 : 1.0) - 0.5;
+    for (int i = 0; i < TUMBLE_CHANNELS; i++) {
+        u0_v[i] = truth->block.u0_v[i] + truth->drift_v[i] * course;
     }
 }

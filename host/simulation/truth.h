@@ -16,15 +16,22 @@ typedef struct {
     double platform_rad;
     double theta_h_rad[TUMBLE_MAX_MOUNTINGS]; /* as alpha3_rad; the platform's is in it */
     double theta_n_rad[TUMBLE_MAX_MOUNTINGS];
+    double encoder_rad[TUMBLE_WAVES];
+    double drift_v[TUMBLE_CHANNELS];
     sim_random_t remount[TUMBLE_MAX_MOUNTINGS];
     sim_random_t seat[TUMBLE_MAX_MOUNTINGS];
 } sim_truth_t;
 
-/* Draw what is fixed for a run: K, U0, alpha1, alpha2, the platform, and the first yaw and seat of every mounting. */
+/* Draw what is fixed for a run: K, U0, alpha1, alpha2, the platform, encoder and drift, and the first yaw and seat of every mounting. */
 void sim_truth_draw(sim_truth_t *truth, const sim_scenario_t *scenario, uint64_t seed);
 
 /* The block has been mounted again: a new seat for this mounting (index in the schedule), and a new yaw, unless one
  * serves all. */
 void sim_truth_remount(sim_truth_t *truth, const sim_scenario_t *scenario, uint8_t mounting_index);
+
+/* U0 (V) while the position with this index of the schedule is measured: it drifts by equal steps from fit position to
+ * fit position, in the middle of which it is that of the block. Check positions are half a step beyond the one before. */
+void sim_truth_bias(const sim_truth_t *truth, const tumble_schedule_t *schedule, uint8_t position,
+                    double u0_v[TUMBLE_CHANNELS]);
 
 #endif

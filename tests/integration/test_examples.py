@@ -1,18 +1,23 @@
 """The examples: made by the script from stated truth, and solved as the documentation says."""
 
+import hashlib
 import json
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
+
+RECORDED = "hand_held_session.csv"
+RECORDED_SHA256 = "ff5abc117afa539ac0daf082fa9e18c0661fb6ee566e2b4418c12516d1665737"
 
 
 def test_generating_again_gives_the_same_bytes(tmp_path):
     subprocess.run([sys.executable, EXAMPLES / "generate.py", tmp_path], check=True)
     made = sorted(path.name for path in tmp_path.iterdir())
-    assert made == sorted(path.name for path in [*EXAMPLES.glob("*.csv"), *EXAMPLES.glob("*.truth.json")])
+    there = [*EXAMPLES.glob("*.csv"), *EXAMPLES.glob("*.truth.json")]
+    assert made == sorted(path.name for path in there if path.name != RECORDED)
     for name in made:
         assert (tmp_path / name).read_bytes() == (EXAMPLES / name).read_bytes(), name
 
@@ -48,4 +53,12 @@ def test_the_schedules(schedule, options, tumble):
 
 
 def test_examples_are_small():
-    assert sum(path.stat().st_size for path in EXAMPLES.iterdir()) < 200_000
+    assert sum(path.stat().st_size for path in EXAMPLES.iterdir() if path.name != RECORDED) < 200_000
+
+
+def test_what_others_recorded_has_their_notice():
+    """Their bytes, and their licence beside them."""
+    assert hashlib.sha256((EXAMPLES / RECORDED).read_bytes()).hexdigest() == RECORDED_SHA256
+    notice = (EXAMPLES / "LICENSE-imucal.txt").read_text()
+    assert "MIT License" in notice and "MaD-Lab Erlangen" in notice
+    assert RECORDED in (ROOT / "NOTICE").read_text()

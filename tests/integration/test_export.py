@@ -159,7 +159,7 @@ def test_whole_numbers_stay_doubles(solved, tumble, tmp_path):
     result["K"], result["U0"] = [[2, 0, 0], [0, -2, 0], [0, 0, 1e300 / 1e200]], [0, 1, -0.0]
     file.write_text(json.dumps(result))
     header = tumble("export", file, "--format", "c").stdout
-    assert "#define TUMBLE_K_XX (2.0) /* V/g */" in header
+    assert "#define TUMBLE_K_XX (2.0) /* V/g, assuming one temperature */" in header
     assert compiled(tmp_path, header)[:12] == flat(result["K"], result["U0"])
 
 

@@ -180,7 +180,7 @@ def test_limits_are_never_below_the_quantile(freedom):
 def test_noise_as_declared_changes_nothing():
     solution = solved(noisy_run(np.random.default_rng(54), 50))
     assert not solution.noise.exceeds.any() and not solution.noise.mean_variance.any()
-    assert assumed(solution).keys() == {"seat"}
+    assert assumed(solution).keys() == {"seat", "temperature"}
     samples = np.full(POSITIONS, 50)
     u_k, _ = reference.standard_uncertainties(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
     np.testing.assert_allclose(solution.u_k, u_k, rtol=1e-9)

@@ -172,7 +172,7 @@ def test_the_record_is_laid_out_as_documented():
     numbers, _ = golden()
     tables = np.array(numbers[26:]).reshape(-1, 6)
     made = gain_record.Record(
-        *(2, 1, 1, 0, 0x01234567, 0x89ABCDEF),
+        *(2, 1, 1, 0, 0, 0, 0x01234567, 0x89ABCDEF),
         k=np.reshape(numbers[:9], (3, 3)),
         sigma=np.array(numbers[9:13]),
         sigma_mean=numbers[13],
@@ -189,7 +189,7 @@ def test_a_spoilt_record_is_no_record():
     table = gains.optimal_table(reference.paper_schedule(), NOMINAL_K, PAPER_STAND)
     data = gain_record.to_bytes(gain_record.record_of(table, reference.paper_schedule()))
     assert len(data) == gain_record.size_of(18, 2) == 7152
-    for index in (0, 4, 8, 10, 11, 12, 13, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
+    for index in (0, 4, 8, 10, 11, 12, 13, 14, 15, 20, 30, 500, 5000, len(data) - 8, len(data) - 1):
         spoilt = bytearray(data)
         spoilt[index] ^= 1
         with pytest.raises(gain_record.BadRecord):
@@ -200,7 +200,7 @@ def test_a_spoilt_record_is_no_record():
 
 
 def test_a_record_of_no_position_is_no_record():
-    parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12)}
-    empty = gain_record.Record(0, 1, 1, 0, 0, 0, **parts, gains=np.empty((12, 0)), nuisance_gains=np.empty((3, 0)))
+    parts = {"k": np.eye(3), "sigma": np.ones(4), "sigma_mean": 1.0, "u": np.ones(12), "gains": np.empty((12, 0))}
+    empty = gain_record.Record(0, 1, 1, 0, 0, 0, 0, 0, **parts, nuisance_gains=np.empty((3, 0)))
     with pytest.raises(gain_record.BadRecord):
         gain_record.from_bytes(gain_record.to_bytes(empty))

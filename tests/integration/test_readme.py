@@ -111,8 +111,10 @@ def test_the_tutorial_joins_the_files_of_a_logger(first_run, tumble, tmp_path):
         text = "".join(",".join(fields) + "\r\n" for fields in [["ux", "uy", "uz"], *samples])
         (tmp_path / f"{mounting}-{position}.csv").write_text(text, newline="")
     subprocess.run(["sh", "-euc", block("sh")[0]], cwd=tmp_path, check=True)
-    said = [tumble("solve", run).stdout.splitlines()[1:]
-            for run in (tmp_path / "runs/joined.csv", first_run / "runs/first/run.csv")]  # fmt: skip
+    bare = tmp_path / "bare.csv"  # without the columns that the logger does not have, such as temperature
+    recorded = (first_run / "runs/first/run.csv").read_text().splitlines()
+    bare.write_text("".join(",".join(row.split(",")[:5]) + "\n" for row in recorded))
+    said = [tumble("solve", run).stdout.splitlines()[1:] for run in (tmp_path / "runs/joined.csv", bare)]
     assert said[0] == said[1] and said[0][-1].startswith("PASS")
 
 

@@ -43,7 +43,7 @@ def test_uncertainties_follow_the_unit(unit, factor, tumble, tmp_path):
 def test_another_unit_takes_the_place_of_the_volt(tumble, tmp_path):
     run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
     other, volts = (solved(tumble, file, "--stand", STAND) for file in (run, EXAMPLES / "paper_stand.csv"))
-    its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for")
+    its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for", "warnings")
     assert {**other, **{name: volts[name] for name in its_own}} == volts and volts["unit"] == "V"
     done = tumble("solve", run, "--stand", STAND)
     assert "m/s^2, declared 3.00e-04\n" in done.stdout
@@ -106,12 +106,12 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     run = EXAMPLES / "paper_stand.csv"
     done = tumble("solve", run, "--json")
     assert done.returncode == 0
-    assert json.loads(done.stdout)["assumes"] == ["seat", "unit"]
+    assert json.loads(done.stdout)["assumes"] == ["seat", "unit", "temperature"]
     assert json.loads(done.stdout)["assumed_for"]["unit"] == []
     said = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
     assert done.stderr == f"tumble: warning: {said}\n"
     shown = tumble("solve", run).stdout.splitlines()
     assert "All assuming volts: the run file names no unit (--unit)" in shown
-    assert shown[-1].startswith("PASS, assuming a square seat and volts: ")
+    assert shown[-1].startswith("PASS, assuming a square seat and volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
-    assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat"]
+    assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]

@@ -519,7 +519,11 @@ typedef struct {
     double seat_rad; /* theta_h, theta_n: how far a mounting tilts the block against the axis, and turns it about it;
                            * one of each for each mounting */
     double platform_rad; /* theta_h of the platform: one for all mountings */
+    double encoder_rad;  /* of the table angle t: each of the four numbers by sin t, cos t, sin 2t, cos 2t; for all */
+    double drift_v;      /* of each channel, from the first fit position to the last; 0 to TUMBLE_MAX_MEAN_V */
 } tumble_stand_record_t;
+
+#define TUMBLE_WAVES 4 /* numbers of an encoder's errors */
 
 /* The run whose estimate is judged. */
 typedef struct {
@@ -580,9 +584,10 @@ typedef struct {
     uint16_t schema;
     uint8_t fit_positions;
     uint8_t mountings;
-    uint8_t yaws;  /* 1: one yaw for all mountings; else one for each */
-    uint8_t seats; /* 0: none is declared; else one for each mounting */
-    uint8_t reserved[2];
+    uint8_t yaws;   /* 1: one yaw for all mountings; else one for each */
+    uint8_t seats;  /* 0: none is declared; else one for each mounting */
+    uint8_t waves;  /* numbers of the encoder: 0, or TUMBLE_WAVES */
+    uint8_t drifts; /* 0, or one for each channel */
     uint32_t schedule_crc;
     uint32_t block_crc; /* CRC-32 of the block's serial, UTF-8; 0: for any block. For people: nothing here checks it */
     double k_v_per_g[TUMBLE_CHANNELS][TUMBLE_CHANNELS]; /* the K that the gains were linearised at; not all 0 */
@@ -609,8 +614,8 @@ tumble_status_t tumble_gain_record_open(const void *memory, size_t size, const t
 /* Gains of the coefficients: TUMBLE_COEFFICIENTS rows of 3 x fit_positions, as in tumble_gain_table_t. */
 const double *tumble_gain_record_gains(const tumble_gain_record_t *record);
 
-/* Gains (rad per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat, theta_n of each;
- * columns as above. */
+/* Gains (rad per V; of drifts, V per V) of the stand's own errors: rows alpha1, alpha2, each yaw, theta_h of each seat,
+ * theta_n of each, the numbers of the encoder, drifts; columns as above. */
 const double *tumble_gain_record_stand_gains(const tumble_gain_record_t *record);
 
 /* The fingerprint of a schedule: CRC-32 over mountings and fit positions, see docs/gain-record.md. */
@@ -635,6 +640,8 @@ typedef struct {
     double alpha3_rad[TUMBLE_MAX_YAWS];  /* per mounting of the schedule, in its order; beyond: 0 */
     double theta_h_rad[TUMBLE_MAX_YAWS]; /* likewise; the platform's is in each */
     double theta_n_rad[TUMBLE_MAX_YAWS];
+    double encoder_rad[TUMBLE_WAVES]; /* by the sine and cosine of the table angle, and of its double */
+    double drift_v[TUMBLE_CHANNELS];  /* from the first fit position to the last */
 } tumble_stand_errors_t;
 
 /* What the estimator works with beside its stack; the caller owns it. */
@@ -643,7 +650,7 @@ typedef struct {
     float curvature_rad[TUMBLE_MAX_POSITIONS]; /* private */
 } tumble_optimal_t;
 
-static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_YAWS) + 16U),
+static_assert(sizeof(tumble_optimal_t) <= ((4U * TUMBLE_MAX_POSITIONS) + (24U * TUMBLE_MAX_YAWS) + 72U),
               "with optimal a position costs 4 more, a mounting 24");
 
 /* Coefficients and the stand's errors from the means of all fit positions. `record` was opened for this very schedule.
@@ -912,13 +919,14 @@ double tumble_misfit_limit(int freedom);
 typedef struct {
     const tumble_schedule_t *schedule;
     const tumble_means_t *means;
-    const tumble_stand_record_t *stand; /* its angles alone, checked by its owner */
+    const tumble_stand_record_t *stand; /* its angles and drift alone, checked by its owner */
     const double *mean_variance_v2;     /* noise of the mean of a channel, one for each position; 0 or more, finite */
 } tumble_whole_run_t;
 
 #define TUMBLE_WHOLE_LOCAL 3  /* errors of a mounting: yaw, seat (theta_h, theta_n) */
 #define TUMBLE_WHOLE_SHARED 4 /* errors of all: alpha1, alpha2, platform, a yaw common to all mountings */
-#define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED)
+#define TUMBLE_WHOLE_COURSE (TUMBLE_WAVES + TUMBLE_CHANNELS) /* where declared: the encoder's numbers, drifts */
+#define TUMBLE_WHOLE_UNKNOWNS (TUMBLE_WHOLE_LOCAL + TUMBLE_COEFFICIENTS + TUMBLE_WHOLE_SHARED + TUMBLE_WHOLE_COURSE)
 
 /* One-sided quantile of the normal distribution that belongs to the confidence, 99.9 %: of a thousand honest runs one is
  * beyond the limit. */
@@ -930,11 +938,13 @@ typedef struct {
     double by_local[TUMBLE_WHOLE_LOCAL][TUMBLE_CHANNELS];
     double by_shared[TUMBLE_WHOLE_SHARED][TUMBLE_CHANNELS];
     double by_angle[TUMBLE_CHANNELS];
+    double wave_rad[TUMBLE_WAVES];      /* the table angle, per sigma of each number of the encoder */
+    double drift_v;                     /* each output, per sigma of its own drift */
     double residual_v[TUMBLE_CHANNELS]; /* as if the set angle had no error */
     double variance_v2;
 } tumble_whole_place_t;
 
-/* Working memory, 2.9 kB. The caller owns it. The first members are the verdict of tumble_whole_step, once `known`;
+/* Working memory, 4.5 kB. The caller owns it. The first members are the verdict of tumble_whole_step, once `known`;
  * everything else is private. */
 typedef struct {
     double chi_squared;
@@ -946,6 +956,7 @@ typedef struct {
     bool under_way;
     uint8_t stage;
     uint8_t round;    /* of Gauss and Newton */
+    uint8_t unknowns; /* fewer where neither encoder nor drift is declared */
     uint8_t columns;  /* unknowns that rows are turned into: all, or those of a mounting */
     uint8_t mounting; /* index in the schedule, */
     uint8_t position; /* likewise, */
@@ -960,6 +971,7 @@ typedef struct {
     tumble_whole_place_t place;
     tumble_coefficients_t coefficients;
     double shared_rad[TUMBLE_WHOLE_SHARED];
+    double course[TUMBLE_WHOLE_COURSE];                        /* rad; V */
     float local_rad[TUMBLE_MAX_MOUNTINGS][TUMBLE_WHOLE_LOCAL]; /* where a round is linearised: a float will do */
     float angle_rad[TUMBLE_MAX_POSITIONS];
 } tumble_whole_work_t;

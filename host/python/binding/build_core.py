@@ -148,6 +148,8 @@ typedef struct {
     uint8_t mountings;
     uint8_t yaws;
     uint8_t seats;
+    uint8_t waves;
+    uint8_t drifts;
     uint32_t block_crc;
     double k_v_per_g[3][3];
     double sigma_rad[4];
@@ -203,6 +205,8 @@ typedef struct {
     bool common_yaw;
     double seat_rad;
     double platform_rad;
+    double encoder_rad;
+    double drift_v;
 } tumble_stand_record_t;
 typedef struct {
     const tumble_schedule_t *schedule;
@@ -289,8 +293,21 @@ tumble_status_t batch_optimal(const tumble_gain_record_t *, const tumble_schedul
 def main(output: str) -> None:
     """Write the extension's C source to the file `output`."""
     ffi = cffi.FFI()
-    ffi.cdef(LIMITS + STATUS + SCHEDULE + AVERAGING + ESTIMATOR + CALIBRATION + VERIFICATION + OPTIMAL + STAND_SEEN
-             + UNCERTAINTY + WHOLE_MODEL + ESTIMATORS + BATCH)
+    ffi.cdef(
+        LIMITS
+        + STATUS
+        + SCHEDULE
+        + AVERAGING
+        + ESTIMATOR
+        + CALIBRATION
+        + VERIFICATION
+        + OPTIMAL
+        + STAND_SEEN
+        + UNCERTAINTY
+        + WHOLE_MODEL
+        + ESTIMATORS
+        + BATCH
+    )
     ffi.set_source("_tumble_core", HEADERS + Path(__file__).with_name("batch.c").read_text(encoding="utf-8"))
     ffi.emit_c_code(output)
 

@@ -209,6 +209,7 @@ static void test_simulated_runs(void)
     } cases[] = {
         {"honest", "", TUMBLE_VERDICT_COMMITTED, 0},
         {"declared seats", "stand.seat_rad = 1e-4\nstand.platform_rad = 1e-4\n", TUMBLE_VERDICT_COMMITTED, 0},
+        {"declared encoder and drift", "stand.encoder_rad = 2e-4\nstand.drift_v = 1e-3\n", TUMBLE_VERDICT_COMMITTED, 0},
         {"second order", "block.k2_per_g = 1e-4 1e-4 1e-4\n", TUMBLE_VERDICT_HELD, BEYOND},
         {"drift", "block.drift_v_per_h = 1.5e-2 1.5e-2 1.5e-2\n", TUMBLE_VERDICT_HELD, BEYOND},
     };

@@ -50,7 +50,7 @@ static void test_both_mountings_of_the_paper(void)
         const double actual_deg = 400.0 * dice_signed_unit(&dice);
         const vector_t f = table_force(alpha1, actual_deg / DEG + alpha2 + theta_n);
         const vector_t t = yawed(leaning(f, theta_h), alpha3);
-        const sim_seat_t seat = {alpha1, alpha2, alpha3, theta_h, theta_n};
+        const sim_seat_t seat = {alpha1, alpha2, alpha3, theta_h, theta_n, {0.0}};
         sim_geometry_t geometry;
         double a_g[3];
         sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &seat);
@@ -75,7 +75,7 @@ static void test_any_mounting_and_tilt(void)
         random_rotation(&dice, mounting.matrix);
         sim_geometry_t geometry;
         double a_g[3];
-        sim_geometry_init(&geometry, &mounting, &(sim_seat_t){alpha1, 0.0, alpha3, 0.0, 0.0});
+        sim_geometry_init(&geometry, &mounting, &(sim_seat_t){alpha1, 0.0, alpha3, 0.0, 0.0, {0.0}});
         sim_geometry_force(&geometry, actual_deg, a_g);
         const vector_t t = yawed(table_force(tilt_deg / DEG + alpha1, actual_deg / DEG), alpha3);
         for (int i = 0; i < 3; i++) {
@@ -106,16 +106,16 @@ static void test_signs_at_the_first_position(void)
 {
     sim_geometry_t geometry;
     double a_g[3];
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0});
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0, {0.0}});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1e-3, a_g[0]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0});
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[1], &(sim_seat_t){0.0, 1e-3, 0.0, 0.0, 0.0, {0.0}});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -1e-3, a_g[0]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){1e-3, 0.0, 0.0, 0.0, 0.0});
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){1e-3, 0.0, 0.0, 0.0, 0.0, {0.0}});
     sim_geometry_force(&geometry, 0.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1e-3, a_g[1]);
-    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 0.0, 1e-3, 0.0, 0.0});
+    sim_geometry_init(&geometry, &tumble_schedule_paper.mountings[0], &(sim_seat_t){0.0, 0.0, 1e-3, 0.0, 0.0, {0.0}});
     sim_geometry_force(&geometry, 90.0, a_g);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -1e-3, a_g[1]);
 }

@@ -112,16 +112,16 @@ static void test_a_tilted_platform(void)
 
 static void test_sources_add_in_quadrature(void)
 {
-    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3};
-    const tumble_stand_record_t alone[7] = {{.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},
-                                            {.remount_rad = 3e-3, .samples = 1},   {.angle_rad = 4e-3, .samples = 1},
-                                            {.noise_v = 5e-3, .samples = 1},       {.seat_rad = 6e-3, .samples = 1},
-                                            {.platform_rad = 7e-3, .samples = 1}};
+    const tumble_stand_record_t stand = {1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 0.0, 1, false, 6e-3, 7e-3, 8e-3, 9e-3};
+    const tumble_stand_record_t alone[9] = {
+        {.axis_tilt_rad = 1e-3, .samples = 1}, {.level_rad = 2e-3, .samples = 1},   {.remount_rad = 3e-3, .samples = 1},
+        {.angle_rad = 4e-3, .samples = 1},     {.noise_v = 5e-3, .samples = 1},     {.seat_rad = 6e-3, .samples = 1},
+        {.platform_rad = 7e-3, .samples = 1},  {.encoder_rad = 8e-3, .samples = 1}, {.drift_v = 9e-3, .samples = 1}};
     dice_t dice = {71};
     const tumble_coefficients_t block = random_block(&dice);
     double k[3][3] = {{0}};
     double u0[3] = {0};
-    for (int source = 0; source < 7; source++) {
+    for (int source = 0; source < 9; source++) {
         const tumble_judged_run_t run = run_on_paper(&alone[source], &block);
         const tumble_uncertainty_t part = judged(tumble_uncertainty_refined, &run);
         for (int i = 0; i < 3; i++) {
@@ -194,11 +194,12 @@ static void test_null_pointers_are_refused(void)
 static void test_a_stand_out_of_range_is_refused(void)
 {
     static const double bad[] = {-1e-300, NOT_A_NUMBER, INFINITE, -INFINITE};
-    for (int source = 0; source < 8; source++) {
-        const double largest = (source < 6) ? TUMBLE_MAX_STAND_SIGMA_RAD : TUMBLE_MAX_MEAN_V;
+    for (int source = 0; source < 10; source++) {
+        const double largest = (source < 7) ? TUMBLE_MAX_STAND_SIGMA_RAD : TUMBLE_MAX_MEAN_V;
         tumble_stand_record_t stand = no_errors;
         double *const sigmas[] = {&stand.axis_tilt_rad, &stand.level_rad,    &stand.remount_rad, &stand.angle_rad,
-                                  &stand.seat_rad,      &stand.platform_rad, &stand.noise_v,     &stand.least_noise_v};
+                                  &stand.seat_rad,      &stand.platform_rad, &stand.encoder_rad, &stand.drift_v,
+                                  &stand.noise_v,       &stand.least_noise_v};
         const tumble_judged_run_t run = run_on_paper(&stand, &straight);
         *sigmas[source] = largest;
         (void)judged(tumble_uncertainty_refined, &run);
@@ -231,7 +232,7 @@ static void test_a_mean_of_no_samples_is_refused(void)
 static void test_a_k_that_is_no_number_or_too_large_is_refused(void)
 {
     static const double bad[] = {NOT_A_NUMBER, INFINITE, -INFINITE, 1e200};
-    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0};
+    const tumble_stand_record_t stand = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1, false, 1.0, 1.0, 1.0, 1.0};
     for (int cell = 0; cell < 9; cell++) {
         for (size_t b = 0; b < COUNT_OF(bad); b++) {
             tumble_coefficients_t block = straight;

@@ -78,6 +78,12 @@ static void force_derivative(const tumble_schedule_t *schedule, unsigned p, erro
     }
 }
 
+static double wave_at(const tumble_schedule_t *schedule, unsigned p, int number)
+{
+    const double angle = schedule->positions[p].angle.deg * acos(-1.0) / 180.0 * ((number < 2) ? 1.0 : 2.0);
+    return ((number % 2) == 0) ? sin(angle) : cos(angle);
+}
+
 /* One row by brute force. */
 static double brute_force(const tumble_judged_run_t *run, const double *gains)
 {
@@ -86,6 +92,10 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
     double sums[ERRORS] = {0};
     double by_mounting[ERRORS][256] = {{0}};
     double squares = 0.0;
+    double waves[4] = {0};
+    double drifts[3] = {0};
+    int fit = 0;
+    const int fits = (int)count_fit_positions(schedule);
     for (unsigned p = 0; p < schedule->position_count; p++) {
         if (schedule->positions[p].use != TUMBLE_USE_FIT) {
             continue;
@@ -103,7 +113,14 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
             sums[error] += effect;
             by_mounting[error][schedule->positions[p].mounting] += effect;
             squares += (error == ALPHA2) ? stand->angle_rad * stand->angle_rad * effect * effect : 0.0;
+            for (int wave = 0; (wave < 4) && (error == ALPHA2); wave++) {
+                waves[wave] += effect * wave_at(schedule, p, wave);
+            }
         }
+        for (int i = 0; i < 3; i++) {
+            drifts[i] += gains[i] * ((fits > 1) ? (double)fit / (fits - 1) - 0.5 : -0.5);
+        }
+        fit++;
         for (int i = 0; i < 3; i++) {
             const double noise = stand->noise_v / sqrt(n);
             const double counted = (noise > stand->least_noise_v) ? noise : stand->least_noise_v;
@@ -120,6 +137,10 @@ static double brute_force(const tumble_judged_run_t *run, const double *gains)
     for (int m = 0; m < 256; m++) {
         yaw += stand->common_yaw ? 0.0 : by_mounting[ALPHA3][m] * by_mounting[ALPHA3][m];
         seat += by_mounting[THETA_H][m] * by_mounting[THETA_H][m] + by_mounting[ALPHA2][m] * by_mounting[ALPHA2][m];
+    }
+    for (int n = 0; n < 4; n++) {
+        squares += stand->encoder_rad * stand->encoder_rad * waves[n] * waves[n];
+        squares += (n < 3) ? stand->drift_v * stand->drift_v * drifts[n] * drifts[n] : 0.0;
     }
     return sqrt(tilt * tilt + level * level + platform * platform + stand->remount_rad * stand->remount_rad * yaw +
                 stand->seat_rad * stand->seat_rad * seat + squares);
@@ -138,6 +159,8 @@ static tumble_stand_record_t random_stand(dice_t *dice)
         .common_yaw = dice_below(dice, 2) == 0U,
         .seat_rad = 1e-3 * magnitude(dice_signed_unit(dice)),
         .platform_rad = 1e-3 * magnitude(dice_signed_unit(dice)),
+        .encoder_rad = 1e-3 * magnitude(dice_signed_unit(dice)),
+        .drift_v = 1e-3 * magnitude(dice_signed_unit(dice)),
     };
 }
 

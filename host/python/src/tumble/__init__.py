@@ -1,17 +1,80 @@
 """Calibrate a three-axis block of navigation accelerometers on a single-axis rotary stand, and prove how good it is.
 
-Public are `tumble.__version__`, `tumble.canbus.TumbleBus` (the simulated bus for python-can), and the command line,
-`python -m tumble`. All else may change with any version. It stands in rooms, each of which says what it offers:
+    >>> import tumble
+    >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
+    >>> result.passed
+    True
+    >>> a_g = result.apply([[0.0, 0.0, 2.0]])  # outputs in volts -> specific force in g, (samples, 3)
+
+Public are the names of `__all__`, the exceptions in `tumble.errors`, `tumble.canbus.TumbleBus` (the simulated bus for
+python-can), and the command line, `python -m tumble`. They stay; all else may change with any version. It stands in
+rooms, each of which says what it offers:
 
     core, reference     the firmware core, and its numpy witness, which knows nothing of it
     files               run files, stand files, schedule files
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
     bench, store        simulated stands and real buses; the memory of a navigation computer
-    cli                 the command line
+    api, cli            what scripts call; the command line
 
 Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.
 tools/rooms.py checks which room knows which.
 """
 
+from typing import TYPE_CHECKING, Any
+
+from tumble import errors as errors
 from tumble._version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from tumble.api.recording import Recording as Recording, read as read
+    from tumble.api.result import Result as Result, load as load
+    from tumble.api.solving import solve as solve
+    from tumble.errors import (
+        BadInput as BadInput,
+        Disagreement as Disagreement,
+        NotInstalled as NotInstalled,
+        TumbleError as TumbleError,
+        UsageError as UsageError,
+    )
+    from tumble.files.stand_file import StandFile as StandFile, read_stand as read_stand
+    from tumble.schedule import Mounting as Mounting, Position as Position, Schedule as Schedule
+    from tumble.stand import Stand as Stand
+
+__all__ = [
+    "BadInput",
+    "Disagreement",
+    "Mounting",
+    "NotInstalled",
+    "Position",
+    "Recording",
+    "Result",
+    "Schedule",
+    "Stand",
+    "StandFile",
+    "TumbleError",
+    "UsageError",
+    "__version__",
+    "load",
+    "read",
+    "read_stand",
+    "solve",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Public names are loaded when they are asked for: the command line answers typing errors without numpy."""
+    if name not in __all__:
+        raise AttributeError(f"module 'tumble' has no attribute {name!r}")
+    from tumble import schedule, stand
+    from tumble.api import recording, result, solving
+    from tumble.files import stand_file
+
+    for module in (errors, schedule, stand, stand_file, recording, result, solving):
+        if hasattr(module, name):
+            return globals().setdefault(name, getattr(module, name))
+    raise AttributeError(name)  # pragma: no cover
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

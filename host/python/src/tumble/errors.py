@@ -36,12 +36,13 @@ class TumbleError(Exception):
     exit_code = EXIT_BAD_INPUT
 
 
-class UsageError(TumbleError):
-    """The command line asks for something that is not there."""
+class UsageError(TumbleError, ValueError):
+    """A caller, or the command line, asks for something that is not there."""
 
 
-class BadInput(TumbleError):
-    """A file cannot be used. Says which, and where known in which row (line number, from 1) and column or key."""
+class BadInput(TumbleError, ValueError):
+    """A file or a table cannot be used. Says which, and where known in which row (line number, from 1) and column or
+    key."""
 
     def __init__(self, message: str, file: str | os.PathLike[str], row: int | None = None, column: str | None = None):
         place = [] if row is None else [f"row {row}"]
@@ -62,6 +63,14 @@ class Skipped(TumbleError):
     """This machine lacks something that the command needs. Says what to install."""
 
     exit_code = EXIT_SKIPPED
+
+
+class NotInstalled(Skipped, ImportError):
+    """A Python package that only some inputs need is not there."""
+
+    def __init__(self, needed_for: str, *packages: str, extra: str):
+        listed = " or ".join(packages)
+        super().__init__(f"{needed_for} needs {listed}: pip install 'tumble[{extra}]'")
 
 
 class Interrupted(TumbleError):

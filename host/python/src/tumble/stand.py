@@ -21,14 +21,17 @@ LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
 
 @dataclass(frozen=True)
 class Stand:
-    """Errors of a stand as declared: angles in radians, noise of one sample in V or as `in_unit` made it, all >= 0.
+    """Errors of a stand as declared: angles in radians, noise of one sample and drift in V or as `in_unit` made them,
+    all >= 0.
 
     `axis_tilt`: the axis is not level (alpha1). `level`: zero of the table angle (alpha2). `remount`: yaw of the block
     on the platform (alpha3). `angle`: error of a set table angle (alpha4). `samples`: how many samples a mean has when
     a run gives only the mean. `limits`: what the numbers are, one of LIMIT_KINDS: standard deviations, three of them,
     or half-widths of a uniform law. `remounting`: is the yaw drawn anew in every mounting, or common to all?
     `seat`: how far each mounting tilts the block against the axis, and adds to the table angle. `platform`: how far the
-    platform tilts it against the axis, the same in all mountings and runs. 0: not declared.
+    platform tilts it against the axis, the same in all mountings and runs. `encoder`: of the table angle, by its sine,
+    cosine, and sine and cosine of its double, four numbers of this size for the stand. `drift`: of every channel, from
+    the first fitted position of a run to the last. 0: not declared.
     """
 
     axis_tilt: float
@@ -42,6 +45,8 @@ class Stand:
     name: str = ""
     seat: float = 0.0
     platform: float = 0.0
+    encoder: float = 0.0
+    drift: float = 0.0
 
     @property
     def declares_seat(self) -> bool:
@@ -49,8 +54,9 @@ class Stand:
         return self.seat > 0.0 or self.platform > 0.0
 
     def in_unit(self, unit: str) -> Stand:
-        """This stand with its noise in the unit of a run's outputs."""
-        return replace(self, noise=self.noise / volts_per(unit))
+        """This stand with its noise and drift in the unit of a run's outputs."""
+        volts = volts_per(unit)
+        return replace(self, noise=self.noise / volts, drift=self.drift / volts)
 
     def with_step(self, step: float) -> Stand:
         """This stand with the noise that one sample really has: no less than a converter of this `step` (0: unknown),

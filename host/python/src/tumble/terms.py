@@ -8,6 +8,8 @@ the outputs: K_ii K2_i, K_ii K3_i and drift_i. The outputs are linear in the siz
 
 from __future__ import annotations
 
+from tumble.errors import UsageError, quoted
+
 Terms = tuple[str, ...]
 
 DRIFT = "drift"
@@ -20,3 +22,18 @@ EXTENDABLE = ("least_squares", "optimal")  # the estimators that find them
 def names(terms: Terms) -> tuple[str, ...]:
     """Of what is found of them, such as K2_x and drift_z, in the order of the sizes: by term, then by channel."""
     return tuple(f"{term if term == DRIFT else term.upper()}_{axis}" for term in terms for axis in "xyz")
+
+
+def parse(text: str | None, estimator: str | None) -> Terms:
+    """The further terms that a list such as "k2,k3" names, in the order of TERMS; None names none. `estimator`: the one
+    in use, None for all that find them. Raises UsageError."""
+    if text is None:
+        return ()
+    named = [term.strip() for term in text.split(",")]
+    for term in named:
+        if term not in TERMS or named.count(term) > 1:
+            raise UsageError(f"--model: {quoted(term)} is not one of {', '.join(TERMS)}, once each")
+    if estimator is not None and estimator not in EXTENDABLE:
+        closed = f"{estimator} is a closed form of twelve coefficients"
+        raise UsageError(f"--model: {closed}; use --estimator least_squares, or optimal with --stand FILE")
+    return tuple(term for term in TERMS if term in named)

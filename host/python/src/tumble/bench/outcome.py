@@ -145,4 +145,6 @@ def _truth(truth: dict[str, Any]) -> Truth:
         alpha4=tuple(truth["alpha4_rad"]),
         theta_h=tuple(truth["theta_h_rad"]),
         theta_n=tuple(truth["theta_n_rad"]),
+        encoder=tuple(truth["encoder_rad"]),
+        drift=tuple(truth["drift_v"]),
     )

@@ -77,9 +77,11 @@ def _numbers(*values: float) -> str:
 def _stand(stand: Stand) -> Iterator[tuple[str, str]]:
     for key in ("axis_tilt", "level", "remount", "angle"):
         yield f"stand.{key}_rad", _numbers(getattr(stand, key))
-    for key in ("seat", "platform"):
+    for key in ("seat", "platform", "encoder"):
         if getattr(stand, key) > 0.0:
             yield f"stand.{key}_rad", _numbers(getattr(stand, key))
+    if stand.drift > 0.0:
+        yield "stand.drift_v", _numbers(stand.drift)
     yield "stand.limits", stand.limits
     yield "stand.remount", stand.remounting
     yield "block.noise_v", _numbers(stand.noise, stand.noise, stand.noise)

@@ -12,12 +12,13 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
-from tumble.cli.commands import bench, export, fixture, plan, replay, solve, store, uml
-from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, Interrupted, TumbleError, UsageError
+from tumble.cli import completion
+from tumble.cli.commands import apply, bench, export, fixture, import_recording, plan, replay, solve, store, uml
+from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, bench, replay, plan, fixture, export, store, uml)
+_COMMANDS = (solve, import_recording, apply, bench, replay, plan, fixture, export, store, uml)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 
@@ -47,10 +48,18 @@ def _parser() -> argparse.ArgumentParser:
         description="Calibrate a three-axis block of accelerometers on a single-axis rotary stand.",
     )
     parser.add_argument("--version", action="version", version=f"tumble {__version__}")
-    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    completion.add_to(parser)
+    subparsers = parser.add_subparsers(metavar="COMMAND")
     for command in _COMMANDS:
         command.add_to(subparsers)
+    parser.set_defaults(run_command=lambda _: _help(parser))
     return parser
+
+
+def _help(parser: argparse.ArgumentParser) -> int:
+    """What `tumble` alone says."""
+    parser.print_help()
+    return EXIT_PASS
 
 
 def _complain(message: str) -> None:

@@ -7,6 +7,7 @@ import math
 import re
 from typing import TypeAlias
 
+from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.schedule import BUILT_IN
@@ -14,7 +15,6 @@ from tumble.schedule import BUILT_IN
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
 FIRMWARES = ("host", "zcu102")
-DEFAULT_LIMIT_G = 3e-4
 LARGEST_SEED = 2**64 - 1
 
 
@@ -38,9 +38,9 @@ def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
     parser.add_argument(
         "--estimator",
         choices=ESTIMATORS,
-        default="refined",
+        default=DEFAULT_ESTIMATOR,
         metavar="NAME",
-        help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: refined{remark}",
+        help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: {DEFAULT_ESTIMATOR}{remark}",
     )
 
 
@@ -56,7 +56,10 @@ def add_limit(parser: argparse.ArgumentParser) -> None:
 def add_confidence(parser: argparse.ArgumentParser) -> None:
     """--confidence."""
     parser.add_argument(
-        "--confidence", metavar="P", default="0.999", help="at which the run must fit its stand; default: 0.999"
+        "--confidence",
+        metavar="P",
+        default=str(DEFAULT_CONFIDENCE),
+        help=f"at which the run must fit its stand; default: {DEFAULT_CONFIDENCE}",
     )
 
 

@@ -5,35 +5,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from tumble.cli import presentation, propagated
+from tumble.cli import presentation
 from tumble.cli.presentation import BAR_WIDTH, GravityBar
 from tumble.messages import tell
 from tumble.solving.solution import Solution
-from tumble.units import noise_unit
 
 
-def warn(solution: Solution, odd: Sequence[str] = ()) -> None:
-    """A line on stderr for each reason why a solution may not be what it claims. `odd`: what is odd about its K."""
-    if not solution.run.unit_told:
-        tell("tumble: warning: the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
-    for sentence in odd:
+def warn(sentences: Sequence[str]) -> None:
+    """A line on stderr for each of `complaints`."""
+    for sentence in sentences:
         tell(f"tumble: warning: {sentence}")
-    unit = solution.run.unit
-    if solution.stand is not None and noise_unit(unit) != "V":
-        noise = f"noise_v of the stand file, {solution.stand.noise:g}"
-        tell(f"tumble: warning: outputs in {unit}: {noise}, is in {unit} too")
-    for beyond in [] if solution.second_order is None else solution.second_order.complaints:
-        tell(f"tumble: warning: {beyond}")
-    if solution.lone:
-        tell(f"tumble: warning: a single row, taken for one sample, at {', '.join(solution.lone)}")
-    noisy = presentation.noise_notice(solution)
-    if noisy is not None:
-        tell(f"tumble: warning: {noisy}; the uncertainties count it")
-    if solution.monte_carlo is not None and (open_or_not := propagated.complaint(solution.monte_carlo)):
-        tell(f"tumble: warning: {open_or_not}")
-    doubt = presentation.complaint(solution)
-    if doubt is not None:
-        tell(f"tumble: warning: {doubt}; the uncertainties {presentation.consequence(solution)}")
 
 
 def print_solution(solution: Solution, json_text: str | None, title: str) -> None:

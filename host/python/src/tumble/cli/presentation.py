@@ -8,16 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tumble.api.complaints import complaint, consequence, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
-from tumble.estimators import HARMONIC
+from tumble.estimators import COEFFICIENTS, HARMONIC
+from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
-from tumble.solving import noise
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.fit import NOISE, SYSTEMATIC, Explanation
+from tumble.solving.coverage import PROBABILITY, Coverage
+from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
-from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES, Quantity
 from tumble.terms import names
@@ -114,16 +115,22 @@ def notes(solution: Solution) -> list[str]:
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT if solution.scatter_alone is None else _HINT_ALONE]
+        return [_HINT] if solution.coverage is None else [_HINT_ALONE, _expanded(solution.coverage)]
     told = noise_notice(solution)
-    return [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
+    return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
 
 
-def noise_notice(solution: Solution) -> str | None:
-    """That the samples are noisier than declared, and that the uncertainties count that; None if not."""
-    if solution.stand is None:
-        return None
-    return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
+def _expanded(coverage: Coverage) -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest."""
+    k, freedom = coverage.factors, coverage.freedom
+    least = int(freedom.argmin())
+    low, high = f"{k.min():.2f}", f"{k.max():.2f}"
+    line = f"{PROBABILITY * 100:.0f} % within k u: k = {high if low == high else f'{low} to {high}'}"
+    if math.isinf(freedom[least]):
+        return line
+    whose = "" if low == high else f"{COEFFICIENTS[least]}: "
+    return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
 
 
 def _errors_over_u(solution: Solution) -> tuple[Floats, Floats]:
@@ -181,6 +188,7 @@ def remarks(solution: Solution) -> list[str]:
     unit = solution.run.unit
     lines = _fit_and_check(solution)
     lines += [] if solution.truth is None else _truth_remarks(solution)
+    lines += _temperature_line(solution)
     lines += [
         f"Closure of mounting {mounting}: {_three(difference)} {unit}"
         for mounting, difference in solution.found.closure.items()
@@ -192,6 +200,13 @@ def remarks(solution: Solution) -> list[str]:
         freedom = f"{solution.fit.freedom} degrees of freedom"
         lines.append(f"Fit to the stand: chi-squared {solution.fit.chi_squared:.3g}, {freedom}, p {solution.fit.p:.2g}")
     return lines + _stand_remarks(solution) + propagated.remarks(solution)
+
+
+def _temperature_line(solution: Solution) -> list[str]:
+    """That of the run; no line where it is not known."""
+    found = solution.run.temperature
+    who = {OF_RUN_FILE: "run file", OF_ENVIRONMENT: "stand file"}
+    return [] if found is None else [f"Temperature of the run: {found.text} ({who[found.source]})"]
 
 
 def _stand_remarks(solution: Solution) -> list[str]:
@@ -244,37 +259,6 @@ def _three(values: Floats) -> str:
 
 def _measured(seen: Quantity, has_u: bool, factor: float, sign: str) -> str:
     return f"{seen.value * factor:{sign}.2e}" + (f" +- {seen.u * factor:.1e}" if has_u else "")
-
-
-def complaint(solution: Solution) -> str | None:
-    """That the run does not fit the declared stand, or shows what is not declared; None where it does neither."""
-    if solution.fit is None:
-        return None
-    shown = "; ".join(_explained(solution, explanation) for explanation in solution.fit.explanations)
-    if solution.fit.fits:
-        return f"the run fits the stand file, but shows {shown}" if shown else None
-    return f"the run does not fit the stand file: {shown or 'no known pattern explains it'}"
-
-
-def _explained(solution: Solution, explanation: Explanation) -> str:
-    """Such as "k2 of y 104 +- 12 ug/g^2 or asymmetry"; of a source, what is declared of it."""
-    name, *others = explanation.patterns
-    size, unit = explanation.size, explanation.unit
-    if name in NAMES and solution.stand is not None:
-        limits = Limits.declared(solution.stand, len(solution.measured_schedule.fitted_mountings))
-        seen = "" if size is None else f" {abs(size):.1e} {unit}"
-        said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
-    else:
-        said = name + (f" of {explanation.column}" if explanation.column else "")
-        said += "" if size is None else f" {size:.3g} +- {explanation.u_size:.2g} {unit}"
-    return " or ".join([said, *(NAMES.get(other, other) for other in others)])
-
-
-def consequence(solution: Solution) -> str:
-    """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
-    causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
-    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
-    return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
 
 
 def beware(solution: Solution) -> list[str]:

@@ -6,9 +6,10 @@ import textwrap
 
 import numpy as np
 
+from tumble.api.complaints import simulation_complaint
 from tumble.estimators import COEFFICIENTS
 from tumble.solving.further import Further
-from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo, Verdict
+from tumble.solving.monte_carlo import NORMAL_COVERAGE, MonteCarlo
 from tumble.solving.solution import Solution
 
 _LOSS = 1.05  # of an uncertainty, before it is spoken of
@@ -63,7 +64,7 @@ def _simulated(found: MonteCarlo) -> list[str]:
     for i, (name, verdict) in enumerate(zip(COEFFICIENTS, found.verdicts)):
         shift, spread, ends = _over_u(found, i)
         lines.append(f"{name:6} {shift:>10}  {spread:>6}  {ends:>16}  {verdict.value}")
-    return lines + textwrap.wrap(complaint(found) or "It agrees with the linear uncertainties.", 80)
+    return lines + textwrap.wrap(simulation_complaint(found) or "It agrees with the linear uncertainties.", 80)
 
 
 def _over_u(found: MonteCarlo, i: int) -> tuple[str, str, str]:
@@ -74,11 +75,3 @@ def _over_u(found: MonteCarlo, i: int) -> tuple[str, str, str]:
         return "-", "-", "-"
     ends = f"{(found.low[i] - middle) / u:+.3f} to {(found.high[i] - middle) / u:+.3f}"
     return f"{found.shift[i] / u:+.3f}", f"{found.u[i] / u:.3f}", ends
-
-
-def complaint(found: MonteCarlo) -> str | None:
-    """Where simulated runs do not confirm the uncertainties, or leave it open; None where they do."""
-    differs, open_ones = found.where(Verdict.DIFFERS), found.where(Verdict.CANNOT_TELL)
-    if differs:
-        return f"Monte Carlo differs from the uncertainties of {', '.join(differs)}"
-    return f"too few runs of Monte Carlo to tell of {', '.join(open_ones)}" if open_ones else None

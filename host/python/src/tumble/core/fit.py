@@ -11,7 +11,7 @@ from tumble.arrays import Flags, Floats
 from tumble.core.binding import CoreSchedule, require_ok
 from tumble.stand import COMMON, Stand
 
-ANGLES = ("axis_tilt", "level", "remount", "angle", "seat", "platform")
+ANGLES = ("axis_tilt", "level", "remount", "angle", "seat", "platform", "encoder")
 
 
 def chi_squared(
@@ -31,5 +31,5 @@ def chi_squared(
 def record_of(stand: Stand) -> Any:
     """The declared stand as the core takes it."""
     angles = {f"{source}_rad": stand.sigma(source) for source in ANGLES}
-    noise = {"noise_v": stand.sigma("noise"), "common_yaw": stand.remounting == COMMON}
-    return ffi.new("tumble_stand_record_t *", angles | noise)
+    outputs = {f"{source}_v": stand.sigma(source) for source in ("noise", "drift")}
+    return ffi.new("tumble_stand_record_t *", angles | outputs | {"common_yaw": stand.remounting == COMMON})

@@ -44,8 +44,9 @@ class GainRecord:
 
     @property
     def stand_gains(self) -> Floats:
-        """The rows of alpha1, alpha2, the yaws and the seats: (2 + yaws + 2 seats, 3 x fit positions)."""
-        rows = 2 + self.struct.yaws + 2 * self.struct.seats
+        """The rows of alpha1, alpha2, the yaws, the seats, the encoder and the drifts: (2 + yaws + 2 seats + waves +
+        drifts, 3 x fit positions)."""
+        rows = 2 + self.struct.yaws + 2 * self.struct.seats + self.struct.waves + self.struct.drifts
         return self._table(lib.tumble_gain_record_stand_gains(self.struct), rows)
 
     def _table(self, numbers: CData, rows: int) -> Floats:

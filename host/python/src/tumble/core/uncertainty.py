@@ -25,7 +25,7 @@ class _JudgedRun:
     ):
         sigmas = [stand.sigma(source) for source in ("axis_tilt", "level", "remount", "angle", "noise")]
         record = [*sigmas, least_noise, stand.samples, stand.remounting == COMMON]
-        record += [stand.sigma(source) for source in ("seat", "platform")]
+        record += [stand.sigma(source) for source in ("seat", "platform", "encoder", "drift")]
         averaged_over = stand.averaged_over(samples)
         self._stand = ffi.new("tumble_stand_record_t *", record)
         self._coefficients = pack(k, np.zeros(3))

@@ -3,6 +3,7 @@
 For every room from here up. A complaint is one line with file, row and column (errors.BadInput).
 
     run_file       a recorded run: one mean a position, from CSV in many layouts (run_layout)
+    run_temperature  its temperatures
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
     toml           TOML with every key and every value checked, for files of other kinds too

@@ -5,6 +5,9 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
 
 from tumble.errors import BadInput, UsageError, quoted
 
@@ -13,9 +16,17 @@ _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not
 
 def read_bytes(file: str) -> bytes:
     """All of a file. Raises BadInput."""
-    try:
-        with open(file, "rb") as stream:
+    with opened(file) as stream:
+        try:
             return stream.read()
+        except OSError as error:
+            raise BadInput(reason(error), file) from None
+
+
+def opened(file: str) -> BinaryIO:
+    """A file to be read, which the caller closes. Raises BadInput."""
+    try:
+        return open(file, "rb")
     except OSError as error:
         raise BadInput(reason(error), file) from None
     except ValueError:  # a name with a zero byte
@@ -28,19 +39,24 @@ def write_text(file: str, text: str) -> None:
 
 
 def write_bytes(file: str, data: bytes) -> None:
-    """Write a file as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
+    """Write a file as `written` does."""
+    with written(file) as stream:
+        stream.write(data)
+
+
+@contextmanager
+def written(file: str) -> Iterator[BinaryIO]:
+    """A file to be written as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
 
     A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly.
     """
     try:
-        target = os.path.realpath(file)
-        if os.path.exists(target) and not os.path.isfile(target):
-            with open(target, "wb") as stream:
-                stream.write(data)
-        else:
-            _replace(target, data)
+        with _opened(os.path.realpath(file)) as stream:
+            yield stream
     except OSError as error:
         raise BadInput(f"cannot be written: {reason(error)}", file) from None
+    except BadInput:
+        raise
     except ValueError:
         raise BadInput("not a file name", file) from None
 
@@ -59,13 +75,18 @@ def _is_same(one: str, other: str) -> bool:
         return False
 
 
-def _replace(target: str, data: bytes) -> None:
+@contextmanager
+def _opened(target: str) -> Iterator[BinaryIO]:
+    if os.path.exists(target) and not os.path.isfile(target):
+        with open(target, "wb") as stream:
+            yield stream
+        return
     folder, name = os.path.split(target)
     temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
-    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
     try:
         with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
+            yield stream
         if os.path.exists(target):
             os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
         os.replace(temporary, target)

@@ -29,13 +29,18 @@ def to_json(result: dict[str, Any]) -> str:
 
 
 def read_coefficients(file: str) -> dict[str, Any]:
-    """What an export needs of a result file: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked; and where
-    it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit and stand_doubts, else
-    None; assumes and assumed_for, else empty.
+    """As `checked_coefficients`, of a file."""
+    return checked_coefficients(read_bytes(file), file)
+
+
+def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
+    """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
+    and where it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit, temperature
+    and stand_doubts, else None; assumes and assumed_for, else empty.
 
     Raises BadInput.
     """
-    result = _parse(file)
+    result = _parse(data, file)
     checks = {
         "schema": lambda value: value == RESULT,
         "estimator": lambda value: isinstance(value, str) and value.isidentifier() and value.isascii(),
@@ -62,6 +67,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
     optional |= dict.fromkeys(("item", "environment", "fit"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)
+    _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
+    _require(result, "temperature", _null_or_temperature, file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
     _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})
     environment = result["environment"] or {}
@@ -71,12 +78,12 @@ def read_coefficients(file: str) -> dict[str, Any]:
     return result
 
 
-def _parse(file: str) -> dict[str, Any]:
+def _parse(data: bytes, file: str) -> dict[str, Any]:
     def refuse_constant(name: str) -> None:
         raise ValueError(f"{name} is not a number")
 
     try:
-        result = json.loads(read_bytes(file).decode("utf-8-sig"), parse_constant=refuse_constant)
+        result = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:
         raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
     except (ValueError, RecursionError) as error:
@@ -110,6 +117,10 @@ def _is_table(value: Any, is_item: Check) -> bool:
 
 def _null_or_covariance(value: Any, size: int = 12) -> bool:
     return value is None or _is_array(value, size, lambda row: _is_array(row, size, _is_number))
+
+
+def _null_or_temperature(value: Any) -> bool:
+    return value is None or (isinstance(value, dict) and all(_is_number(value.get(key)) for key in ("min_c", "max_c")))
 
 
 def _null_or_extended(value: Any) -> bool:

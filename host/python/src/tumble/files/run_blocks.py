@@ -33,7 +33,7 @@ def blocks_of(positions: list[Floats]) -> Blocks:
     for index, rows in enumerate(positions):
         if len(rows) > 1:
             squares[: len(rows).bit_length() - 1, index] = _squares(rows)
-            resolution = np.minimum(resolution, [_smallest_step(channel) for channel in rows.T])
+            resolution = np.minimum(resolution, [smallest_step(channel) for channel in rows.T])
     return Blocks(squares, resolution)
 
 
@@ -47,6 +47,7 @@ def _squares(rows: Floats) -> list[Floats]:
     return found
 
 
-def _smallest_step(values: Floats) -> float:
+def smallest_step(values: Floats) -> float:
+    """Between two values of a channel: the converter's, where it is coarse; infinite where there is one value alone."""
     steps = np.diff(np.unique(values))
     return float(steps.min(initial=np.inf))

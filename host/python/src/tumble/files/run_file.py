@@ -9,19 +9,19 @@ every complaint knows its row.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import io
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
-from tumble.errors import BadInput, quoted
+from tumble.errors import BadInput
+from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import read_bytes
 from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
 from tumble.files.run_layout import (
@@ -37,9 +37,8 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
+from tumble.files.run_temperature import Temperatures, read_temperatures
 from tumble.schedule import CHECK, CLOSED, Schedule
-
-_NOT_FINITE = {"nan", "inf", "infinity"}
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,8 @@ class Run:
     deviation of one sample (n - 1), NaN below two rows; `unit` of both; `counters`: what was found in the file;
     `sha256`: of its bytes, in hexadecimal digits, empty for a run that is in no file; `unit_told`: by the file or by
     the user, not assumed; `table`: the rows themselves, None where nobody has them; `blocks`: how they move together
-    (files.run_blocks).
+    (files.run_blocks); `temperature`: None where it is not told; `passed_over`: sentences about columns that look like
+    what they are not.
     """
 
     samples: Integers
@@ -62,6 +62,8 @@ class Run:
     unit_told: bool = True
     table: RunTable | None = None
     blocks: Blocks = NO_BLOCKS
+    temperature: Temperatures | None = None
+    passed_over: tuple[str, ...] = ()
 
     @property
     def measured(self) -> Flags:
@@ -69,23 +71,46 @@ class Run:
         return self.samples > 0
 
 
-def read_measured(file: str, schedule: CoreSchedule, wishes: Wishes = NO_WISHES) -> tuple[Run, CoreSchedule]:
-    """Read a run file on a schedule, or where the run has positions that close its mountings, on the form of it that
-    has them. Raises BadInput."""
+def read_measured(
+    file: str, schedule: CoreSchedule, wishes: Wishes = NO_WISHES, data: bytes | None = None
+) -> tuple[Run, CoreSchedule]:
+    """Read a run file as `read_run` does, on a schedule as `on_schedule` takes it. Raises BadInput."""
+    return on_schedule(lambda planned: read_run(file, planned, wishes, data), schedule)
+
+
+def on_schedule(run_on: Callable[[Schedule], Run], schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
+    """A run on a schedule, or where it has positions that close its mountings, on the form of it that has them."""
     if schedule.name in CLOSED:
         closed = CoreSchedule.built_in(CLOSED[schedule.name])
-        run = read_run(file, closed.data, wishes)
+        run = run_on(closed.data)
         if any(run.samples[index] > 0 for index, one in enumerate(closed.data.positions) if one.use == CHECK):
             return run, closed
-    return read_run(file, schedule.data, wishes), schedule
+    return run_on(schedule.data), schedule
 
 
-def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
-    """Read a run file (CSV). Raises BadInput with file, row and column."""
-    data = read_bytes(file)
-    _require_text(data, file)
+def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: bytes | None = None) -> Run:
+    """Read a run file (CSV); `data`: what is in it, if that has been read. Raises BadInput."""
+    data = read_bytes(file) if data is None else data
+    require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
+    temperature, passed_over = read_temperatures(_rows(data, layout), layout, file)
+    ignored = layout.width - len(COLUMNS) - (temperature is not None)
+    told = ignored, hashlib.sha256(data).hexdigest(), temperature, passed_over
+    return averaged(table, schedule, layout.unit, layout.unit_told, *told)
+
+
+def averaged(
+    table: RunTable,
+    schedule: Schedule,
+    unit: str,
+    unit_told: bool,
+    columns_ignored: int,
+    sha256: str = "",
+    temperature: Temperatures | None = None,
+    passed_over: tuple[str, ...] = (),
+) -> Run:
+    """The run that the rows of a `table` are."""
     samples, means, scatter, blocks = _average(table, len(schedule.positions))
     measured = int((samples > 0).sum())
     counters = {
@@ -94,13 +119,14 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES) -> Run:
         "positions_missing": len(schedule.positions) - measured,
         "blank_lines": table.blanks,
         "comment_lines": table.comments,
-        "columns_ignored": layout.width - len(COLUMNS),
+        "columns_ignored": columns_ignored,
     }
-    digest = hashlib.sha256(data).hexdigest()
-    return Run(samples, means, scatter, layout.unit, counters, digest, layout.unit_told, table, blocks)
+    given = samples, means, scatter, unit, counters, sha256, unit_told, table, blocks
+    return Run(*given, temperature, passed_over)
 
 
-def _require_text(data: bytes, file: str) -> None:
+def require_text(data: bytes, file: str) -> None:
+    """Raise BadInput for what is no text, or empty."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise BadInput("UTF-16 text; save it as UTF-8", file, 1)
     zero = data.find(b"\0")
@@ -139,18 +165,18 @@ class PositionIndex:
         return np.where(known, self._table[rows, np.where(known, positions, 0).astype(np.intp)], -1)
 
     def of_row(self, mounting: float, position: float) -> int:
-        """Index of one row. Raises _Refused, saying what the schedule does not have."""
+        """Index of one row. Raises Refused, saying what the schedule does not have."""
         for column, number in (("mounting", mounting), ("position", position)):
             if number != math.floor(number):
-                raise _Refused(f"{number!r} is not a whole number", column)
+                raise Refused(f"{number!r} is not a whole number", column)
         if mounting not in self.mountings:
             hint = self._are_exchanged(mounting, position) or f"mountings are {_listed(self.mountings)}"
-            raise _Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
+            raise Refused(f"the schedule has no mounting {mounting:.15g}; {hint}", "mounting")
         index = int(self._table[int(mounting), int(position)]) if 0 <= position <= 255 else -1
         if index < 0:
             missing = f"the schedule has no position {position:.15g} in mounting {mounting:.15g}"
             known = np.flatnonzero(self._table[int(mounting)] >= 0).tolist()
-            raise _Refused(f"{missing}; positions are {_listed(known)}", "position")
+            raise Refused(f"{missing}; positions are {_listed(known)}", "position")
         return index
 
     def _are_exchanged(self, mounting: float, position: float) -> str | None:
@@ -168,22 +194,6 @@ def _listed(numbers: Iterable[int]) -> str:
     return ", ".join(map(str, known)) or "none"
 
 
-class _Refused(Exception):
-    """What is wrong with a row, and in which column."""
-
-    def __init__(self, message: str, column: str | None = None):
-        super().__init__(message)
-        self.column = column
-
-
-class _NotANumber(_Refused):
-    """A `text` that is none with the decimal mark of the file."""
-
-    def __init__(self, text: str, column: str):
-        super().__init__(f"{quoted(text)} is not a number" if text else "no value", column)
-        self.text = text
-
-
 def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
     """All rows of a run file. Raises BadInput with row and column."""
     table = _read_fast(data, layout, positions)
@@ -192,33 +202,27 @@ def read_table(data: bytes, layout: Layout, positions: PositionIndex, file: str)
 
 def _read_fast(data: bytes, layout: Layout, positions: PositionIndex) -> RunTable | None:
     """All rows, or None where the file is not plain or not in order."""
-    body = _end_of_line(data, layout.header_row)
-    if not _is_plain(data, body, layout):
+    plain = read_plain(data, layout)
+    if plain is None:
         return None
-    full = _full_lines(data, body, layout)
-    if full is None:
-        return None
-    if layout.decimal == ",":
-        data = data.replace(b",", b".")
-    try:
-        values = np.loadtxt(
-            io.BytesIO(data),
-            delimiter=layout.delimiter,
-            skiprows=layout.header_row,
-            usecols=layout.indices,
-            comments=None,
-            encoding="latin-1",
-            ndmin=2,
-        )
-    except ValueError:
-        return None
+    values, lines, blanks = plain
     index = positions.of_arrays(values[:, 0], values[:, 1])
     outputs = values[:, 2:]
     if not (np.abs(outputs) <= MAX_MEAN).all() or (index < 0).any():
         return None
+    return RunTable(index, outputs, lines, blanks, layout.comments)
+
+
+def read_plain(data: bytes, layout: Layout) -> tuple[Floats, Integers, int] | None:
+    """The numbers in the layout's columns, their lines, and how many blank lines there are; None where the file is not
+    plain."""
+    found = fast_numbers(data, _end_of_line(data, layout.header_row), layout)
+    if found is None:
+        return None
+    values, full = found
     lines = layout.header_row + 1 + np.flatnonzero(full)
     blanks = int((~full).sum()) - (0 if full[-1] else 1)  # what follows the last line end is no line
-    return RunTable(index, outputs, lines, layout.blanks + blanks, layout.comments)
+    return values, lines, layout.blanks + blanks
 
 
 def _end_of_line(data: bytes, row: int) -> int:
@@ -230,46 +234,21 @@ def _end_of_line(data: bytes, row: int) -> int:
     return end
 
 
-def _is_plain(data: bytes, body: int, layout: Layout) -> bool:
-    """No quotes, comments or lone carriage returns; one decimal mark, and that not the delimiter."""
-    unusual = [b'"', b"#"] + ([b"."] if layout.decimal == "," else [])
-    return (
-        not any(data.find(sign, body) >= 0 for sign in unusual)
-        and data.count(b"\r") == data.count(b"\r\n")
-        and layout.decimal != layout.delimiter
-        and layout.delimiter.isascii()
-    )
-
-
-def _full_lines(data: bytes, body: int, layout: Layout) -> Flags | None:
-    """Which lines of the body hold a row, what follows the last line end being one more; None unless each has as many
-    fields as the header, or nothing."""
-    signs = np.frombuffer(data, dtype=np.uint8)[body:]
-    ends = np.append(np.flatnonzero(signs == ord("\n")), len(signs))
-    delimiters = np.searchsorted(np.flatnonzero(signs == ord(layout.delimiter)), ends)
-    lengths = np.diff(ends, prepend=-1) - 1
-    carriage_returns = np.zeros(len(ends), dtype=bool)
-    carriage_returns[lengths == 1] = signs[ends[lengths == 1] - 1] == ord("\r")
-    empty: Flags = (lengths == 0) | carriage_returns
-    full = np.diff(delimiters, prepend=0) == layout.width - 1
-    return None if not (empty | full).all() or empty.all() else ~empty
-
-
 def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file: str) -> RunTable:
     """All rows, line by line."""
     indices: list[int] = []
     outputs, lines = [], []
     blanks, comments = layout.blanks, layout.comments
-    for row, line in _body(data, layout):
+    for row, line in body_of(data, layout):
         if is_blank(line) or is_comment(line):
             blanks, comments = blanks + is_blank(line), comments + is_comment(line)
             continue
         try:
             index, values = _read_row(line, layout, positions)
-        except _NotANumber as refused:
+        except NotANumber as refused:
             hint = _hint(refused, line, not indices, data, layout, positions)
             raise BadInput(f"{refused}{hint}", file, row, refused.column) from None
-        except _Refused as refused:
+        except Refused as refused:
             raise BadInput(str(refused), file, row, refused.column) from None
         indices.append(index)
         outputs.append(values)
@@ -279,15 +258,18 @@ def _read_carefully(data: bytes, layout: Layout, positions: PositionIndex, file:
     return RunTable(np.array(indices), np.array(outputs), np.array(lines), blanks, comments)
 
 
-def _body(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     """What follows the header: lines and their numbers."""
     lines = enumerate(io.StringIO(decoded(data), newline=None), start=1)
     return ((row, line) for row, line in lines if row > layout.header_row)
 
 
-def _hint(
-    refused: _NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex
-) -> str:
+def _rows(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
+    """Of these, the lines that hold a row."""
+    return ((row, line) for row, line in body_of(data, layout) if not is_blank(line) and not is_comment(line))
+
+
+def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex) -> str:
     """What to do about it. Another option is advised only where all rows can be read with it: else one piece of advice
     would lead to the next."""
     if is_first and not any(map(is_number, split(line, layout.delimiter))):
@@ -304,38 +286,20 @@ def _hint(
 
 def _has_numbers_alone(data: bytes, layout: Layout, positions: PositionIndex) -> bool:
     """Can all rows be read, as far as numbers go?"""
-    for _, line in _body(data, layout):
+    for _, line in body_of(data, layout):
         try:
             if not is_blank(line) and not is_comment(line):
                 _read_row(line, layout, positions)
-        except _NotANumber:
+        except NotANumber:
             return False
-        except _Refused:
+        except Refused:
             continue
     return True
 
 
 def _read_row(line: str, layout: Layout, positions: PositionIndex) -> tuple[int, list[float]]:
-    try:
-        fields = split(line, layout.delimiter)
-    except csv.Error as error:
-        raise _Refused(f"cannot be split into columns: {error}") from None
-    if len(fields) != layout.width:
-        raise _Refused(f"{len(fields)} fields, but the header has {layout.width}")
-    values = [_number(fields[index], column, layout) for column, index in zip(COLUMNS, layout.indices)]
+    values = row_of_numbers(line, layout, COLUMNS)
     return positions.of_row(*values[:2]), values[2:]
-
-
-def _number(text: str, column: str, layout: Layout) -> float:
-    if text.lower().lstrip("+-") in _NOT_FINITE:
-        raise _Refused(f"{quoted(text)} is not a finite number", column)
-    pointed = text.replace(",", ".") if layout.decimal == "," and "." not in text else text
-    if not NUMBER.fullmatch(pointed) or (layout.decimal == "," and "." in text):
-        raise _NotANumber(text, column)
-    value = float(pointed)
-    if abs(value) > MAX_MEAN:
-        raise _Refused(f"{quoted(text)} is out of range", column)
-    return value
 
 
 def _average(table: RunTable, positions: int) -> tuple[Integers, Floats, Floats, Blocks]:

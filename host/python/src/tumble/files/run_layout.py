@@ -14,6 +14,7 @@ from tumble.errors import BadInput, quoted
 from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
+TEMPERATURE = "temperature"  # a column that need not be there
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -25,7 +26,16 @@ _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _ALIASES = {
     "mounting": {"mounting", "mount", "mountingno", "mountingnumber", "setup"},
     "position": {"position", "pos", "positionno", "positionnumber", "testposition"},
+    "angle": {"angle", "angledeg", "tableangle", "tableangledeg", "phi", "phideg"},
+    "number": {"number", "no", "nr", "n", "point", "step", "index", "sample", "samples", "nsamples", "sampleno"}
+    | {"counter", "count", "row", "seq"},
+    "time": {
+        stem + unit
+        for stem in ("time", "t", "timestamp", "ts", "elapsed", "elapsedtime", "clock", "datetime", "gpstime", "uptime")
+        for unit in ("", "s", "sec", "ms", "us", "ns")
+    },
     **{f"u{axis}": {f"{stem}{axis}" for stem in ("u", "out", "output", "acc", "accel", "a", "")} for axis in "xyz"},
+    TEMPERATURE: {"temperature", "temp", "temperaturec", "tempc"},
 }
 
 
@@ -33,23 +43,38 @@ _ALIASES = {
 class Wishes:
     """What the user says about a run file; whatever is empty or None is detected.
 
-    `columns`: names of columns in the file, by name in COLUMNS. `delimiter`: one character. `decimal`: "." or ",".
-    `unit`: of the outputs.
+    `columns`: names of columns in the file, by name in COLUMNS or TEMPERATURE. `delimiter`: one character. `decimal`:
+    "." or ",". `unit`: of the outputs. `wanted`: which of COLUMNS must be there, the outputs last. `has_preamble`:
+    other rows may stand above the header.
     """
 
     columns: dict[str, str] = field(default_factory=dict)
     delimiter: str | None = None
     decimal: str | None = None
     unit: str | None = None
+    wanted: tuple[str, ...] = COLUMNS
+    has_preamble: bool = False
 
 
 NO_WISHES = Wishes()
 
 
 @dataclass(frozen=True)
+class Column:
+    """One of `width` columns that need not be there: its `name` in the file, `unit` in brackets there, empty if none;
+    `told` by the user, not found."""
+
+    index: int
+    name: str
+    unit: str
+    told: bool
+
+
+@dataclass(frozen=True)
 class Layout:
-    """A run file's layout. `header_row` counts lines from 1; `indices` are those of COLUMNS among `width` columns; the
-    `unit` of the outputs is `unit_told`, or assumed."""
+    """A run file's layout. `header_row` counts lines from 1; `indices` are those of the wanted COLUMNS among `width`
+    columns; the `unit` of the outputs is `unit_told`, or assumed. `temperature`: the column of that name, if there is
+    one; `doubt`: why it is not known which one that is."""
 
     header_row: int
     comments: int
@@ -60,6 +85,8 @@ class Layout:
     width: int
     unit: str
     unit_told: bool
+    temperature: Column | None = None
+    doubt: str | None = None
 
 
 def decoded(data: bytes) -> str:
@@ -119,19 +146,23 @@ def _from_header(
     for delimiter in candidates:
         try:
             names = split(line, delimiter)
-            indices = _find_all(names, wishes.columns)
+            indices = find_all(names, wishes)
         except (csv.Error, ValueError) as error:
             attempts.append((line.count(delimiter), str(error)))
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
-        unit = wishes.unit or _detect_unit([names[index] for index in indices[2:]], file, row)
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), unit or _DEFAULT_UNIT, unit is not None)
-    if _TOML.match(line):
-        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+        unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
+        told = unit or _DEFAULT_UNIT, unit is not None
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *_temperature(names, wishes))
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
-        raise BadInput(f"no header line; the first line must name the columns {','.join(COLUMNS)}", file, row)
-    if below := _rows_above_header([line, *following], candidates, wishes):
+        raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
+    below = _rows_above_header([line, *following], candidates, wishes)
+    if _TOML.match(line) and not (below and wishes.has_preamble):
+        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+    if below:
+        if wishes.has_preamble:
+            return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)
         advice = "delete the rows above it, or begin each of them with #"
         raise BadInput(f"is no header; row {row + below} looks like it: {advice}", file, row)
     raise BadInput(max(attempts)[1], file, row)
@@ -151,20 +182,20 @@ def _rows_above_header(lines: list[str], delimiters: list[str], wishes: Wishes) 
 
 def _has_columns(line: str, _following: list[str], delimiter: str, wishes: Wishes) -> bool:
     try:
-        _find_all(split(line, delimiter), wishes.columns)
+        find_all(split(line, delimiter), wishes)
     except (csv.Error, ValueError):
         return False
     return True
 
 
-def _is_above_numbers(line: str, following: list[str], delimiter: str, _wishes: Wishes) -> bool:
+def _is_above_numbers(line: str, following: list[str], delimiter: str, wishes: Wishes) -> bool:
     """As many different names as there are fields in a row of numbers below?"""
     try:
         names, rows = split(line, delimiter), [split(below, delimiter) for below in following]
     except csv.Error:
         return False
     alike = [sum(map(is_number, row)) for row in rows if len(row) == len(names) == len(set(names))]
-    return not any(map(is_number, names)) and max(alike, default=0) >= len(COLUMNS)
+    return not any(map(is_number, names)) and max(alike, default=0) >= len(wishes.wanted)
 
 
 def is_number(text: str) -> bool:
@@ -172,12 +203,27 @@ def is_number(text: str) -> bool:
     return NUMBER.fullmatch(text.replace(",", ".")) is not None
 
 
-def _find_all(names: list[str], renamed: dict[str, str]) -> tuple[int, ...]:
-    """Indices of COLUMNS. Raises ValueError, naming all that are not there, and what is."""
-    found = {wanted: _find(wanted, names, renamed) for wanted in COLUMNS}
+def _temperature(names: list[str], wishes: Wishes) -> tuple[Column | None, str | None]:
+    """The column of the temperature, and why it is not known; that a told one is there, is known."""
+    try:
+        index = find_column(TEMPERATURE, names, wishes.columns)
+    except ValueError as several:
+        return None, str(several)
+    if index is None:
+        return None, None
+    unit = _BRACKETED.search(names[index])
+    told = TEMPERATURE in wishes.columns
+    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), told), None
+
+
+def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
+    """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
+    renamed = wishes.columns
+    told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
+    found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
-        return tuple(index for index in found.values() if index is not None)
+        return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
     asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []
@@ -198,7 +244,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
 
 
-def _find(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
+def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int | None:
     """Index of a column: by the user's name for it, else by its own, else by one that means the same; None: it is not
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
@@ -225,7 +271,7 @@ def _bare(name: str) -> str:
     return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
 
 
-def _detect_unit(names: list[str], file: str, row: int) -> str | None:
+def detect_unit(names: list[str], file: str, row: int | None) -> str | None:
     """The unit in brackets after the names of the outputs, None where none has one. Raises BadInput if they differ."""
     units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
     if len(set(units)) > 1:
@@ -240,7 +286,7 @@ def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) 
             fields = [] if is_comment(line) else split(line, delimiter)
         except csv.Error:
             continue
-        for index in indices[2:]:
+        for index in indices[-3:]:
             mark = set(fields[index] if index < len(fields) else "") & {".", ","}
             if mark:
                 return mark.pop() if len(mark) == 1 else "."

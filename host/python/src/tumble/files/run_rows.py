@@ -53,17 +53,18 @@ class _Found:
 
 
 def require(run: Run, schedule: Schedule, stand_file: StandFile | None, file: str) -> tuple[str, ...]:
-    """Warnings about rows that are odd but do not matter. Raises BadInput, naming rows, for those that do.
+    """Warnings about columns that are passed over, and about rows that are odd but do not matter. Raises BadInput,
+    naming rows, for those that do.
 
     `stand_file` tells of the block's range; None: unknown."""
     if run.table is None:
-        return ()
+        return run.passed_over
     judge = _Judge(run, run.table, schedule, file)
     if stand_file is not None and stand_file.block is not None:
         judge.require_range(stand_file.block["range_v"], stand_file.step_v)
     judge.require_no_stuck_channel()
     judge.require_no_extremes()
-    return judge.judge_rest()
+    return (*run.passed_over, *judge.judge_rest())
 
 
 class _Judge:

@@ -27,11 +27,16 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     `estimator` needs, if one is named. `data`: what is in it, if that has been read. Raises BadInput with file, row and
     table."""
     core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
-    if estimator in HARMONIC:
-        _require_positions(core_schedule, estimator, file)
-    if estimator == OPTIMAL and (count := len(core_schedule.data.mountings)) > MAX_YAWS:
-        raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
+    require_solvable(core_schedule, estimator, file)
     return core_schedule
+
+
+def require_solvable(schedule: CoreSchedule, estimator: str | None, file: str) -> None:
+    """Raise BadInput for a schedule, called `file`, that lacks what an estimator needs."""
+    if estimator in HARMONIC:
+        _require_positions(schedule, estimator, file)
+    if estimator == OPTIMAL and (count := len(schedule.data.mountings)) > MAX_YAWS:
+        raise BadInput(f"has {count} mountings, optimal takes {MAX_YAWS}; least_squares solves any schedule", file)
 
 
 def _read(file: str, data: bytes | None) -> CoreSchedule:
@@ -45,12 +50,17 @@ def _read(file: str, data: bytes | None) -> CoreSchedule:
         core_schedule = CoreSchedule(schedule)
     except CoreRefusal as refusal:
         raise _table_at_fault(refusal, schedule, mountings, positions).refuse(f"is refused: {refusal}") from None
-    try:
-        core_schedule.identify()
-    except CoreRefusal as refusal:
-        raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
+    require_identifying(core_schedule, file)
     _tell_of_rotations(schedule, [table.matrix("matrix") for table in mountings], file)
     return core_schedule
+
+
+def require_identifying(schedule: CoreSchedule, file: str) -> None:
+    """Raise BadInput for a schedule, called `file`, that does not identify all coefficients."""
+    try:
+        schedule.identify()
+    except CoreRefusal as refusal:
+        raise BadInput(f"these positions cannot identify {', '.join(refusal.details['unidentified'])}", file) from None
 
 
 def _tell_of_rotations(schedule: Schedule, given: list[tuple[tuple[float, ...], ...]], file: str) -> None:

@@ -1,7 +1,7 @@
 """Stand files: what a stand, its block and its limits are declared to be (TOML).
 
 [stand]        name, axis_tilt_rad, level_rad, remount_rad, angle_rad, noise_v, samples, limits, remount,
-               seat_rad, platform_rad
+               seat_rad, platform_rad, encoder_rad, drift_v
 [block]        scale_v_per_g, misalignment_rad, serial, converter_bits, range_v, sample_rate_hz
 [block.true]   K, U0                                               for simulation
 [motion]       velocity_deg_per_s, acceleration_deg_per_s2, settling_s
@@ -24,6 +24,12 @@ from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
 _LARGEST_ANGLE_RAD = 0.5
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
+_OPTIONAL = {  # errors that a stand need not declare, by the attribute of Stand: key, largest
+    "seat": ("seat_rad", _LARGEST_ANGLE_RAD),
+    "platform": ("platform_rad", _LARGEST_ANGLE_RAD),
+    "encoder": ("encoder_rad", _LARGEST_ANGLE_RAD),
+    "drift": ("drift_v", _LARGEST_V),
+}
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
     "u_gravity_m_s2": (0.0, 0.2),
@@ -101,8 +107,8 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 
 def _stand(table: Table) -> Stand:
     angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
-    seats = ("seat_rad", "platform_rad")
-    table.only("name", *angles, "noise_v", "samples", "limits", "remount", *seats)
+    optional = (key for key, _ in _OPTIONAL.values())
+    table.only("name", *angles, "noise_v", "samples", "limits", "remount", *optional)
     axis_tilt, level, remount, angle = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in angles)
     return Stand(
         axis_tilt=axis_tilt,
@@ -114,7 +120,7 @@ def _stand(table: Table) -> Stand:
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
-        **{key.removesuffix("_rad"): table.number(key, 0.0, _LARGEST_ANGLE_RAD, default=0.0) for key in seats},
+        **{name: table.number(key, 0.0, largest, default=0.0) for name, (key, largest) in _OPTIONAL.items()},
     )
 
 

@@ -1,8 +1,8 @@
 """The error budget, forward: what a stand leaves of the accuracy of every coefficient.
 
-Each of the twelve has five terms, gamma times the size of the source, as in equation (2), and derived ones for seat and
-platform where the stand declares them; their signs being unknown, they add in quadrature. `derived` works in standard
-deviations, `published` with the numbers as the stand file has them.
+Each of the twelve has five terms, gamma times the size of the source, as in equation (2), and derived ones for seat,
+platform, encoder and drift where the stand declares them; their signs being unknown, they add in quadrature. `derived`
+works in standard deviations, `published` with the numbers as the stand file has them.
 """
 
 from __future__ import annotations
@@ -52,7 +52,12 @@ def sources(case: Case, published: bool) -> tuple[str, ...]:
 
 def size_keys(names: tuple[str, ...]) -> tuple[str, ...]:
     """Keys of sources in documents."""
-    return tuple("noise_v" if name == "noise" else f"{name}_rad" for name in names)
+    return tuple(f"{name}_v" if name in weights.OF_OUTPUTS else f"{name}_rad" for name in names)
+
+
+def unit(name: str) -> str:
+    """Of a source's size, for people."""
+    return "V, mean" if name == "noise" else "V" if name in weights.OF_OUTPUTS else "rad"
 
 
 def sizes(case: Case, published: bool) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 
 from tumble import reference
 from tumble.arrays import Floats
+from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
@@ -15,7 +16,6 @@ from tumble.stand import PAPER_STAND, Stand
 
 SCHEMA = "tumble.plan/1"
 PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
-DEFAULT_LIMIT_G = 3e-4
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,9 @@ from tumble.estimators import ESTIMATORS
 from tumble.planning import weights
 from tumble.planning.budget import sizes as declared_sizes
 from tumble.planning.case import Case
-from tumble.planning.published import SOURCES
-from tumble.planning.require import CEILING_RAD, sign_patterns, stand_of, weights_by_pattern, with_noise_row
+from tumble.planning.require import ceilings, sign_patterns, stand_of, weights_by_pattern, with_noise_row
 
 _STEPS = 50
-_NOISE = SOURCES.index("noise")
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ def _bisect(case: Case, sizes: Floats, source: int, row_limit: float) -> float:
         totals = np.linalg.norm(gamma * tried, axis=2).max(axis=1)
         return float(totals.max()), int(totals.argmax())
 
-    ceiling = abs(case.scale) if source == _NOISE else CEILING_RAD
+    ceiling = float(ceilings(case)[source])
     while True:
         size = _largest(lambda size: worst(size, every[chosen])[0] <= row_limit, ceiling) if chosen else ceiling
         total, pattern = worst(size, every)

@@ -98,6 +98,12 @@ def weights_by_pattern(case: Case, estimator: str, patterns: Floats) -> Floats:
     return np.array(found)
 
 
+def ceilings(case: Case) -> Floats:
+    """The largest sizes that are tried (sources,): of angles CEILING_RAD, of outputs 1 g."""
+    names = weights.sources_of(case.stand)
+    return np.array([abs(case.scale) if name in weights.OF_OUTPUTS else CEILING_RAD for name in names])
+
+
 def sign_patterns() -> Floats:
     """All 64 choices of signs of the misalignments: (64, 3, 3), ones on the diagonal."""
     patterns = np.ones((64, 3, 3))
@@ -139,8 +145,8 @@ class _Shares:
 def stand_of(case: Case, sizes: Floats) -> Case:
     """The case on a stand with these standard deviations; the noise is that of a mean."""
     axis_tilt, level, remount, angle, noise, *rest = map(float, sizes)
-    seats: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
-    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting, **seats)
+    further: Any = dict(zip(weights.sources_of(case.stand)[len(SOURCES) :], rest))
+    stand = Stand(axis_tilt, level, remount, angle, noise, 1, "sigma1", remounting=case.stand.remounting, **further)
     return replace(case, stand=stand, step_v=0.0)
 
 
@@ -152,8 +158,7 @@ def _grown(case: Case, share_of: _Shares) -> Requirements:
     """
     estimator = "least_squares" if circles(case.fitted) is None else "refined"
     start = worst_weights(case, estimator)
-    ceiling = np.full(start.shape[1], CEILING_RAD)
-    ceiling[_NOISE] = abs(case.scale)
+    ceiling = ceilings(case)
     sizes = np.minimum(share_of.requirements(start, start > 0.0).limits, ceiling)
     rows = _Rows(case, share_of.row_limit)
     if not rows.fit(sizes):

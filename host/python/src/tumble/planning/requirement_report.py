@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, sources
+from tumble.planning.budget import ALPHAS, numbers_are, size_keys, sizes, sources, unit
 from tumble.planning.case import SCHEMA, Case
 from tumble.planning.enough import NOT_PROMISED, Enough
 from tumble.planning.headroom import Headroom
@@ -96,7 +96,7 @@ def show(plan: dict[str, Any], case: Case) -> None:
     for key, source in zip(size_keys(names), names):
         limit, has = rule[key], plan["declared"][key]
         verdict = "within" if limit is None or has <= limit else "over"
-        cells = [source, "rad" if key.endswith("rad") else "V, mean"]
+        cells = [source, unit(source)]
         cells += [tables.scientific(plan[key]) if published else _for_it(enough.get(key), limit)]
         cells += [_limit(limit), rule["set_by"][source] or "-"]
         cells += [tables.scientific(has), verdict, _limit(plan["alone"][key])]

@@ -7,7 +7,7 @@ does; they are judged by how far off the run was.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -175,15 +175,18 @@ def _with(state: Callable[[Floats], Floats], found: Floats) -> tuple[Floats, Flo
 def _stated(case: Case, weights: Floats) -> Callable[[Floats], Floats]:
     """The uncertainties (runs, 12) that runs state at their own K (runs, 9), for fixed gains.
 
-    What an error of the stand brings to a coefficient is linear in K.
+    What an error of the stand brings to a coefficient is linear in K; what noise and drift bring does not depend on it.
     """
-    model, sigma = linearise(case.fitted), shared_sigmas(case.fitted, case.stand)
+    model, stand = linearise(case.fitted), replace(case.stand, drift=0.0)
+    sigma = shared_sigmas(case.fitted, stand)
     unit = np.eye(9).reshape(9, 3, 3)
-    by_shared = np.stack([weights @ (shared_derivatives(model, one, case.stand) * sigma) for one in unit])
+    by_shared = np.stack([weights @ (shared_derivatives(model, one, stand) * sigma) for one in unit])
     by_angle = np.stack([np.einsum("cpi,pi->cp", weights.reshape(12, -1, 3), model.delta @ one.T) for one in unit])
     by_error = np.concatenate([by_shared, by_angle * case.stand.sigma("angle")], axis=2)
     noise = mean_sigma(case.nominal_k(), case.stand, case.step_v, case.stand.samples)[0] ** 2 * (weights**2).sum(axis=1)
-    return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + noise)
+    by_drift = np.einsum("cpi,p->ci", weights.reshape(12, -1, 3), model.course) * case.stand.sigma("drift")
+    fixed = noise + (by_drift**2).sum(axis=1)
+    return lambda k: np.sqrt((np.einsum("rm,mce->rce", k, by_error) ** 2).sum(axis=2) + fixed)
 
 
 def _weighted_anew(case: Case, schedule: core.CoreSchedule, means: Floats) -> tuple[Floats, Floats]:

@@ -1,7 +1,7 @@
 """The weights gamma1 to gamma5 of equation (2): what one unit of each source does to each coefficient.
 
 Weights have the shape (12, 5): rows as in published.NAMES, columns as in published.SOURCES; derived ones have a further
-column for seat and for platform, where the stand declares them. A coefficient of K counts
+column for each of FURTHER that the stand declares. A coefficient of K counts
 relative to itself, a bias as U0_i/K_ii in g; angles are in radians and the noise is that of a position's mean. A row
 is NaN where the coefficient is zero, and so has no relative error. Signs being unknown, weights are not negative.
 """
@@ -21,7 +21,8 @@ from tumble.reference.estimators import paper_slots
 from tumble.solving.gains import Linearised, gains, linearise
 from tumble.stand import COMMON, Stand
 
-SEATS = ("seat", "platform")
+FURTHER = ("seat", "platform", "encoder", "drift")
+OF_OUTPUTS = ("noise", "drift")  # in volts; the others are angles
 WORST = "worst"
 QUADRATURE = "quadrature"
 _ROUNDING = 1e-13
@@ -33,8 +34,8 @@ def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
 
 
 def sources_of(stand: Stand) -> tuple[str, ...]:
-    """The columns of derived weights: published.SOURCES, and those of SEATS that the stand declares."""
-    return (*SOURCES, *(name for name in SEATS if getattr(stand, name) > 0.0))
+    """The columns of derived weights: published.SOURCES, and those of FURTHER that the stand declares."""
+    return (*SOURCES, *(name for name in FURTHER if getattr(stand, name) > 0.0))
 
 
 def absolute_weights(
@@ -49,14 +50,17 @@ def absolute_weights(
     mountings = np.unique(model.mounting)[:, None] == model.mounting
     yaws = np.ones((1, len(model.mounting)), dtype=bool) if common_yaw else mountings
 
-    def of(force: Floats, draws: Floats) -> Floats:
-        parts = rows * (force @ k.T)
-        sums, largest = parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ draws.T
+    def in_quadrature(sums: Floats, largest: Floats) -> Floats:
         rounded = np.abs(sums) <= _ROUNDING * largest.max(axis=1, keepdims=True)
         sizes: Floats = np.linalg.norm(np.where(rounded, 0.0, sums), axis=1)
         return sizes
 
+    def of(force: Floats, draws: Floats) -> Floats:
+        parts = rows * (force @ k.T)
+        return in_quadrature(parts.sum(axis=2) @ draws.T, np.abs(parts).sum(axis=2) @ np.abs(draws).T)
+
     together, each = np.ones_like(yaws[:1]), np.eye(len(model.mounting), dtype=bool)
+    drifts = rows * model.course[:, None]
     found = {
         "alpha1": of(model.alpha1, together),
         "alpha2": of(model.delta, together),
@@ -65,6 +69,8 @@ def absolute_weights(
         "noise": np.linalg.norm(gain_rows, axis=1),
         "seat": np.hypot(of(model.theta_h, mountings), of(model.delta, mountings)),
         "platform": of(model.theta_h, together),
+        "encoder": of(model.delta, model.waves.T),
+        "drift": in_quadrature(drifts.sum(axis=1), np.abs(drifts).sum(axis=1)),
     }
     return np.stack([found[source] for source in sources], axis=1)
 

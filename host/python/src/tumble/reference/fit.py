@@ -18,7 +18,7 @@ from tumble.reference.estimators import fit_indices, least_squares
 from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
 from tumble.reference.patterns import Columns, Scene
-from tumble.reference.uncertainty import sources
+from tumble.reference.uncertainty import course, encoder_waves, sources
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 from tumble.terms import Terms
@@ -60,7 +60,10 @@ class WholeModel:
         angles = [errors[name].sigma for name in self._names]
         self._sigma = np.concatenate(angles)
         self._ends = np.cumsum([len(sigma) for sigma in angles])[:-1]
-        self._x = np.zeros(len(self._sigma))  # rad
+        drifts = np.repeat([name == "drift" for name in self._names], [len(sigma) for sigma in angles])
+        self._largest = np.where(drifts, np.inf, _LARGEST_RAD)
+        self._waves, self._course = encoder_waves(self.schedule), course(self.schedule)[:, None]
+        self._x = np.zeros(len(self._sigma))  # rad, or as outputs are
         for _ in range(PASSES):
             self._linearise()
 
@@ -96,7 +99,8 @@ class WholeModel:
             [[design / noise, by_error], [np.zeros((len(self._x), design.shape[1])), np.eye(len(self._x))]]
         )
         sigma = np.where(self._sigma > 0.0, self._sigma, 1.0)
-        shown = (self._outputs - force @ self.k.T - self._u0).reshape(-1) - self._further @ self._sizes
+        linear = self._u0 + self._drift(self._x)
+        shown = (self._outputs - force @ self.k.T - linear).reshape(-1) - self._further @ self._sizes
         left = shown / noise[:, 0]
         right = np.concatenate([left, -self._x / sigma])
         length = np.sqrt((system**2).sum(axis=0))
@@ -108,25 +112,34 @@ class WholeModel:
         self.k = self.k + change[:9].reshape(3, 3).T
         self._u0 = self._u0 + change[9:12]
         self._sizes = self._sizes + change[12 : design.shape[1]]
-        self._x = np.clip(self._x + change[design.shape[1] :] * self._sigma, -_LARGEST_RAD, _LARGEST_RAD)
+        self._x = np.clip(self._x + change[design.shape[1] :] * self._sigma, -self._largest, self._largest)
+
+    def _by_name(self, errors: Floats) -> dict[str, Floats]:
+        return dict(zip(self._names, np.split(errors, self._ends, axis=-1)))
+
+    def _drift(self, errors: Floats) -> Floats:
+        """What drifts add to the outputs (..., positions, 3), of which they are linear."""
+        drifts: Floats = self._course * self._by_name(errors).get("drift", np.zeros(3))[..., None, :]
+        return drifts
 
     def _force(self, errors: Floats) -> Floats:
         """Specific force on the exact geometry, for errors (..., errors) in rad, real or complex."""
-        of = dict(zip(self._names, np.split(errors, self._ends, axis=-1)))
+        of = self._by_name(errors)
         seat_h, seat_n = np.split(of.get("seat", np.zeros(2)), 2, axis=-1)
         return self._geometry.force(
             alpha1=of["alpha1"],
             alpha2=of["alpha2"],
             alpha3=of["alpha3"],
-            delta=of["alpha4"],
+            delta=of["alpha4"] + of.get("encoder", np.zeros(4)) @ self._waves,
             seat_h=seat_h + of.get("platform", np.zeros(1)),
             seat_n=seat_n,
         )
 
     def _derivatives(self) -> Floats:
         """Of all outputs by every error: (3 x positions, errors)."""
-        steps = self._x + 1j * _STEP * np.eye(len(self._x))
-        by_error = np.imag(self._force(steps)) / _STEP @ self.k.T
+        each = np.eye(len(self._x))
+        steps = self._x + 1j * _STEP * each
+        by_error = np.imag(self._force(steps)) / _STEP @ self.k.T + self._drift(each)
         derivatives: Floats = by_error.reshape(len(steps), -1).T
         return derivatives
 

@@ -17,7 +17,7 @@ from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import dense_design, fit_indices, least_squares
 from tumble.reference.extended import fitted_columns
 from tumble.reference.geometry import Geometry
-from tumble.reference.uncertainty import by_coefficient, joint, sources
+from tumble.reference.uncertainty import by_coefficient, course, encoder_waves, joint, sources
 from tumble.schedule import Schedule
 from tumble.stand import Stand
 from tumble.terms import Terms
@@ -79,10 +79,17 @@ def optimal(
 
 
 def optimal_covariance(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, mean_variance: Floats | None = None
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: float,
+    mean_variance: Floats | None = None,
+    terms: Terms = (),
 ) -> Floats:
-    """Covariance (12, 12) of `optimal` for a block that has this `k`. Arguments as of `optimal`."""
-    return _Whitened(schedule, k, stand, samples, step).covariance(mean_variance)
+    """Covariance (12, 12), with `terms` also of their sizes, of `optimal` for a block that has this `k`. Arguments as
+    of `optimal`."""
+    return _Whitened(schedule, k, stand, samples, step, terms=terms).covariance(mean_variance)
 
 
 def optimal_uncertainties(
@@ -114,6 +121,7 @@ class _Whitened:
         self.errors = sources(schedule, k, stand, samples)
         angles = {name: source for name, source in self.errors.items() if name != "noise"}
         self.draws = {name: len(source.sigma) for name, source in angles.items()}
+        self.waves, self.course = encoder_waves(schedule), course(schedule)[self.fit]
         self.sigma = np.concatenate([source.sigma for source in angles.values()])
         derivative = np.concatenate([source.derivative for source in angles.values()])[:, self.fit]
         by_error = self.sigma * derivative.reshape(len(self.sigma), -1).T
@@ -168,16 +176,20 @@ class _Whitened:
         x = self.unknowns(means[:, self.fit].reshape(len(means), -1).T)[: self.count].T
         return np.concatenate([x[:, _ROW_ORDER], x[:, 9:]], axis=1)
 
+    def _found(self, x: Floats) -> dict[str, Floats]:
+        """Every error by its source, rad or as outputs are."""
+        parts = np.split(self.sigma * x[self.count :, 0], np.cumsum(list(self.draws.values()))[:-1])
+        return dict(zip(self.draws, parts))
+
     def _stand(self, x: Floats) -> dict[str, Floats]:
         """Every error as `Geometry.force` has it: alpha1, alpha2, then one per mounting, delta per position."""
-        parts = np.split(self.sigma * x[self.count :, 0], np.cumsum(list(self.draws.values()))[:-1])
-        errors, mountings = dict(zip(self.draws, parts)), len(self.schedule.mountings)
+        errors, mountings = self._found(x), len(self.schedule.mountings)
         seat = errors.get("seat", np.zeros(2 * mountings))
         return {
             "alpha1": errors["alpha1"][0],
             "alpha2": errors["alpha2"][0],
             "alpha3": np.resize(errors["alpha3"], mountings),
-            "delta": errors["alpha4"],
+            "delta": errors["alpha4"] + errors.get("encoder", np.zeros(4)) @ self.waves,
             "seat_h": seat[:mountings] + errors.get("platform", np.zeros(1)),
             "seat_n": seat[mountings:],
         }
@@ -185,8 +197,9 @@ class _Whitened:
     def _exact(self, x: Floats) -> Floats:
         """Outputs (3 x fit positions, 1) on the exact geometry."""
         k, u0 = _coefficients(x[:12, 0])
-        outputs = self.geometry.outputs(k, u0, **self._stand(x))
-        return outputs[self.fit].reshape(-1, 1) + self.further @ x[12 : self.count]
+        outputs = self.geometry.outputs(k, u0, **self._stand(x))[self.fit]
+        outputs = outputs + self.course[:, None] * self._found(x).get("drift", np.zeros(3))
+        return outputs.reshape(-1, 1) + self.further @ x[12 : self.count]
 
 
 def _coefficients(x: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.reference.estimators import estimate
 from tumble.reference.geometry import Geometry
-from tumble.schedule import Schedule
+from tumble.schedule import FIT, Schedule
 from tumble.stand import COMMON, Stand
 
 SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
@@ -23,18 +23,20 @@ SOURCES = ("alpha1", "alpha2", "alpha3", "alpha4", "noise")
 @dataclass(frozen=True)
 class Source:
     """Independent draws of one kind: `sigma` (draws,) standard deviations, `derivative` (draws, positions, 3) of the
-    outputs with respect to each draw, `errors`: a unit of each draw as Geometry.force takes it; none for noise, of
-    which the outputs are linear."""
+    outputs with respect to each draw, `errors`: a unit of each draw as Geometry.force takes it; none where the outputs
+    are linear in it, as in noise and drift. `normal`: whatever law the stand declares."""
 
     sigma: Floats
     derivative: Floats
     errors: tuple[dict[str, Floats], ...] = ()
+    normal: bool = False
 
 
 def sources(
     schedule: Schedule, k: Floats, stand: Stand, samples: Integers, mean_variance: Floats | None = None
 ) -> dict[str, Source]:
-    """Every source of error, by name as in SOURCES; `seat` and `platform` where the stand declares them.
+    """Every source of error, by name as in SOURCES; `seat`, `platform`, `encoder` and `drift` where the stand declares
+    them.
 
     `k` (3, 3): the block's sensitivity. `samples` (positions,): rows of the run at each position, as
     Stand.averaged_over takes them. `mean_variance` (positions, 3): by the noise, as it was measured; it counts
@@ -62,13 +64,35 @@ def sources(
         "noise": Source(
             noise.ravel(),
             np.eye(3 * positions).reshape(-1, positions, 3),
+            normal=True,
         ),
     }
     if stand.seat > 0.0:
         found["seat"] = angles("seat", seat_h=np.eye(mountings), seat_n=np.eye(mountings))
     if stand.platform > 0.0:
         found["platform"] = angles("platform", seat_h=one)
+    if stand.encoder > 0.0:
+        found["encoder"] = angles("encoder", delta=encoder_waves(schedule))
+    if stand.drift > 0.0:
+        drifts = course(schedule)[:, None] * np.eye(3)[:, None]
+        found["drift"] = Source(np.full(3, stand.sigma("drift")), drifts)
     return found
+
+
+def encoder_waves(schedule: Schedule) -> Floats:
+    """What one unit of each number of the encoder adds to the table angle (4, positions): the sine and the cosine of
+    the angle, and of its double."""
+    turned = np.exp(1j * np.deg2rad([position.angle_deg for position in schedule.positions]))
+    return np.array([turned.imag, turned.real, (turned**2).imag, (turned**2).real])
+
+
+def course(schedule: Schedule) -> Floats:
+    """How far the run has come (positions,): from -1/2 at the first fit position to 1/2 at the last, by the same step
+    from each to the next. A check position is half a step beyond the fit position before it."""
+    fitted = np.array([position.use == FIT for position in schedule.positions])
+    place = np.cumsum(fitted) - np.where(fitted, 1.0, 0.5)
+    far: Floats = place / max(1, fitted.sum() - 1) - 0.5
+    return far
 
 
 def exact_outputs(schedule: Schedule, k: Floats, u0: Floats, errors: dict[str, Source], draws: Floats) -> Floats:

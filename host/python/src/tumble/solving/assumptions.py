@@ -68,6 +68,10 @@ def _on_white_noise(solution: Solution) -> Coefficients | None:
     return None if solution.run.samples.max() >= _FEWEST_TO_TEST else ()
 
 
+def _on_a_temperature(solution: Solution) -> Coefficients | None:
+    return () if solution.run.temperature is None else None
+
+
 def _on_rounding(solution: Solution) -> Coefficients | None:
     return () if solution.noise.undithered.any() else None
 
@@ -78,6 +82,9 @@ ASSUMPTIONS: Mapping[str, Assumption] = {
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),
+    "temperature": Assumption(
+        "one temperature", "K and U0 hold at that of the run, which is unknown", _on_a_temperature
+    ),
 }
 
 

@@ -105,6 +105,8 @@ def _beyond(
     k, u0 = found[:, :9].reshape(-1, 3, 3), found[:, None, 9:12]
     errors = _by_position(stand, model, table)
     turn = errors["turn"]
+    drift = stand[:, len(table.nuisance_gains) - table.drifts :] if table.drifts else np.zeros((1, 3))
+    left = left - model.course[:, None] * drift[:, None]
     change = errors["alpha1"][..., None] * model.alpha1 + errors["yaw"][..., None] * model.alpha3
     change = change + errors["lean"][..., None] * model.theta_h + turn[..., None] * model.delta
     linear = model.force @ np.swapaxes(k, 1, 2) + change @ table.k.T
@@ -120,15 +122,15 @@ def _beyond(
 
 
 def _by_position(stand: Floats, model: Linearised, table: OptimalTable) -> dict[str, Floats]:
-    """Every error at every fit position (runs, positions), from alpha1, alpha2, yaws and seats of the runs."""
-    ends = np.cumsum([1, 1, table.yaws, table.seats])
-    alpha1, alpha2, yaws, lean, turned = np.split(stand, ends, axis=1)
+    """Every error at every fit position (runs, positions), from what the runs found of the stand."""
+    ends = np.cumsum([1, 1, table.yaws, table.seats, table.seats, table.waves])
+    alpha1, alpha2, yaws, lean, turned, waves, _ = np.split(stand, ends, axis=1)
     mountings = np.zeros((len(stand), model.mountings))
     found = {
         name: (mountings + (one if one.size else 0.0))[:, model.mounting]
         for name, one in (("yaw", yaws), ("lean", lean), ("turn", turned))
     }
-    found["turn"] = found["turn"] + alpha2
+    found["turn"] = found["turn"] + alpha2 + waves @ model.waves[:, : table.waves].T
     return {**found, "alpha1": np.broadcast_to(alpha1, found["turn"].shape)}
 
 

@@ -17,7 +17,7 @@ from tumble.solving.gains import OptimalTable
 
 MAGIC = b"TGR1"
 SCHEMA = 1
-_HEAD = struct.Struct("<4sIHBBBB2xII")
+_HEAD = struct.Struct("<4sIHBBBBBBII")
 _TAIL = struct.Struct("<II")
 _HEAD_DOUBLES = 26  # K, sigma alpha1..4, sigma of a mean, u of K and U0
 
@@ -28,12 +28,14 @@ class BadRecord(Exception):
 
 @dataclass(frozen=True)
 class Record:
-    """A record's contents. `fit_positions`, `mountings`, `yaws`, `seats`: its counts; arrays as in OptimalTable."""
+    """A record's contents. `fit_positions` to `drifts`: its counts; arrays as in OptimalTable."""
 
     fit_positions: int
     mountings: int
     yaws: int
     seats: int
+    waves: int
+    drifts: int
     schedule_crc: int
     block_crc: int
     k: Floats
@@ -51,6 +53,8 @@ def record_of(table: OptimalTable, schedule: Schedule, serial: str | None = None
         mountings=len(schedule.mountings),
         yaws=table.yaws,
         seats=table.seats,
+        waves=table.waves,
+        drifts=table.drifts,
         schedule_crc=fingerprint(schedule),
         block_crc=0 if serial is None else zlib.crc32(serial.encode("utf-8")),
         k=table.k,
@@ -81,7 +85,7 @@ def to_bytes(record: Record) -> bytes:
     values = np.concatenate([head, record.gains.ravel(), record.nuisance_gains.ravel()])
     numbers: bytes = values.astype("<f8").tobytes()
     size = _HEAD.size + len(numbers) + _TAIL.size
-    counts = record.fit_positions, record.mountings, record.yaws, record.seats
+    counts = record.fit_positions, record.mountings, record.yaws, record.seats, record.waves, record.drifts
     body = _HEAD.pack(MAGIC, size, SCHEMA, *counts, record.schedule_crc, record.block_crc) + numbers + bytes(4)
     return body + struct.pack("<I", zlib.crc32(body))
 
@@ -90,18 +94,23 @@ def from_bytes(data: bytes) -> Record:
     """Read a record again. Raises BadRecord."""
     if len(data) < _HEAD.size + _TAIL.size or data[:4] != MAGIC:
         raise BadRecord("not a gain record")
-    _, size, schema, positions, mountings, yaws, seats, schedule_crc, block_crc = _HEAD.unpack_from(data)
-    if schema != SCHEMA or size != size_of(positions, yaws, seats) or size > len(data):
+    _, size, schema, positions, mountings, yaws, seats, waves, drifts, *crcs = _HEAD.unpack_from(data)
+    if schema != SCHEMA or size != size_of(positions, yaws, seats, waves, drifts) or size > len(data):
         raise BadRecord("a gain record of another schema or size")
-    if positions == 0 or yaws not in (1, mountings) or seats not in (0, mountings):
-        raise BadRecord("a gain record without a position, or with an impossible number of yaws or seats")
+    possible = yaws in (1, mountings) and seats in (0, mountings) and waves in (0, 4) and drifts in (0, 3)
+    if positions == 0 or not possible:
+        raise BadRecord(
+            "a gain record without a position, or with an impossible number of yaws, seats, waves or drifts"
+        )
     zero, crc = _TAIL.unpack_from(data, size - _TAIL.size)
-    if zlib.crc32(data[: size - 4]) != crc or zero != 0 or any(data[14:16]):
+    if zlib.crc32(data[: size - 4]) != crc or zero != 0:
         raise BadRecord("a gain record whose checksum does not agree")
     numbers = np.frombuffer(data, "<f8", (size - _HEAD.size - _TAIL.size) // 8, _HEAD.size).astype(float)
     head, tables = numbers[:_HEAD_DOUBLES], numbers[_HEAD_DOUBLES:].reshape(-1, 3 * positions)
     return Record(
-        *(positions, mountings, yaws, seats, schedule_crc, block_crc),
+        *(positions, mountings, yaws, seats, waves, drifts),
+        schedule_crc=crcs[0],
+        block_crc=crcs[1],
         k=head[:9].reshape(3, 3),
         sigma=head[9:13],
         sigma_mean=float(head[13]),
@@ -111,9 +120,10 @@ def from_bytes(data: bytes) -> Record:
     )
 
 
-def size_of(fit_positions: int, yaws: int, seats: int = 0) -> int:
+def size_of(fit_positions: int, yaws: int, seats: int = 0, waves: int = 0, drifts: int = 0) -> int:
     """Size of a record in bytes."""
-    return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * (14 + yaws + 2 * seats) + _TAIL.size
+    rows = 14 + yaws + 2 * seats + waves + drifts
+    return _HEAD.size + 8 * _HEAD_DOUBLES + 8 * 3 * fit_positions * rows + _TAIL.size
 
 
 _HEADER = """\
@@ -133,7 +143,7 @@ _HEADER = """\
 static const struct {{
     tumble_gain_record_t head;
     double gains[{gain_rows}][{columns}];       /* K row by row (1/g), then U0 */
-    double stand_gains[{stand_rows}][{columns}]; /* alpha1, alpha2, each yaw, seats (rad/V) */
+    double stand_gains[{stand_rows}][{columns}]; /* alpha1, alpha2, each yaw, seats, encoder (rad/V), drifts */
     uint32_t zero;
     uint32_t crc;
 }} tumble_optimal_gains = {{
@@ -145,6 +155,8 @@ static const struct {{
         .mountings = {mountings}U,
         .yaws = {yaws}U,
         .seats = {seats}U,
+        .waves = {waves}U,
+        .drifts = {drifts}U,
         .schedule_crc = 0x{schedule_crc:08X}U,
         .block_crc = 0x{block_crc:08X}U,
         .k_v_per_g = {k},
@@ -175,6 +187,8 @@ def to_c_header(record: Record, title: str = "") -> str:
         mountings=record.mountings,
         yaws=record.yaws,
         seats=record.seats,
+        waves=record.waves,
+        drifts=record.drifts,
         gain_rows=len(record.gains),
         stand_rows=len(record.nuisance_gains),
         columns=record.gains.shape[1],

@@ -9,7 +9,8 @@ The optimal estimator is generalised least squares of the outputs, linearised at
     y = A beta + J s + D delta + e
 
 in which beta are the twelve coefficients, s = (alpha1, alpha2, alpha3 of each mounting, or one alpha3 for all; where
-seats are declared, theta_h of the platform, then theta_h and theta_n of each mounting) and
+seats are declared, theta_h of the platform, then theta_h and theta_n of each mounting; the four numbers of the encoder
+and the drift of each channel, where these are declared) and
 delta the errors of the set angles, with the stand's variances as their prior, and e the noise of the means. It is
 solved by QR of the whitened system, augmented by the prior: no covariance matrix is ever inverted, so sources may be
 zero or large.
@@ -42,7 +43,9 @@ class Linearised:
     """The outputs of the fit positions to first order: ideal force and its derivatives in g, (P, 3) each.
 
     `alpha3` and `theta_h` are the derivatives by the yaw and the seat of a position's own mounting; `delta` also those
-    by alpha2 and by theta_n. `mounting` (P,): index of each position's mounting, of so many `mountings`.
+    by alpha2 and by theta_n. `waves` (P, 4): what a unit of each number of the encoder adds to the table angle;
+    `course` (P,): how far the run has come, -1/2 to 1/2. `mounting` (P,): index of each position's mounting, of so many
+    `mountings`.
     """
 
     force: Floats
@@ -50,6 +53,8 @@ class Linearised:
     alpha3: Floats
     theta_h: Floats
     delta: Floats
+    waves: Floats
+    course: Floats
     mounting: Integers
     mountings: int
 
@@ -58,11 +63,11 @@ class Linearised:
 class OptimalTable:
     """The optimal estimator of a stand, for a block of sensitivity `k` (3, 3).
 
-    `gains` (12, 3P), with further rows if it was made with further columns; `nuisance_gains` (2 + `yaws` + 2 `seats`,
-    3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the platform's in it, then
-    theta_n of each; `sigma_shared`, as shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise
-    of a mean; `u`: standard deviations of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the
-    floor and not the stand's.
+    `gains` (12, 3P), with further rows if it was made with further columns; `nuisance_gains` (2 + `yaws` + 2 `seats` +
+    `waves` + `drifts`, 3P): alpha1, alpha2, alpha3..., and where seats are declared theta_h of each mounting, the
+    platform's in it, then theta_n of each, then the numbers of the encoder, then drifts; `sigma_shared`, as
+    shared_sigmas has it, and `sigma_angle`: the prior, radians; `sigma_mean`: noise of a mean; `u`: standard deviations
+    of the estimate, which are the Cramer-Rao bound; `floored`: the noise is the floor and not the stand's.
     """
 
     k: Floats
@@ -70,6 +75,8 @@ class OptimalTable:
     nuisance_gains: Floats
     yaws: int
     seats: int
+    waves: int
+    drifts: int
     sigma_shared: Floats
     sigma_angle: float
     sigma_mean: float
@@ -126,7 +133,8 @@ def optimal_table(
     if not (np.isfinite(prior).all() and lost < _LARGEST_LOSS and (np.abs(claimed - u) < _LARGEST_LOSS * u).all()):
         raise UsageError(UNEQUAL)
     nuisance_gains = _by_mounting(shared[:, None] * prior[: len(shared)], schedule, stand)
-    counts = yaws_of(schedule, stand), len(schedule.mountings) if stand.declares_seat else 0
+    seats = len(schedule.mountings) if stand.declares_seat else 0
+    counts = yaws_of(schedule, stand), seats, *_waves_and_drifts(stand)
     return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
 
 
@@ -147,10 +155,18 @@ def yaws_of(schedule: Schedule, stand: Stand) -> int:
 
 def shared_sigmas(schedule: Schedule, stand: Stand) -> Floats:
     """Standard deviations of what positions share: alpha1, alpha2, then alpha3 of each mounting or of all; where seats
-    are declared theta_h of the platform, then theta_h and theta_n of each mounting."""
+    are declared theta_h of the platform, then theta_h and theta_n of each mounting; then the encoder's numbers and the
+    channels' drifts, each where it is declared."""
     angles = [stand.sigma("axis_tilt"), stand.sigma("level"), *[stand.sigma("remount")] * yaws_of(schedule, stand)]
     seats = [stand.sigma("platform"), *[stand.sigma("seat")] * (2 * len(schedule.mountings))]
-    return np.array(angles + (seats if stand.declares_seat else []))
+    waves, drifts = _waves_and_drifts(stand)
+    course = [stand.sigma("encoder")] * waves + [stand.sigma("drift")] * drifts
+    return np.array(angles + (seats if stand.declares_seat else []) + course)
+
+
+def _waves_and_drifts(stand: Stand) -> tuple[int, int]:
+    """How many numbers of an encoder are declared, and how many drifts."""
+    return 4 if stand.encoder > 0.0 else 0, 3 if stand.drift > 0.0 else 0
 
 
 def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
@@ -183,6 +199,8 @@ def linearise(schedule: Schedule) -> Linearised:
         alpha3=on_block(sine, -cosine * s, zero),
         theta_h=on_block(zero, cosine * c, -sine),
         delta=on_block(cosine * c, zero, -cosine * s),
+        waves=np.column_stack([s, c, 2.0 * s * c, c**2 - s**2]),
+        course=np.arange(len(fit)) / max(1, len(fit) - 1) - 0.5,
         mounting=mounting,
         mountings=len(schedule.mountings),
     )
@@ -217,8 +235,13 @@ def shared_derivatives(model: Linearised, k: Floats, stand: Stand) -> Floats:
     errors = [(one, model.alpha1), (one, model.delta), (one if stand.remounting == COMMON else each, model.alpha3)]
     if stand.declares_seat:
         errors += [(one, model.theta_h), (each, model.theta_h), (each, model.delta)]
+    waves, drifts = _waves_and_drifts(stand)
+    if waves:
+        errors.append((model.waves, model.delta))
     force = np.concatenate([draws[..., None] * by_error[:, None] for draws, by_error in errors], axis=1)
-    return np.swapaxes(force @ k.T, 1, 2).reshape(3 * len(force), -1)
+    by_angles = np.swapaxes(force @ k.T, 1, 2).reshape(3 * len(force), -1)
+    by_drift = np.kron(model.course[:, None], np.eye(3)[:, :drifts])
+    return np.hstack([by_angles, by_drift])
 
 
 def _by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
@@ -226,8 +249,8 @@ def _by_mounting(found: Floats, schedule: Schedule, stand: Stand) -> Floats:
     if not stand.declares_seat:
         return found
     angles, mountings = 2 + yaws_of(schedule, stand), len(schedule.mountings)
-    platform, leaning, turned = np.split(found[angles:], [1, 1 + mountings])
-    return np.concatenate([found[:angles], platform + leaning, turned])
+    platform, leaning, others = np.split(found[angles:], [1, 1 + mountings])
+    return np.concatenate([found[:angles], platform + leaning, others])
 
 
 def _augmented(

@@ -182,7 +182,7 @@ def _estimates(
     for start in range(0, runs, _CHUNK):
         count = min(_CHUNK, runs - start)
         draws = [
-            unit_draws(rng, limits if source.errors else SIGMA, (count, len(source.sigma)))  # noise is normal
+            unit_draws(rng, SIGMA if source.normal else limits, (count, len(source.sigma)))
             for source in errors.values()
         ]
         found.append(estimate(exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))))

@@ -23,13 +23,15 @@ class Noise:
     """`measured`: by the samples, None where no position has two; `exceeds` (3,): that is more than declared, beyond
     chance; `undithered` (3,): all samples of a position round alike, by `rounding` (3,), a standard deviation, 0 where
     the step of the converter is not known. `mean_variance` (positions, 3): what uncertainties must count at least; 0
-    where the declared noise is right. None of it is known without samples and a stand."""
+    where the declared noise is right; `by_samples` (positions, 3): what of it the samples say. None of it is known
+    without samples and a stand."""
 
     measured: reference.MeasuredNoise | None
     exceeds: Flags
     undithered: Flags
     rounding: Floats
     mean_variance: Floats
+    by_samples: Floats
 
     @property
     def is_known(self) -> bool:
@@ -47,9 +49,10 @@ def look(run: Run, stand: Stand | None, step: float) -> Noise:
     undithered = _undithered(measured, declared, steps)
     rounding = np.where(undithered, steps / np.sqrt(12.0), 0.0)
     variance = np.zeros((len(samples), 3)) if measured is None else measured.mean_variance(samples) * exceeds
-    white = 0.0 if declared is None else declared**2
+    by_samples, white = variance, 0.0 if declared is None else declared**2
     variance = np.where(undithered, np.maximum(variance, white / samples[:, None]) + rounding**2, variance)
-    return Noise(measured, exceeds, undithered, rounding, variance * run.measured[:, None])
+    known = run.measured[:, None]
+    return Noise(measured, exceeds, undithered, rounding, variance * known, by_samples * known)
 
 
 def _exceeds(measured: reference.MeasuredNoise | None, declared: float | None, run: Run, step: float) -> Flags:

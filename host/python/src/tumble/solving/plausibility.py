@@ -31,6 +31,7 @@ _SCALE = 1.25  # factor by which a scale may differ from the nominal one
 _ROUGHLY_RAD, _ROUGHLY_SCALE = 0.5, 1.6  # of a K once its mistakes are undone: near enough to name them
 _MOST_MOUNTINGS = 3  # whose every order is tried; of more, exchanges of two
 _MOST_NAMED = 3
+UNCHECKED = "no more means than unknowns: nothing checks this run"
 _AS_WELL = 1.5  # times the rms of the residuals: fits no worse
 
 
@@ -81,6 +82,20 @@ def require(solution: Solution, stand_file: StandFile | None, file: str) -> tupl
     if found.refusal is not None:
         raise BadInput(found.refusal, file)
     return found.warnings
+
+
+def confirms_volts(solution: Solution, stand_file: StandFile | None) -> bool:
+    """Does the declared block, which is in volts, show that the outputs are? K then is the declared one."""
+    declared = stand_file is not None and stand_file.block is not None
+    return declared and examine(solution, stand_file) == Plausibility()
+
+
+def unchecked(solution: Solution) -> tuple[str, ...]:
+    """That a run has no residual, nor a position that checks it."""
+    positions = solution.measured_schedule.positions
+    fitted = sum(position.use == FIT for position in positions)
+    free = 3 * (fitted - 4 - len(solution.found.terms))
+    return (UNCHECKED,) if free <= 0 and fitted == len(positions) else ()
 
 
 def _is_near(k: Floats, declared: Floats, allowed: float, scale: float) -> bool:

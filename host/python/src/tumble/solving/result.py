@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from tumble._version import __version__
 from tumble.files.documents import RESULT
-from tumble.solving import noise, si, stand_seen
+from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
@@ -21,9 +22,10 @@ def document(
     serial: str | None = None,
     run_file: str | None = None,
     created: str | None = None,
+    warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     """The result of a solve, ready for JSON. `serial`: of the block; `run_file`: name of what was solved; `created`:
-    when, None where no clock was looked at."""
+    when, None where no clock was looked at; `warnings`: sentences that a person is told beside it."""
     unit, rests_on = solution.run.unit, assumed(solution)
     return {
         "schema": RESULT,
@@ -51,8 +53,10 @@ def document(
         "pass_reason": " and ".join(solution.failures) or None,
         "assumes": list(rests_on),
         "assumed_for": {name: list(coefficients) for name, coefficients in rests_on.items()},
+        "warnings": list(warnings),
         "noise": noise.document(solution.noise, solution.run.samples),
         "scatter_alone": _scatter_alone(solution),
+        "coverage": None if solution.coverage is None else solution.coverage.document(),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
         "intrinsic": {
@@ -72,6 +76,7 @@ def document(
         "counters": solution.run.counters,
         "item": item,
         "environment": environment,
+        "temperature": temperature.document(solution.run),
     }
 
 
@@ -144,4 +149,6 @@ def truth(known: Truth) -> dict[str, Any]:
         "alpha4_rad": list(known.alpha4),
         "theta_h_rad": list(known.theta_h),
         "theta_n_rad": list(known.theta_n),
+        **({"encoder_rad": list(known.encoder)} if any(known.encoder) else {}),
+        **({"drift_v": list(known.drift)} if any(known.drift) else {}),
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
+from tumble.solving.coverage import Coverage, coverage
 from tumble.solving.crosscheck import (
     LARGEST_MISFIT,
     Comparison,
@@ -33,16 +34,17 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look
-from tumble.solving.stated import Propagation, Stated
+from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import Stand
-from tumble.terms import Terms
+from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
 
 @dataclass(frozen=True)
 class Truth:
     """What a simulated run was made of: `k` (3, 3), `u0` (3,); the stand's errors in radians, `alpha3`, `theta_h` (the
-    platform's in it) and `theta_n` by mounting and `alpha4` by position."""
+    platform's in it) and `theta_n` by mounting and `alpha4` by position, `encoder` by sine and cosine of the table
+    angle and of its double; `drift` by channel, V."""
 
     k: Floats
     u0: Floats
@@ -52,6 +54,8 @@ class Truth:
     alpha4: tuple[float, ...]
     theta_h: tuple[float, ...]
     theta_n: tuple[float, ...]
+    encoder: tuple[float, ...] = (0.0,) * 4
+    drift: tuple[float, ...] = (0.0,) * 3
 
 
 @dataclass(frozen=True)
@@ -128,6 +132,17 @@ class Solution:
         given = schedule, self.found.k, self._u, stand, self.found.estimator, samples
         return second_order(*given, terms=self.found.terms)
 
+    @cached_property
+    def coverage(self) -> Coverage | None:
+        """How well the uncertainties are known, of a stand or by scatter alone; None where there are none."""
+        if self.u_k is None and self.scatter_alone is None:
+            return None
+        stand = noise_of_runs.NO_STAND if self.stand is None else self.declared.with_step(self.step)
+        measured, samples = self.run.measured, self.run.samples[self.run.measured]
+        witness = Witness(self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step)
+        by_variance = partial(witness.covariance, terms=self.found.terms)
+        return coverage(self.noise, measured, stand, samples, by_variance)
+
     def simulated(self, runs: int, seed: int) -> Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""
         schedule, stand, samples = self._as_propagated
@@ -194,6 +209,8 @@ def solve(
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
     step = step_v / volts_per(run.unit)
+    if stand is not None and DRIFT in terms:
+        stand = replace(stand, drift=0.0)  # it is an unknown, whatever its size
     declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
     weighting = None

@@ -34,6 +34,28 @@ class Stated:
 
 
 @dataclass(frozen=True)
+class Witness:
+    """What numpy propagates: a `schedule` of measured positions and their `samples`, solved for `k`; the rest as of
+    Propagation."""
+
+    schedule: Schedule
+    k: Floats
+    stand: Stand
+    samples: Integers
+    estimator: str
+    step: float
+
+    def covariance(self, variance: Floats, terms: Terms = ()) -> Floats:
+        """Of K row by row, U0 and the sizes of further `terms`; `variance` (positions, 3): by the noise as measured."""
+        given = self.schedule, self.k, self.stand, self.samples
+        if self.estimator == OPTIMAL:
+            return reference.optimal_covariance(*given, self.step, variance, terms)
+        if terms:
+            return extended_covariance(*given, terms, variance)
+        return reference.covariance(*given, self.estimator, variance)
+
+
+@dataclass(frozen=True)
 class Propagation:
     """What the errors of a `stand` and the noise of the means do to a run that was solved for `k`, all in the run's
     unit: `schedule` for the core, `witnessed` for numpy, with the measured positions alone; `step`: of the converter;
@@ -54,7 +76,7 @@ class Propagation:
         Raises CoreRefusal, Disagreement."""
         given = self.schedule, self.run.measured, self.k, self.stand, self.run.samples, self.estimator, self.step
         u = uncertainty.standard_uncertainties(*given, self.mean_variance)
-        covariance = self._of_twelve() if optimal is None else optimal.covariance
+        covariance = self._witness.covariance(self._variance) if optimal is None else optimal.covariance
         compare_uncertainties(u, reference.by_coefficient(covariance), self.estimator == OPTIMAL)
         return Stated(*u, covariance)
 
@@ -62,23 +84,16 @@ class Propagation:
         """To K and U0 beside further `terms`; else as to_twelve."""
         given = self.schedule, self.run.measured, self.k, self.stand, self.run.samples, self.estimator, self.step
         u = uncertainty.extended_uncertainties(*given, terms, self.mean_variance)
-        if optimal is None:
-            covariance = extended_covariance(*self._witness, terms, self._variance)
-        else:
-            covariance = optimal.covariance
+        covariance = self._witness.covariance(self._variance, terms) if optimal is None else optimal.covariance
         stated = u[:9].reshape(3, 3), u[9:12], u[12:]
         witness = *reference.by_coefficient(covariance), np.sqrt(np.diag(covariance)[12:])
         compare_uncertainties(stated, witness, self.estimator == OPTIMAL)
         return Stated(*stated[:2], covariance)
 
-    def _of_twelve(self) -> Floats:
-        if self.estimator == OPTIMAL:
-            return reference.optimal_covariance(*self._witness, self.step, self._variance)
-        return reference.covariance(*self._witness, self.estimator, self._variance)
-
     @property
-    def _witness(self) -> tuple[Schedule, Floats, Stand, Integers]:
-        return self.witnessed, self.k, self.stand, self.run.samples[self.run.measured]
+    def _witness(self) -> Witness:
+        samples = self.run.samples[self.run.measured]
+        return Witness(self.witnessed, self.k, self.stand, samples, self.estimator, self.step)
 
     @property
     def _variance(self) -> Floats:

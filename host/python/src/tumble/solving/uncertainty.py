@@ -80,6 +80,8 @@ def _of_optimal(
         angle=stand.sigma("angle"),
         seat=stand.sigma("seat"),
         platform=stand.sigma("platform"),
+        encoder=stand.sigma("encoder"),
+        drift=stand.sigma("drift"),
         noise=one_sample,
         limits="sigma1",
     )

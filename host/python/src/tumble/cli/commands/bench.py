@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
+from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
     EXIT_PASS,
@@ -37,6 +38,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
+        aliases=["simulate"],
         help="calibrate on a simulated stand: the firmware itself, in virtual time",
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
@@ -73,6 +75,7 @@ def add_to(subparsers: options.Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, confirm, print. Returns the exit code; raises TumbleError."""
+    from tumble.api.complaints import complaints
     from tumble.bench import board, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
 
@@ -99,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = _result_text(solution, wanted, arguments, stand_file)
         made.keep(outcome.DOCUMENT, result=text)
     tell(f"run folder: {file_name(path)}")
-    warn(solution)
+    warn(complaints(solution))
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
 
@@ -133,7 +136,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     if arguments.block is not None:
         block, truth = read_block(arguments.block, given[arguments.block])
     if limit_g is None:
-        limit_g = options.DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
+        limit_g = DEFAULT_LIMIT_G if file is None or file.delta_g_limit_g is None else file.delta_g_limit_g
     samples = stand.samples if samples is None else samples
     return Setup(
         seed=seed,
@@ -219,6 +222,7 @@ def _progress(schedule: Schedule, interactive: bool) -> Progress:
 
 
 def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespace, stand_file: StandFile | None) -> str:
+    from tumble.api.complaints import complaints
     from tumble.bench import realbus
     from tumble.files.documents import to_json
     from tumble.solving import provenance, result
@@ -226,7 +230,7 @@ def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespac
     item, environment = (None, None) if stand_file is None else (stand_file.item, stand_file.environment)
     serial = None if wanted.block is None else wanted.block.get("serial")
     created = provenance.created(clock=arguments.bus != realbus.INPROCESS)
-    document = result.document(solution, item, environment, serial, "run.csv", created)
+    document = result.document(solution, item, environment, serial, "run.csv", created, complaints(solution))
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})

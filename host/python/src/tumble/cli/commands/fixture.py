@@ -9,7 +9,6 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli.options import (
-    DEFAULT_LIMIT_G,
     Subparsers,
     add_estimator,
     add_limit,
@@ -18,6 +17,7 @@ from tumble.cli.options import (
     parse_limit,
     parse_number,
 )
+from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 
 if TYPE_CHECKING:
@@ -74,13 +74,14 @@ def check(arguments: argparse.Namespace) -> int:
     from tumble.files.stand_file import read_stand
     from tumble.fixture import report
     from tumble.fixture.judge import Judge, Limits
+    from tumble.messages import tell
 
     stand_file = read_stand(arguments.stand)
     schedule = None
     if arguments.schedule is not None:
         schedule = read_schedule(arguments.schedule, estimator=arguments.estimator)
     limit_g = limit_g if limit_g is not None else stand_file.delta_g_limit_g or DEFAULT_LIMIT_G
-    views = _views(arguments, stand_file, schedule, limit_g)
+    views, warnings = _views(arguments, stand_file, schedule, limit_g)
     mountings = len((schedule or CoreSchedule(paper_schedule())).data.fitted_mountings)
     once, combined = _combined(arguments, views, confidence, stand_file.step_v)
     judge = Judge(views, confidence, once)
@@ -96,7 +97,10 @@ def check(arguments: argparse.Namespace) -> int:
         confidence=confidence,
         levelled="once" if once else "anew",
         combined=combined,
+        warnings=warnings,
     )
+    for sentence in warnings:
+        tell(f"tumble: warning: {sentence}")
     text = to_json(report.document(outcome)) if arguments.json else report.render(outcome)
     sys.stdout.write(text)
     return EXIT_PASS if outcome.passed else EXIT_LIMITS_FAILED
@@ -145,30 +149,32 @@ def _combined(
 
 def _views(
     arguments: argparse.Namespace, stand_file: StandFile, schedule: CoreSchedule | None, limit_g: float
-) -> list[RunView]:
-    """Every run, solved and looked at. Raises TumbleError."""
+) -> tuple[list[RunView], list[str]]:
+    """Every run, solved and looked at; and what a person is warned of. Raises TumbleError."""
     from tumble.core import MAX_YAWS, CoreSchedule
     from tumble.files import run_rows
     from tumble.files.run_file import read_measured
     from tumble.fixture.judge import RunView
-    from tumble.messages import tell
     from tumble.solving import plausibility
     from tumble.solving.solution import solve
+    from tumble.solving.temperature import in_environment
 
     planned = schedule or CoreSchedule.built_in("paper")
     if (count := len(planned.data.mountings)) > MAX_YAWS:
         raise BadInput(f"{count} mountings: a run shows the stand in {MAX_YAWS} at most", arguments.schedule)
     views: list[RunView] = []
+    warnings: list[str] = []
     for file in arguments.runs:
         run, core_schedule = read_measured(file, planned)
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
         odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
+        run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
-        for odd in (*odd_rows, *plausibility.require(solution, stand_file, file)):
-            tell(f"tumble: warning: {file_name(file)}: {odd}")
+        odd = (*odd_rows, *plausibility.require(solution, stand_file, file), *plausibility.unchecked(solution))
+        warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
         views.append(RunView.of(solution, core_schedule, file))
-    return views
+    return views, warnings
 
 
 def _needed(

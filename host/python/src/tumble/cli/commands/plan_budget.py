@@ -52,20 +52,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     from tumble.planning import tables
-    from tumble.planning.budget import ALPHAS, numbers_are
+    from tumble.planning.budget import ALPHAS, numbers_are, unit
     from tumble.planning.published import NAMES
 
     out = tables.console()
     out.print(tables.heading(f"Error budget, {found.weights} weights, estimator {found.estimator}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}; numbers are {numbers_are(found.weights)}")
     out.print(f"Block: {case.scale:g} V/g, misalignments {case.misalignment:g} rad")
-    units = ("size", *("V, mean" if source == "noise" else "rad" for source in found.sources), "")
+    units = ("size", *map(unit, found.sources), "")
     sizes = ("", *(tables.number(size) for size in found.sizes), "")
     rows = [units, sizes]
     for index, name in enumerate(NAMES):
-        unit = "ug" if name.startswith("a0") else "ppm"
+        millionth = "ug" if name.startswith("a0") else "ppm"
         cells = [tables.millionths(value) for value in (*found.terms[index], found.total[index])]
-        rows.append((f"{name}, {unit}", *cells))
+        rows.append((f"{name}, {millionth}", *cells))
     out.print(tables.table(("", *found.sources, "all"), rows))
     out.print(ALPHAS)
     if promised is not None:

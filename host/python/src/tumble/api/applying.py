@@ -1,0 +1,56 @@
+"""A calibration applied to data in memory: arrays, and tables with named columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.errors import BadInput, UsageError
+from tumble.files import frames
+from tumble.files.calibrated import Demand, factor_of, with_calibrated
+from tumble.files.run_layout import Wishes
+from tumble.solving.force import Force, NoForce
+
+
+def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str = "data") -> Floats:
+    """x, y, z, then with uncertainty u_x, u_y, u_z, u_norm, of outputs (samples, 3) in the unit of the result."""
+    try:
+        found = force.of(outputs)
+    except NoForce as error:
+        raise BadInput(str(error), name, int(error.rows[0]) + 1) from None
+    return np.concatenate([found, force.uncertainty(found)], axis=1) if with_uncertainty else found
+
+
+def applied(
+    force: Force,
+    data: Any,
+    unit: str,
+    with_uncertainty: bool,
+    columns: dict[str, str] | None,
+    outputs_unit: str | None,
+) -> Any:
+    """As Result.apply; `unit`: of the result's outputs."""
+    if not frames.is_table(data):
+        return _of_array(force, data, unit, with_uncertainty, outputs_unit)
+    demand = demand_of(force, unit, with_uncertainty, Wishes(columns=columns or {}, unit=outputs_unit))
+    return with_calibrated(data, frames.library_of(data) or "table", demand)[0]
+
+
+def demand_of(force: Force, unit: str, with_uncertainty: bool, wishes: Wishes) -> Demand:
+    """What is to be done with a table, or with a file, of outputs; `unit`: of the result's."""
+    return Demand(lambda outputs: values_of(force, outputs, with_uncertainty), unit, with_uncertainty, wishes)
+
+
+def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:
+    try:
+        outputs = np.asarray(data, dtype=float)
+    except (TypeError, ValueError):
+        kind = f"{type(data).__module__}.{type(data).__name__}"
+        raise UsageError(f"{kind} is neither an array of numbers nor a table with columns") from None
+    if outputs.ndim < 1 or outputs.shape[-1] != 3:
+        raise UsageError(f"an array of shape {outputs.shape} holds no outputs: its last axis must be of 3 channels")
+    flat = outputs.reshape(-1, 3) * factor_of(outputs_unit, unit, "data")
+    values = values_of(force, flat, with_uncertainty)
+    return values.reshape(*outputs.shape[:-1], values.shape[1])

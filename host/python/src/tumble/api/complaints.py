@@ -1,0 +1,98 @@
+"""Why a solution may not be what it claims, in sentences: for callers, and for the command line, which prints them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from tumble.fixture.judge import Limits
+from tumble.solving import noise, plausibility
+from tumble.solving.fit import NOISE, Explanation
+from tumble.solving.monte_carlo import MonteCarlo, Verdict
+from tumble.solving.noise_patterns import CORRELATED
+from tumble.solving.solution import Solution
+from tumble.solving.stand_seen import NAMES
+from tumble.units import noise_unit
+
+
+def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: bool = False) -> list[str]:
+    """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that
+    outputs without a unit are in volts."""
+    told: list[str] = []
+    if not solution.run.unit_told and not confirmed_volts:
+        told.append("the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
+    told += odd
+    unit = solution.run.unit
+    if solution.stand is not None and noise_unit(unit) != "V":
+        told.append(f"outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
+    told += [] if solution.second_order is None else solution.second_order.complaints
+    if solution.lone:
+        told.append(f"a single row, taken for one sample, at {', '.join(solution.lone)}")
+    if (noisy := noise_notice(solution)) is not None:
+        told.append(f"{noisy}; the uncertainties count it")
+    if solution.monte_carlo is not None and (open_or_not := simulation_complaint(solution.monte_carlo)):
+        told.append(open_or_not)
+    told += plausibility.unchecked(solution)
+    if (doubt := complaint(solution)) is not None:
+        told.append(f"{doubt}; the uncertainties {consequence(solution)}")
+    return told
+
+
+def noise_notice(solution: Solution) -> str | None:
+    """That the samples are noisier than declared, and that the uncertainties count that; None if not."""
+    if solution.stand is None:
+        return None
+    return noise.notice(solution.noise, solution.declared, solution.run.samples, solution.run.unit)
+
+
+def complaint(solution: Solution) -> str | None:
+    """That the run does not fit the declared stand, or shows what is not declared; None where it does neither."""
+    if solution.fit is None:
+        return None
+    shown = "; ".join(_explained(solution, explanation) for explanation in solution.fit.explanations)
+    if solution.fit.fits:
+        return f"the run fits the stand file, but shows {shown}" if shown else None
+    return f"the run does not fit the stand file: {shown or 'no known pattern explains it'}"
+
+
+def _explained(solution: Solution, explanation: Explanation) -> str:
+    """Such as "k2 of y 104 +- 12 ug/g^2 or asymmetry"; of a source, what is declared of it."""
+    name, *others = explanation.patterns
+    size, unit = explanation.size, explanation.unit
+    if name in NAMES and solution.stand is not None:
+        limits = Limits.declared(solution.stand, len(solution.measured_schedule.fitted_mountings))
+        seen = "" if size is None else f" {abs(size):.1e} {unit}"
+        said = f"{NAMES[name]}{seen} (declared {limits.sigma[name]:.1e})"
+    else:
+        said = name + (f" of {explanation.column}" if explanation.column else "")
+        said += "" if size is None else f" {size:.3g} +- {explanation.u_size:.2g} {unit}"
+    return " or ".join([said, *(NAMES.get(other, other) for other in others)])
+
+
+def consequence(solution: Solution) -> str:
+    """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
+    causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]
+    is_noise = bool(causes) and set(causes) <= {NOISE, CORRELATED}
+    return "count it" if is_noise and solution.noise.exceeds.any() else "are too small"
+
+
+def simulation_complaint(found: MonteCarlo) -> str | None:
+    """Where simulated runs do not confirm the uncertainties, or leave it open; None where they do."""
+    differs, open_ones = found.where(Verdict.DIFFERS), found.where(Verdict.CANNOT_TELL)
+    if differs:
+        return f"Monte Carlo differs from the uncertainties of {', '.join(differs)}"
+    return f"too few runs of Monte Carlo to tell of {', '.join(open_ones)}" if open_ones else None
+
+
+def complaints_of_document(result: dict[str, Any]) -> list[str]:
+    """Of a document that files.documents has checked: what whoever uses its coefficients should know first."""
+    found, check = [], result["verification"]
+    if not check["pass"]:
+        sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
+        found.append(f"the gravity check FAILED: {sizes}")
+    fit = result["fit"] or {}
+    if result["stand_doubts"] or fit.get("fits") is False:
+        found.append("the run does not fit the stand file: the uncertainties are too small")
+    elif fit.get("explanations"):
+        found.append("the run shows what the stand file does not declare: the uncertainties are too small")
+    return found

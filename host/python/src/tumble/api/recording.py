@@ -1,0 +1,211 @@
+"""Recorded runs before their schedule is known: from files in several formats, DataFrames, arrays."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.core import MAX_MEAN, CoreSchedule
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.files import frames, run_file
+from tumble.files.csv_rows import Refused
+from tumble.files.disk import read_bytes
+from tumble.files.run_file import PositionIndex, Run, RunTable
+from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes, detect, detect_unit, find_all
+from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
+from tumble.schedule import Schedule
+from tumble.units import UNIT
+
+_ANYWHERE = 256  # numbers of mountings and positions: 0 to 255
+
+
+class Recording:
+    """Rows of a run as they were recorded. Made by `tumble.read`, given to `tumble.solve`. Immutable.
+
+    A row is one sample, or one mean, of the three outputs at a position of a mounting.
+    """
+
+    def __init__(self, name: str, wishes: Wishes, data: bytes | None = None, table: Any = None, from_file: bool = True):
+        """`data`: of a CSV file; else `table`: any that files.frames knows. `name`: what errors call it."""
+        self.name = name
+        self._from_file = from_file
+        self._wishes = wishes
+        self._data = data
+        self._table = table
+
+    @property
+    def is_file(self) -> bool:
+        """Was it read from a file?"""
+        return self._from_file
+
+    @property
+    def mounting(self) -> Integers:
+        """Number of each row's mounting: (rows,)."""
+        return self._rows.index // _ANYWHERE
+
+    @property
+    def position(self) -> Integers:
+        """Number of each row's position: (rows,)."""
+        return self._rows.index % _ANYWHERE
+
+    @property
+    def outputs(self) -> Floats:
+        """Outputs of the three channels, in `unit`: (rows, 3)."""
+        return self._rows.outputs
+
+    @property
+    def unit(self) -> str | None:
+        """Of the outputs; None where nobody told it: volts are assumed."""
+        if self._data is not None:
+            layout = detect(self._data, self._wishes, self.name)
+            return layout.unit if layout.unit_told else None
+        return self._columns[1]
+
+    def __len__(self) -> int:
+        return len(self._rows.index)
+
+    def __repr__(self) -> str:
+        return f"<tumble.Recording {self.name}: {len(self)} rows, unit {self.unit or 'not told'}>"
+
+    def on(self, schedule: CoreSchedule) -> tuple[Run, CoreSchedule]:
+        """The run, averaged position by position, and the schedule: the given one, or its form with closures where the
+        run has them. Raises BadInput."""
+        if self._data is not None:
+            return run_file.read_measured(self.name, schedule, self._wishes, self._data)
+        return run_file.on_schedule(self._on, schedule)
+
+    def _on(self, schedule: Schedule) -> Run:
+        positions, rows = PositionIndex(schedule), self._rows
+        index = positions.of_arrays(self.mounting.astype(float), self.position.astype(float))
+        if (index < 0).any():
+            row = int(np.argmax(index < 0))
+            try:
+                positions.of_row(float(self.mounting[row]), float(self.position[row]))
+            except Refused as refused:
+                raise BadInput(str(refused), self.name, int(rows.lines[row]), refused.column) from None
+        ignored = len(frames.names_of(self._table)) - len(COLUMNS)
+        unit = self.unit
+        return run_file.averaged(replace(rows, index=index), schedule, unit or "V", unit is not None, ignored)
+
+    @cached_property
+    def _rows(self) -> RunTable:
+        if self._data is not None:
+            run_file.require_text(self._data, self.name)
+            layout = detect(self._data, self._wishes, self.name)
+            return run_file.read_table(self._data, layout, _Anywhere(), self.name)
+        places, _ = self._columns
+        values = [frames.column_of(self._table, place, self.name) for place in places]
+        if len({len(column) for column in values}) != 1:
+            sizes = ", ".join(f"{name} {len(column)}" for name, column in zip(COLUMNS, values))
+            raise BadInput(f"columns of different lengths: {sizes}", self.name)
+        if not len(values[0]):
+            raise BadInput("no samples", self.name)
+        rows = np.stack(values, axis=1)
+        self._require(rows)
+        index = _Anywhere().of_arrays(rows[:, 0], rows[:, 1])
+        return RunTable(index, rows[:, 2:], np.arange(1, len(rows) + 1), 0, 0)
+
+    @cached_property
+    def _columns(self) -> tuple[tuple[int, ...], str | None]:
+        """Places of COLUMNS in the table, and the unit of the outputs, if it is told."""
+        names = frames.names_of(self._table)
+        try:
+            places = find_all(names, self._wishes)
+        except ValueError as error:
+            raise BadInput(str(error), self.name) from None
+        return places, self._wishes.unit or detect_unit([names[place] for place in places[-3:]], self.name, None)
+
+    def _require(self, rows: Floats) -> None:
+        """Numbers in range, as of a run file; the first row that has none is complained of. Rows count from 1."""
+        bad = ~(np.abs(rows) <= MAX_MEAN)
+        bad[:, :2] |= ~((rows[:, :2] >= 0) & (rows[:, :2] < _ANYWHERE) & (rows[:, :2] == np.floor(rows[:, :2])))
+        if bad.any():
+            row, column = np.argwhere(bad)[0].tolist()
+            value = float(rows[row, column])
+            kind = "the number of a place" if column < 2 else "a finite number in range"
+            raise BadInput(f"{value!r} is not {kind}", self.name, row + 1, COLUMNS[column])
+
+
+class _Anywhere(PositionIndex):
+    """For rows whose schedule is not known yet: every number of a mounting and of a position is good."""
+
+    def __init__(self) -> None:
+        self.mountings = set(range(_ANYWHERE))
+        self._table = np.arange(_ANYWHERE**2).reshape(_ANYWHERE, _ANYWHERE)
+
+
+def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
+    """A recording as it is, or of whatever `read` takes. The rows of a CSV file are looked at when they are needed."""
+    if isinstance(source, Recording):
+        return source
+    if isinstance(source, (str, os.PathLike)):
+        file = str(os.fspath(source))
+        if suffix_of(file) in SUFFIXES:
+            return Recording(file, wishes, table=read_table_file(file))
+        return Recording(file, wishes, data=read_bytes(file))
+    if not frames.is_table(source):
+        source = _of_array(source)
+    return Recording(frames.library_of(source) or "table", wishes, table=source, from_file=False)
+
+
+def _of_array(source: Any) -> dict[str, Floats]:
+    """A table of the columns of a plain array."""
+    if type(source).__name__ == "LazyFrame":
+        raise UsageError("a LazyFrame has no rows yet: collect() it")
+    try:
+        rows = np.asarray(source, dtype=float)
+    except (TypeError, ValueError):
+        kind = f"{type(source).__module__}.{type(source).__name__}"
+        raise UsageError(f"{kind} is neither a file, nor a table, nor an array of numbers") from None
+    if rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
+        raise UsageError(f"an array of shape {rows.shape} is no run: (rows, 5) is one, of {', '.join(COLUMNS)}")
+    return dict(zip(COLUMNS, rows.T))
+
+
+def wishes_of(
+    columns: dict[str, str] | None, unit: str | None, delimiter: str | None = None, decimal: str | None = None
+) -> Wishes:
+    """What a caller says about the layout. Raises UsageError."""
+    unknown = [name for name in columns or {} if name not in COLUMNS]
+    if unknown:
+        raise UsageError(f"columns: {quoted(unknown[0])} is not one of {', '.join(COLUMNS)}")
+    if unit is not None and not UNIT.fullmatch(unit):
+        raise UsageError(f"unit: {quoted(unit)} is not a unit such as V, mV or m/s^2")
+    return Wishes(columns=dict(columns or {}), delimiter=delimiter, decimal=decimal, unit=unit)
+
+
+def read(
+    source: Any,
+    *,
+    columns: dict[str, str] | None = None,
+    unit: str | None = None,
+    delimiter: str | None = None,
+    decimal: str | None = None,
+) -> Recording:
+    """Read a recorded run.
+
+    `source`: the path of a run file (CSV; Parquet, `.parquet`; NPZ, `.npz`, and MAT, `.mat`, with an array for every
+    column), a DataFrame of pandas or polars, a table of pyarrow, a mapping from names to columns, a structured array,
+    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; others are ignored. `columns` names those
+    that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the outputs; both, like `delimiter` and
+    `decimal` of CSV, are detected unless given.
+
+    Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
+    is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.
+
+    >>> import tumble
+    >>> run = tumble.read({"mounting": [1, 1], "position": [1, 2], "ux": [0.1, 1.5], "uy": [0, 0], "uz": [2.0, 1.4]},
+    ...                   unit="V")
+    >>> run
+    <tumble.Recording table: 2 rows, unit V>
+    >>> run.outputs.shape
+    (2, 3)
+    """
+    recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
+    len(recording)  # what cannot be used is told now
+    return recording

@@ -1,0 +1,202 @@
+"""A result: coefficients with uncertainties and a verdict, from `tumble.solve` or from a file that a solve wrote."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Protocol, TypeVar, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tumble.api.applying import applied
+from tumble.api.complaints import complaints_of_document
+from tumble.arrays import Floats
+from tumble.errors import BadInput, UsageError, quoted
+from tumble.files.disk import read_bytes, write_text
+from tumble.files.documents import checked_coefficients
+from tumble.solving.coefficients import Coefficients
+from tumble.solving.force import Force
+
+
+class HasColumns(Protocol):
+    """A DataFrame of pandas or polars, or a table of pyarrow."""
+
+    @property
+    def columns(self) -> Any:
+        """Of whatever kind: each library has its own."""
+
+
+FrameT = TypeVar("FrameT", bound=HasColumns)
+UNITS = ("g", "m/s2")
+
+
+class Result:
+    """What a solve found: U = U0 + K a, U the outputs in `unit`, a the specific force in g. Immutable.
+
+    K_ij is the response of channel i to acceleration along axis j. Uncertainties are standard uncertainties (one
+    sigma), in the unit of what they are of, by propagation of the declared stand's errors; None where no stand was
+    declared. Arrays are float64 and cannot be written to.
+    """
+
+    def __init__(self, text: str, warnings: tuple[str, ...] | None = None, name: str = "result"):
+        """`text`: JSON of schema tumble.result/1; `warnings`: None for those that it shows; `name`: what errors call
+        it. Raises BadInput."""
+        self._text = text
+        self._name = name
+        self._checked = checked_coefficients(text.encode("utf-8"), name)
+        self.warnings = tuple(complaints_of_document(self._checked)) if warnings is None else warnings
+        """Why the result may not be what it claims: sentences, as the command line prints them."""
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """All that is known, as it is written: docs/files.md explains every key. A copy, which may be changed."""
+        found: dict[str, Any] = json.loads(self._text)
+        return found
+
+    @property
+    def estimator(self) -> str:
+        """By which the coefficients were found."""
+        return str(self._checked["estimator"])
+
+    @property
+    def unit(self) -> str:
+        """Of the outputs, such as "V"."""
+        return str(self._checked["unit"])
+
+    @cached_property
+    def K(self) -> Floats:  # noqa: N802 # as the formulas have it
+        """(3, 3), in the unit of the outputs per g."""
+        return _fixed(self._checked["K"])
+
+    @cached_property
+    def U0(self) -> Floats:  # noqa: N802
+        """(3,), in the unit of the outputs."""
+        return _fixed(self._checked["U0"])
+
+    @cached_property
+    def u_K(self) -> Floats | None:  # noqa: N802
+        """(3, 3): standard uncertainties of K; None without a stand."""
+        return None if self._checked["u_K"] is None else _fixed(self._checked["u_K"])
+
+    @cached_property
+    def u_U0(self) -> Floats | None:  # noqa: N802
+        """(3,): standard uncertainties of U0; None without a stand."""
+        return None if self._checked["u_U0"] is None else _fixed(self._checked["u_U0"])
+
+    @cached_property
+    def covariance(self) -> Floats | None:
+        """(12, 12), of K row by row, then U0; None without a stand."""
+        return None if self._checked["covariance"] is None else _fixed(self._checked["covariance"])
+
+    @property
+    def passed(self) -> bool:
+        """The gravity check (8) passed, and the run fits the declared stand, if there is one."""
+        return bool(self._checked["pass"])
+
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """Names of what the result rests on that nobody tested, such as "seat"."""
+        return tuple(self._checked["assumes"])
+
+    def __repr__(self) -> str:
+        return f"<tumble.Result {self._name}: {self.estimator}, {'PASS' if self.passed else 'FAIL'}, unit {self.unit}>"
+
+    @overload
+    def apply(
+        self,
+        data: FrameT,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> FrameT: ...
+    @overload
+    def apply(
+        self,
+        data: Mapping[str, Any],
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> dict[str, Any]: ...
+    @overload
+    def apply(
+        self,
+        data: ArrayLike,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> Floats: ...
+    def apply(
+        self,
+        data: Any,
+        *,
+        unit: str = "g",
+        uncertainty: bool = False,
+        columns: dict[str, str] | None = None,
+        outputs_unit: str | None = None,
+    ) -> Any:
+        """Calibrate outputs: a = K^-1 (U - U0); with K2 and K3 in the result, the root of their equation.
+
+        `data`: an array (..., 3) of outputs gives an array of the same shape; a DataFrame of pandas or polars, a table
+        of pyarrow or a mapping with columns ux, uy, uz gives the same kind with x, y, z behind all its columns, its
+        index kept; what had those names before is called raw_x, raw_y, raw_z. `unit`: "g" or "m/s2", which needs
+        gravity_m_s2 in the result's environment. `columns` names the columns where they are named otherwise.
+        `outputs_unit`: of the data, default: the one in brackets in the columns' names, else the result's.
+
+        `uncertainty`: standard uncertainties of x, y, z and of the length, by the covariance of the coefficients (and
+        of the gravity, for m/s2), as columns u_x, u_y, u_z, u_norm before x; of an array, an array (..., 7) of x, y, z,
+        u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
+
+        Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+
+        >>> import tumble
+        >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
+        >>> result.apply(result.U0 + result.K @ [0.0, 0.6, 0.8]).round(9).tolist()
+        [0.0, 0.6, 0.8]
+        >>> table = result.apply({"time": [0.0], "ux": [0.01], "uy": [0.02], "uz": [2.0]})
+        >>> list(table)
+        ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
+        """
+        return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit)
+
+    def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
+        """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""
+        if unit not in UNITS:
+            raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
+        try:
+            force = Force(Coefficients.of(self._checked, unit))
+        except ValueError as error:
+            raise BadInput(str(error), self._name) from None
+        if uncertainty and not force.is_certain:
+            why = "no stand was declared" if self.covariance is None else "its environment has no u_gravity_m_s2"
+            raise BadInput(f"no uncertainties: {why}", self._name)
+        return force
+
+    def to_json(self) -> str:
+        """The result as `tumble solve --json` prints it: schema tumble.result/1."""
+        return self._text
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Write `to_json()` to a file, as a whole or not at all. Raises BadInput."""
+        write_text(os.fspath(file), self._text)
+
+
+def load(file: str | os.PathLike[str]) -> Result:
+    """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
+    name, data = os.fspath(file), read_bytes(os.fspath(file))
+    checked_coefficients(data, name)  # also that it is text
+    return Result(data.decode("utf-8-sig"), name=name)
+
+
+def _fixed(values: Any) -> Floats:
+    found = np.array(values, dtype=float)
+    found.flags.writeable = False
+    return found

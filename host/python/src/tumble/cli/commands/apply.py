@@ -1,0 +1,137 @@
+"""`tumble apply`: measured data in, the same data with the specific force behind it out."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from tumble.cli import layout_options, options
+from tumble.errors import EXIT_PASS, UsageError, file_name, quoted
+from tumble.messages import tell
+
+if TYPE_CHECKING:
+    from tumble.api.result import Result
+    from tumble.files.calibrated import Demand
+
+_IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
+
+
+def add_to(subparsers: options.Subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "apply",
+        help="calibrate data by a result: outputs in, acceleration out",
+        description="Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
+        " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed.",
+        epilog="Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"
+        " Parquet cannot be read here, 130 interrupted.",
+    )
+    parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve")
+    parser.add_argument("data", metavar="DATA", nargs="+", help="files with columns ux,uy,uz, in the result's unit")
+    parser.add_argument("--out", metavar="FILE", help="a file, or an existing folder; default: standard output")
+    parser.add_argument(
+        "--unit",
+        choices=("g", "m/s2"),
+        default="g",
+        help="of the acceleration; m/s2 needs gravity_m_s2 in the result's environment; default: g",
+    )
+    parser.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="standard uncertainties of x, y, z and of their norm, by those of the coefficients, as columns u_x, u_y,"
+        " u_z, u_norm before x",
+    )
+    layout_options.add_layout(parser, "data", has_unit=False)
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Calibrate and write. Returns the exit code; raises TumbleError."""
+    from tumble.api.applying import demand_of
+    from tumble.api.result import load
+    from tumble.files.calibrated import OUTPUTS
+    from tumble.files.disk import written
+    from tumble.files.tables import PARQUET, suffix_of
+
+    wishes = replace(layout_options.wishes(arguments, OUTPUTS, has_unit=False), wanted=OUTPUTS)
+    targets = _targets(arguments)
+    kinds = {suffix_of(file) in PARQUET for file in arguments.data}
+    result = load(arguments.result)
+    force = result.force(arguments.unit, arguments.uncertainty)
+    demand = demand_of(force, result.unit, arguments.uncertainty, wishes)
+    _beware(result, arguments.result)
+    if len(kinds) > 1 and len(set(targets)) < len(targets):
+        raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
+    if kinds == {True} and len(set(targets)) < len(targets):
+        raise UsageError("Parquet files cannot be joined: --out FOLDER keeps them apart")
+    if True in kinds and arguments.out is None:
+        raise UsageError("Parquet goes to a file: --out FILE")
+    if arguments.out is None:
+        import shutil
+        import tempfile
+
+        with tempfile.SpooledTemporaryFile(_IN_MEMORY) as spooled:  # no half of it on stdout where a row is bad
+            _calibrate(arguments.data, spooled, demand)  # type: ignore[arg-type] # a BinaryIO in all but name
+            spooled.seek(0)
+            shutil.copyfileobj(spooled, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
+        return EXIT_PASS
+    for target in dict.fromkeys(targets):
+        with written(target) as out:
+            _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand)
+    return EXIT_PASS
+
+
+def _targets(arguments: argparse.Namespace) -> list[str]:
+    """Where each file of data goes: "" for standard output. Raises UsageError."""
+    from tumble.files.disk import refuse_overwriting
+
+    out, data = arguments.out, arguments.data
+    into_folder = out is not None and os.path.isdir(out)
+    targets = [os.path.join(out, os.path.basename(file)) if into_folder else out or "" for file in data]
+    if into_folder and len(set(targets)) < len(targets):
+        raise UsageError(f"--out: two files of data have the same name, and would be one in {quoted(out)}")
+    for target in set(targets):
+        refuse_overwriting(target, arguments.result, *data)
+    return targets
+
+
+def _beware(result: Result, file: str) -> None:
+    """What whoever uses the calibrated data should know, on stderr."""
+    from tumble.solving.assumptions import phrase
+
+    for warning in result.warnings:
+        tell(f"tumble: warning: {file_name(file)}: {warning}")
+    if result.assumes:
+        tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
+
+
+def _calibrate(files: list[str], out: BinaryIO, demand: Demand) -> None:
+    """All files into one output: the header of the first, the rows of all."""
+    from tumble.files.calibrated import CsvData, calibrate_parquet
+    from tumble.files.disk import opened
+    from tumble.files.tables import PARQUET, suffix_of
+
+    first: Any = None
+    for file in files:
+        if suffix_of(file) in PARQUET:
+            _tell_of_names(calibrate_parquet(file, out, demand), file)
+            continue
+        with opened(file) as stream:
+            data = CsvData(stream, file, demand)
+            if first is None:
+                _tell_of_names(data.renamed, file)
+                out.write(data.header)
+            else:
+                data.require_header_of(first)
+            first = first or data
+            out.writelines(data.rows())
+
+
+def _tell_of_names(renamed: dict[str, str], file: str) -> None:
+    if renamed:
+        listed = ", ".join(f"{name} is {other}" for name, other in renamed.items())
+        tell(f"tumble: notice: {file_name(file)}: columns of its own renamed: {listed}")

@@ -1,0 +1,199 @@
+"""`tumble import`: continuous recordings in, a run file out, with all that was taken for granted."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from tumble.cli import layout_options, options
+from tumble.errors import EXIT_PASS, UsageError, quoted
+from tumble.schedule import file_of
+
+if TYPE_CHECKING:
+    from tumble.importing.hypotheses import Claims
+    from tumble.importing.pipeline import Settings
+    from tumble.importing.rests import Thresholds
+
+_REPEATS = ("first", "last", "longest")
+
+
+def add_to(subparsers: options.Subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "import",
+        help="make a run file from continuous recordings: rests found and matched to a schedule",
+        description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
+        " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
+        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 no matplotlib for --plot, 130 interrupted.",
+    )
+    parser.add_argument(
+        "recordings",
+        metavar="RECORDING",
+        nargs="+",
+        help="CSV of a logger, or a RAWIMU log (ASCII); several are one run, in this order",
+    )
+    options.add_schedule(parser)
+    parser.add_argument("--stand", metavar="FILE", help="stand file: the sign of its scale_v_per_g is that of K")
+    parser.add_argument("--signs", metavar="+++", help="of K_xx, K_yy, K_zz (write --signs=-+-); default: the stand's")
+    parser.add_argument(
+        "--order", choices=("schedule", "any"), help="in which positions were measured; default: the schedule's"
+    )
+    parser.add_argument("--repeats", choices=_REPEATS, help="which rest to take of those at one position")
+    parser.add_argument("--leave-out", metavar="N,...", help="numbers of rests that are none")
+    parser.add_argument("--take", metavar="N,...", help="numbers of rests to take although they are off")
+    parser.add_argument("--mountings", metavar="NAME=N,...", help="numbers of mountings that have names")
+    parser.add_argument("--recipe", metavar="FILE", help="do as this recipe says; if there is none yet, write it")
+    parser.add_argument("--out", metavar="RUN.csv", help="write the run file")
+    parser.add_argument("--plot", metavar="FILE", help="draw the recording: .png, .svg or .pdf; needs matplotlib")
+    options.add_json(parser)
+    layout = layout_options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
+    layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="of a clock that is a number")
+    layout.add_argument("--rate", metavar="HZ", help="samples a second; the file's clock is not read then")
+    rests = parser.add_argument_group("what is a rest")
+    rests.add_argument("--still", metavar="X", help="scatter in a window, at most, in units of the noise; default: 2.5")
+    rests.add_argument("--drift", metavar="X", help="of block means in a window, likewise; default: 8")
+    rests.add_argument("--window", metavar="S", help="seconds (without a clock: samples); default: 0.4 (40)")
+    rests.add_argument("--min-rest", metavar="S", help="the shortest rest, likewise; default: 0.6 (60)")
+    rests.add_argument("--tolerance", metavar="DEG", help="how far off its position gravity may be; default: 6")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Import and tell. Returns the exit code; raises TumbleError."""
+    from tumble.files.disk import refuse_overwriting, write_bytes, write_text
+    from tumble.files.documents import to_json
+    from tumble.files.schedule_file import read_schedule
+    from tumble.importing import plot, recipe, report
+    from tumble.importing.pipeline import import_recordings
+
+    sources = (*arguments.recordings, arguments.stand, file_of(arguments.schedule))
+    for option in ("out", "plot", "recipe"):
+        refuse_overwriting(getattr(arguments, option), *sources, option=f"--{option}")
+    if arguments.plot is not None:
+        plot.require_format(arguments.plot)
+    replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
+    settings = _settings(arguments, replayed)
+    schedule = read_schedule(settings.schedule_name).data
+    done = import_recordings(arguments.recordings, schedule, settings)
+    remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
+    if arguments.stand is not None:
+        remarks.append(f"signs of K: of scale_v_per_g in {os.path.basename(arguments.stand)}")
+    done = replace(done, notes=(*remarks, *done.notes))
+    drawn = None if arguments.plot is None else plot.picture(done, arguments.plot)
+    text = to_json(report.document(done)) if arguments.json else report.text(done)
+    if arguments.out is not None:
+        write_text(arguments.out, report.run_csv(done))
+    if drawn is not None:
+        write_bytes(arguments.plot, drawn)
+    if arguments.recipe is not None and not replayed:
+        write_text(arguments.recipe, recipe.to_toml(settings))
+    sys.stdout.write(text)
+    return EXIT_PASS
+
+
+def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
+    """The recipe's, or the usual ones, with what the options say. Raises TumbleError."""
+    from tumble.importing import recipe
+    from tumble.importing.pipeline import Settings
+    from tumble.importing.recording import OPTIONAL, OUTPUTS, Timing
+
+    base = recipe.read(arguments.recipe) if replayed else Settings()
+    told = layout_options.wishes(arguments, (*OUTPUTS, *OPTIONAL))
+    wishes = replace(
+        base.wishes,
+        columns=base.wishes.columns | told.columns,
+        delimiter=told.delimiter or base.wishes.delimiter,
+        decimal=told.decimal or base.wishes.decimal,
+        unit=told.unit or base.wishes.unit,
+    )
+    rate = base.timing.rate_hz if arguments.rate is None else _positive(arguments.rate, "--rate")
+    mountings = base.mountings if arguments.mountings is None else _parse_mountings(arguments.mountings)
+    return Settings(
+        schedule=arguments.schedule or base.schedule,
+        wishes=wishes,
+        timing=Timing(rate, arguments.time_unit or base.timing.unit),
+        thresholds=_thresholds(arguments, base.thresholds),
+        claims=_claims(arguments, base.claims),
+        mountings=mountings,
+    )
+
+
+def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
+    said: dict[str, float] = {
+        name: _positive(getattr(arguments, name), f"--{name}")
+        for name in ("still", "drift")
+        if getattr(arguments, name) is not None
+    }
+    for option, name in (("window", "window"), ("min-rest", "min_rest")):
+        text = getattr(arguments, name)
+        if text is None:
+            continue
+        value = _positive(text, f"--{option}")
+        said |= {f"{name}_s": value} | ({f"{name}_samples": int(value)} if value >= 1 and value == int(value) else {})
+    return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
+
+
+def _claims(arguments: argparse.Namespace, base: Claims) -> Claims:
+    signs = base.signs
+    if arguments.stand is not None:
+        signs = _signs_of_stand(arguments.stand)
+    if arguments.signs is not None:
+        signs = _parse_signs(arguments.signs)
+    tolerance = base.tolerance
+    if arguments.tolerance is not None:
+        tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
+    return replace(
+        base,
+        signs=signs,
+        order=arguments.order or base.order,
+        tolerance=tolerance,
+        repeats=arguments.repeats or base.repeats,
+        leave_out=_parse_rests(arguments.leave_out, "--leave-out"),
+        take=_parse_rests(arguments.take, "--take"),
+    )
+
+
+def _signs_of_stand(file: str) -> tuple[int, int, int] | None:
+    from tumble.files.stand_file import read_stand
+
+    block = read_stand(file).block
+    if block is None:
+        return None
+    sign = 1 if block["scale_v_per_g"] > 0 else -1
+    return sign, sign, sign
+
+
+def _parse_signs(text: str) -> tuple[int, int, int]:
+    if len(text) != 3 or set(text) - {"+", "-"}:
+        raise UsageError(f"--signs: {quoted(text)} is not three of + and -, of x, y and z, such as --signs=+-+")
+    x, y, z = (1 if sign == "+" else -1 for sign in text)
+    return x, y, z
+
+
+def _parse_rests(text: str | None, option: str) -> frozenset[int]:
+    """Read `3,7`."""
+    if text is None:
+        return frozenset()
+    return frozenset(options.parse_whole(part.strip(), option, 1, 10**6) for part in text.split(","))
+
+
+def _parse_mountings(text: str) -> dict[str, int]:
+    """Read `A=1,B=2`."""
+    found: dict[str, int] = {}
+    for part in text.split(","):
+        name, equals, number = (piece.strip() for piece in part.partition("="))
+        if not equals or not name or name in found:
+            raise UsageError(f"--mountings: {quoted(part)} is not NAME=NUMBER, each name once")
+        found[name] = options.parse_whole(number, "--mountings", 1, 255)
+    return found
+
+
+def _positive(text: str, option: str, most: float = 1e6) -> float:
+    value = options.parse_number(text)
+    if not 0.0 < value <= most:
+        raise UsageError(f"{option}: {quoted(text)} is not a number above 0, at most {most:g}")
+    return value

@@ -1,0 +1,8 @@
+"""What holds unless somebody says otherwise: for callers, and for the command line, which loads no numpy for it."""
+
+DEFAULT_ESTIMATOR = "refined"
+DEFAULT_LIMIT_G = 3e-4  # of the gravity check
+DEFAULT_CONFIDENCE = 0.999  # at which a run must fit its stand
+DEFAULT_SCHEDULE = "paper"
+
+NEEDS_STAND = "--estimator optimal weighs the means by the stand's errors: it needs --stand FILE"

@@ -1,0 +1,270 @@
+"""Measured data, and the same data with calibrated columns behind its own: CSV and Parquet, piece by piece, so that a
+file may be larger than the memory.
+
+Whoever calls says what becomes of outputs (samples, 3): an array (samples, 3) of x, y, z, or (samples, 7) with u_x,
+u_y, u_z, u_norm behind.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.core import MAX_MEAN
+from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.files import frames
+from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
+from tumble.files.disk import reason
+from tumble.files.run_file import require_text
+from tumble.files.run_layout import Wishes, detect, detect_unit, find_all, is_blank, is_comment, split
+from tumble.units import noise_unit, volts_per
+
+OUTPUTS = ("ux", "uy", "uz")
+CALIBRATED = ("x", "y", "z")
+UNCERTAINTIES = ("u_x", "u_y", "u_z", "u_norm")
+_PIECE = 1 << 22  # bytes of CSV
+_ROWS = 1 << 16  # of Parquet
+
+Calibrate = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What to do with data: `calibrate` turns outputs in `unit` into what is appended, `with_uncertainty` or without;
+    `wishes`: what the user says about the data's layout."""
+
+    calibrate: Calibrate
+    unit: str
+    with_uncertainty: bool
+    wishes: Wishes
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the columns that are appended, x, y, z being the last."""
+        return (*UNCERTAINTIES, *CALIBRATED) if self.with_uncertainty else CALIBRATED
+
+    def values(self, outputs: Floats, factor: float) -> Floats:
+        """In the order of `names`; `factor`: from the data's unit to the result's."""
+        found = self.calibrate(outputs * factor)
+        return np.concatenate([found[:, 3:], found[:, :3]], axis=1)
+
+
+def columns_of_outputs(names: list[str], renamed: dict[str, str], name: str) -> tuple[tuple[int, ...], str | None]:
+    """Places of the outputs among the columns of a table, and their unit, if brackets tell it. Raises BadInput."""
+    try:
+        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS))
+    except ValueError as error:
+        raise BadInput(str(error), name) from None
+    return places, detect_unit([names[place] for place in places], name, None)
+
+
+def factor_of(told: str | None, unit: str, name: str) -> float:
+    """From outputs in the unit that is `told`, None for none, to those of a result in `unit`. Raises BadInput."""
+    if told is None or told == unit:
+        return 1.0
+    if noise_unit(told) != "V" or noise_unit(unit) != "V":
+        raise BadInput(f"outputs in {told}, but the result is for {unit}", name)
+    return volts_per(told) / volts_per(unit)
+
+
+def raw_names(names: list[str], with_uncertainty: bool) -> dict[str, str]:
+    """New names for columns of data that are named like what is appended: raw_x for x."""
+    taken, renamed = set(names), {}
+    for name in (*CALIBRATED, *(UNCERTAINTIES if with_uncertainty else ())):
+        if name in taken:
+            other = f"raw_{name}"
+            while other in taken:
+                other = f"raw_{other}"
+            taken.add(other)
+            renamed[name] = other
+    return renamed
+
+
+class CsvData:
+    """A CSV file of measured data, read in pieces that end where a line does. Raises BadInput."""
+
+    def __init__(self, stream: BinaryIO, file: str, demand: Demand):
+        self._demand, self._file = demand, file
+        self._pieces = _pieces(stream, file)
+        self._first = next(self._pieces, b"")
+        require_text(self._first, file)
+        self._layout = detect(self._first, demand.wishes, file)
+        told = self._layout.unit if self._layout.unit_told else None
+        self._factor = factor_of(told, demand.unit, file)
+        lines = _lines(self._first)
+        head = [next(lines) for _ in range(self._layout.header_row)]
+        self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
+        self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
+        self.renamed = raw_names(self._names, demand.with_uncertainty)
+        self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
+        self._header = head[-1].rstrip("\r\n")
+
+    @property
+    def header(self) -> bytes:
+        """What stands above the rows: the file's own, with the names of the new columns."""
+        delimiter = self._layout.delimiter
+        own = self._header
+        if self.renamed:
+            own = delimiter.join(_quoted(self.renamed.get(name, name), delimiter) for name in self._names)
+        return _encoded(self._preamble + delimiter.join([own, *self._demand.names]) + self._end)
+
+    def require_header_of(self, other: CsvData) -> None:
+        """The rows of both can stand in one file. Raises BadInput."""
+        own, its = (self._names, self._layout.delimiter, self._layout.decimal), other._layout
+        if own != (other._names, its.delimiter, its.decimal):
+            raise BadInput(
+                f"has other columns than {file_name(other._file)}: --out FOLDER keeps them apart", self._file
+            )
+
+    def rows(self) -> Iterator[bytes]:
+        """Every row with its calibrated columns, in pieces; blank lines and comments as they are."""
+        row, any_row = self._layout.header_row, False
+        for piece in chain([self._body] if self._body else [], self._pieces):
+            text, count, has_rows = self._calibrated(piece, row)
+            row, any_row = row + count, any_row or has_rows
+            yield text
+        if not any_row:
+            raise BadInput("no samples after the header", self._file, self._layout.header_row)
+
+    def _calibrated(self, piece: bytes, row: int) -> tuple[bytes, int, bool]:
+        """A piece with its new columns, how many lines it has, and whether any is a row; `row`: lines before it."""
+        lines = list(_lines(piece))
+        fast = fast_numbers(piece, 0, self._layout)
+        if fast is not None and (np.abs(fast[0]) <= MAX_MEAN).all():
+            outputs, full = fast
+            places = np.flatnonzero(full).tolist()
+        else:
+            outputs, places = self._read_carefully(lines, row)
+        try:
+            values = self._demand.values(outputs, self._factor)
+        except BadInput as error:
+            where = None if error.row is None else row + places[error.row - 1] + 1
+            raise BadInput(error.fault, self._file, where) from None
+        for place, numbers in zip(places, values.tolist()):
+            lines[place] = self._with_numbers(lines[place], numbers)
+        return _encoded("".join(lines)), len(lines), bool(places)
+
+    def _with_numbers(self, line: str, numbers: list[float]) -> str:
+        end = _end_of(line)
+        text = [f"{number:.9f}" for number in numbers]
+        if self._layout.decimal == ",":
+            text = [one.replace(".", ",") for one in text]
+            if self._layout.delimiter == ",":
+                text = [f'"{one}"' for one in text]
+        if not all(map(math.isfinite, numbers)):
+            text = [one if math.isfinite(number) else "" for one, number in zip(text, numbers)]
+        own = line[: len(line) - len(end)] if end else line
+        return self._layout.delimiter.join([own, *text]) + (end or self._end)
+
+    def _read_carefully(self, lines: list[str], row: int) -> tuple[Floats, list[int]]:
+        outputs, places = [], []
+        for place, line in enumerate(lines):
+            if is_blank(line) or is_comment(line):
+                continue
+            try:
+                outputs.append(row_of_numbers(line.rstrip("\r\n"), self._layout, OUTPUTS))
+            except Refused as refused:
+                raise BadInput(str(refused), self._file, row + place + 1, refused.column) from None
+            places.append(place)
+        return np.array(outputs, dtype=float).reshape(-1, 3), places
+
+
+def _pieces(stream: BinaryIO, file: str) -> Iterator[bytes]:
+    rest = b""
+    while True:
+        try:
+            read = stream.read(_PIECE)
+        except OSError as error:
+            raise BadInput(reason(error), file) from None
+        data = rest + read
+        end = data.rfind(b"\n") + 1 if read else len(data)
+        if end:
+            yield data[:end]
+        rest = data[end:]
+        if not read:
+            return
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    """Of CSV, with their ends; what is no UTF-8 comes back as it was."""
+    return iter(io.StringIO(data.decode("utf-8", "surrogateescape"), newline=""))
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", "surrogateescape")
+
+
+def _end_of(line: str) -> str:
+    return line[len(line.rstrip("\r\n")) :]
+
+
+def _quoted(name: str, delimiter: str) -> str:
+    special = delimiter in name or '"' in name
+    return '"' + name.replace('"', '""') + '"' if special else name
+
+
+def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> dict[str, str]:
+    """Write a Parquet file with calibrated columns. Returns the columns that were renamed. Raises BadInput,
+    NotInstalled."""
+    try:
+        with open(file, "rb"):
+            pass
+    except OSError as error:
+        raise BadInput(reason(error), file) from None
+    try:
+        from pyarrow import parquet
+    except ImportError:
+        return _by_polars(file, out, demand)
+    try:
+        source = parquet.ParquetFile(file)
+    except Exception as error:  # classes of its own for what is no such file
+        raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
+    from pyarrow import Table
+
+    renamed: dict[str, str] = {}
+    writer = None
+    first = Table.from_batches([], schema=source.schema_arrow)
+    try:
+        for batch in source.iter_batches(_ROWS):
+            table, renamed = with_calibrated(Table.from_batches([batch]), file, demand)
+            writer = writer or parquet.ParquetWriter(out, table.schema)
+            writer.write_table(table)
+        if writer is None:
+            table, renamed = with_calibrated(first, file, demand)
+            writer = parquet.ParquetWriter(out, table.schema)
+    finally:
+        if writer is not None:
+            writer.close()
+    return renamed
+
+
+def _by_polars(file: str, out: BinaryIO, demand: Demand) -> dict[str, str]:
+    """As a whole."""
+    try:
+        import polars
+    except ImportError:
+        raise NotInstalled(f"{file_name(file)}: Parquet", "pyarrow", "polars", extra="parquet") from None
+    try:
+        source = polars.read_parquet(file)
+    except Exception as error:  # as above
+        raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
+    table, renamed = with_calibrated(source, file, demand)
+    table.write_parquet(out)
+    return renamed
+
+
+def with_calibrated(table: Any, name: str, demand: Demand) -> tuple[Any, dict[str, str]]:
+    """A table of files.frames with its calibrated columns, and the columns that were renamed. Raises BadInput."""
+    names = frames.names_of(table)
+    places, told = columns_of_outputs(names, demand.wishes.columns, name)
+    outputs = np.stack([frames.column_of(table, place, name) for place in places], axis=1)
+    values = demand.values(outputs, factor_of(demand.wishes.unit or told, demand.unit, name))
+    renamed = raw_names(names, demand.with_uncertainty)
+    return frames.with_columns(table, renamed, dict(zip(demand.names, values.T))), renamed

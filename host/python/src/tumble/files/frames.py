@@ -1,0 +1,85 @@
+"""Tables with named columns that live in memory: DataFrames of pandas and polars, tables of pyarrow, structured arrays,
+and mappings from names to columns. None of these libraries is loaded here: who hands in a frame has loaded its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.errors import BadInput, quoted
+
+PANDAS, POLARS, ARROW = "pandas", "polars", "pyarrow"
+
+
+def library_of(data: object) -> str | None:
+    """The library whose DataFrame or Table this is; None for anything else."""
+    known = {(PANDAS, "DataFrame"), (POLARS, "DataFrame"), (ARROW, "Table")}
+    for base in type(data).__mro__:
+        library, kind = base.__module__.partition(".")[0], base.__name__
+        if (library, kind) in known:
+            return library
+    return None
+
+
+def is_table(data: object) -> bool:
+    """Has it named columns?"""
+    structured = isinstance(data, np.ndarray) and data.dtype.names is not None
+    return library_of(data) is not None or isinstance(data, Mapping) or structured
+
+
+def names_of(table: Any) -> list[str]:
+    """Of its columns."""
+    library = library_of(table)
+    if library == ARROW:
+        return list(map(str, table.column_names))
+    if library is None and not isinstance(table, Mapping):
+        return list(table.dtype.names)
+    return list(map(str, table.keys() if library is None else table.columns))
+
+
+def column_of(table: Any, place: int, name: str) -> Floats:
+    """Column number `place` as floats (rows,), NaN for what is missing. Raises BadInput, the table being `name`."""
+    library, label = library_of(table), names_of(table)[place]
+    try:
+        if library == PANDAS:
+            values = table.iloc[:, place].to_numpy(dtype=float, na_value=np.nan)
+        elif library == POLARS:
+            values = table.to_series(place).cast(float).to_numpy()
+        elif library == ARROW:
+            values = table.column(place).cast("double").to_numpy()
+        elif isinstance(table, Mapping):
+            values = np.asarray(list(table.values())[place], dtype=float)
+        else:
+            values = np.asarray(table[label], dtype=float)
+    except (ValueError, TypeError) as error:
+        raise BadInput(f"not numbers: {quoted(error)}", name, column=label) from None
+    except Exception as error:  # of polars and pyarrow, which have classes of their own for it
+        if library not in (POLARS, ARROW):
+            raise
+        raise BadInput(f"not numbers: {quoted(error)}", name, column=label) from None
+    values = np.array(values, dtype=float)
+    if values.ndim != 1:
+        raise BadInput(f"has {values.ndim} dimensions, a column has one", name, column=label)
+    return values
+
+
+def with_columns(table: Any, renamed: dict[str, str], new: dict[str, Floats]) -> Any:
+    """A table of the same kind: columns `renamed`, the `new` ones behind all. The index of pandas is kept."""
+    library = library_of(table)
+    if library == PANDAS:
+        return table.rename(columns=renamed).assign(**new)
+    if library == POLARS:
+        from polars import Series
+
+        return table.rename(renamed).with_columns([Series(name, values) for name, values in new.items()])
+    if library == ARROW:
+        table = table.rename_columns([renamed.get(name, name) for name in names_of(table)])
+        for name, values in new.items():
+            table = table.append_column(name, [values])
+        return table
+    columns = {renamed.get(name, name): table[name] for name in names_of(table)}
+    return {**columns, **new}

@@ -1,0 +1,245 @@
+"""Rests matched to the positions of a schedule, one by one, once it is known which hypothesis they fit.
+
+A rest that is off, by F over what the others leave, is left out where another rest is at its position; where none is,
+the recording is refused. So is one with several rests at a position, unless the user says which to take. Two that
+differ by no more than noise, with nothing between them, are one rest that was interrupted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.arrays import Flags, Floats, Integers
+from tumble.distributions import f_quantile
+from tumble.importing import attitudes
+from tumble.importing.attitudes import Fit
+from tumble.importing.hypotheses import REPEATS, Claims, Doubtful, Evidence, Hypothesis
+from tumble.importing.order import ANY, NONE, SCHEDULE, Assigned
+from tumble.importing.rests import Rest
+from tumble.schedule import Schedule
+
+_CHANCE = 1e-6  # that an honest rest is called off
+_CHANCE_SPARE = 1e-4  # the same of one whose position another rest has
+_AGREE = 5.0  # standard errors: two rests closer than this are one, twice interrupted
+
+TAKEN, JOINED, REPEATED, OFF, NOWHERE, LEFT_OUT = "taken", "joined", "repeated", "off", "no position", "left out"
+
+
+@dataclass(frozen=True)
+class Matched:
+    """`positions` (rests,): index in the schedule, NONE; `states` (rests,): one of TAKEN and the like; `off` (rests,):
+    from its position, or from the nearest attitude of the schedule, rad; `spread`: what is usual of that; `fit`: K and
+    U0, roughly; `notes`: sentences on what was taken for granted or found."""
+
+    positions: Integers
+    states: tuple[str, ...]
+    off: Floats
+    spread: float
+    fit: Fit
+    notes: tuple[str, ...]
+
+
+def match(rests: Sequence[Rest], schedule: Schedule, claims: Claims) -> Matched:
+    """Which rest is which position. Raises Doubtful."""
+    given = Evidence(rests, schedule, claims)
+    return _Judge(given).judge(given.claimed())
+
+
+class _Judge:
+    def __init__(self, given: Evidence):
+        self._given = given
+
+    def judge(self, own: Hypothesis) -> Matched:
+        """Every rest of the hypothesis that is taken. Raises Doubtful."""
+        excluded: dict[int, int] = {}  # rests that are off, and the position that each would have had
+        nearest, assigned = own.seen.nearest.copy(), own.assigned
+        while True:
+            fit, spread, freedom = self._refit(assigned.positions, own.seen.fit)
+            far = self._farthest(assigned.positions, fit, spread, freedom)
+            if far is None or 3 * len(excluded) >= own.matched:
+                break
+            excluded[far] = int(assigned.positions[far])
+            nearest[far] = NONE
+            assigned = self._given.assign(own.order, nearest, own.seen.off)
+        self._require_certain(assigned)
+        self._require_filled(excluded, assigned, fit)
+        return self._finish(assigned, excluded, fit, spread, freedom)
+
+    def _refit(self, positions: Integers, otherwise: Fit) -> tuple[Fit, float, int]:
+        """K and U0 by the rests that have a position, the variance of what is left (rad^2), its degrees of freedom."""
+        used = positions != NONE
+        forces = self._given.forces(positions[used])
+        fit = attitudes.fitted(forces, self._given.means[used]) or otherwise
+        freedom = 3 * int(used.sum()) - 12
+        left = fit.attitudes(self._given.means[used]) - forces
+        return fit, float((left**2).sum() / freedom) if freedom > 0 else 0.0, freedom
+
+    def _farthest(self, positions: Integers, fit: Fit, variance: float, freedom: int) -> int | None:
+        """The rest that is off most, if it is off more than the others allow; by F, the rest itself left out."""
+        if freedom <= 3:
+            return None
+        used = np.flatnonzero((positions != NONE) & ~self._is_among(self._given.claims.take))
+        forces = self._given.forces(positions[used])
+        left = 1.0 - fit.leverage(forces)
+        squares = ((fit.attitudes(self._given.means[used]) - forces) ** 2).sum(axis=1) / np.maximum(left, 1e-6)
+        others = np.maximum(variance * freedom - squares, 0.0) / (freedom - 3)
+        ratios = squares / 3.0 / (others + self._variances(fit)[used] + 1e-18)
+        worst = int(np.argmax(np.where(left > 0.05, ratios, 0.0)))
+        return int(used[worst]) if ratios[worst] > f_quantile(1 - _CHANCE, 3.0, freedom - 3) else None
+
+    def _variances(self, fit: Fit) -> Floats:
+        """Of each rest, by its noise, rad^2 a component."""
+        found: Floats = (np.linalg.solve(fit.k, self._given.errors.T) ** 2).mean(axis=0)
+        return found
+
+    def _finish(self, assigned: Assigned, excluded: dict[int, int], fit: Fit, variance: float, freedom: int) -> Matched:
+        felt = fit.attitudes(self._given.means)
+        distances = np.linalg.norm(felt[:, None] - self._given.attitudes.forces, axis=-1)
+        off, nearest = distances.min(axis=1), distances.argmin(axis=1)
+        states = [
+            LEFT_OUT if not used else OFF if rest in excluded else NOWHERE if position == NONE else TAKEN
+            for rest, (used, position) in enumerate(zip(self._given.used, assigned.positions))
+        ]
+        positions = assigned.positions.copy()
+        spare = [rest for rest, state in enumerate(states) if state == NOWHERE and off[rest] <= self._given.tolerance]
+        allowed = self._allowed(fit, variance, freedom, nearest, spare)
+        for rest in spare:
+            twin = self._twin(rest, nearest[rest], positions, states)
+            if twin is not None:
+                positions[rest], states[rest] = positions[twin], JOINED
+            elif off[rest] <= allowed[rest]:
+                states[rest] = REPEATED
+            else:
+                states[rest] = OFF
+        self._settle_repeats(positions, states, nearest)
+        notes = self._notes(assigned, positions, states)
+        return Matched(positions, tuple(states), off, math.sqrt(3 * variance), fit, notes)
+
+    def _allowed(
+        self, fit: Fit, variance: float, freedom: int, nearest: Integers, spare: list[int]
+    ) -> dict[int, float]:
+        """How far off its attitude a rest outside the fit may be that is still at it, rad."""
+        if not spare:
+            return {}
+        factor = f_quantile(1 - _CHANCE_SPARE, 3.0, max(freedom, 1))
+        wider = 1.0 + fit.leverage(self._given.attitudes.forces[nearest[spare]])
+        noise = self._variances(fit)[spare]
+        return dict(zip(spare, np.sqrt(3.0 * factor * (wider * variance + noise)).tolist()))
+
+    def _twin(self, rest: int, attitude: int, positions: Integers, states: list[str]) -> int | None:
+        """The rest just before or after, if it is at the same attitude to within the noise."""
+        for step in (-1, 1):
+            other = rest + step
+            while 0 <= other < len(states) and states[other] == LEFT_OUT:
+                other += step
+            if not 0 <= other < len(states) or positions[other] == NONE:
+                continue
+            apart = np.abs(self._given.means[rest] - self._given.means[other])
+            error = np.hypot(self._given.errors[rest], self._given.errors[other])
+            if self._given.attitudes.of_position[positions[other]] == attitude and (apart <= _AGREE * error).all():
+                return other
+        return None
+
+    def _settle_repeats(self, positions: Integers, states: list[str], nearest: Integers) -> None:
+        """Of rests at a position that has one already. Raises Doubtful where nobody says which to take."""
+        groups: dict[int, list[int]] = {}
+        for rest, state in enumerate(states):
+            if state == REPEATED:
+                groups.setdefault(self._position_beside(rest, int(nearest[rest]), positions), []).append(rest)
+        if groups and self._given.claims.repeats is None:
+            raise Doubtful(self._repeated(groups, positions))
+        for position, spare in groups.items():
+            if position == NONE:
+                continue
+            held = [rest for rest in np.flatnonzero(positions == position).tolist() if states[rest] in (TAKEN, JOINED)]
+            if self._given.claims.order == SCHEDULE and not self._is_one_stretch([*held, *spare], positions, position):
+                continue  # another position comes between: out of order, so the repeat is the one to leave
+            choice = self._choice([*held, *spare])
+            if choice in held and self._given.claims.repeats != "last":
+                continue
+            for rest in held:
+                positions[rest], states[rest] = NONE, REPEATED
+            positions[choice], states[choice] = position, TAKEN
+
+    def _choice(self, rests: list[int]) -> int:
+        keys = {"first": lambda r: -r, "last": lambda r: r, "longest": lambda r: self._given.rests[r].samples}
+        return max(rests, key=keys[self._given.claims.repeats or "first"])
+
+    def _position_beside(self, rest: int, attitude: int, positions: Integers) -> int:
+        """Of the positions of an attitude the one whose rest is nearest in time."""
+        held = [r for r, p in enumerate(positions) if p != NONE and self._given.attitudes.of_position[p] == attitude]
+        return int(positions[min(held, key=lambda other: abs(other - rest))]) if held else NONE
+
+    def _is_one_stretch(self, rests: list[int], positions: Integers, position: int) -> bool:
+        between = positions[min(rests) : max(rests) + 1]
+        return set(between.tolist()) <= {NONE, position}
+
+    # What must not be in doubt.
+
+    def _require_certain(self, assigned: Assigned) -> None:
+        for rest, could_be in assigned.doubts.items():
+            labels = " or ".join(self._given.schedule.positions[position].label for position in could_be)
+            raise Doubtful(f"rest {rest + 1} could be {labels}: --leave-out {rest + 1} goes on without it")
+
+    def _require_filled(self, excluded: dict[int, int], assigned: Assigned, fit: Fit) -> None:
+        """A rest that is off is named and left out where another is at its position; else it is in doubt."""
+        filled = set(assigned.positions.tolist())
+        lost = [(rest, position) for rest, position in excluded.items() if position not in filled]
+        if lost:
+            rest, position = lost[0]
+            felt = fit.attitudes(self._given.means[[rest]])[0] - self._given.forces([position])[0]
+            many = ",".join(str(rest + 1) for rest, _ in lost)
+            raise Doubtful(
+                f"rest {rest + 1} is {1e3 * float(np.linalg.norm(felt)):.3g} mrad off {self._given.label(position)}, "
+                f"far more than the others are off theirs: --take {many} takes it, --leave-out {many} goes on without"
+            )
+
+    # Words.
+
+    def _notes(self, assigned: Assigned, positions: Integers, states: list[str]) -> tuple[str, ...]:
+        notes = []
+        if self._given.claims.signs is None:
+            notes.append("signs of K: nobody says them, taken for positive (--signs, or scale_v_per_g of a stand file)")
+        else:
+            told = "".join("+" if sign > 0 else "-" for sign in self._given.claims.signs)
+            notes.append(f"signs of K in x, y, z: {told}, as told")
+        if self._given.claims.order == ANY:
+            run = [position for position in positions.tolist() if position != NONE]
+            notes.append("order: any; measured in " + self._told_order(run))
+        else:
+            notes.append("order: the schedule's")
+        for alike in assigned.alike:
+            labels = " and ".join(self._given.label(position) for position in alike)
+            notes.append(f"{labels} are one attitude: told apart by the way of the table, else by time")
+        missing = sorted(set(range(len(self._given.schedule.positions))) - set(positions.tolist()))
+        if missing:
+            notes.append(f"no rest at {', '.join(map(self._given.label, missing))}")
+        if REPEATED in states:
+            notes.append(f"positions that come more than once: the {self._given.claims.repeats} rest is taken")
+        return tuple(notes)
+
+    def _told_order(self, run: list[int]) -> str:
+        places = list(dict.fromkeys(run))
+        if places == sorted(places):
+            return "the schedule's order"
+        if places == sorted(places, reverse=True):
+            return "the schedule's order reversed"
+        return "the order " + " ".join(map(self._given.label, places))
+
+    def _repeated(self, groups: dict[int, list[int]], positions: Integers) -> str:
+        position, spare = next(iter(groups.items()))
+        held = np.flatnonzero(positions == position).tolist() if position != NONE else []
+        numbers = " and ".join(str(rest + 1) for rest in sorted([*held, *spare]))
+        all_spare = ",".join(str(rest + 1) for group in groups.values() for rest in group)
+        where = self._given.label(position) if position != NONE else "one position"
+        return (
+            f"rests {numbers} are all at {where}: --repeats {'|'.join(REPEATS)} takes one, "
+            f"--leave-out {all_spare} goes on without the later ones"
+        )
+
+    def _is_among(self, numbers: frozenset[int]) -> Flags:
+        return np.array([rest + 1 in numbers for rest in range(len(self._given.used))], dtype=bool)

@@ -1,0 +1,238 @@
+"""Recordings to a run, all steps of it: read, find rests, match, and what is to be told."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.errors import BadInput, UsageError
+from tumble.files.run_layout import NO_WISHES, Wishes
+from tumble.importing import labels, match, recording
+from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
+from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
+from tumble.importing.order import ANY, NONE
+from tumble.importing.recording import Recording, Timing
+from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
+from tumble.reference import built_in
+from tumble.schedule import BUILT_IN, Schedule
+
+DEFAULT_SCHEDULE = "paper"
+_FEWEST_ROWS_IN_BLOCK = 4
+_EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
+
+
+@dataclass(frozen=True)
+class Settings:
+    """All that an import depends on, but for the files. `schedule`: its name or file, None: nobody says; `mountings`:
+    numbers by name."""
+
+    schedule: str | None = None
+    wishes: Wishes = NO_WISHES
+    timing: Timing = field(default_factory=Timing)
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    claims: Claims = field(default_factory=Claims)
+    mountings: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def schedule_name(self) -> str:
+        """The schedule that is taken."""
+        return self.schedule or DEFAULT_SCHEDULE
+
+
+@dataclass(frozen=True)
+class Imported:
+    """`file_of_row`, `seconds`, `lines`, `outputs` by row of all recordings, one after another; `rests` with what was
+    made of each in `matched`; `labelled`: by the rows' own labels; `notes`: what was assumed and found."""
+
+    recordings: tuple[Recording, ...]
+    settings: Settings
+    schedule: Schedule
+    outputs: Floats
+    seconds: Floats | None
+    file_of_row: Integers
+    found: Found
+    rests: tuple[Rest, ...]
+    matched: Matched
+    labelled: bool
+    notes: tuple[str, ...]
+
+    @property
+    def unit(self) -> str:
+        """Of the outputs."""
+        return self.recordings[0].unit
+
+    @property
+    def unit_told(self) -> bool:
+        """By the files or the user, not assumed."""
+        return all(one.unit_told for one in self.recordings)
+
+    def sha256(self) -> list[str]:
+        """Of each file's bytes."""
+        return [hashlib.sha256(one.data).hexdigest() for one in self.recordings]
+
+    def line(self, row: int) -> int:
+        """The number of a row's line in its file."""
+        before = sum(len(one.outputs) for one in self.recordings[: self.file_of_row[row]])
+        return int(self.recordings[self.file_of_row[row]].lines[row - before])
+
+
+def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
+    """All of it. Raises BadInput and UsageError."""
+    recordings = [recording.read(file, settings.wishes, settings.timing) for file in files]
+    recording.require_alike(recordings)
+    outputs = np.concatenate([one.outputs for one in recordings])
+    lengths = [len(one.outputs) for one in recordings]
+    file_of_row = np.repeat(np.arange(len(files)), lengths)
+    seconds, interval, gaps = _joined_clocks(recordings)
+    found = find_rests(outputs, gaps, interval, settings.thresholds)
+    names = set.intersection(*(set(one.labels) for one in recordings))
+    labelled = bool(names & {"position", "angle", "number"})
+    try:
+        if labelled:
+            groups, rests, lost = _labelled_rests(recordings, names, outputs, file_of_row, found, interval)
+            matched = labels.match(groups, rests, schedule, settings.claims, settings.mountings)
+            matched = replace(matched, notes=(*matched.notes, *lost))
+        else:
+            rests = list(found.rests)
+            matched = _matched(rests, schedule, settings)
+            _require_one_name_a_mounting(recordings, names, rests, matched, schedule)
+    except Doubtful as doubt:
+        raise BadInput(str(doubt), files[0]) from None
+    notes = _notes(recordings, settings, found, interval, labelled) + list(matched.notes)
+    return Imported(
+        tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
+        tuple(notes),
+    )  # fmt: skip
+
+
+def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, float | None, Integers]:
+    """Seconds of all rows, the interval between two, and the rows before which time is missing: each file begins with a
+    gap, and where the one before ended."""
+    begins = np.cumsum([0, *(len(one.outputs) for one in recordings)])
+    clocks = [one.clock for one in recordings]
+    gaps = list(begins[1:-1])
+    if any(clock is None for clock in clocks):
+        return None, None, np.array(gaps, dtype=int)
+    seconds, offset = [], 0.0
+    for clock, begin in zip(clocks, begins):
+        assert clock is not None
+        seconds.append(clock.seconds + offset)
+        gaps += (clock.gaps + begin).tolist()
+        offset = float(seconds[-1][-1]) + clock.interval_s
+    intervals = sorted(clock.interval_s for clock in clocks if clock is not None)
+    if intervals[-1] > 1.5 * intervals[0]:
+        rates = ", ".join(f"{1 / interval:.4g}" for interval in intervals)
+        raise UsageError(f"recordings of different rates, {rates} Hz: import each alone")
+    return np.concatenate(seconds), intervals[0], np.array(sorted(gaps), dtype=int)
+
+
+def _matched(rests: list[Rest], schedule: Schedule, settings: Settings) -> Matched:
+    """Raises Doubtful; where no schedule was said, with the one that fits."""
+    try:
+        matched = match.match(rests, schedule, settings.claims)
+        missing = len(schedule.positions) - len(set(matched.positions.tolist()) - {NONE})
+        if missing and settings.schedule is None and (other := _other_schedule(rests, matched, settings.claims)):
+            raise Doubtful(f"no schedule is told, and of {DEFAULT_SCHEDULE} {missing} positions have no rest: {other}")
+        return matched
+    except Doubtful as doubt:
+        if settings.schedule is None and "--schedule" not in str(doubt):
+            other = _other_schedule(rests, None, settings.claims)
+            if other:
+                raise Doubtful(f"no schedule is told, and {DEFAULT_SCHEDULE} does not fit: {other}") from None
+        raise
+
+
+def _other_schedule(rests: list[Rest], matched: Matched | None, claims: Claims) -> str | None:
+    """Advice, where another built-in schedule is found as a whole, and explains nearly all rests."""
+    explained = max(_EXPLAINED * len(rests), 0 if matched is None else _explained(matched))
+    for name in BUILT_IN:
+        if name == DEFAULT_SCHEDULE:
+            continue
+        schedule = built_in(name)
+        for order in dict.fromkeys((claims.order, ANY)):
+            signs = claims.signs or POSITIVE
+            tried = replace(claims, order=order, signs=signs, repeats=claims.repeats or "first")
+            try:
+                other = match.match(rests, schedule, tried)
+            except Doubtful:
+                continue
+            whole = set(range(len(schedule.positions))) <= set(other.positions.tolist())
+            if whole and _explained(other) >= explained:
+                return f"all of {name} have: --schedule {name}" + (" --order any" if order != claims.order else "")
+    return None
+
+
+def _explained(matched: Matched) -> int:
+    """How many rests are at a position, if for the second time."""
+    return sum(state in (TAKEN, JOINED, REPEATED) for state in matched.states)
+
+
+def _labelled_rests(
+    recordings: Sequence[Recording],
+    names: set[str],
+    outputs: Floats,
+    file_of_row: Integers,
+    found: Found,
+    interval: float | None,
+) -> tuple[list[labels.Group], list[Rest], list[str]]:
+    """Groups of rows with the same labels, and of each the rows that are at rest: with a clock, the longest rest in it;
+    without one, all."""
+    texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
+    groups, rests, lost = [], [], []
+    for number, group in enumerate(labels.groups_of(texts, file_of_row), 1):
+        inside = [(max(r.begin, group.begin), min(r.end, group.end)) for r in found.rests]
+        inside = [(begin, end) for begin, end in inside if end - begin >= _FEWEST_ROWS_IN_BLOCK]
+        if interval is None or group.end - group.begin < 4 * found.block:
+            inside = [(group.begin, group.end)]
+        if not inside:
+            lost.append(f"group {number} of rows with the same labels is never at rest: left out")
+            continue
+        begin, end = max(inside, key=lambda part: part[1] - part[0])
+        groups.append(group)
+        rests.append(rest_of(outputs, begin, end, found.block, found.rounding))
+    if not groups:
+        raise Doubtful("no group of rows with the same labels is at rest: see --still, --drift, --min-rest")
+    return groups, rests, lost
+
+
+def _require_one_name_a_mounting(
+    recordings: Sequence[Recording], names: set[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule
+) -> None:
+    """A column of mountings beside a continuous recording: a name for each mounting. Raises Doubtful."""
+    if "mounting" not in names:
+        return
+    texts = [text for one in recordings for text in one.labels["mounting"]]
+    known: dict[str, tuple[int, int]] = {}
+    for number, (rest, position) in enumerate(zip(rests, matched.positions), 1):
+        if position == NONE:
+            continue
+        mounting = schedule.positions[position].mounting
+        name = texts[(rest.begin + rest.end) // 2]
+        first, other = known.setdefault(name, (mounting, number))
+        if first != mounting:
+            raise Doubtful(
+                f"the rows of mounting {name!r} are mounting {first} at rest {other} and {mounting} at rest {number}: "
+                f"--leave-out {number} or {other}, or leave out that column (--columns mounting=...)"
+            )
+
+
+def _notes(
+    recordings: Sequence[Recording], settings: Settings, found: Found, interval: float | None, labelled: bool
+) -> list[str]:
+    several = len(recordings) > 1
+    notes = [
+        f"{f'file {number}: ' if several else ''}{note}"
+        for number, one in enumerate(recordings, 1)
+        for note in one.notes
+    ]
+    if settings.schedule is None:
+        notes.append(f"schedule: nobody says, taken for {DEFAULT_SCHEDULE} (--schedule)")
+    if interval is None and not labelled:
+        notes.append("clock: none, so lengths are counted in samples (--rate HZ gives seconds)")
+    if not all(one.unit_told for one in recordings):
+        notes.append("unit: nobody says; the run file names none either (--unit)")
+    return notes

@@ -1,0 +1,192 @@
+"""Where a block was at rest, by a statistic of intervals that knows the noise.
+
+The recording is cut into blocks of a quarter of a window, for each channel a mean and a scatter. Four neighbouring
+blocks are a window. It is still if no channel scatters within its blocks more than `still` times the noise, and if the
+means of its blocks differ by no more than `drift` times what they differ at rest. Noise of samples and noise of block
+means are both taken from the recording itself: of all windows, the quietest cluster. So noise that is not white, or
+a coarse converter, is no motion.
+
+A rest is a run of still windows. Blocks at its ends that are off its level or scatter, where the table settles,
+are left out, and half a window more at each end.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tumble.arrays import Flags, Floats, Integers
+from tumble.files.run_blocks import smallest_step
+
+_PER_WINDOW = 4  # blocks
+_FEWEST_IN_BLOCK = 4  # samples: fewer have no scatter to speak of
+_FEWEST_BLOCKS = 3  # of a rest
+_CLUSTER = 4.0  # a cluster of variances spans this factor: chi-squared of a few degrees of freedom
+_PART_OF_DENSEST = 0.4  # of the windows in the densest cluster: fewer are chance
+_NEAR = 3.0  # block noises: a block at an end that is further off the level of its rest is not at rest
+_STEPS = 0.5  # noise is no less than this part of the converter's step: the scatter of a value between two
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """What is called a rest. `window_s`, `min_rest_s`: seconds, or without a clock samples are counted instead
+    (`window_samples`, `min_rest_samples`). `still`: scatter within a window, in units of the noise; `drift`: range of
+    the means of its blocks, in units of their noise."""
+
+    window_s: float = 0.4
+    min_rest_s: float = 0.6
+    still: float = 2.5
+    drift: float = 8.0
+    window_samples: int = 40
+    min_rest_samples: int = 60
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Rows `begin` to `end` (exclusive) of a recording, at rest. `mean`, `error` (3,): of each channel, the latter the
+    standard error of the mean by the scatter of samples or of blocks, whichever is larger, and by
+    rounding."""
+
+    begin: int
+    end: int
+    mean: Floats
+    error: Floats
+
+    @property
+    def samples(self) -> int:
+        """How many rows."""
+        return self.end - self.begin
+
+
+@dataclass(frozen=True)
+class Found:
+    """The rests, in order of time; `noise`, `block_noise` (3,): standard deviation of a sample, and of the mean of a
+    block of `block` samples; `rounding` (3,): error of a mean of samples that round alike, 0 where noise spreads
+    them."""
+
+    rests: tuple[Rest, ...]
+    noise: Floats
+    block_noise: Floats
+    rounding: Floats
+    block: int
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """`begin` (blocks,): first rows; `means`, `variances` (blocks, 3); `part` (blocks,): of which stretch without
+    gaps."""
+
+    begin: Integers
+    means: Floats
+    variances: Floats
+    part: Integers
+    length: int
+
+
+def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresholds: Thresholds) -> Found:
+    """Rests of `outputs` (rows, 3). `gaps`: rows before which time is missing; `interval_s`: between two rows, None if
+    unknown."""
+    block, guard, fewest = _lengths(interval_s, thresholds)
+    blocks = _blocks(outputs, gaps, block)
+    nothing = Found((), np.zeros(3), np.zeros(3), np.zeros(3), block)
+    if len(blocks.begin) < _PER_WINDOW:
+        return nothing
+    windows = np.lib.stride_tricks.sliding_window_view
+    whole = blocks.part[: 1 - _PER_WINDOW] == blocks.part[_PER_WINDOW - 1 :]
+    within = windows(blocks.variances, _PER_WINDOW, axis=0).mean(axis=-1)
+    means = windows(blocks.means, _PER_WINDOW, axis=0)
+    ranges = means.max(axis=-1) - means.min(axis=-1)
+    if not whole.any():
+        return nothing
+    steps = _steps(outputs)
+    floor = _STEPS * steps
+    scatter = np.sqrt(_quietest(within[whole]))
+    rounding = np.where(scatter < steps / 2, steps / math.sqrt(12.0), 0.0)
+    noise = np.maximum(scatter, floor)
+    white = noise / math.sqrt(block)
+    usual = np.sqrt(_quietest(means.var(axis=-1, ddof=1)[whole]))
+    block_noise = np.maximum(np.minimum(usual, noise), np.maximum(white, floor / 2))
+    still = whole & (within <= (thresholds.still * noise) ** 2).all(axis=1)
+    still &= (ranges <= thresholds.drift * block_noise).all(axis=1)
+    rests = [
+        rest
+        for first, last in _runs(still)
+        if (part := _calm_part(blocks, first, last + _PER_WINDOW, _NEAR * block_noise, noise, guard)) is not None
+        and (rest := rest_of(outputs, *part, block, rounding)).samples >= fewest
+    ]
+    return Found(tuple(rests), noise, block_noise, rounding, block)
+
+
+def rest_of(outputs: Floats, begin: int, end: int, block: int, rounding: Floats) -> Rest:
+    """Rows that are at rest; `rounding` (3,): error of a mean of samples that round alike."""
+    rows = outputs[begin:end]
+    error = rows.std(axis=0, ddof=1) / math.sqrt(len(rows)) if len(rows) > 1 else np.zeros(3)
+    count = len(rows) // block
+    if count >= _FEWEST_BLOCKS:
+        spread = rows[: count * block].reshape(count, block, 3).mean(axis=1).std(axis=0, ddof=1)
+        error = np.maximum(error, spread / math.sqrt(count))
+    return Rest(begin, end, rows.mean(axis=0), np.hypot(error, rounding))
+
+
+def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int, int]:
+    """Samples of a block, blocks to be left out at each end of a rest, and the fewest samples of a rest."""
+    interval = interval_s or 1.0
+    window = thresholds.window_samples if interval_s is None else thresholds.window_s
+    rest = thresholds.min_rest_samples if interval_s is None else thresholds.min_rest_s
+    block = max(round(window / interval / _PER_WINDOW), _FEWEST_IN_BLOCK)
+    guard = max(round(window / interval / 2 / block), 1)
+    return block, guard, max(math.ceil(rest / interval), _FEWEST_IN_BLOCK)
+
+
+def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:
+    """What is left over at the end of a stretch without gaps belongs to no block."""
+    edges = [0, *np.asarray(gaps).tolist(), len(outputs)]
+    stretches = [(first, (last - first) // length) for first, last in itertools.pairwise(edges)]
+    begin = np.concatenate([first + length * np.arange(count) for first, count in stretches]).astype(int)
+    part = np.repeat(np.arange(len(stretches)), [count for _, count in stretches])
+    grouped = outputs[begin[:, None] + np.arange(length)]
+    means: Floats = grouped.mean(axis=1)
+    variances: Floats = grouped.var(axis=1, ddof=1)
+    return _Blocks(begin, means, variances, part, length)
+
+
+def _steps(outputs: Floats) -> Floats:
+    """Of the converter, each channel; 0 where a channel has one value alone."""
+    found = np.array([smallest_step(channel) for channel in outputs.T])
+    return np.where(np.isfinite(found), found, 0.0)
+
+
+def _quietest(variances: Floats) -> Floats:
+    """Of each channel the median variance in the quietest cluster of windows (windows, 3)."""
+    return np.array([_quietest_of(np.sort(channel)) for channel in variances.T])
+
+
+def _quietest_of(ordered: Floats) -> float:
+    """Rest is one cluster on a scale of factors; motion is spread over many of them."""
+    counts = np.searchsorted(ordered, _CLUSTER * ordered, side="right") - np.arange(len(ordered))
+    first = int(np.argmax(counts >= _PART_OF_DENSEST * counts.max()))
+    return float(np.median(ordered[first : first + counts[first]]))
+
+
+def _runs(flags: Flags) -> list[tuple[int, int]]:
+    """First and last index of each run of true ones."""
+    edges = np.diff(np.concatenate([[False], flags, [False]]).astype(int))
+    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist()))
+
+
+def _calm_part(blocks: _Blocks, first: int, end: int, far: Floats, noise: Floats, guard: int) -> tuple[int, int] | None:
+    """Rows of the blocks `first` to `end` (exclusive) without those at the ends that are off their level or scatter
+    more than the noise, and `guard` more, in which a table still settles unseen; None: nothing is left."""
+    level = np.median(blocks.means[first:end], axis=0)
+    calm = (np.abs(blocks.means[first:end] - level) <= far).all(axis=1)
+    calm &= (blocks.variances[first:end] <= noise**2 * (1.0 + 3.0 / math.sqrt(blocks.length))).all(axis=1)
+    inner = np.flatnonzero(calm)
+    if len(inner) < _FEWEST_BLOCKS:
+        return None
+    begin, last = first + int(inner[0]) + guard, first + int(inner[-1]) - guard
+    if last - begin + 1 < _FEWEST_BLOCKS:
+        return None
+    return int(blocks.begin[begin]), int(blocks.begin[last]) + blocks.length

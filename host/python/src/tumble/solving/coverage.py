@@ -1,0 +1,81 @@
+"""How well standard uncertainties are known themselves, and by what factor they are to be multiplied for 95 %.
+
+What a stand file declares is taken as known: of infinitely many degrees of freedom. What the samples of the run say of
+their noise comes from a finite number of blocks, one pooled estimate a channel. After Welch and Satterthwaite
+
+    freedom = u^4 / sum over channels (u_measured^4 / freedom of the channel)
+
+with u_measured the part of u that comes from the measured noise of that channel; the factor is Student's t.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Flags, Floats, Integers
+from tumble.distributions import student_quantile
+from tumble.solving.noise import Noise
+from tumble.stand import Stand
+
+PROBABILITY = 0.95
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """`freedom` (12,): effective degrees of freedom of the standard uncertainties of K row by row and U0; infinite
+    where nothing in them was measured in the run."""
+
+    freedom: Floats
+
+    @property
+    def factors(self) -> Floats:
+        """k (12,): within k u of the value the truth lies with PROBABILITY."""
+        return np.array([student_quantile(PROBABILITY, freedom) for freedom in self.freedom])
+
+    def document(self) -> dict[str, Any]:
+        """As it stands in a result: null for infinitely many."""
+        freedom = [None if math.isinf(one) else one for one in self.freedom.tolist()]
+        k = self.factors
+        return {
+            "probability": PROBABILITY,
+            "freedom_K": [freedom[0:3], freedom[3:6], freedom[6:9]],
+            "freedom_U0": freedom[9:],
+            "k_K": k[:9].reshape(3, 3).tolist(),
+            "k_U0": k[9:].tolist(),
+        }
+
+
+def coverage(
+    noise: Noise, measured: Flags, stand: Stand, samples: Integers, covariance_with: Callable[[Floats], Floats]
+) -> Coverage:
+    """Of the uncertainties that `covariance_with` gives: from variances (positions, 3) of the means, which count where
+    they are larger than those of `stand`, to a covariance of the twelve, and perhaps of more behind them.
+
+    `noise` of the run; `measured` (all positions,) bool; `samples` (measured positions,) as Stand.averaged_over takes
+    them.
+    """
+    variance, by_samples = noise.mean_variance[measured], noise.by_samples[measured]
+    declared = stand.sigma("noise") ** 2 / stand.averaged_over(samples)
+    by_samples = np.where(by_samples >= declared[:, None], by_samples, 0.0)
+    if noise.measured is None or not by_samples.any():
+        return Coverage(np.full(12, math.inf))
+    whole, parts = np.diag(covariance_with(variance))[:12], np.zeros((3, 12))
+    for channel in np.flatnonzero(by_samples.any(axis=0)):
+        once_more = variance.copy()  # a variance is linear in those of the means: what the same again adds is its part
+        once_more[:, channel] += by_samples[:, channel]
+        parts[channel] = np.diag(covariance_with(once_more))[:12] - whole
+    return Coverage(effective(whole, parts, noise.measured.freedom))
+
+
+def effective(variance: Floats, parts: Floats, freedom: Integers | Floats) -> Floats:
+    """Degrees of freedom (n,) of a `variance` (n,), of which `parts` (sources, n) are estimates with `freedom`
+    (sources,) each, and the rest is known."""
+    below = (np.maximum(parts, 0.0) ** 2 / np.asarray(freedom, dtype=float)[:, None]).sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found: Floats = np.where(below > 0.0, variance**2 / below, math.inf)
+    return found

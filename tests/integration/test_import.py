@@ -1,0 +1,286 @@
+"""`tumble import`: a real recording, recordings that fit two ways, recipes, pictures, and options."""
+
+import csv
+import itertools
+import json
+import os
+import re
+import shlex
+
+import numpy as np
+import pytest
+from blocks import NOMINAL_K
+from conftest import EXAMPLES, ROOT
+from documents import paper_stand, valid
+from recordings import Habits, recording
+
+from tumble.importing import order
+from tumble.reference import paper_schedule
+
+pytestmark = pytest.mark.python
+
+HAND_HELD = EXAMPLES / "hand_held_session.csv"
+SIX_FACES = ("--schedule", "six_faces", "--order", "any", "--signs=+++", "--unit", "m/s^2", "--rate", "102.4")
+SCHEDULE = paper_schedule()
+U0 = np.array([0.1, 0.2, 0.3])
+QUIET = Habits(rate_hz=50.0, rest_s=(2.0, 3.0), noise_g=1e-4, angle=1e-5, seat=1e-5, bench=0.0, pause=0.0, gap=0.0)
+IN_ORDER = list(range(18))
+
+
+def logged(folder, visits=IN_ORDER, k=NOMINAL_K, seed=1, name="log.csv", habits=QUIET):
+    """A recording of these positions, as a file."""
+    made = recording(SCHEDULE, visits, np.asarray(k), U0, habits, np.random.default_rng(seed))
+    (folder / name).write_text(made.csv())
+    return folder / name
+
+
+def places(run):
+    """Of a run file: (mounting, position) of its stretches, in order."""
+    with open(run) as stream:
+        rows = [(int(row[0]), int(row[1])) for row in csv.reader(stream) if row[0].isdigit()]
+    return [place for place, _ in itertools.groupby(rows)]
+
+
+def expected(visits):
+    return [(SCHEDULE.positions[place].mounting, SCHEDULE.positions[place].number) for place in visits]
+
+
+# A sensor laid on six faces by hand.
+
+
+def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused, tmp_path):
+    assert "all of six_faces have: --schedule six_faces --order any" in refused("import", HAND_HELD)
+    said = refused("import", HAND_HELD, "--schedule", "six_faces", "--order", "any")
+    assert "fits 8 ways" in said and "(--signs=+++ --order any)" in said
+    said = refused("import", HAND_HELD, *SIX_FACES)
+    assert "rests 1 and 7 and 8 are all at 1.3: --repeats first|last|longest takes one" in said
+    done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
+    assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
+    solved = tumble("solve", tmp_path / "run.csv", "--schedule", "six_faces", "--estimator", "least_squares", "--json")
+    assert (solved.returncode, solved.stderr) == (1, "")
+    result = json.loads(solved.stdout)
+    # The six sections that others cut out of it by hand gave these (test_six_face_session).
+    assert np.diag(result["K"]) == pytest.approx([9.776727847, 9.833534627, 10.038596053], abs=1e-3)
+    assert result["unit"] == "m/s^2" and 5e-4 < result["verification"]["max_abs_delta_g_g"] < 2e-3
+
+
+@pytest.mark.parametrize("which", ["last", "longest"])
+def test_other_rests_of_the_hand_held_session_give_nearly_the_same(tumble, tmp_path, which):
+    done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", which, "--out", tmp_path / "run.csv", "--json")
+    document = valid(done.stdout, "import")
+    taken = [number for number, rest in enumerate(document["rests"], 1) if rest["state"] == "taken"]
+    assert taken == ([2, 4, 6, 8, 10, 13] if which == "last" else [1, 2, 3, 4, 5, 6])
+    assert np.diag(document["K"]) == pytest.approx([9.7767, 9.8335, 10.0386], abs=0.01)
+
+
+# Recordings that fit two ways: refused with both, and the option that is named decides.
+
+
+def test_reversed_or_negative(tumble, refused, tmp_path):
+    """Turned the other way round, a block looks like one whose x channel is upside down."""
+    back = [0, *range(7, 0, -1), 8, 9, *range(16, 9, -1), 17]
+    file = logged(tmp_path, back)
+    said = refused("import", file)
+    assert "(1) in the schedule's order, K negative in x (--signs=-++)" in said
+    assert "(2) in another order, K positive (--signs=+++ --order any)" in said
+    done = tumble("import", file, "--signs=+++", "--order", "any", "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv")[1:8] == expected(back[1:8])
+    done = tumble("import", file, "--signs=-++", "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
+
+
+def test_mountings_exchanged_or_channels(tumble, refused, tmp_path):
+    visits = [*range(17, 8, -1), *range(8, -1, -1)]
+    file = logged(tmp_path, visits)
+    said = refused("import", file, "--signs=+++")
+    assert "channels z and y exchanged" in said and "(2) in another order, K positive (--order any)" in said
+    assert "(--columns ux=<that of ux>,uy=<that of uz>,uz=<that of uy>)" in said
+    done = tumble("import", file, "--signs=+++", "--order", "any", "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(visits)
+    exchanged = ("--columns", "ux=Ax,uy=Az,uz=Ay")
+    done = tumble("import", file, "--signs=+++", *exchanged, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
+
+
+def test_the_stand_file_says_the_signs(tumble, refused, tmp_path):
+    file = logged(tmp_path, k=-NOMINAL_K)
+    assert "K negative in x, y, z (--signs=---)" in refused("import", file)
+    done = tumble("import", file, "--stand", paper_stand(tmp_path, scale_v_per_g=-2.0), "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
+    assert "- signs of K: of scale_v_per_g in stand.toml" in done.stdout
+    assert "nobody says them" not in done.stdout
+
+
+def test_positive_signs_are_told(tumble, tmp_path):
+    done = tumble("import", logged(tmp_path), "--json")
+    document = valid(done.stdout, "import")
+    assert any(note.startswith("signs of K: nobody says them, taken for positive") for note in document["assumed"])
+    assert (document["signs"], document["order"], document["missing"]) == (None, "schedule", [])
+    placed = [(rest["mounting"], rest["position"]) for rest in document["rests"] if rest["position"]]
+    assert placed == expected(IN_ORDER)
+
+
+# Rests in doubt.
+
+
+def test_a_position_measured_twice(tumble, refused, tmp_path):
+    file = logged(tmp_path, [*range(4), 3, *range(4, 18)], habits=Habits(**{**vars(QUIET), "angle": 2e-3}), seed=3)
+    # The table was not turned between: that second visit differs by nothing and is joined.
+    done = tumble("import", file, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and "joined to the next" in done.stdout
+    text = file.read_text().splitlines()
+    moved = shifted(text, tumble, file)
+    (tmp_path / "moved.csv").write_text("\n".join(moved) + "\n")
+    said = refused("import", tmp_path / "moved.csv")
+    found = re.search(r"rests (\d+) and (\d+) are all at 1.4: --repeats first\|last\|longest takes one", said)
+    assert found, said
+    for options in (("--repeats", "last"), ("--leave-out", found[2]), ("--repeats", "first")):
+        done = tumble("import", tmp_path / "moved.csv", *options, "--out", tmp_path / "run.csv")
+        assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER), options
+
+
+def shifted(text, tumble, file):
+    """The recording with its second rest of position 1.4 a milliradian or so off the first."""
+    rests = json.loads(tumble("import", file, "--json").stdout)["rests"]
+    second = [rest for rest in rests if (rest["mounting"], rest["position"]) == (1, 4)][1]
+    for row in range(second["first_row"] - 60, second["last_row"] + 60):
+        t, x, y, z = map(float, text[row].split(","))
+        text[row] = f"{t:.6f},{x + 2e-3:.7f},{y:.7f},{z - 2e-3:.7f}"
+    return text
+
+
+def test_a_position_that_was_missed_is_named(tumble, tmp_path):
+    file = logged(tmp_path, [place for place in IN_ORDER if place != 4])
+    done = tumble("import", file, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and "- no rest at 1.5" in done.stdout
+    assert places(tmp_path / "run.csv") == expected([place for place in IN_ORDER if place != 4])
+
+
+def test_a_rest_far_off_is_in_doubt_until_somebody_says(tumble, refused, tmp_path):
+    text = logged(tmp_path).read_text().splitlines()
+    rests = json.loads(tumble("import", tmp_path / "log.csv", "--json").stdout)["rests"]
+    off = next(number for number, rest in enumerate(rests) if (rest["mounting"], rest["position"]) == (1, 6))
+    for row in range(rests[off]["first_row"] - 60, rests[off]["last_row"] + 60):
+        t, x, y, z = map(float, text[row].split(","))
+        text[row] = f"{t:.6f},{x + 0.04:.7f},{y:.7f},{z - 0.04:.7f}"
+    (tmp_path / "off.csv").write_text("\n".join(text) + "\n")
+    said = refused("import", tmp_path / "off.csv")
+    assert re.search(rf"rest {off + 1} is [0-9.]+ mrad off 1.6, far more than the others are off theirs", said), said
+    done = tumble("import", tmp_path / "off.csv", "--leave-out", off + 1)
+    assert done.returncode == 0 and "- no rest at 1.6" in done.stdout and "left out as told" in done.stdout
+    done = tumble("import", tmp_path / "off.csv", "--take", off + 1)
+    assert done.returncode == 0 and "no rest at" not in done.stdout
+
+
+# Recipes.
+
+
+def test_a_recipe_is_written_once_and_then_followed(tumble, refused, tmp_path):
+    told = (*SIX_FACES, "--repeats", "longest", "--still", "3", "--columns", "ux=acc_x,uy=acc_y,uz=acc_z")
+    recipe = ("--recipe", tmp_path / "bench.toml")
+    first = tumble("import", HAND_HELD, *told, *recipe, "--out", tmp_path / "first.csv")
+    written = (tmp_path / "bench.toml").read_bytes()
+    again = tumble("import", HAND_HELD, *recipe, "--out", tmp_path / "again.csv")
+    assert first.returncode == again.returncode == 0, again.stderr
+    assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "again.csv").read_bytes()
+    assert (tmp_path / "bench.toml").read_bytes() == written
+    assert again.stdout.replace("- recipe bench.toml followed\n", "") == first.stdout
+    done = tumble("import", HAND_HELD, *recipe, "--repeats", "last", "--out", tmp_path / "last.csv")
+    assert done.returncode == 0 and (tmp_path / "last.csv").read_bytes() != (tmp_path / "first.csv").read_bytes()
+    (tmp_path / "bench.toml").write_text("[import]\nordre = 'any'\n")
+    assert "bench.toml: row 2: unknown key 'ordre' in [import]" in refused("import", HAND_HELD, *recipe)
+
+
+# Pictures.
+
+
+def without_matplotlib(folder):
+    (folder / "none").mkdir()
+    (folder / "none/matplotlib.py").write_text("raise ImportError('none')\n")
+    return {"PYTHONPATH": f"{folder / 'none'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
+
+
+def test_without_matplotlib_a_picture_is_refused_in_a_line(tumble, tmp_path):
+    done = tumble("import", HAND_HELD, "--plot", tmp_path / "x.png", **without_matplotlib(tmp_path))
+    assert (done.returncode, done.stdout) == (77, "")
+    assert done.stderr == "tumble: --plot needs matplotlib: pip install 'tumble[plot]'\n"
+
+
+@pytest.mark.parametrize(("suffix", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_picture_is_drawn(tumble, tmp_path, suffix, begins):
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    file = tmp_path / f"picture.{suffix}"
+    done = tumble("import", logged(tmp_path), "--plot", file)
+    assert done.returncode == 0, done.stderr
+    assert file.read_bytes().startswith(begins)
+
+
+def test_other_pictures_are_refused(refused, tmp_path):
+    assert "does not end in .png, .svg or .pdf" in refused("import", HAND_HELD, "--plot", tmp_path / "x.gif")
+
+
+# Options.
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--signs=++",), "--signs: '++' is not three of + and -"),
+        (("--leave-out", "x"), "--leave-out: 'x' is not a whole number from 1 to 1000000"),
+        (("--mountings", "A"), "--mountings: 'A' is not NAME=NUMBER"),
+        (("--still", "0"), "--still: '0' is not a number above 0"),
+        (("--tolerance", "90"), "--tolerance: '90' is not a number above 0, at most 45"),
+        (("--columns", "u=Ax"), "with NAME one of ux, uy, uz, time, mounting, position, angle, number, once each"),
+        (("--columns", "time=T"), "no column 'T' (for time) among 'n_samples,acc_x,acc_y,acc_z'"),
+        (("--window", "4000"), "0 rests do not show scale and bias of every channel"),
+    ],
+)
+def test_options_that_cannot_be_followed(refused, options, said):
+    assert said in refused("import", HAND_HELD, *options)
+
+
+def test_inputs_are_not_overwritten(refused, tmp_path):
+    file = logged(tmp_path)
+    assert "is an input of this command" in refused("import", file, "--out", file)
+
+
+# The longest way through rests and positions, by brute force.
+
+
+def brute(nearest, of_position):
+    """The most positions that rests can have, in the order of both, and every way to that."""
+    ways = {}
+    for choice in itertools.product(*([-1, *np.flatnonzero(of_position == one)] for one in nearest)):
+        kept = [place for place in choice if place >= 0]
+        if all(one < other for one, other in itertools.pairwise(kept)):
+            ways.setdefault(len(kept), []).append(choice)
+    most = max(ways)
+    return most, ways[most]
+
+
+def test_the_order_is_the_best_and_says_where_another_is_as_good():
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        of_position = rng.integers(0, 4, rng.integers(2, 7))
+        nearest = rng.integers(-1, 4, rng.integers(1, 7))
+        found = order.assign(order.SCHEDULE, nearest, np.zeros(len(nearest)), of_position, SCHEDULE)
+        most, ways = brute(nearest, of_position)
+        assert found.matched == most and tuple(found.positions) in [tuple(map(int, way)) for way in ways]
+        for rest, place in enumerate(found.positions):
+            if place >= 0:
+                could_be = sorted({int(way[rest]) for way in ways} - {-1})
+                assert sorted(found.doubts.get(rest, (place,))) == could_be
+
+
+# The page.
+
+
+def test_the_page_shows_what_is_printed(tumble, tmp_path):
+    page = (ROOT / "docs/import.md").read_text(encoding="utf-8")
+    step = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL)
+    command, shown = step.groups()
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    assert tumble(*shlex.split(command), cwd=tmp_path).stdout == shown

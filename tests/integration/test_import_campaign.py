@@ -1,0 +1,96 @@
+"""Random recordings of all 18 positions, imported: right, or refused with a reason; never wrong without a word."""
+
+import re
+from collections import Counter
+
+import numpy as np
+import pytest
+from recordings import random_case
+
+from tumble.errors import BadInput
+from tumble.files.run_layout import Wishes
+from tumble.importing.hypotheses import Claims
+from tumble.importing.pipeline import Settings, import_recordings
+from tumble.reference import paper_schedule
+
+pytestmark = pytest.mark.python
+
+SCHEDULE = paper_schedule()
+ALIKE = {8: 0, 17: 9}  # the last position of a mounting is the attitude of its first
+FAR = 6.0  # standard errors, of a mean that moving rows are in
+
+
+def judged(case, folder):
+    """("right" | "refused" | "wrong", what) of a case."""
+    file = folder / "recording.csv"
+    file.write_text(case.recorded.csv())
+    claims = Claims(order=case.order, signs=case.signs)
+    try:
+        done = import_recordings([str(file)], SCHEDULE, Settings("paper", Wishes(unit="V"), claims=claims))
+    except BadInput as refused:
+        return "refused", str(refused)
+    told = " ".join(done.notes)
+    faults = []
+    for rest, position in zip(done.rests, done.matched.positions.tolist()):
+        if position < 0:
+            continue
+        rows = case.recorded.truth[rest.begin : rest.end]
+        true = int(np.bincount(rows + 1).argmax()) - 1
+        same = true == position or (ALIKE.get(true, true) == ALIKE.get(position, position) and "one attitude" in told)
+        if not same:
+            faults.append(f"rest of {true} called {position}")
+        elif moved(case.recorded, rest, true) > FAR:
+            faults.append(f"rows in motion at {position}")
+    missing = 18 - len(set(done.matched.positions.tolist()) - {-1})
+    if missing and "no rest at" not in told:
+        faults.append(f"{missing} positions are missing, and nobody says so")
+    return ("wrong", "; ".join(faults)) if faults else ("right", f"{missing} missing")
+
+
+def moved(recorded, rest, position):
+    """How far the mean of a rest is off the truth, in standard errors, beyond what rounding can do to it."""
+    expected = recorded.k @ recorded.forces[position] + recorded.u0
+    noise = np.hypot(recorded.noise, 0.3 * recorded.step) * np.abs(np.diag(recorded.k)) / np.sqrt(rest.samples)
+    digits = 1e-7 * np.abs(recorded.outputs).max()  # of the file
+    rounded = 0.5 * recorded.step * np.abs(np.diag(recorded.k)) if recorded.noise < recorded.step else 0.0
+    return ((np.abs(rest.mean - expected) - rounded) / (noise + digits)).max()
+
+
+def outcomes(seeds, folder):
+    """Of random recordings: [(seed, case, outcome, what)]."""
+    found = []
+    for seed in seeds:
+        case = random_case(SCHEDULE, seed)
+        found.append((seed, case, *judged(case, folder)))
+    return found
+
+
+def require(found, least):
+    """Nothing is wrong; what is said falsely is refused, what is said truly is right in a part of cases, at `least`."""
+    assert [(seed, what) for seed, _, outcome, what in found if outcome == "wrong"] == []
+    for seed, case, outcome, what in found:
+        if outcome == "refused":
+            assert re.search(r"--(signs|order|leave-out|repeats|take)", what), (seed, what)
+        elif case.order == "schedule":
+            assert case.kind == "schedule", seed
+    true = [outcome for _, case, outcome, _ in found if is_true(case)]
+    assert true.count("right") >= least * len(true)
+
+
+def is_true(case):
+    """Is what the user says, or what is assumed where he says nothing, so?"""
+    order = case.order == "any" or case.kind == "schedule"
+    return order and (case.signs is not None or (case.order == "schedule" and case.true_signs == (1, 1, 1)))
+
+
+def test_a_few_dozen(tmp_path):
+    require(outcomes(range(32), tmp_path), 0.8)
+
+
+@pytest.mark.full
+@pytest.mark.slow
+def test_a_thousand(tmp_path):
+    found = outcomes(range(1000, 2000), tmp_path)
+    print(Counter(outcome for *_, outcome, _ in found))
+    print("of those whose user says what is so:", Counter(outcome for _, case, outcome, _ in found if is_true(case)))
+    require(found, 0.95)

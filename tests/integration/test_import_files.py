@@ -1,0 +1,262 @@
+"""Files as loggers write them: each is imported, or refused with advice that works when it is followed."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+from blocks import NOMINAL_K
+from recordings import Habits, recording
+
+from tumble.importing import novatel
+from tumble.reference import Geometry, built_in, paper_schedule
+
+pytestmark = pytest.mark.python
+
+SCHEDULE = paper_schedule()
+U0 = np.array([0.1, 0.2, 0.3])
+QUIET = Habits(rate_hz=50.0, rest_s=(2.0, 3.0), noise_g=1e-4, angle=1e-5, seat=1e-5, bench=0.0, pause=0.0, gap=0.0)
+MEANS = Geometry(SCHEDULE).outputs(NOMINAL_K, U0)
+
+
+@pytest.fixture(scope="module")
+def logged():
+    """A recording of all 18 positions in order."""
+    return recording(SCHEDULE, list(range(18)), NOMINAL_K, U0, QUIET, np.random.default_rng(11))
+
+
+@pytest.fixture
+def imported(tumble, tmp_path):
+    """Import files, of these texts or bytes, with options; what was said, and the means of the run by position."""
+
+    def run(*contents, options=(), name="log"):
+        files = []
+        for number, content in enumerate(contents):
+            files.append(tmp_path / f"{name}{number}.csv")
+            files[-1].write_bytes(content if isinstance(content, bytes) else content.encode())
+        done = tumble("import", *files, *options, "--out", tmp_path / "run.csv")
+        if done.returncode:
+            assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done.stderr
+            return done.stderr, {}
+        assert done.stderr == "" and max(map(len, done.stdout.splitlines())) <= 80
+        return " ".join(done.stdout.split()), means_of((tmp_path / "run.csv").read_text())
+
+    return run
+
+
+def means_of(text):
+    """Of a run file: outputs by (mounting, position)."""
+    rows = {}
+    for row in csv.reader(io.StringIO("".join(line for line in text.splitlines(True)[2:]))):
+        rows.setdefault((int(row[0]), int(row[1])), []).append([float(value) for value in row[2:5]])
+    return {place: np.mean(samples, axis=0) for place, samples in rows.items()}
+
+
+def is_right(means, scale=1.0):
+    """All 18 positions, each with its outputs."""
+    places = [(place.mounting, place.number) for place in SCHEDULE.positions]
+    return list(means) == places and all(
+        np.abs(means[place] / scale - expected).max() < 2e-3 for place, expected in zip(places, MEANS)
+    )
+
+
+def samples(place, count=6):
+    """Outputs at a position, with a little noise that is always the same."""
+    rng = np.random.default_rng(place)
+    return MEANS[place] + 1e-4 * rng.normal(size=(count, 3))
+
+
+def labelled(label, header="{labels},Ux,Uy,Uz", places=range(18), number="{:.6f}".format):
+    """A file with a few rows a position; `label`: their label, by the index of the position."""
+    names, told = zip(*label(places[0]).items()), [label(place) for place in places]
+    rows = [
+        ",".join([*map(str, one.values()), *map(number, values)])
+        for place, one in zip(places, told)
+        for values in samples(place).tolist()
+    ]
+    return "\n".join([header.format(labels=",".join(next(iter(names)))), *rows]) + "\n"
+
+
+# What finding loggers' files led to.
+
+
+def test_rows_above_the_header_and_a_row_of_units_below(imported, logged):
+    preamble = "Logger 7; serial 12\nstarted 2026-05-01 10:00\n\nrange;+-5 V\n"
+    text = preamble + logged.csv("time,Ax,Ay,Az").replace("\n", "\ns,mV,mV,mV\n", 1)
+    said, means = imported(text)
+    assert is_right(means)
+    assert "header: row 5; the rows above it are not read" in said and "row 6 is taken for units: mV" in said
+
+
+def test_running_numbers_without_mountings(imported):
+    said, means = imported(labelled(lambda place: {"Pos": place + 1}))
+    assert is_right(means) and "by the labels of the rows, which gravity" in said
+
+
+def test_an_angle_instead_of_a_position(imported):
+    said, means = imported(
+        labelled(lambda p: {"Mount": SCHEDULE.positions[p].mounting, "Angle": SCHEDULE.positions[p].angle_deg + 0.5})
+    )
+    assert is_right(means), said
+
+
+def test_an_angle_that_begins_anew_with_every_mounting(imported):
+    said, means = imported(labelled(lambda p: {"Angle": SCHEDULE.positions[p].angle_deg}))
+    assert is_right(means) and "part1=1,part2=2" in said
+
+
+def test_an_angle_that_the_schedule_lacks(imported):
+    text = labelled(lambda p: {"Angle": SCHEDULE.positions[p].angle_deg + (22.5 if p == 3 else 0)})
+    said, _ = imported(text)
+    assert "the schedule has no angle '157.5' in mounting 1; another one? (--schedule)" in said
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_one_file_a_mounting(imported, order):
+    halves = [labelled(lambda p: {"Pos": p % 9 + 1}, places=range(9 * half, 9 * half + 9)) for half in order]
+    said, means = imported(*halves)
+    assert f"file1={order[0] + 1},file2={order[1] + 1}" in said
+    assert sorted(means) == [(place.mounting, place.number) for place in SCHEDULE.positions]
+    assert np.abs(means[1, 2] - MEANS[1]).max() < 2e-3
+
+
+def test_one_file_alone_names_what_lacks(imported):
+    half = labelled(lambda p: {"Pos": p % 9 + 1}, places=range(9))
+    said, _ = imported(half)
+    assert "give the recordings of all mountings together" in said
+    _, means = imported(half, labelled(lambda p: {"Pos": p % 9 + 1}, places=range(9, 18)))
+    assert is_right(means)
+
+
+@pytest.mark.parametrize("names", [("A", "B"), ("I", "II"), ("flat", "upright")])
+def test_mountings_with_names(imported, names):
+    label = lambda p: {"mounting": names[p // 9], "position": p % 9 + 1}  # noqa: E731
+    said, means = imported(labelled(label))
+    assert is_right(means) and f"{names[0]}=1,{names[1]}=2" in said
+    said, means = imported(labelled(label), options=("--mountings", f"{names[0]}=2,{names[1]}=1"))
+    assert means == {} and "mountings or positions exchanged" in said
+
+
+def test_labels_that_gravity_denies(imported):
+    exchanged = {3: 5, 5: 3}
+    said, _ = imported(labelled(lambda p: {"Pos": exchanged.get(p, p) + 1}))
+    assert "is labelled 1." in said and "correct its label, or delete its rows" in said
+
+
+# The same for continuous recordings.
+
+
+def test_one_recording_a_mounting(imported, logged):
+    middle = int(np.flatnonzero(logged.truth == 9)[0]) - 60
+    head, *rows = logged.csv().splitlines()
+    parts = ["\n".join([head, *part]) + "\n" for part in (rows[:middle], rows[middle:])]
+    said, means = imported(*parts)
+    assert is_right(means), said
+
+
+def test_a_receivers_raw_log_with_a_torn_line(imported, logged):
+    counts = np.round(1e5 * logged.outputs).astype(int)
+    lines = [raw_line(second, x, y, z) for second, (x, y, z) in zip((logged.time_s + 4e5).tolist(), counts.tolist())]
+    lines[500] = lines[500][:40] + lines[501]
+    lines[700] = lines[700].replace(";", ";9", 1)
+    said, means = imported("GPS1,OK\r\n" + "\r\n".join(lines) + "\r\n")
+    assert is_right(means, scale=1e5), said
+    assert "left out: 2 messages that are damaged, 1 lines of something else" in said
+
+
+def raw_line(second, x, y, z):
+    body = f"RAWIMUSXA,2209,{second:.3f};04,41,2209,{second:.6f},ea59fe00,{z},{-y},{x},1,-2,3"
+    return f"%{body}*{novatel.crc32(body.encode()):08x}"
+
+
+PUBLISHED = (  # lines of receivers, as their maker's manual and public test data have them, with their check sums
+    b"%RAWIMUSXA,1692,484620.664;00,11,1692,484620.664389000,00801503,43110635,-817242,-202184,-215194,-41188,-9895*a5db8c7b",
+    b"%RAWIMUSA,2209,491612.254;2209,491612.253588,ea5afe00,329303960,-2512321,4410363,309705,607017,-1009773*1fb76c28",
+    b"#RAWIMUXA,USB1,0,64.5,FINESTEERING,2209,491740.110,02000020,0dc5,16809;04,41,2209,491740.109817,ea57fe00,"
+    b"329394068,-2396829,4481425,321199,257329,-936077*cf9c035d",
+    b"#RAWIMUA,COM3,0,72.0,FINESTEERING,2038,117867.800,1a008000,fa9a,14968;2038,117867.792005000,f7f7fe00,-325882330,"
+    b"-39071383,104462335,-240437176,7815616,-7423919*a02e612f",
+)
+
+
+@pytest.mark.parametrize("line", PUBLISHED)
+def test_published_lines_are_read(line):
+    log = novatel.read(line + b"\r\n", "log")
+    z, minus_y, x = (int(field) for field in line.split(b";")[1].split(b"*")[0].split(b",")[-6:-3])
+    assert log.outputs.tolist() == [[x, -minus_y, z]] and (log.damaged, log.others) == (0, 0)
+
+
+def test_latin_1_decimal_commas_time_of_day_and_a_delimiter_at_the_end(imported, logged):
+    lines = ["Messger\xe4t;7", "Uhrzeit;Kanal 1 [m\xb2];Kanal 2;Kanal 3"]
+    for t, outputs in zip(logged.time_s.tolist(), logged.outputs.tolist()):
+        second = t + 86390.0  # midnight comes
+        clock = f"{int(second // 3600) % 24:02}:{int(second // 60) % 60:02}:{second % 60:06.3f}"
+        lines.append(";".join([clock, *(f"{value:.6f}" for value in outputs), ""]).replace(".", ","))
+    text = "\n".join(lines) + "\n"
+    said, _ = imported(text.encode("latin-1"))
+    assert "name what is missing with --columns ux=NAME,uy=NAME,uz=NAME" in said
+    columns = "ux=Kanal 1 [m\xb2],uy=Kanal 2,uz=Kanal 3,time=Uhrzeit"
+    said, means = imported(text.encode("latin-1"), options=("--columns", columns, "--unit", "V"))
+    assert is_right(means), said
+    assert "decimal mark: the comma" in said and "clock: set back 1 times, taken for gaps" in said
+
+
+def test_lost_samples_and_a_footer(imported, logged):
+    head, *rows = logged.csv("t_ms,Ax,Ay,Az").splitlines()
+    rows = [f"{1e3 * float(row.split(',')[0]):.3f},{row.split(',', 1)[1]}" for row in rows]
+    for place in range(40, len(rows), 97):
+        rows[place] = rows[place].rsplit(",", 1)[0] + (",NaN" if place % 2 else ",")
+    text = "\n".join([head, *rows])
+    said, _ = imported(text + "\nEnd of log\n")
+    assert "1 fields, but the header has 4; delete the row, or begin it with #" in said
+    said, means = imported(text + "\n# End of log\n")
+    assert is_right(means) and "rows without a number in an output are left out" in said
+
+
+def test_blanks_between_columns_and_no_clock(imported, logged):
+    rows = [f"  {x:12.6f}   {y:12.6f} {z:12.6f}" for x, y, z in logged.outputs.tolist()]
+    text = "\n".join(["  Ax   Ay Az", *rows]) + "\n"
+    said, _ = imported(text)
+    assert "say what separates the columns with --delimiter" in said
+    said, means = imported(text, options=("--delimiter", "space"))
+    assert is_right(means) and "clock: none, so lengths are counted in samples" in said
+    said, means = imported(text, options=("--delimiter", "space", "--rate", "50"))
+    assert is_right(means) and "--window 0.4 s" in said
+
+
+def test_a_counter_is_no_clock_and_a_clock_without_a_unit_is_told(imported, logged):
+    rows = logged.csv().splitlines()[1:]
+    numbered = [f"{number},{20 * number},{row.split(',', 1)[1]}" for number, row in enumerate(rows)]
+    said, means = imported("\n".join(["n_samples,time,Ax,Ay,Az", *numbered]) + "\n")
+    assert is_right(means), said
+    told = " ".join(said.split())
+    assert "column 'n_samples' counts samples: not read" in told
+    assert "'time' names no unit, steps of 20: taken for ms (--time-unit)" in told
+
+
+def test_a_clock_that_stands_still(imported, logged):
+    head, *rows = logged.csv().splitlines()
+    text = "\n".join([head, *("7," + row.split(",", 1)[1] for row in rows)]) + "\n"
+    said, _ = imported(text)
+    assert "column 'time' does not count: --rate HZ reads the recording without it" in said
+    assert is_right(imported(text, options=("--rate", "50"))[1])
+
+
+def test_no_such_time(imported, logged):
+    text = logged.csv().replace("\n", "\nnoon,1,2,3\n", 1)
+    said, _ = imported(text)
+    assert "row 2, column time: 'noon' is no time" in said and "--rate HZ reads" in said
+    assert is_right(imported(text.replace("noon,1,2,3", "# noon"))[1])
+
+
+def test_a_stand_file_is_no_recording(imported):
+    assert "is TOML" in imported("[stand]\nname = 'x'\n")[0]
+
+
+def test_other_schedules_are_advised(imported, logged):
+    diagonal = built_in("diagonal")
+    made = recording(diagonal, list(range(12)), NOMINAL_K, U0, QUIET, np.random.default_rng(5))
+    said, _ = imported(made.csv())
+    assert "no schedule is told" in said and "--schedule diagonal" in said
+    said, means = imported(made.csv(), options=("--schedule", "diagonal"))
+    assert list(means) == [(place.mounting, place.number) for place in diagonal.positions]

@@ -1,0 +1,212 @@
+"""The temperature of a run: read from its file or the stand file, carried into results and exports, warned of."""
+
+import json
+import math
+import re
+import struct
+
+import numpy as np
+import pytest
+from bench_program import bench, scenario
+from conftest import EXAMPLES
+from documents import document_of, paper_stand, valid
+from hypothesis import given, strategies as st
+
+from tumble.cli import presentation
+from tumble.core import paper_schedule
+from tumble.errors import BadInput
+from tumble.files import run_rows
+from tumble.files.documents import read_coefficients
+from tumble.files.run_file import read_run
+from tumble.files.run_layout import Wishes
+from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE, Temperatures
+from tumble.reference import Geometry
+from tumble.solving import temperature
+from tumble.solving.assumptions import assumed
+from tumble.solving.solution import solve
+
+pytestmark = pytest.mark.python
+
+PAPER = paper_schedule()
+K = np.array([[2.0, 0.04, 0.04], [0.04, 2.0, 0.04], [0.04, 0.04, 2.0]])
+MEANS = Geometry(PAPER).outputs(K, np.zeros(3))
+
+
+def run_file(folder, temperatures, header="temperature", delimiter=",", decimal="."):
+    """One row for each position of the paper's schedule, with these texts in a further column, over and over."""
+    rows = [delimiter.join(["mounting", "position", "ux", "uy", "uz", header])]
+    for index, (position, mean) in enumerate(zip(PAPER.positions, MEANS.tolist())):
+        numbers = [repr(value).replace(".", decimal) for value in mean]
+        fields = [str(position.mounting), str(position.number), *numbers, temperatures[index % len(temperatures)]]
+        rows.append(delimiter.join(fields))
+    path = folder / "run.csv"
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return str(path)
+
+
+def told(folder, temperatures, wishes=None, **layout):
+    """The range that is read, and what is passed over."""
+    run = read_run(run_file(folder, temperatures, **layout), PAPER, wishes or Wishes())
+    found = run.temperature
+    assert found is None or found.source == OF_RUN_FILE
+    assert run.counters["columns_ignored"] == (found is None)
+    assert run_rows.require(run, PAPER, None, "run.csv") == run.passed_over
+    return None if found is None else (found.low_c, found.high_c), run.passed_over
+
+
+@pytest.mark.parametrize(
+    "header", ["temperature", "Temp", "TEMPERATURE [°C]", "temp (deg C)", "temp_C", "temperature [C]"]
+)
+def test_a_column_of_temperatures_is_found(header, tmp_path):
+    assert told(tmp_path, ["20.5", "21", " 19.25 ", "-3e0"], header=header) == ((-3.0, 21.0), ())
+
+
+def test_decimal_commas_and_quotes(tmp_path):
+    assert told(tmp_path, ["20,5", '"21,25"'], delimiter=";", decimal=",") == ((20.5, 21.25), ())
+
+
+def test_empty_fields_tell_nothing(tmp_path):
+    assert told(tmp_path, ["", "20", ""]) == ((20.0, 20.0), ())
+    assert told(tmp_path, [""]) == (None, ())
+
+
+def test_a_column_of_another_name_is_read_where_the_user_says_so(tmp_path):
+    assert told(tmp_path, ["20", "22"], header="sensor 3") == (None, ())
+    wishes = Wishes(columns={"temperature": "Sensor 3"})
+    assert told(tmp_path, ["20", "22"], wishes, header="sensor 3") == ((20.0, 22.0), ())
+
+
+@pytest.mark.parametrize(
+    ("header", "texts", "why"),
+    [
+        ("temperature", ["20", "n/a"], "row 3: 'n/a' is no temperature from -100 to 230 deg C"),
+        ("temp", ["20", "20", "293.15"], "row 4: '293.15' is no temperature from -100 to 230 deg C"),
+        ("temp", ["nan"], "row 2: 'nan' is no temperature from -100 to 230 deg C"),
+        ("temp", ["1_0"], "row 2: '1_0' is no temperature from -100 to 230 deg C"),
+        ("temperature [K]", ["200"], "its unit is not deg C"),
+        ("temperature (F)", ["68"], "its unit is not deg C"),
+    ],
+)
+def test_what_is_no_temperature(header, texts, why, tmp_path):
+    """A column that was found is passed over, and a warning says so; one that was named is refused."""
+    assert told(tmp_path, texts, header=header) == (None, (f"column '{header}' passed over: {why}",))
+    file = run_file(tmp_path, texts, header)
+    with pytest.raises(BadInput) as refused:
+        read_run(file, PAPER, Wishes(columns={"temperature": header}))
+    row, _, message = why.rpartition(": ")
+    assert refused.value.fault == message and refused.value.row == (int(row.split()[1]) if row else None)
+
+
+def test_two_columns_that_could_be_it(tmp_path):
+    file = run_file(tmp_path, ["20,30"], header="temp,Temp (C)")
+    run = read_run(file, PAPER)
+    several = "columns 'temp' and 'Temp (C)' could both be temperature; say which with --columns temperature=NAME"
+    assert run.temperature is None and run.passed_over == (several,)
+    chosen = read_run(file, PAPER, Wishes(columns={"temperature": "Temp (C)"}))
+    assert (chosen.temperature.low_c, chosen.passed_over) == (30.0, ())
+
+
+def test_a_column_that_is_named_must_be_there(tmp_path):
+    with pytest.raises(BadInput, match=r"no column 'oven' \(for temperature\) among 'mounting,position,ux,uy,uz,t'"):
+        read_run(run_file(tmp_path, ["20"], header="t"), PAPER, Wishes(columns={"temperature": "oven"}))
+
+
+def test_the_run_file_comes_before_the_stand_file(tmp_path):
+    of_file = read_run(run_file(tmp_path, ["20", "21"]), PAPER)
+    of_none = read_run(run_file(tmp_path, ["20"], header="x"), PAPER)
+    environment = {"temperature_c": 30, "place": "cellar"}
+    assert temperature.in_environment(of_file, environment).temperature == Temperatures(20.0, 21.0, OF_RUN_FILE)
+    assert temperature.in_environment(of_none, environment).temperature == Temperatures(30.0, 30.0, OF_ENVIRONMENT)
+    for nothing in (None, {}, {"place": "cellar"}):
+        assert temperature.in_environment(of_none, nothing).temperature is None
+
+
+def test_a_solution_assumes_it_where_it_is_not_told(tmp_path):
+    for texts, rests_on, lines in (
+        (["20.5", "21"], set(), ["Temperature of the run: 20.5 to 21 deg C (run file)"]),
+        (["", ""], {"temperature"}, []),
+    ):
+        run = read_run(run_file(tmp_path, texts), PAPER, Wishes(unit="V"))
+        solution = solve(run, None, "refined", 1.0, None, "run.csv")
+        assert assumed(solution).keys() - {"seat", "white_noise"} == rests_on
+        said = [line for line in presentation.remarks(solution) if "emperature" in line]
+        assert said == lines
+        assert any("assuming one temperature" in line for line in presentation.notes(solution)) == bool(rests_on)
+
+
+def test_results_and_exports_carry_it(tumble, tmp_path):
+    """From the environment of the stand file, which the verdict then does not rest on."""
+    stand = paper_stand(tmp_path, "[environment]\ntemperature_c = 21.5\n")
+    result = tmp_path / "result.json"
+    run = ("solve", EXAMPLES / "paper_stand.csv", "--unit", "V", "--stand")
+    found = document_of(tumble(*run, stand, "--json", "--out", result))
+    assert found["temperature"] == {"min_c": 21.5, "max_c": 21.5, "source": "environment"}
+    assert found["assumes"] == ["seat"]
+    header = tumble("export", result, "--format", "c").stdout
+    for line in ("KNOWN 1", "MIN_C (21.5) /* deg C, of the run */", "MAX_C (21.5) /* deg C, of the run */"):
+        assert f"#define TUMBLE_TEMPERATURE_{line}\n" in header
+    for row in tumble("export", result, "--format", "csv").stdout.splitlines()[1:]:
+        assert row.endswith(",21.5,21.5")
+    text = json.loads(result.read_text())
+    for odd in ("warm", {"min_c": 20}, {"min_c": 20, "max_c": "hot"}):
+        result.write_text(json.dumps({**text, "temperature": odd}))
+        with pytest.raises(BadInput, match=r"not a result of schema tumble\.result/1: temperature is "):
+            read_coefficients(str(result))
+    del text["temperature"]  # of an earlier version
+    result.write_text(json.dumps(text))
+    header = tumble("export", result, "--format", "c").stdout
+    assert "#define TUMBLE_TEMPERATURE_KNOWN 0\n" in header and "TUMBLE_TEMPERATURE_MIN_C" not in header
+
+
+def test_a_bench_run_has_the_block_s_own(tumble, tmp_path):
+    result = valid(tumble("bench", "--seed", 3, "--samples", 5, "--out", tmp_path / "run", "--json").stdout)
+    assert result["temperature"] == {"min_c": 25.0, "max_c": 25.0, "source": "run_file"}
+    assert "temperature" not in result["assumes"]
+
+
+def test_the_run_file_has_the_temperatures_of_the_frames(tmp_path):
+    """Of a block that warms up: by counts of z and timestamp every row is found on the recorded bus."""
+    warming = scenario(tmp_path, block__start_c=10, block__end_c=31, block__warm_s=30, procedure__gravity_limit_g=1)
+    done = bench(warming, "--out", tmp_path / "run")
+    assert done.returncode in (0, 1), done.stderr
+    frames = set()
+    for data in re.findall(r" 693#([0-9A-F]{16})$", (tmp_path / "run/bus.log").read_text(), re.MULTILINE):
+        z, timestamp, warmth, _ = struct.unpack("<3sxHbB", bytes.fromhex(data))
+        frames.add((int.from_bytes(z, "little", signed=True), timestamp & 0xFFF, warmth / 2))
+    lines = (tmp_path / "run/run.csv").read_text().splitlines()
+    rows = [dict(zip(lines[0].split(","), line.split(","))) for line in lines[1:]]
+    seen = {(int(row["cz"]), int(row["timestamp"]), float(row["temperature"])) for row in rows}
+    assert len(rows) == 900 and seen <= frames
+    found = read_run(str(tmp_path / "run/run.csv"), PAPER).temperature
+    values = [warmth for _, _, warmth in seen]
+    assert (found.low_c, found.high_c) == (min(values), max(values)) and found.high_c - found.low_c > 10
+
+
+@pytest.mark.parametrize(
+    ("known", "used", "warning"),
+    [
+        ((20.0, 22.0), [20.0, 21.0, 22.0], None),
+        ((20.0, 22.0), [19.0, 23.0], None),
+        ((20.0, 22.0), [math.nan], None),
+        ((20.0, 22.0), [], None),
+        (None, [500.0], None),
+        ((20.0, 22.0), 25.5, "applied at 25.5 deg C, calibrated at 20 to 22 deg C: 1 of 1 temperatures are outside"),
+        (
+            (20.0, 20.0),
+            [[18.5, 20.0], [math.nan, 21.5]],
+            "applied at 18.5 to 21.5 deg C, calibrated at 20 deg C: 2 of 3 temperatures are outside",
+        ),
+    ],
+)
+def test_who_applies_coefficients_elsewhere_is_warned(known, used, warning):
+    document = None if known is None else {"min_c": known[0], "max_c": known[1], "source": "run_file"}
+    assert temperature.outside(document, used) == warning
+
+
+@given(st.floats(-60, 60), st.floats(0, 20), st.lists(st.floats(-90, 90), max_size=8))
+def test_the_warning_is_there_where_one_is_outside(low, span, used):
+    """Against every temperature by itself."""
+    beyond = [one for one in used if one < low - temperature.TOLERANCE_C or one > low + span + temperature.TOLERANCE_C]
+    said = temperature.outside({"min_c": low, "max_c": low + span}, used)
+    assert (said is None) == (not beyond)
+    assert said is None or f": {len(beyond)} of {len(used)} temperatures" in said
