@@ -181,7 +181,7 @@ def test_plain_text_has_the_numbers_of_the_result(case, tumble):
         assert float(bar.split()[2]) == pytest.approx(place["delta_g_g"], rel=0.01)
         assert ("over" in bar) == (abs(place["delta_g_g"]) > result["verification"]["limit_g"])
     verdict = text.splitlines()[-1]
-    linearity = " and linearity" if "linear" in result["assumes"] else ""
+    linearity = ", linearity" if "linear" in result["assumes"] else ""
     passed = f"PASS, assuming a square seat{linearity} and one temperature: "
     assert verdict.startswith(passed if result["verification"]["pass"] else "FAIL: ")
     assert ("--stand" in text) == (result["u_K"] is None)

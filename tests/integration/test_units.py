@@ -112,6 +112,6 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     assert done.stderr == f"tumble: warning: {said}\n"
     shown = tumble("solve", run).stdout.splitlines()
     assert "All assuming volts: the run file names no unit (--unit)" in shown
-    assert shown[-1].startswith("PASS, assuming a square seat and volts and one temperature: ")
+    assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]

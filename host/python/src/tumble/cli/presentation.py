@@ -281,6 +281,7 @@ def verdict(solution: Solution) -> str:
         return f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
-    for known in ("; numpy agrees", f", limit {solution.limit_g:g} g"):  # as the tables show
+    place = f" at {solution.schedule.positions[worst].label}"
+    for known in ("; numpy agrees", f", limit {solution.limit_g:g} g", place):  # as the tables show
         line = line if len(line) <= _COLUMNS else line.removesuffix(known)
     return line

@@ -98,4 +98,5 @@ def phrase(names: Iterable[str]) -> str:
     """Behind a verdict, such as ", assuming a square seat"; empty for none. Names of a later version stay as they
     are."""
     phrases = [ASSUMPTIONS[name].phrase if name in ASSUMPTIONS else name for name in names]
-    return f", assuming {' and '.join(phrases)}" if phrases else ""
+    listed = [*filter(None, [", ".join(phrases[:-1])]), *phrases[-1:]]
+    return f", assuming {' and '.join(listed)}" if phrases else ""
