@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.core import MAX_YAWS
+from tumble.core import MAX_STAND_ERROR_RAD, MAX_YAWS
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
@@ -46,10 +46,13 @@ class AngleError(Protocol):
 
 class RunSeen(Protocol):
     """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
-    `mountings`: how many the schedule has."""
+    `mountings`: how many the schedule has; `departure`: rms of what least squares on the ideal stand leaves of the
+    outputs, in the channel that has most, over max|K|: about an angle in rad; 0 where it leaves nothing by itself."""
 
     mountings: int
 
+    @property
+    def departure(self) -> float: ...
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def other_yaw_changes(self, alpha4: float, variance: Floats, /) -> Mapping[int, Quantity | None]: ...
@@ -87,10 +90,12 @@ def look(
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
 
-    Free attitudes, more mountings than the core has yaws for, show the noise alone. A stand that is not to be trusted
-    gives no uncertainties, except where the run itself has none to give.
+    Free attitudes, more mountings than the core has yaws for, show the noise alone. So do outputs so far from those of
+    any stand that no small angles explain them, such as those of exchanged mountings: the angles are linear theory, and
+    its figures would be rounding. A stand that is not to be trusted gives no uncertainties, except where the run itself
+    has none to give.
     """
-    if run.mountings > MAX_YAWS:
+    if run.mountings > MAX_YAWS or run.departure > MAX_STAND_ERROR_RAD:
         return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
     own = own_variance(noise, samples, stand)
     error = None if own is None else run.angle_error(own)
