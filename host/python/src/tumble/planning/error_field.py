@@ -56,12 +56,6 @@ def norm_forms(matrix: Floats, vector: Floats) -> Floats:
     return np.hstack([symmetric[:, _ROWS, _COLUMNS], vector])
 
 
-def features(at: Floats) -> Floats:
-    """What forms are multiplied by at unit attitudes (n, 3): (n, 9)."""
-    twice = np.where(_ROWS == _COLUMNS, 1.0, 2.0)
-    return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
-
-
 def largest_over_attitudes(forms: Floats) -> Floats:
     """The largest |a'S a + b'a| over all unit a, for forms (n, 9): (n,)."""
     s = np.empty((len(forms), 3, 3))

@@ -48,13 +48,19 @@ def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats, terms: Te
     """Standard uncertainty (...), g, of the length of the specific force that the calibrated block shows at `attitudes`
     (..., 3), unit vectors. `terms`: further ones whose sizes the covariance has behind U0; a drift was the run's and is
     over."""
+    gradient = norm_gradient(k, attitudes, terms)
+    found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
+    return found
+
+
+def norm_gradient(k: Floats, attitudes: Floats, terms: Terms = ()) -> Floats:
+    """Of how much that length falls short of the true one, by errors of K row by row, U0 and the sizes of further
+    `terms`: (..., 12 + 3 x terms)."""
     n = np.asarray(attitudes, dtype=float)
     w = n @ np.linalg.inv(k)
     further = [w * n ** POWERS[term] if term in POWERS else np.zeros(n.shape) for term in terms]
     by_k = np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9)
-    gradient = np.concatenate([by_k, w, *further], axis=-1)
-    found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
-    return found
+    return np.concatenate([by_k, w, *further], axis=-1)
 
 
 def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:

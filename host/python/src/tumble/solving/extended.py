@@ -36,7 +36,12 @@ class NotSolvable(Exception):
 
 def columns(schedule: core.CoreSchedule, terms: Terms) -> Floats:
     """Outputs by the size of every term, by term and channel: (3 x terms, positions, 3)."""
-    force, count = schedule.attitudes(), len(schedule)
+    return columns_at(schedule.attitudes(), terms)
+
+
+def columns_at(force: Floats, terms: Terms) -> Floats:
+    """The same at specific forces (positions, 3), in the order of the run."""
+    count = len(force)
     felt = {term: force**power for term, power in POWERS.items()}
     felt[DRIFT] = np.repeat(_time(count), 3, axis=1)
     found = [felt[term] * np.eye(3)[i] for term in terms for i in range(3)]
