@@ -10,6 +10,7 @@ from typing import TypeAlias
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.schedule import BUILT_IN
+from tumble.terms import EXTENDABLE, TERMS, Terms
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
@@ -42,6 +43,25 @@ def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
         metavar="NAME",
         help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: refined{remark}",
     )
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """--model."""
+    parser.add_argument(
+        "--model",
+        metavar="TERM,...",
+        help=f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
+        f" --estimator {' or '.join(EXTENDABLE)}",
+    )
+
+
+def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
+    """--model, where it makes no sense."""
+
+    def refuse(text: str) -> None:
+        raise UsageError(f"--model: {why}")
+
+    parser.add_argument("--model", type=refuse, help=argparse.SUPPRESS)
 
 
 def add_limit(parser: argparse.ArgumentParser) -> None:
@@ -83,6 +103,21 @@ def parse_limit(text: str | None) -> float | None:
     if not 0.0 < limit_g <= 1.0:
         raise UsageError(f"--limit: {quoted(text)} is not a number of g above 0, at most 1")
     return limit_g
+
+
+def parse_model(text: str | None, estimator: str | None) -> Terms:
+    """The value of --model, in the order of TERMS. `estimator`: the one in use, None for all that find them. Raises
+    UsageError."""
+    if text is None:
+        return ()
+    named = [term.strip() for term in text.split(",")]
+    for term in named:
+        if term not in TERMS or named.count(term) > 1:
+            raise UsageError(f"--model: {quoted(term)} is not one of {', '.join(TERMS)}, once each")
+    if estimator is not None and estimator not in EXTENDABLE:
+        closed = f"{estimator} is a closed form of twelve coefficients"
+        raise UsageError(f"--model: {closed}; use --estimator least_squares, or optimal with --stand FILE")
+    return tuple(term for term in TERMS if term in named)
 
 
 def parse_confidence(text: str) -> float:

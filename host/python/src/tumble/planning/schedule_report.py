@@ -6,7 +6,7 @@ import shlex
 from dataclasses import asdict
 from typing import Any
 
-from tumble.planning import tables
+from tumble.planning import model_cost, tables
 from tumble.planning.case import SCHEMA
 from tumble.planning.enough import growing
 from tumble.planning.schedule_plan import Planned
@@ -40,6 +40,7 @@ def document(found: Planned, step_deg: float) -> dict[str, Any]:
         "schedule": {**_timed(found.best), **_positions(found.best.schedule)},
         "u_norm_g": {"worst_g": found.u_norm_g, "attitude": found.attitude},
         "promise": growing(found.promise),
+        **model_cost.document(found.further),
         "beside": {name: None if timed is None else _timed(timed) for name, timed in found.beside.items()},
     }
 
@@ -84,10 +85,13 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         out.print(f"Mounting {mounting.number}: {axes} (h across, n along the axis, v up at 0);")
         out.print(f"  table at {angles} deg")
     out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom(found.best)} degrees of freedom check the model")
+    if found.further is not None:
+        out.print(model_cost.sentence(found.further))
     out.print(found.promise.sentence)
     if written is not None:
         files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
         options = f"{shlex.join(files)} --samples {found.best.samples} --estimator {goal.estimator}"
+        options += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
         out.print(f"Run it: tumble bench {options}", soft_wrap=True)
 
 

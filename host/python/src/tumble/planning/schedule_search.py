@@ -160,6 +160,6 @@ def measured_with(case: Case, timed: Timed) -> Case:
 def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
     k = case.nominal_k()
-    found = error_field(case, estimator, k).coefficients
-    worst = worst_norm(k, found.T @ found)
+    found = error_field(case, estimator, k).unknowns
+    worst = worst_norm(k, found.T @ found, case.terms)
     return worst.worst, worst.attitude.tolist()

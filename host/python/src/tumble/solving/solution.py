@@ -255,9 +255,7 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
     if not terms:
         return
     schedule.identify(run.measured)
-    confused = extended.confused(witnessed, terms)
-    if confused is not None:
-        raise BadInput(f"--model {','.join(terms)}: {confused}", file)
+    extended.require_told_apart(witnessed, terms, file)
 
 
 def _uncertainties(

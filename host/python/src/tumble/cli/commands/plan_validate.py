@@ -13,6 +13,7 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import ESTIMATORS, HARMONIC
 from tumble.messages import on_terminal
 from tumble.schedule import file_of
+from tumble.terms import EXTENDABLE
 
 if TYPE_CHECKING:
     from tumble.planning.case import Case
@@ -55,6 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None and not arguments.plot.endswith(".svg"):
         raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
     case = read_case(arguments)
+    if case.terms and arguments.table != "known":
+        raise UsageError("--table run: not with --model; the second order makes up for weights made elsewhere")
 
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.planning import validate_report
@@ -81,6 +84,8 @@ def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
+    if case.terms:
+        return EXTENDABLE
     harmonic = circles(case.fitted) is not None
     return tuple(name for name in ESTIMATORS if harmonic or name not in HARMONIC)
 

@@ -10,7 +10,6 @@ from tumble.cli import options
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import OPTIMAL
 from tumble.schedule import file_of
-from tumble.terms import EXTENDABLE, TERMS, Terms
 
 if TYPE_CHECKING:
     from tumble.files.run_layout import Wishes
@@ -32,12 +31,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     options.add_estimator(parser, "; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     options.add_schedule(parser)
-    parser.add_argument(
-        "--model",
-        metavar="TERM,...",
-        help=f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
-        f" --estimator {' or '.join(EXTENDABLE)}",
-    )
+    options.add_model(parser)
     options.add_limit(parser)
     options.add_confidence(parser)
     options.add_json(parser)
@@ -63,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.estimator == OPTIMAL and arguments.stand is None:
         raise UsageError("--estimator optimal weighs the means by the stand's errors: it needs --stand FILE")
     runs, seed = _parse_monte_carlo(arguments)
-    terms = _parse_model(arguments)
+    terms = options.parse_model(arguments.model, arguments.estimator)
     wishes = _wishes(arguments)
 
     from tumble.cli.output import print_solution, warn
@@ -141,20 +135,6 @@ def _parse_monte_carlo(arguments: argparse.Namespace) -> tuple[int | None, int]:
         raise UsageError("--monte-carlo draws the stand's errors: it needs --stand FILE")
     runs = options.parse_whole(arguments.monte_carlo, "--monte-carlo", FEWEST_SIMULATED, MOST_SIMULATED)
     return runs, options.parse_seed("1" if arguments.seed is None else arguments.seed)
-
-
-def _parse_model(arguments: argparse.Namespace) -> Terms:
-    """The further terms, in the order of TERMS. Raises UsageError."""
-    if arguments.model is None:
-        return ()
-    named = [term.strip() for term in arguments.model.split(",")]
-    for term in named:
-        if term not in TERMS or named.count(term) > 1:
-            raise UsageError(f"--model: {quoted(term)} is not one of {', '.join(TERMS)}, once each")
-    if arguments.estimator not in EXTENDABLE:
-        closed = f"{arguments.estimator} is a closed form of twelve coefficients"
-        raise UsageError(f"--model: {closed}; use --estimator least_squares, or optimal with --stand FILE")
-    return tuple(term for term in TERMS if term in named)
 
 
 def _parse_columns(text: str) -> dict[str, str]:
