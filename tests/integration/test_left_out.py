@@ -56,7 +56,9 @@ def test_it_is_named_and_has_no_part_in_the_result(name, estimator, tumble, tmp_
     schedule, said = SCHEDULES[name]
     file, rng = tmp_path / "schedule.toml", np.random.default_rng(1)
     file.write_text(to_toml(schedule))
-    means = Geometry(schedule).outputs(NOMINAL_K, [0.1, 0.2, 0.3]) + 1e-5 * rng.normal(size=(len(schedule.positions), 3))
+    means = Geometry(schedule).outputs(NOMINAL_K, [0.1, 0.2, 0.3]) + 1e-5 * rng.normal(
+        size=(len(schedule.positions), 3)
+    )
     command = ("solve", write_run(tmp_path / "run.csv", schedule, means), "--schedule", file, "--json")
     done = tumble(*command, "--estimator", estimator)
     line = f"tumble: warning: {file}: {estimator} leaves out fit {said}; least_squares takes all\n"

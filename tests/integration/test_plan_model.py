@@ -62,7 +62,9 @@ def test_core_and_numpy_plan_the_same(terms, checked):
     assert np.sqrt(np.diag(unknowns.T @ unknowns)) == pytest.approx(np.sqrt(np.diag(witness)), rel=1e-8)
     unknowns = error_field(case, "optimal", k).unknowns
     means = reference.Geometry(schedule).outputs(k, np.zeros(3))
-    found = reference.optimal(schedule, means, case.stand, lone, known_k=k, known_samples=case.stand.samples, terms=terms)
+    found = reference.optimal(
+        schedule, means, case.stand, lone, known_k=k, known_samples=case.stand.samples, terms=terms
+    )
     assert np.sqrt(np.diag(unknowns.T @ unknowns)) == pytest.approx(np.sqrt(np.diag(found.covariance)), rel=1e-6)
 
 
@@ -123,12 +125,19 @@ def test_every_plan_says_what_the_terms_cost(tumble):
         assert told["terms"] == ["k2"] and told["u_norm_g"] > told["without"]["u_norm_g"]
         done = tumble("plan", subject, *options)
         assert "with k2 in the model: " in done.stdout and max(map(len, done.stdout.splitlines()[:-1])) <= 80
-    assert sorted(plan(tumble, "validate", "--runs", "200", "--model", "k2")["estimators"]) == ["least_squares", "optimal"]
+    assert sorted(plan(tumble, "validate", "--runs", "200", "--model", "k2")["estimators"]) == [
+        "least_squares",
+        "optimal",
+    ]
 
 
 REFUSED = {
-    ("plan", "optimize", "--model", "k2"): "the firmware's gains are for twelve coefficients; further terms are for plan"
-    " budget",
+    (
+        "plan",
+        "optimize",
+        "--model",
+        "k2",
+    ): "the firmware's gains are for twelve coefficients; further terms are for plan budget",
     ("plan", "paper", "--model", "k2"): "the paper's model has twelve coefficients; further terms are for plan budget",
     ("plan", "budget", "--model", "k2"): "refined is a closed form of twelve coefficients; use --estimator"
     " least_squares, or optimal with --stand FILE",

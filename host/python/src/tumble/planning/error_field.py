@@ -70,7 +70,8 @@ def largest_with_terms(errors: Floats, k: Floats, terms: Terms) -> Floats:
     at_start = np.abs(errors @ norm_gradient(k, start, terms).T)
 
     def heights(attitudes: Floats) -> Floats:
-        return np.abs(np.einsum("nam,nm->na", norm_gradient(k, attitudes, terms), errors, optimize=True))
+        found: Floats = np.abs(np.einsum("nam,nm->na", norm_gradient(k, attitudes, terms), errors, optimize=True))
+        return found
 
     return climbed(heights, start[at_start.argmax(axis=1)], at_start.max(axis=1), _ROUNDS)[1]
 

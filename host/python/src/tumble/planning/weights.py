@@ -46,8 +46,9 @@ def all_gains(case: Case, estimator: str, k: Floats) -> Floats:
 
 
 def estimators_of(case: Case) -> tuple[str, ...]:
-    """Those that find all that the case's model has."""
-    return EXTENDABLE if case.terms else ESTIMATORS
+    """Those that find all that the case's model has, in as many mountings as they can."""
+    names = EXTENDABLE if case.terms else ESTIMATORS
+    return tuple(name for name in names if name != OPTIMAL or len(case.schedule.mountings) <= core.MAX_YAWS)
 
 
 def sources_of(stand: Stand) -> tuple[str, ...]:

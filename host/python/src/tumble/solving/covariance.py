@@ -71,6 +71,7 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
     many, and climbed from the best of them, around each in eight directions, with steps that are halved where none
     leads up.
     """
+
     def heights(attitudes: Floats) -> Floats:
         return norm_uncertainty(k, covariance, attitudes, terms)
 
@@ -81,9 +82,7 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
     return WorstNorm(float(height[top]), best[top])
 
 
-def climbed(
-    heights: Callable[[Floats], Floats], best: Floats, height: Floats, rounds: int
-) -> tuple[Floats, Floats]:
+def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, rounds: int) -> tuple[Floats, Floats]:
     """Attitudes (n, 3) and heights (n,) at most so many steps further up from `best`, which have `height`. `heights`:
     of attitudes (n, 8, 3) around each, (n, 8)."""
     step = np.full(len(best), _FIRST_STEP)

@@ -228,9 +228,10 @@ def solve(
             covariance = joint[:12, :12]
             further = further if stand is None else replace(further, covariance=joint, without=without)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
-    seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
-    compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
-    seen = _without_angles(seen) if terms else seen
+    looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
+    witness = reference.RunSeen(witnessed, comparison.linear, found.k)
+    compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
+    seen = _without_angles(looked) if terms else looked
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen

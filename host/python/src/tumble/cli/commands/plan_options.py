@@ -8,7 +8,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import Subparsers, add_estimator, add_limit, add_model, add_schedule, parse_limit, parse_model, parse_number
+from tumble.cli.options import (
+    Subparsers,
+    add_estimator,
+    add_limit,
+    add_model,
+    add_schedule,
+    parse_limit,
+    parse_model,
+    parse_number,
+)
 from tumble.errors import UsageError, quoted
 
 if TYPE_CHECKING:

@@ -13,7 +13,6 @@ from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError, quoted
 from tumble.estimators import ESTIMATORS, HARMONIC
 from tumble.messages import on_terminal
 from tumble.schedule import file_of
-from tumble.terms import EXTENDABLE
 
 if TYPE_CHECKING:
     from tumble.planning.case import Case
@@ -80,14 +79,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
+    from tumble.planning.weights import estimators_of
     from tumble.reference.estimators import circles
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
-    if case.terms:
-        return EXTENDABLE
     harmonic = circles(case.fitted) is not None
-    return tuple(name for name in ESTIMATORS if harmonic or name not in HARMONIC)
+    return tuple(name for name in estimators_of(case) if harmonic or name not in HARMONIC)
 
 
 @contextmanager
