@@ -12,22 +12,25 @@ from conftest import ROOT
 
 PLUGIN = ROOT / "tests/lib"
 PLANTED = """
-import time, busy_machine, pytest
+import threading, time, busy_machine, pytest
 def tries(more=[0]):
     more[0] += 1
     return more[0]
 @pytest.mark.real_time
 def test_planted(pytestconfig):
     number = tries()
+    seen = pytestconfig.stash[busy_machine.WATCH].seen
     if {busy}:
-        pytestconfig.stash[busy_machine.WATCH].seen.append((time.monotonic(), "planted"))
+        threading.Timer({told_after}, lambda: seen.append((time.monotonic(), "planted"))).start()
+        time.sleep({sleeps})
     assert number >= {passes_at}
 """
 
 
-def outcome_of(tmp_path, busy, passes_at, *path):
-    """Of one planted test, by the runner that the stages use."""
-    (tmp_path / "test_planted.py").write_text(PLANTED.format(busy=busy, passes_at=passes_at))
+def outcome_of(tmp_path, busy, passes_at, *path, told_after=0.0, sleeps=0.1):
+    """Of one planted test, by the runner that the stages use; the watch tells so long after its begin."""
+    given = {"busy": busy, "passes_at": passes_at, "told_after": told_after, "sleeps": sleeps}
+    (tmp_path / "test_planted.py").write_text(PLANTED.format(**given))
     (tmp_path / "conftest.py").write_text("pytest_plugins = ['busy_machine']\n")
     log = runner.Log(tmp_path / "log", 60)
     searched = ":".join(map(str, [*path, PLUGIN]))
@@ -51,6 +54,11 @@ def test_only_a_busy_machine_gives_another_try(tmp_path, busy, passes_at, passed
     outcome = outcome_of(tmp_path, busy, passes_at)
     assert (outcome.passed, outcome.failed, len(outcome.again)) == (passed, 1 - passed, again)
     assert all("the machine was busy (planted): " in told for told in outcome.again)
+
+
+def test_one_that_fails_at_once_waits_for_what_the_watch_says_of_that_time(tmp_path):
+    outcome = outcome_of(tmp_path, True, 2, told_after=0.3, sleeps=0.0)
+    assert (outcome.passed, outcome.failed, len(outcome.again)) == (1, 0, 1)
 
 
 def test_a_busy_machine_is_seen():

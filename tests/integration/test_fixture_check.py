@@ -56,7 +56,7 @@ def by_core(run, declared):
     """As much of a solution as verdicts and combinations use, by the core alone: for statistics of many runs. Whether
     the witness agrees, and what excuses the stand, is the question of other tests, and of the long versions."""
     found = compute(PAPER, run.means, run.measured, "refined", 1.0)
-    return Solution(PAPER.data, run, 1.0, found, None, None, None, declared, None, noise.look(run, declared, 0.0))
+    return Solution(PAPER.data, run, 1.0, found, None, declared, None, noise.look(run, declared, 0.0))
 
 
 def views_of(runs, declared):

@@ -209,7 +209,7 @@ def test_scatter_alone_is_all_that_is_known_without_a_stand(samples):
     assert solution.u_k is None and solution.u_u0 is None
     sigma = solution.noise.measured.variance**0.5
     expected = sigma * np.sqrt((2 * 0.125**2 + 7 * 0.25**2) * 2) / 4 * 2 / np.sqrt(2) / np.sqrt(samples)
-    assert (solution.scatter_alone[1] > 0.5 * expected).all() and (solution.scatter_alone[1] < 2 * expected).all()
+    assert (solution.scatter_alone.u_u0 > 0.5 * expected).all() and (solution.scatter_alone.u_u0 < 2 * expected).all()
     assert ("white_noise" in assumed(solution)) == (samples < 4)
 
 

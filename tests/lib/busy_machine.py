@@ -98,6 +98,8 @@ class Retried:
         if error is None:
             return False
         watch = self._item.config.stash[WATCH]
+        if busy(watch, self.begin) is None:
+            time.sleep(1.5 * WINDOW_S)  # the window in which it failed had not ended
         if (why := busy(watch, self.begin)) is None:
             return False
         rest(watch)

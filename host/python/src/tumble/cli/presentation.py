@@ -68,14 +68,14 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
     angle that it is, in urad, of U0 in ug. A name that ends in * rests on what `notes` say.
     """
     unit, rows = solution.run.unit, []
-    u_k, u_u0 = solution.scatter_alone or (solution.u_k, solution.u_u0)
+    shown = solution.scatter_alone or solution.stated
     marked = {name for names in assumed(solution).values() for name in names}
     truth = solution.truth
     errors = None if truth is None else _errors_over_u(solution)
     decimals = max(0, min(12, 9 - math.floor(math.log10(np.abs(solution.found.k).max()))))
     for i, channel in enumerate("xyz"):
         for j, axis in enumerate("xyz"):
-            u = None if u_k is None else u_k[i, j]
+            u = None if shown is None else shown.u_k[i, j]
             relative = _ratio(u, solution.found.k[i, i], "ppm " if i == j else "urad")
             difference = _difference(solution.comparison.k[i, j])
             value = f"{solution.found.k[i, j]:+.{decimals}f}"
@@ -83,7 +83,7 @@ def coefficient_rows(solution: Solution) -> list[tuple[str, ...]]:
             name = f"K_{channel}{axis}"
             rows.append((name + "*" * (name in marked), value, per_g(unit), _u(u), relative, difference, *known))
     for i, channel in enumerate("xyz"):
-        u = None if u_u0 is None else u_u0[i]
+        u = None if shown is None else shown.u_u0[i]
         relative = _ratio(u, solution.found.k[i, i], "ug  ")
         difference = _difference(solution.comparison.u0[i])
         value = f"{solution.found.u0[i]:+.{decimals}f}"

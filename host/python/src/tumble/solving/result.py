@@ -76,10 +76,8 @@ def document(
 
 
 def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
-    if solution.scatter_alone is None:
-        return None
-    u_k, u_u0 = solution.scatter_alone
-    return {"u_K": u_k.tolist(), "u_U0": u_u0.tolist()}
+    alone = solution.scatter_alone
+    return None if alone is None else {"u_K": alone.u_k.tolist(), "u_U0": alone.u_u0.tolist()}
 
 
 def _intrinsic_uncertainties(solution: Solution) -> dict[str, Any] | None:

@@ -15,9 +15,8 @@ from tumble.core.stand_seen import RunSeen, noise
 from tumble.errors import BadInput
 from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run
-from tumble.reference.extended import covariance as extended_covariance
 from tumble.schedule import Schedule
-from tumble.solving import extended, noise as noise_of_runs, optimal_run, uncertainty
+from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
 from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
 from tumble.solving.crosscheck import (
@@ -26,7 +25,6 @@ from tumble.solving.crosscheck import (
     compare,
     compare_fit,
     compare_seen,
-    compare_uncertainties,
 )
 from tumble.solving.extended import NotSolvable
 from tumble.solving.fit import CONFIDENCE, Fit, judge, variance_of_means
@@ -35,6 +33,7 @@ from tumble.solving.monte_carlo import MonteCarlo, simulate
 from tumble.solving.noise_patterns import sampled_patterns
 from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look
+from tumble.solving.stated import Propagation, Stated
 from tumble.stand import Stand
 from tumble.terms import Terms
 from tumble.units import volts_per
@@ -59,14 +58,12 @@ class Truth:
 class Solution:
     """Everything known after a run: one row per position of `schedule`, in its order.
 
-    `found`: by the core; `comparison`: with the witness; `u_k` (3, 3), `u_u0` (3,): standard uncertainties, None
-    without a declared stand; `stand`: that one; `stand_seen`: the stand as the run shows it, in the unit of the run;
-    `fit`: whether the run fits the declared stand, None without one; `noise`: what the samples show of it;
-    `scatter_alone`: without a declared stand, the standard uncertainties of K and U0 that the noise of the samples
-    leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run that was measured;
-    `covariance` (12, 12): by numpy, its diagonal confirmed by `u_k` and `u_u0`; `step`: of the converter, in the unit
-    of the run, 0: unknown; `monte_carlo`: None where nobody asked for it; `further`: terms of the model beside the
-    twelve coefficients, None where nobody asked for any.
+    `found`: by the core; `comparison`: with the witness; `stand`: the declared one; `stand_seen`: the stand as the run
+    shows it, in the unit of the run; `noise`: what the samples show of it; `fit`: whether the run fits the declared
+    stand; `stated`: the uncertainties, None without a declared stand; `scatter_alone`: without one, those that the
+    noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
+    that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
+    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any.
     """
 
     schedule: Schedule
@@ -74,18 +71,31 @@ class Solution:
     limit_g: float
     found: Computation
     comparison: Comparison
-    u_k: Floats | None
-    u_u0: Floats | None
     stand: Stand | None
     stand_seen: StandSeen
     noise: noise_of_runs.Noise
-    scatter_alone: tuple[Floats, Floats] | None = None
     fit: Fit | None = None
+    stated: Stated | None = None
+    scatter_alone: Stated | None = None
     truth: Truth | None = None
-    covariance: Floats | None = None
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
+
+    @property
+    def u_k(self) -> Floats | None:
+        """Standard uncertainties of K (3, 3); None without a declared stand."""
+        return None if self.stated is None else self.stated.u_k
+
+    @property
+    def u_u0(self) -> Floats | None:
+        """Standard uncertainties of U0 (3,); None without a declared stand."""
+        return None if self.stated is None else self.stated.u_u0
+
+    @property
+    def covariance(self) -> Floats | None:
+        """Of K row by row and U0 (12, 12); None without a declared stand."""
+        return None if self.stated is None else self.stated.of_twelve
 
     @property
     def measured_schedule(self) -> Schedule:
@@ -134,8 +144,8 @@ class Solution:
     @property
     def _u(self) -> Floats:
         """Standard uncertainties (12,), where there are any."""
-        assert self.u_k is not None and self.u_u0 is not None
-        return np.concatenate([self.u_k.ravel(), self.u_u0])
+        assert self.stated is not None
+        return np.concatenate([self.stated.u_k.ravel(), self.stated.u_u0])
 
     @cached_property
     def u_norm(self) -> WorstNorm | None:
@@ -209,39 +219,26 @@ def solve(
         optimal = _witness(witnessed, means, samples, weighting, variance, terms)
     comparison = compare(found, witnessed, means, found.gravity.delta_g[run.measured], optimal)
     further = Further(terms, found.k, found.sizes, comparison.sizes) if terms else None
-    u, covariance, fit, errors = None, None, None, declared or noise_of_runs.NO_STAND
+    stated, costly = None, further
     if declared is not None or noisy.is_known:
-        u = _uncertainties(core_schedule, run, found.k, errors, estimator, step, noisy.mean_variance, file)
-        if optimal is None:
-            covariance = reference.covariance(witnessed, found.k, errors, samples, estimator, variance)
-        elif further is None:
-            covariance = optimal.covariance
-        else:
-            covariance = reference.optimal_covariance(witnessed, found.k, errors, samples, step, variance)
-        compare_uncertainties(u, reference.by_coefficient(covariance), optimal is not None)
-        if further is not None:
-            without = Without(*u, worst_norm(found.k, covariance))
-            joint = None if optimal is None else optimal.covariance
-            if joint is None:
-                joint = extended_covariance(witnessed, found.k, errors, samples, terms, variance)
-            u = _extended_uncertainties(core_schedule, run, found, errors, step, noisy.mean_variance, joint)
-            covariance = joint[:12, :12]
-            further = further if stand is None else replace(further, covariance=joint, without=without)
+        errors, variances = declared or noise_of_runs.NO_STAND, noisy.mean_variance
+        reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
+        stated, costly = _state(reach, optimal, further, file)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
     looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
     witness = reference.RunSeen(witnessed, comparison.linear, found.k)
     compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
     seen = _without_angles(looked) if terms else looked
+    fit = None
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
     seen = replace(seen, alpha4=None, alpha4_freedom=0.0) if terms else seen
-    u_k, u_u0 = (None, None) if stand is None or u is None else u
-    alone = u if stand is None else None
     return Solution(
-        *(core_schedule.data, run, limit_g, found, comparison, u_k, u_u0, stand, seen, noisy, alone, fit),
-        covariance=None if stand is None else covariance,
+        *(core_schedule.data, run, limit_g, found, comparison, stand, seen, noisy, fit),
+        stated=None if stand is None else stated,
+        scatter_alone=stated if stand is None else None,
         step=step,
-        further=further,
+        further=further if stand is None else costly,
     )
 
 
@@ -259,41 +256,19 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
     extended.require_told_apart(witnessed, terms, file)
 
 
-def _uncertainties(
-    schedule: core.CoreSchedule,
-    run: Run,
-    k: Floats,
-    stand: Stand,
-    estimator: str,
-    step: float,
-    mean_variance: Floats,
-    file: str,
-) -> tuple[Floats, Floats]:
-    """The core's standard uncertainties. Raises BadInput for a stand beyond what it computes with."""
+def _state(
+    reach: Propagation, optimal: reference.OptimalEstimate | None, further: Further | None, file: str
+) -> tuple[Stated, Further | None]:
+    """The uncertainties, those of `further` terms with what they cost the twelve. Raises BadInput for a stand beyond
+    what the core computes with."""
     try:
-        return uncertainty.standard_uncertainties(
-            schedule, run.measured, k, stand, run.samples, estimator, step, mean_variance
-        )
+        if further is None:
+            return reach.to_twelve(optimal), None
+        alone, beside = reach.to_twelve(), reach.to_all(further.terms, optimal)
     except core.CoreRefusal as refusal:
         raise BadInput(f"no uncertainties from this stand: {refusal}", file) from None
-
-
-def _extended_uncertainties(
-    schedule: core.CoreSchedule,
-    run: Run,
-    found: Computation,
-    stand: Stand,
-    step: float,
-    mean_variance: Floats,
-    witness: Floats,
-) -> tuple[Floats, Floats]:
-    """Those of K and U0 beside further terms; the terms' too are held against the `witness`, a covariance."""
-    given = schedule, run.measured, found.k, stand, run.samples, found.estimator
-    u = uncertainty.extended_uncertainties(*given, step, found.terms, mean_variance)
-    stated = u[:9].reshape(3, 3), u[9:12], u[12:]
-    other = *reference.by_coefficient(witness), np.sqrt(np.diag(witness)[12:])
-    compare_uncertainties(stated, other, found.estimator == OPTIMAL)
-    return stated[:2]
+    without = Without(alone.u_k, alone.u_u0, worst_norm(reach.k, alone.covariance))
+    return beside, replace(further, covariance=beside.covariance, without=without)
 
 
 def _whole_model(
