@@ -131,6 +131,16 @@ def test_every_plan_says_what_the_terms_cost(tumble):
     ]
 
 
+@pytest.mark.parametrize("goal", [("--norm", "1e-4"), ("--limit", "3e-4")])
+def test_a_built_in_schedule_that_does_not_tell_is_out_of_reach(goal, tumble):
+    """The diagonals have no cube; what is found tells it, with six residuals left."""
+    found = plan(tumble, "schedule", "--model", "k3", *goal)
+    assert found["beside"]["diagonal"] is None and found["beside"]["paper"] is not None
+    count = found["schedule"]["positions"]
+    assert found["schedule"]["freedom"] == 3 * count - 15 and count >= 7
+    assert found["extended"]["u_norm_g"] == pytest.approx(found["u_norm_g"]["worst_g"], rel=1e-6)
+
+
 REFUSED = {
     (
         "plan",

@@ -28,6 +28,7 @@ from tumble.planning.schedule_search import (
     worst_norm_of,
 )
 from tumble.schedule import Schedule
+from tumble.solving.extended import confused
 from tumble.solving.further import Further
 
 BESIDE = ("paper", "three_mountings", "diagonal")
@@ -97,7 +98,9 @@ def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> floa
 
 
 def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
-    """A schedule with the fewest samples that reach the goal; None if none do."""
+    """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell the further terms."""
+    if case.terms and confused(schedule, case.terms) is not None:
+        return None
     if goal.norm_g is not None:
         return held_to(case, goal.estimator, schedule, goal.norm_g, pace)
     spread = NormSpread(case, schedule, goal.estimator)
