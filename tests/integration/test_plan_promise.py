@@ -122,8 +122,8 @@ def simulated(case, estimator, runs, limits, monkeypatch, seed=1):
     return within / runs
 
 
-# Passing at a margin of 1: on fitted positions, with 16 check positions more. Of `refined` by an independent program, of
-# `optimal` as 20,000 simulated runs had it.
+# Passing at a margin of 1: on fitted positions, with 16 check positions more. Of `refined` by an independent program,
+# of `optimal` as 20,000 simulated runs had it.
 STATED = {"paper": (0.89, 0.66), "angle": (0.88, 0.84), "lab": (0.95, 0.92)}
 OPTIMAL = {"paper": (0.996, 0.854), "angle": (0.998, 0.832), "lab": (0.997, 0.837)}
 MARGINS = (0.9, 1.0, 1.1, 1.2, 1.33, 1.5)

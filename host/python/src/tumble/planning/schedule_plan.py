@@ -98,7 +98,7 @@ def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> floa
 
 
 def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
-    """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell the further terms."""
+    """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell further terms."""
     if case.terms and confused(schedule, case.terms) is not None:
         return None
     if goal.norm_g is not None:

@@ -86,7 +86,8 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         out.print(f"Mounting {mounting.number}: {axes} (h across, n along the axis, v up at 0);")
         out.print(f"  table at {angles} deg")
     out.print(
-        f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom(found.best, found.case.terms)} degrees of freedom check the model"
+        f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug;"
+        f" {freedom(found.best, found.case.terms)} degrees of freedom check the model"
     )
     if found.further is not None:
         out.print(model_cost.sentence(found.further))
