@@ -26,7 +26,7 @@ def toml(schedule):
     return "\n".join(tables)
 
 
-def solve(tumble, folder, schedule, outputs, estimator):
+def solve(tumble, folder, schedule, outputs, estimator, told=""):
     (folder / "schedule.toml").write_text(toml(schedule))
     rows = [
         ",".join([str(p.mounting), str(p.number), *(repr(float(u)) for u in output)])
@@ -35,7 +35,7 @@ def solve(tumble, folder, schedule, outputs, estimator):
     (folder / "run.csv").write_text("\n".join(["mounting,position,ux [V],uy [V],uz [V]", *rows]) + "\n")
     arguments = ["--schedule", "schedule.toml", "--estimator", estimator, "--json"]
     done = tumble("solve", "run.csv", *arguments, cwd=folder)
-    assert done.stderr == ""
+    assert done.stderr == told
     return json.loads(done.stdout)
 
 
@@ -49,7 +49,12 @@ def test_a_look_alike_is_not_taken_for_a_position_of_the_paper(yaw, estimator, t
     schedule = Schedule((turned, *paper.mountings), (*lookalikes, *paper.positions))
     outputs = Geometry(schedule).outputs(K, U0, alpha1=2e-3)
     outputs[:3] += 1e-3  # so that it matters which ones are taken
-    result = solve(tumble, tmp_path, schedule, outputs, estimator)
+    left_out = (
+        f"tumble: warning: schedule.toml: {estimator} leaves out fit positions 3.1, 3.5, 3.9"
+        " (mounting 3 lacks 45, 90, 135, 225, 270, 315 deg); least_squares takes all\n"
+    )
+    told = "" if estimator == "least_squares" else left_out
+    result = solve(tumble, tmp_path, schedule, outputs, estimator, told)
     if estimator != "least_squares":
         plain = solve(tumble, tmp_path, paper, outputs[3:], estimator)
         assert result["K"] == plain["K"] and result["stand_seen"] == plain["stand_seen"]

@@ -5,6 +5,7 @@ import shutil
 import struct
 import subprocess
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from documents import document_of, paper_stand
 
 from tumble import core, reference
 from tumble.core import optimal
+from tumble.files.schedule_file import to_toml
+from tumble.schedule import Position, Schedule
 from tumble.solving import gain_record, gains
 from tumble.stand import PAPER_STAND
 
@@ -143,6 +146,24 @@ BAD = {
     "noise": (["--stand", "stand.toml"], "noise_v must be 0 to 1e+09"),
     "estimator": (["--estimator", "refined"], "unrecognized arguments: --estimator refined"),
 }
+
+
+@pytest.mark.python
+def test_optimal_weights_are_for_as_many_mountings_as_the_core_takes(tumble, refused, tmp_path):
+    """Six; other estimators take more, and of all of them a plan leaves out this one."""
+    three = core.built_in("diagonal")
+    for count in (6, 7):
+        more = [replace(three.mountings[n % 3], number=n + 1) for n in range(count)]
+        positions = [Position(one.number, n + 1, 45.0 + 90.0 * n) for one in more for n in range(4)]
+        (tmp_path / f"{count}.toml").write_text(to_toml(Schedule(tuple(more), tuple(positions))))
+    for out in ([], ["--out", "table.bin"], ["--out", "table.h"], ["--out", "table.json"]):
+        assert tumble("plan", "optimize", "--schedule", "6.toml", *out, cwd=tmp_path).returncode == 0
+        (tmp_path / out[1]).unlink() if out else None
+        line = refused("plan", "optimize", "--schedule", "7.toml", *out, cwd=tmp_path)
+        assert line == "tumble: 7.toml: has 7 mountings, optimal takes 6; least_squares solves any schedule\n"
+        assert not list(tmp_path.glob("table.*"))
+    done = tumble("plan", "validate", "--runs", "200", "--schedule", "7.toml", "--json", cwd=tmp_path)
+    assert sorted(json.loads(done.stdout)["estimators"]) == ["averaged", "least_squares", "refined"]
 
 
 @pytest.mark.python

@@ -109,38 +109,46 @@ def test_the_check_of_an_exact_stand_sees_only_noise():
     assert (found.passes.value, found.everywhere.value, found.growth) == (1.0, 1.0, np.inf)
 
 
-def simulated(case, estimator, runs, limits, seed=1):
-    """Shares (limits, 2) of runs that pass, and that have |a| within the limit everywhere."""
-    counts = np.zeros((len(limits), 2))
-    for index, limit_g in enumerate(limits):
-        tally = validate.validate(replace(case, limit_g=limit_g), (estimator,), runs, seed)[0].tally
-        counts[index] = tally.passed, tally.everywhere
-    return counts / runs
+def simulated(case, estimator, runs, limits, monkeypatch, seed=1):
+    """Shares (limits, 2) of runs that pass, and that have |a| within the limit everywhere: of the same runs."""
+    within = np.zeros((len(limits), 2))
+
+    def judge(tally, check, everywhere, limit_g):
+        for index, limit in enumerate(limits):
+            within[index] += (check <= limit).sum(), (everywhere <= limit).sum()
+
+    monkeypatch.setattr(validate.Tally, "judge", judge)
+    validate.validate(case, (estimator,), runs, seed)
+    return within / runs
 
 
-# (stand, passing at a margin of 1: on fitted positions, with 16 check positions more), as METHOD's section 9.5 has it
+# Passing at a margin of 1: on fitted positions, with 16 check positions more. Of `refined` by an independent program,
+# of `optimal` as 20,000 simulated runs had it.
 STATED = {"paper": (0.89, 0.66), "angle": (0.88, 0.84), "lab": (0.95, 0.92)}
+OPTIMAL = {"paper": (0.996, 0.854), "angle": (0.998, 0.832), "lab": (0.997, 0.837)}
+MARGINS = (0.9, 1.0, 1.1, 1.2, 1.33, 1.5)
 
 
+@pytest.mark.parametrize("estimator", ["refined", "optimal"])
 @pytest.mark.parametrize("name", STATED)
-def test_a_margin_of_one_promises_less_than_it_seems(name):
-    for schedule, stated in zip((None, with_16_checks()), STATED[name]):
+def test_a_margin_of_one_promises_less_than_it_seems(name, estimator):
+    for schedule, stated in zip((None, with_16_checks()), (STATED if estimator == "refined" else OPTIMAL)[name]):
         case = case_of(name, schedule)
-        margin = margins(case, LIMIT_G)["refined"]
-        just = promise(replace(case, limit_g=LIMIT_G / margin), "refined")
+        margin = margins(case, LIMIT_G)[estimator]
+        just = promise(replace(case, limit_g=LIMIT_G / margin), estimator)
         assert just.passes.value == pytest.approx(stated, abs=0.01)
-        assert promise(replace(case, limit_g=1.33 * LIMIT_G / margin), "refined").passes.value > 0.955
+        assert promise(replace(case, limit_g=1.33 * LIMIT_G / margin), estimator).passes.value > 0.955
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["refined", "optimal"])
 @pytest.mark.parametrize("name", STATED)
 @pytest.mark.parametrize("runs", [4000, pytest.param(20_000, marks=pytest.mark.full)])
-def test_runs_turn_out_as_promised(name, estimator, runs):
+def test_runs_turn_out_as_promised(name, estimator, runs, monkeypatch):
     for schedule in (None, with_16_checks()):
         case = case_of(name, schedule)
-        limits = LIMIT_G / margins(case, LIMIT_G)[estimator] * np.array([0.9, 1.0, 1.2])
-        for limit_g, seen in zip(limits, simulated(case, estimator, runs, limits)):
+        limits = LIMIT_G / margins(case, LIMIT_G)[estimator] * np.array(MARGINS)
+        for limit_g, seen in zip(limits, simulated(case, estimator, runs, limits, monkeypatch)):
             found = promise(replace(case, limit_g=limit_g), estimator)
             for chance, share in zip((found.passes, found.everywhere), seen):
                 by_chance = np.hypot(np.sqrt(chance.value * (1 - chance.value) / runs), chance.u)

@@ -175,11 +175,11 @@ def test_simulated_means_are_those_of_the_exact_geometry():
     k, runs = case.nominal_k(), 500
     means = position_means(case, k, runs, np.random.default_rng(5))
     rng = np.random.default_rng(5)
-    shared, delta = rng.standard_normal((runs, 4)) * [2e-4, 5e-4, 2e-3, 2e-3], rng.standard_normal((runs, 18)) * 2e-4
+    sizes = {"alpha1": (1, 2e-4), "alpha2": (1, 5e-4), "alpha3": (2, 2e-3), "delta": (18, 2e-4)}
+    drawn = {name: rng.standard_normal((runs, count)) * sigma for name, (count, sigma) in sizes.items()}
     for run in (0, 1, 499):
-        alpha1, alpha2, *alpha3 = shared[run]
-        one = Geometry(case.fitted).outputs(k, U0_V, alpha1=alpha1, alpha2=alpha2, alpha3=alpha3, delta=delta[run])
-        assert means[run] == pytest.approx(one, abs=5e-8)  # the floor of the noise
+        one = Geometry(case.fitted).outputs(k, U0_V, **{name: errors[run] for name, errors in drawn.items()})
+        assert means[run] == pytest.approx(one, abs=1e-14)
 
 
 def test_a_seed_is_a_campaign(tumble):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tumble.arrays import Integers
+from tumble.arrays import Floats, Integers
 from tumble.units import volts_per
 
 INDEPENDENT = "independent"
@@ -17,6 +17,11 @@ COMMON = "common"
 SIGMA = "sigma1"  # of `limits`: standard deviations
 _SIGMAS_PER_LIMIT = {SIGMA: 1.0, "sigma3": 3.0, "uniform": math.sqrt(3.0)}
 LIMIT_KINDS = tuple(_SIGMAS_PER_LIMIT)
+
+
+def rounding_of(step: float) -> float:
+    """Standard deviation that rounding to a `step` leaves of one sample."""
+    return abs(step) / math.sqrt(12.0)
 
 
 @dataclass(frozen=True)
@@ -61,8 +66,13 @@ class Stand:
     def with_step(self, step: float) -> Stand:
         """This stand with the noise that one sample really has: no less than a converter of this `step` (0: unknown),
         in the unit of the noise, leaves by rounding; step/sqrt(12) as a standard deviation."""
-        rounding = abs(step) / math.sqrt(12.0) * _SIGMAS_PER_LIMIT[self.limits]
+        rounding = rounding_of(step) * _SIGMAS_PER_LIMIT[self.limits]
         return self if self.noise >= rounding else replace(self, noise=rounding)
+
+    def mean_variance(self, rows: Integers) -> Floats:
+        """Variance (positions,) of the mean of each position of a run by the noise, as averaged_over takes `rows`."""
+        variance: Floats = self.sigma("noise") ** 2 / self.averaged_over(rows)
+        return variance
 
     def averaged_over(self, rows: Integers) -> Integers:
         """How many samples the mean of each position of a run has, by its `rows`. If no position has more than one, the

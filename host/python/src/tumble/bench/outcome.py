@@ -59,20 +59,22 @@ def confirm(document: dict[str, Any], stage: Path, setup: Setup) -> Solution:
     The core behind the binding, given the firmware's means, must give the firmware's bits. The numpy witness must
     confirm it within 1e-12 of max|K| (the optimal estimator: 1e-6 of u), once from these means and once from the
     samples in run.csv, averaged anew. And it must confirm the standard uncertainties that the firmware states.
+
+    Further terms of the model, which the firmware does not know, are found from the same means then. Raises BadInput
+    where they are not to be had.
     """
     recorded = read_run(str(stage / "run.csv"), setup.schedule.data, Wishes(unit="V"))
     run = _as_averaged(recorded, document)
+    given = run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"
     try:
-        solution = solve(
-            *(run, setup.schedule, setup.estimator, setup.limit_g, setup.stand, "run.csv"),
-            step_v=step_v(setup),
-            known=gains.known(setup),
-        )
+        solution = solve(*given, step_v=step_v(setup), known=gains.known(setup))
     except BadInput as error:
         raise Disagreement(f"the firmware has a result, but: {error}; no result is given") from None
     _require_same_bits(solution, document)
     _require_same_estimate(solution, recorded, setup)
     _require_same_uncertainties(solution, document, setup)
+    if setup.terms:
+        solution = solve(*given, step_v=step_v(setup), terms=setup.terms)
     return dataclasses.replace(solution, truth=_truth(document["truth"]))
 
 

@@ -17,6 +17,7 @@ from tumble.errors import BadInput
 from tumble.files.stand_file import converter_step_v
 from tumble.schedule import Mounting, Position
 from tumble.stand import Stand
+from tumble.terms import Terms
 
 _MOST_BITS = 24
 _RATES_HZ = (1.0, 1000.0)
@@ -37,7 +38,8 @@ _USUAL_CONVERTER = {"converter_bits": 24, "range_v": 10.0}  # where the file lea
 class Setup:
     """A bench run. `block`, `truth`, `motion`: as of a stand file, None: the program's own; `block_file` and
     `stand_file` are named in complaints. `limit_g`: of the gravity check, g.
-    `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not."""
+    `error_budget_v`: standard error of a mean that ends averaging before `samples`; 0: it does not. `terms`: further
+    ones of the model, to be found once the firmware is done."""
 
     seed: int
     stand: Stand
@@ -51,6 +53,7 @@ class Setup:
     error_budget_v: float = 0.0
     stand_file: str = ""
     block_file: str = ""
+    terms: Terms = ()
 
 
 def scenario_text(setup: Setup) -> str:

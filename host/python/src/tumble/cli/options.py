@@ -11,6 +11,7 @@ from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT
 from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS
 from tumble.schedule import BUILT_IN
+from tumble.terms import EXTENDABLE, TERMS
 
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
@@ -42,6 +43,25 @@ def add_estimator(parser: argparse.ArgumentParser, remark: str = "") -> None:
         metavar="NAME",
         help=f"{', '.join(ESTIMATORS[:-1])} or {ESTIMATORS[-1]}; default: {DEFAULT_ESTIMATOR}{remark}",
     )
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """--model."""
+    parser.add_argument(
+        "--model",
+        metavar="TERM,...",
+        help=f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
+        f" --estimator {' or '.join(EXTENDABLE)}",
+    )
+
+
+def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
+    """--model, where it makes no sense."""
+
+    def refuse(text: str) -> None:
+        raise UsageError(f"--model: {why}")
+
+    parser.add_argument("--model", type=refuse, help=argparse.SUPPRESS)
 
 
 def add_limit(parser: argparse.ArgumentParser) -> None:

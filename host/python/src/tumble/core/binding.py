@@ -24,6 +24,7 @@ MAX_POSITIONS: int = lib.TUMBLE_MAX_POSITIONS
 MAX_SAMPLES: int = lib.TUMBLE_MAX_SAMPLES
 MAX_MOUNTINGS: int = lib.TUMBLE_MAX_MOUNTINGS
 MAX_YAWS: int = lib.TUMBLE_MAX_YAWS  # mountings, where each has unknowns of its own
+MAX_STAND_ERROR_RAD: float = lib.TUMBLE_MAX_STAND_ERROR_RAD  # beyond it nothing is linear
 MAX_MEAN: float = lib.TUMBLE_MAX_MEAN_V
 MIN_ROW_RATIO: float = lib.TUMBLE_MIN_ROW_RATIO
 AXES = "xyz"

@@ -9,7 +9,15 @@ import numpy as np
 from _tumble_core import ffi, lib
 
 from tumble.arrays import Flags, Floats, Integers
-from tumble.core.binding import Calibration, CoreRefusal, CoreSchedule, pack, require_ok
+from tumble.core.binding import (
+    Calibration,
+    CoreRefusal,
+    CoreSchedule,
+    estimate,
+    pack,
+    require_ok,
+    residual_rms,
+)
 from tumble.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -69,6 +77,15 @@ class RunSeen:
         self._calibration = Calibration(k, u0)
         self._coefficients = pack(k, u0)
         self._work = ffi.new("tumble_fit_work_t *")
+
+    @property
+    def departure(self) -> float:
+        """Rms of what least squares on the ideal stand leaves of the outputs, in the channel that has most, over
+        max|K|: about an angle in rad. 0 with fewer than five fit positions."""
+        means, measured, k, _ = self._given
+        ideal = estimate(self._schedule, means, measured, "least_squares")
+        rms = residual_rms(self._schedule, means, measured, *ideal)
+        return 0.0 if rms is None else float(rms.max() / np.abs(k).max())
 
     def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Seen | None]:
         """The angles by the closed form, each None where the run lacks positions of the paper. Without an `alpha4` the

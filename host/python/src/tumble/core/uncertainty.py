@@ -33,7 +33,7 @@ class _JudgedRun:
         self._flags = schedule.flags(measured)
         self._excess = ffi.NULL
         if mean_variance is not None:
-            declared = np.maximum(stand.sigma("noise") ** 2 / averaged_over, least_noise**2)
+            declared = np.maximum(stand.mean_variance(samples), least_noise**2)
             self._excess = ffi.from_buffer(np.maximum(mean_variance - declared[:, None], 0.0))
         self.struct = ffi.new(
             "tumble_judged_run_t *",

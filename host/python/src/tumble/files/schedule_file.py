@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule
+from tumble.core.optimal import estimate_runs
 from tumble.errors import BadInput
 from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.files.toml import Table, read_toml
@@ -19,6 +20,7 @@ _LARGEST_NUMBER = 255
 _LARGEST_ANGLE_DEG = 3600.0
 _LARGEST_TILT_DEG = 89.0
 _EXACT = 1e-9  # of a rotation's rows and columns; what the core accepts
+_CIRCLES = tuple(45.0 * turn for turn in (1, 3, 5, 7)), tuple(45.0 * turn for turn in range(9))  # of closed forms, deg
 _TYPED = 2e-5  # of a rotation typed to five decimals
 
 
@@ -28,6 +30,8 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     table."""
     core_schedule = CoreSchedule.built_in(file) if file in BUILT_IN else _read(file, data)
     require_solvable(core_schedule, estimator, file)
+    if estimator in HARMONIC:
+        _tell_of_left_out(core_schedule, estimator, file)
     return core_schedule
 
 
@@ -76,6 +80,32 @@ def _require_positions(schedule: CoreSchedule, estimator: str, file: str) -> Non
         schedule.harmonic()
     except CoreRefusal:
         raise BadInput(f"lacks positions that {estimator} needs; least_squares solves any schedule", file) from None
+
+
+def _tell_of_left_out(schedule: CoreSchedule, estimator: str, file: str) -> None:
+    """Name the fit positions that a closed form takes nothing from, and why."""
+    fit = [position for position in schedule.data.positions if position.use == FIT]
+    unit = np.eye(3 * len(schedule)).reshape(-1, len(schedule), 3)
+    taken = np.abs(estimate_runs(schedule, unit, estimator)).reshape(len(schedule), -1).max(axis=1) > 0.0
+    out = [one for one, used in zip(schedule.data.positions, taken.tolist()) if not used and one.use == FIT]
+    if out:
+        numbers = dict.fromkeys(position.mounting for position in out)
+        why = "; ".join(_why_left_out([p for p in fit if p.mounting == one], one, out) for one in numbers)
+        labels = ", ".join(position.label for position in out)
+        noun = "position" if len(out) == 1 else "positions"
+        tell(f"tumble: warning: {file}: {estimator} leaves out fit {noun} {labels} ({why}); least_squares takes all")
+
+
+def _why_left_out(fit: list[Position], number: int, out: list[Position]) -> str:
+    """Of the mounting `number` with these `fit` positions, some of which are `out`."""
+    angles = {position.angle_deg for position in fit}
+    circle = next(one for one in _CIRCLES if one is _CIRCLES[-1] or angles <= set(one))
+    lacking = [f"{angle:g}" for angle in circle if angle not in angles]
+    if any(position not in out for position in fit):
+        return f"mounting {number} has its circle without"
+    if lacking:
+        return f"mounting {number} lacks {', '.join(lacking)} deg"
+    return f"no block axis of mounting {number} lies along the level axis"
 
 
 def _mounting(table: Table) -> Mounting:

@@ -77,7 +77,8 @@ def budget(case: Case, which: str, estimator: str) -> Budget:
     terms, reference = gamma * found, weights.reference_values(k)
     stand = replace(case.stand, limits=SIGMA) if published else case.stand
     u = np.sqrt((terms**2).sum(axis=1)) * np.abs(reference)
-    beyond = second_order(case.fitted, k, u, stand, estimator, step=case.step_v)
+    of = case.schedule if case.terms else case.fitted  # a drift goes on where a position is only checked
+    beyond = second_order(of, k, u, stand, estimator, step=case.step_v, terms=case.terms)
     return Budget(which, estimator, sources(case, published), found, terms, reference, beyond)
 
 

@@ -13,6 +13,7 @@ from tumble.errors import BadInput
 from tumble.files.stand_file import StandFile
 from tumble.schedule import FIT, Schedule
 from tumble.stand import PAPER_STAND, Stand
+from tumble.terms import Terms
 
 SCHEMA = "tumble.plan/1"
 PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
@@ -22,7 +23,8 @@ PAPER_BLOCK = {"scale_v_per_g": 2.0, "misalignment_rad": 0.02}
 class Case:
     """`stand`: as declared, but its noise no less than what the converter's steps leave; `scale` in V/g, of any sign
     but not 0; `misalignment` in radians, the same size for all six; `step_v`: of the converter, 0 if unknown;
-    `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's."""
+    `schedule`: None for the paper's own; `limit_g`: the stand file's, else the paper's; `terms`: further ones of the
+    model, whose true sizes are 0."""
 
     stand: Stand
     scale: float
@@ -30,6 +32,7 @@ class Case:
     step_v: float
     own_schedule: Schedule | None
     limit_g: float
+    terms: Terms = ()
 
     @classmethod
     def of(cls, stand_file: StandFile | None, name: str | None, schedule: Schedule | None) -> Case:

@@ -4,7 +4,8 @@ All are linear in independent draws of unit variance, one for each error of the 
 sees the same draws as the check: on fitted positions the check judges residuals.
 
 The error of |a| at a unit attitude a is a'S a + b'a: `forms` holds S by its six elements, then b. (8) is its exact
-counterpart, (|a|^2 - 1)/2.
+counterpart, (|a|^2 - 1)/2. A block whose K2 and K3 are found and applied adds their errors to it, which are of higher
+order in a.
 """
 
 from __future__ import annotations
@@ -16,22 +17,27 @@ import numpy as np
 from tumble import reference
 from tumble.arrays import Floats, Integers
 from tumble.planning.case import Case
-from tumble.planning.weights import estimator_gains
+from tumble.planning.weights import all_gains
 from tumble.reference.estimators import fit_indices
 from tumble.reference.uncertainty import sources
+from tumble.solving.covariance import climbed, norm_gradient, spread_attitudes
+from tumble.solving.extended import columns_at
+from tumble.terms import Terms
 
 _ROWS, _COLUMNS = np.triu_indices(3)
 _BISECTIONS = 26
+_START = 1000  # attitudes
+_ROUNDS = 12
 
 
 @dataclass(frozen=True)
 class ErrorField:
-    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g; `coefficients` (draws, 12): K row
-    by row, V/g, then U0, V."""
+    """`gravity` (draws, positions): of the check, g; `forms` (draws, 9): of |a|, g, by K and U0 alone; `unknowns`
+    (draws, 12 + 3 x terms): K row by row, V/g, U0, V, and the sizes of the case's further terms, V."""
 
     gravity: Floats
     forms: Floats
-    coefficients: Floats
+    unknowns: Floats
 
 
 def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
@@ -40,12 +46,13 @@ def error_field(case: Case, estimator: str, k: Floats) -> ErrorField:
     lone: Integers = np.ones(len(positions), dtype=int)
     all_sources = sources(case.schedule, k, case.stand, lone).values()
     outputs = np.concatenate([source.derivative * source.sigma[:, None, None] for source in all_sources])
-    weights = estimator_gains(case, estimator, k)
+    weights = all_gains(case, estimator, k)
     found = outputs[:, fit_indices(case.schedule)].reshape(len(outputs), -1) @ weights.T
-    found_k, found_u0 = found[:, :9].reshape(-1, 3, 3), found[:, 9:]
+    found_k, found_u0 = found[:, :9].reshape(-1, 3, 3), found[:, 9:12]
 
     force, to_g = reference.Geometry(case.schedule).force(), np.linalg.inv(k)
     left = outputs - force @ np.swapaxes(found_k, 1, 2) - found_u0[:, None]
+    left = left - np.tensordot(found[:, 12:], columns_at(force, case.terms), axes=1)
     gravity = np.einsum("dpi,pi->dp", left @ to_g.T, force)
     return ErrorField(gravity, norm_forms(-to_g @ found_k, -found_u0 @ to_g.T), found)
 
@@ -56,10 +63,17 @@ def norm_forms(matrix: Floats, vector: Floats) -> Floats:
     return np.hstack([symmetric[:, _ROWS, _COLUMNS], vector])
 
 
-def features(at: Floats) -> Floats:
-    """What forms are multiplied by at unit attitudes (n, 3): (n, 9)."""
-    twice = np.where(_ROWS == _COLUMNS, 1.0, 2.0)
-    return np.hstack([twice * at[:, _ROWS] * at[:, _COLUMNS], at])
+def largest_with_terms(errors: Floats, k: Floats, terms: Terms) -> Floats:
+    """The largest error of |a| over all attitudes, g, without sign, by errors (n, 12 + 3 x terms) of the unknowns of a
+    block of sensitivity `k`: (n,). Climbed from the largest of a thousand attitudes, to a thousandth of the value."""
+    start = spread_attitudes(_START)
+    at_start = np.abs(errors @ norm_gradient(k, start, terms).T)
+
+    def heights(attitudes: Floats) -> Floats:
+        found: Floats = np.abs(np.einsum("nam,nm->na", norm_gradient(k, attitudes, terms), errors, optimize=True))
+        return found
+
+    return climbed(heights, start[at_start.argmax(axis=1)], at_start.max(axis=1), _ROUNDS)[1]
 
 
 def largest_over_attitudes(forms: Floats) -> Floats:

@@ -14,7 +14,6 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import ESTIMATORS
 from tumble.planning import weights
 from tumble.planning.budget import sizes as declared_sizes
 from tumble.planning.case import Case
@@ -47,7 +46,7 @@ def headroom(case: Case, which: str, estimator: str, limit_g: float) -> Headroom
 def margins(case: Case, limit_g: float) -> dict[str, float]:
     """The margin of the case's stand with every estimator that its schedule allows, derived weights."""
     sizes, found = declared_sizes(case, False), {}
-    for estimator in ESTIMATORS:
+    for estimator in weights.estimators_of(case):
         with suppress(UsageError):  # the schedule lacks positions that it needs
             found[estimator] = _margin(_weights(case, "derived", estimator, sizes), sizes, limit_g / 3.0)
     return found

@@ -1,9 +1,12 @@
 """How well a schedule's subsets know the norm of a: the worst u(|a|) over all attitudes, for thousands of subsets.
 
 Everything that does not depend on the subset is computed once, for all candidate positions: what the stand's errors do
-to the outputs, and what errors of the coefficients do to |a|. An error of the stand that touches one position only,
+to the outputs, and what errors of the unknowns do to |a|. An error of the stand that touches one position only,
 such as that of a set angle, adds to the covariance of its outputs; one that positions share is an unknown with a prior.
 For `optimal` the information of the positions then simply adds up. `least_squares` is propagated as it is.
+
+Unknowns are the coefficients, and the sizes of the case's further terms. A drift goes by the order of the candidates;
+of a subset that leaves some out it is nearly the drift of the run.
 """
 
 from __future__ import annotations
@@ -17,15 +20,15 @@ from tumble.arrays import Flags, Floats
 from tumble.errors import UsageError
 from tumble.estimators import OPTIMAL
 from tumble.planning.case import Case
-from tumble.planning.error_field import features, norm_forms
 from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
-from tumble.solving.covariance import spread_attitudes, worst_norm
+from tumble.solving.covariance import norm_gradient, spread_attitudes, worst_norm
+from tumble.solving.extended import columns_at
 from tumble.solving.gains import UNEQUAL, mean_sigma
+from tumble.terms import EXTENDABLE
 
-ESTIMATORS = ("least_squares", OPTIMAL)
+ESTIMATORS = EXTENDABLE
 _ATTITUDES = 400  # a worst u(|a|) at one of these is short of the true one by a percent or two
-_ORDER = [4 * i + j for i in range(3) for j in range(3)] + [3, 7, 11]  # K row by row, then U0, of channel by channel
 _SENSITIVITY = 1e-3  # g: with less, per square root of the positions, a coefficient is not identified
 _UNKNOWN_G = 1e3  # prior of a coefficient, in parts of max|K|: what a subset cannot identify is this far off
 
@@ -47,57 +50,60 @@ class NormSpread:
         shared = (np.abs(errors).max(axis=2) > 0.0).sum(axis=1) > 1
         self.shared = np.moveaxis(errors[shared], 0, 2)
         self.local = np.einsum("dpi,dpj->pij", errors[~shared], errors[~shared])
-        self.force = np.column_stack([reference.Geometry(schedule).force(), np.ones(count)])
+        force, self.terms = reference.Geometry(schedule).force(), case.terms
+        further, force = columns_at(force, case.terms), np.column_stack([force, np.ones(count)])
+        own = np.einsum("tipi->ipt", further.reshape(-1, 3, count, 3))  # of no term but its own does a channel feel any
+        self.felt = np.concatenate([np.broadcast_to(force, (3, count, 4)), own], axis=2)
         self.weak = (_UNKNOWN_G * np.abs(k).max()) ** -2
-        self.to_forms = _forms_of_coefficients(k)
-        self.features = features(spread_attitudes(_ATTITUDES))
+        self.gradient = norm_gradient(k, spread_attitudes(_ATTITUDES), case.terms)
 
     def worst(self, chosen: Flags, samples: int) -> Floats:
         """The worst u(|a|), g, of every subset at some attitudes: `chosen` (subsets, candidates), `samples` at each
         position."""
-        forms = self.to_forms @ self._covariances(chosen, samples) @ self.to_forms.T
-        variances = np.einsum("ar,brs,as->ba", self.features, forms, self.features, optimize=True)
+        variances = ((self.gradient @ self._covariances(chosen, samples)) * self.gradient).sum(axis=2)
         u: Floats = np.sqrt(variances.max(axis=1))
         return u
 
     def exact(self, chosen: Flags, samples: int) -> float:
         """The worst u(|a|), g, of one subset (candidates,) at any attitude."""
-        return worst_norm(self.k, self._covariances(chosen[None], samples)[0][np.ix_(_ORDER, _ORDER)]).worst
+        return worst_norm(self.k, self._covariances(chosen[None], samples)[0], self.terms).worst
 
     def _covariances(self, chosen: Flags, samples: int) -> Floats:
+        """Of the unknowns (subsets, n, n): K row by row, U0, sizes by term and channel."""
         noise = self.local + self.noise / samples * np.eye(3)
-        return (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
+        found = (self._optimal if self.estimator == OPTIMAL else self._least_squares)(chosen, noise)
+        by_channel = np.arange(found.shape[1]).reshape(3, -1)
+        order = np.concatenate([by_channel[:, :3].ravel(), by_channel[:, 3:].T.ravel()])
+        return found[:, order[:, None], order]
 
     def _optimal(self, chosen: Flags, noise: Floats) -> Floats:
-        """Covariances (subsets, 12, 12): unknowns are the coefficients, and the shared errors over their sigma."""
-        design = np.einsum("pr,ij->pijr", self.force, np.eye(3)).reshape(len(self.force), 3, 12)
+        """Channel by channel: unknowns are those of the model, and the shared errors over their sigma."""
+        positions, count = self.felt.shape[1:]
+        design = np.einsum("ipr,ij->pijr", self.felt, np.eye(3)).reshape(positions, 3, 3 * count)
         model = np.concatenate([design, self.shared], axis=2)
         each = np.swapaxes(model, 1, 2) @ np.linalg.solve(noise, model)
         total = np.tensordot(chosen.astype(float), each, axes=1)
-        prior = np.r_[np.full(12, self.weak), np.ones(model.shape[2] - 12)]
+        prior = np.r_[np.full(3 * count, self.weak), np.ones(model.shape[2] - 3 * count)]
         scale = np.sqrt(total.diagonal(axis1=1, axis2=2) + prior)
         total = (total + np.diag(prior)) / scale[:, :, None] / scale[:, None, :]
         try:
-            found: Floats = (np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :])[:, :12, :12]
+            inverse = np.linalg.inv(total) / scale[:, :, None] / scale[:, None, :]
         except np.linalg.LinAlgError:
             raise UsageError(UNEQUAL) from None
+        found: Floats = inverse[:, : 3 * count, : 3 * count]
         if not (found.diagonal(axis1=1, axis2=2) > 0.0).all():
             raise UsageError(UNEQUAL)
         return found
 
     def _least_squares(self, chosen: Flags, noise: Floats) -> Floats:
-        weighted = chosen[:, :, None] * self.force
-        normal = np.swapaxes(weighted, 1, 2) @ self.force
-        lost = np.linalg.eigvalsh(normal)[:, 0] <= _SENSITIVITY**2 * chosen.sum(axis=1)
-        gains = weighted @ np.linalg.inv(np.where(lost[:, None, None], np.eye(4), normal))
+        """Likewise."""
+        count = self.felt.shape[2]
+        weighted = chosen[:, None, :, None] * self.felt
+        normal = np.swapaxes(weighted, 2, 3) @ self.felt
+        lost = np.linalg.eigvalsh(normal)[..., 0] <= _SENSITIVITY**2 * chosen.sum(axis=1)[:, None]
+        gains = weighted @ np.linalg.inv(np.where(lost[..., None, None], np.eye(count), normal))
         gains[lost] *= _UNKNOWN_G / self.noise**0.5  # far off too
-        by_shared = np.einsum("bpr,pid->bird", gains, self.shared, optimize=True).reshape(len(chosen), 12, -1)
-        by_local = np.einsum("bpr,bps,pij->birjs", gains, gains, noise, optimize=True)
-        found: Floats = by_local.reshape(len(chosen), 12, 12) + by_shared @ np.swapaxes(by_shared, 1, 2)
+        by_shared = np.einsum("bipr,pid->bird", gains, self.shared, optimize=True).reshape(len(chosen), 3 * count, -1)
+        by_local = np.einsum("bipr,bjps,pij->birjs", gains, gains, noise, optimize=True)
+        found: Floats = by_local.reshape(len(chosen), 3 * count, 3 * count) + by_shared @ np.swapaxes(by_shared, 1, 2)
         return found
-
-
-def _forms_of_coefficients(k: Floats) -> Floats:
-    """(9, 12): forms of |a| by errors of K_ij and U0_i, channel by channel: K_ix, K_iy, K_iz, U0_i."""
-    to_g, unit = np.linalg.inv(k), np.eye(12).reshape(12, 3, 4)
-    return norm_forms(-to_g @ unit[:, :, :3], -unit[:, :, 3] @ to_g.T).T

@@ -21,11 +21,12 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import ESTIMATORS
 from tumble.planning.case import Case
-from tumble.planning.error_field import error_field, largest_over_attitudes
+from tumble.planning.error_field import ErrorField, error_field, largest_over_attitudes, largest_with_terms
 from tumble.planning.tables import percent
+from tumble.planning.weights import estimators_of
 from tumble.solving.assumptions import ASSUMPTIONS, resting_on_a_seat
+from tumble.terms import POWERS, Terms
 
 ON_A_SEAT = f"Assuming {ASSUMPTIONS['seat'].phrase}: {ASSUMPTIONS['seat'].why}."
 _ANY = 0.95  # of a growth that nobody asks for
@@ -148,17 +149,25 @@ def promise(case: Case, estimator: str, probability: float = _ANY, k: Floats | N
     k = case.nominal_k() if k is None else k
     field = error_field(case, estimator, k)
     check = Law.of(field.gravity, _DIRECTIONS["positions"], lambda errors: np.abs(errors).max(axis=1))
-    norm = Law.of(field.forms, _DIRECTIONS["attitudes"], largest_over_attitudes)
+    norm = Law.of(*_of_norm(field, k, case.terms))
     needed = max(check.limit(probability), norm.limit(probability))
     growth = case.limit_g / needed if needed > 0.0 else np.inf
-    on_a_seat = resting_on_a_seat(case.fitted, k, estimator, case.stand) is not None
+    on_a_seat = resting_on_a_seat(case.fitted, k, estimator, case.stand, case.terms) is not None
     return Promise(case.limit_g, check.chance(case.limit_g), norm.chance(case.limit_g), growth, on_a_seat)
+
+
+def _of_norm(field: ErrorField, k: Floats, terms: Terms) -> tuple[Floats, int, Callable[[Floats], Floats]]:
+    """Arguments of Law.of. K2 and K3 make of |a| more than a quadratic form."""
+    count = _DIRECTIONS["attitudes"]
+    if not set(terms) & set(POWERS):
+        return field.forms, count, largest_over_attitudes
+    return field.unknowns, count, lambda errors: largest_with_terms(errors, k, terms)
 
 
 def promises(case: Case, probability: float) -> dict[str, Promise]:
     """Of every estimator that the schedule allows."""
     found = {}
-    for estimator in ESTIMATORS:
+    for estimator in estimators_of(case):
         try:
             found[estimator] = promise(case, estimator, probability)
         except UsageError:  # the schedule lacks positions that it needs

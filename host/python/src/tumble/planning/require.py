@@ -156,7 +156,7 @@ def _grown(case: Case, share_of: _Shares) -> Requirements:
     It is never worse than a linear one, so what that one allows is allowed. From there every angle that fits, the least
     felt first, goes to the ceiling; what is left grows in proportion until the rows are full.
     """
-    estimator = "least_squares" if circles(case.fitted) is None else "refined"
+    estimator = "least_squares" if case.terms or circles(case.fitted) is None else "refined"
     start = worst_weights(case, estimator)
     ceiling = ceilings(case)
     sizes = np.minimum(share_of.requirements(start, start > 0.0).limits, ceiling)

@@ -16,6 +16,7 @@ from tumble.core import MAX_SAMPLES
 from tumble.errors import UsageError
 from tumble.planning.case import Case
 from tumble.planning.duration import Pace
+from tumble.planning.model_cost import model_cost
 from tumble.planning.norm_spread import NormSpread
 from tumble.planning.promise import Promise, promise
 from tumble.planning.schedule_search import (
@@ -27,6 +28,8 @@ from tumble.planning.schedule_search import (
     worst_norm_of,
 )
 from tumble.schedule import Schedule
+from tumble.solving.extended import confused
+from tumble.solving.further import Further
 
 BESIDE = ("paper", "three_mountings", "diagonal")
 _STEPS = 8
@@ -46,7 +49,7 @@ class Goal:
 @dataclass(frozen=True)
 class Planned:
     """`best`, and `beside` it by name; None where a schedule does not get there. Of the best: the worst u(|a|), g, at
-    which attitude, and the promise."""
+    which attitude, the promise, and what further terms of the model cost."""
 
     case: Case
     goal: Goal
@@ -56,6 +59,7 @@ class Planned:
     u_norm_g: float
     attitude: list[float]
     promise: Promise
+    further: Further | None = None
 
 
 def plan_schedule(
@@ -82,7 +86,8 @@ def plan_schedule(
     chosen = measured_with(case, best)
     u_norm_g, attitude = worst_norm_of(chosen, goal.estimator)
     promised = promise(chosen, goal.estimator, goal.probability)
-    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised)
+    further = model_cost(chosen, goal.estimator)
+    return Planned(case, goal, pace, best, beside, u_norm_g, attitude, promised, further)
 
 
 def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> float:
@@ -93,7 +98,9 @@ def _first_norm(case: Case, goal: Goal, beside: dict[str, Timed | None]) -> floa
 
 
 def reaching(case: Case, goal: Goal, schedule: Schedule, pace: Pace) -> Timed | None:
-    """A schedule with the fewest samples that reach the goal; None if none do."""
+    """A schedule with the fewest samples that reach the goal; None if none do, or it does not tell further terms."""
+    if case.terms and confused(schedule, case.terms) is not None:
+        return None
     if goal.norm_g is not None:
         return held_to(case, goal.estimator, schedule, goal.norm_g, pace)
     spread = NormSpread(case, schedule, goal.estimator)

@@ -6,12 +6,13 @@ import shlex
 from dataclasses import asdict
 from typing import Any
 
-from tumble.planning import tables
+from tumble.planning import model_cost, tables
 from tumble.planning.case import SCHEMA
 from tumble.planning.enough import growing
 from tumble.planning.schedule_plan import Planned
 from tumble.planning.schedule_search import Timed
 from tumble.schedule import Mounting, Schedule
+from tumble.terms import Terms
 
 _TABLE_AXES = "hnv"
 
@@ -37,19 +38,20 @@ def document(found: Planned, step_deg: float) -> dict[str, Any]:
             "sample_rate_hz": found.pace.rate,
             "remounting_s": found.pace.remounting,
         },
-        "schedule": {**_timed(found.best), **_positions(found.best.schedule)},
+        "schedule": {**_timed(found.best, case.terms), **_positions(found.best.schedule)},
         "u_norm_g": {"worst_g": found.u_norm_g, "attitude": found.attitude},
         "promise": growing(found.promise),
-        "beside": {name: None if timed is None else _timed(timed) for name, timed in found.beside.items()},
+        **model_cost.document(found.further),
+        "beside": {name: None if timed is None else _timed(timed, case.terms) for name, timed in found.beside.items()},
     }
 
 
-def _timed(timed: Timed) -> dict[str, Any]:
+def _timed(timed: Timed, terms: Terms) -> dict[str, Any]:
     return {
         "mountings": len(timed.schedule.mountings),
         "positions": len(timed.schedule.positions),
         "samples": timed.samples,
-        "freedom": freedom(timed),
+        "freedom": freedom(timed, terms),
         "seconds": timed.duration.total,
         **{f"{part}_s": seconds for part, seconds in asdict(timed.duration).items()},
     }
@@ -83,17 +85,23 @@ def show(found: Planned, written: str | None, stand: str | None) -> None:
         angles = " ".join(f"{angle:g}" for angle in _angles(found.best.schedule, mounting))
         out.print(f"Mounting {mounting.number}: {axes} (h across, n along the axis, v up at 0);")
         out.print(f"  table at {angles} deg")
-    out.print(f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug; {freedom(found.best)} degrees of freedom check the model")
+    out.print(
+        f"Worst u(|a|): {1e6 * found.u_norm_g:.4g} ug;"
+        f" {freedom(found.best, found.case.terms)} degrees of freedom check the model"
+    )
+    if found.further is not None:
+        out.print(model_cost.sentence(found.further))
     out.print(found.promise.sentence)
     if written is not None:
         files = ["--schedule", written, *([] if stand is None else ["--stand", stand])]
         options = f"{shlex.join(files)} --samples {found.best.samples} --estimator {goal.estimator}"
+        options += f" --model {','.join(found.case.terms)}" if found.case.terms else ""
         out.print(f"Run it: tumble bench {options}", soft_wrap=True)
 
 
-def freedom(timed: Timed) -> int:
-    """Of the residuals: what a fit leaves to show that the model holds."""
-    return 3 * len(timed.schedule.positions) - 12
+def freedom(timed: Timed, terms: Terms = ()) -> int:
+    """Of the residuals: what a fit, with further `terms`, leaves to show that the model holds."""
+    return 3 * (len(timed.schedule.positions) - len(terms)) - 12
 
 
 def _row(name: str, timed: Timed | None) -> tuple[str, ...]:

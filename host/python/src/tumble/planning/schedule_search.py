@@ -91,8 +91,8 @@ class _Candidates:
 
     def _left_out(self) -> tuple[Timed | None, Flags]:
         chosen = np.ones(len(self.spread.schedule.positions), dtype=bool)
-        best, best_chosen = None, chosen
-        while chosen.sum() >= _FEWEST_POSITIONS and (found := self.timed(chosen)) is not None:
+        best, best_chosen, fewest = None, chosen, _FEWEST_POSITIONS + len(self.spread.terms)
+        while chosen.sum() >= fewest and (found := self.timed(chosen)) is not None:
             if chosen.sum() <= MAX_POSITIONS and (best is None or found.duration.total < best.duration.total):
                 best, best_chosen = found, chosen
             fewer = chosen & ~np.eye(len(chosen), dtype=bool)[chosen]
@@ -160,6 +160,6 @@ def measured_with(case: Case, timed: Timed) -> Case:
 def worst_norm_of(case: Case, estimator: str) -> tuple[float, list[float]]:
     """The worst u(|a|) of a case, g, and at which attitude, from the estimator's own gains."""
     k = case.nominal_k()
-    found = error_field(case, estimator, k).coefficients
-    worst = worst_norm(k, found.T @ found)
+    found = error_field(case, estimator, k).unknowns
+    worst = worst_norm(k, found.T @ found, case.terms)
     return worst.worst, worst.attitude.tolist()

@@ -20,11 +20,14 @@ from tumble.planning.case import Case
 from tumble.planning.error_field import largest_over_attitudes, norm_forms
 from tumble.planning.promise import Promise, promise
 from tumble.planning.simulate import U0_V, position_means
+from tumble.planning.weights import estimator_gains
 from tumble.reference.estimators import fit_indices
-from tumble.solving import optimal_run
+from tumble.solving import extended, optimal_run
+from tumble.solving.covariance import spread_attitudes
+from tumble.solving.extended import columns_at
 from tumble.solving.gain_record import record_of, to_bytes
 from tumble.solving.gains import (
-    gains,
+    OptimalTable,
     linearise,
     mean_sigma,
     optimal_table,
@@ -32,10 +35,12 @@ from tumble.solving.gains import (
     shared_sigmas,
     standard_deviations,
 )
+from tumble.terms import POWERS, Terms
 
 KNOWN = "known"  # optimal weights for the block's true K, as a last known one
 RUN = "run"  # for each run's own first estimate of K, as in a solve
 COVERAGE_FACTORS = (1, 2, 3)
+_ATTITUDES = 2000
 _CHUNK = 2000  # runs at a time: part of what a seed means
 HISTOGRAM = (-5.0, 5.0, 50)  # of error over u: from, to, bins
 
@@ -108,38 +113,50 @@ def validate(
     k = case.nominal_k()
     solvers = {estimator: _solver(case, estimator, k, table) for estimator in estimators}
     tallies = {estimator: Tally() for estimator in estimators}
-    fit = fit_indices(case.schedule)
     rng, truth = np.random.default_rng(seed), np.concatenate([k.ravel(), U0_V])
     for start in range(0, runs, _CHUNK):
         means = position_means(case, k, min(_CHUNK, runs - start), rng)
         for estimator, solver in solvers.items():
             try:
-                found, u = solver(means[:, fit])
+                found, u = solver(means)
             except core.CoreRefusal as refusal:
                 raise UsageError(f"a run on such a stand cannot be solved by {estimator}: {refusal}") from None
-            tallies[estimator].add(found - truth, u)
-            tallies[estimator].judge(largest_gravity_errors(means, found), _everywhere(found, k), case.limit_g)
+            tallies[estimator].add(found[:, :12] - truth, u)
+            check = largest_gravity_errors(means, found, case.terms)
+            tallies[estimator].judge(check, _everywhere(found, k, case.terms), case.limit_g)
         progress(len(means))
-    bound = optimal_table(case.fitted, k, case.stand, case.step_v).u
+    bound = _optimal(case, k).u[:12]
     return [
         Validated(estimator, tallies[estimator], _planned(case, estimator, k), bound, promise(case, estimator))
         for estimator in estimators
     ]
 
 
-def largest_gravity_errors(means: Floats, found: Floats) -> Floats:
-    """Of (8) over the positions, without sign: (runs,). `means` (runs, positions, 3), `found` (runs, 12)."""
-    k, u0 = found[:, :9].reshape(-1, 3, 3), found[:, None, 9:]
+def largest_gravity_errors(means: Floats, found: Floats, terms: Terms = ()) -> Floats:
+    """Of (8) over the positions, without sign: (runs,). `means` (runs, positions, 3), `found` (runs, 12), with the
+    sizes of further `terms` behind, which are so small that once is enough."""
+    k, u0 = found[:, :9].reshape(-1, 3, 3), found[:, None, 9:12]
     force = np.linalg.solve(k, np.swapaxes(means - u0, 1, 2))
+    if terms:
+        shown = zip(found[:, 12:], np.swapaxes(force, 1, 2))
+        further = np.array([np.tensordot(sizes, columns_at(one, terms), axes=1) for sizes, one in shown])
+        force = force - np.linalg.solve(k, np.swapaxes(further, 1, 2))
     largest: Floats = np.abs((force**2).sum(axis=1) - 1.0).max(axis=1) / 2.0
     return largest
 
 
-def _everywhere(found: Floats, k: Floats) -> Floats:
-    """The largest of (8) over all attitudes at rest, without noise, for runs that found (runs, 12) of a block with `k`
-    and U0_V."""
+def _everywhere(found: Floats, k: Floats, terms: Terms) -> Floats:
+    """The largest of (8) over all attitudes at rest, without noise, for runs that found (runs, 12 + 3 x terms) of a
+    block with `k` and U0_V; beside K2 and K3, at two thousand of them."""
+    if set(terms) & set(POWERS):
+        still = found.copy()
+        for index, term in enumerate(terms):
+            if term not in POWERS:
+                still[:, 12 + 3 * index : 15 + 3 * index] = 0.0  # a drift was the run's and is over
+        at_rest = np.array(U0_V) + spread_attitudes(_ATTITUDES) @ k.T
+        return np.concatenate([largest_gravity_errors(at_rest[None], run[None], terms) for run in still])
     turned = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), np.broadcast_to(k, (len(found), 3, 3)))
-    shift = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), (np.array(U0_V) - found[:, 9:])[..., None])
+    shift = np.linalg.solve(found[:, :9].reshape(-1, 3, 3), (np.array(U0_V) - found[:, 9:12])[..., None])
     transposed = np.swapaxes(turned, 1, 2)
     constant = ((shift**2).sum(axis=(1, 2)) - 1.0)[:, None, None] * np.eye(3)
     forms = norm_forms((transposed @ turned + constant) / 2.0, (transposed @ shift)[..., 0])
@@ -147,7 +164,7 @@ def _everywhere(found: Floats, k: Floats) -> Floats:
 
 
 def _planned(case: Case, estimator: str, k: Floats) -> Floats:
-    weights = gains(case.fitted, estimator, k, case.stand, case.step_v)
+    weights = estimator_gains(case, estimator, k)
     sigma_mean = mean_sigma(k, case.stand, case.step_v, case.stand.samples)[0]
     return standard_deviations(case.fitted, weights, k, case.stand, sigma_mean)
 
@@ -156,16 +173,37 @@ Solver = Callable[[Floats], tuple[Floats, Floats]]
 
 
 def _solver(case: Case, estimator: str, k: Floats, table: str) -> Solver:
-    """From means (runs, positions, 3) to coefficients and stated uncertainties, (runs, 12) each, by the core."""
-    schedule = core.CoreSchedule(case.fitted)
+    """From means (runs, positions, 3) to coefficients, with the sizes of further terms behind, and stated uncertainties
+    (runs, 12), by the core."""
+    schedule, fit = core.CoreSchedule(case.fitted), fit_indices(case.schedule)
+    if case.terms:
+        return _extended_solver(case, estimator, k)
     if estimator in LINEAR:
-        state = _stated(case, gains(case.fitted, estimator, k, case.stand))
-        return lambda means: _with(state, estimate_runs(schedule, means, estimator))
+        state = _stated(case, estimator_gains(case, estimator, k))
+        return lambda means: _with(state, estimate_runs(schedule, means[:, fit], estimator))
     if table == RUN:
-        return lambda means: _weighted_anew(case, schedule, means)
-    found = optimal_table(case.fitted, k, case.stand, case.step_v)
+        return lambda means: _weighted_anew(case, schedule, means[:, fit])
+    found = _optimal(case, k)
     record = GainRecord(schedule, to_bytes(record_of(found, case.fitted)))
-    return lambda means: (optimal_runs(record, means)[0], np.broadcast_to(found.u, (len(means), 12)))
+    return lambda means: (optimal_runs(record, means[:, fit])[0], np.broadcast_to(found.u, (len(means), 12)))
+
+
+def _optimal(case: Case, k: Floats) -> OptimalTable:
+    further = extended.fitted_columns(core.CoreSchedule(case.schedule), case.terms)
+    return optimal_table(case.fitted, k, case.stand, case.step_v, further=further)
+
+
+def _extended_solver(case: Case, estimator: str, k: Floats) -> Solver:
+    """With further terms: of all positions, as a drift goes on where a position is only checked."""
+    run = core.CoreSchedule(case.schedule)
+    if estimator in LINEAR:
+        state = _stated(case, estimator_gains(case, estimator, k))
+        return lambda means: _with(state, extended.estimate_runs(run, means, case.terms, None))
+    table = _optimal(case, k)
+    return lambda means: (
+        extended.estimate_runs(run, means, case.terms, table),
+        np.broadcast_to(table.u[:12], (len(means), 12)),
+    )
 
 
 def _with(state: Callable[[Floats], Floats], found: Floats) -> tuple[Floats, Floats]:

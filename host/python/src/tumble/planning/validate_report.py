@@ -27,6 +27,7 @@ def document(case: Case, found: list[tuple[Validated, Judged]], seed: int, table
         "runs": runs,
         "seed": seed,
         "table": table,
+        **({"model": list(case.terms)} if case.terms else {}),
         "names": list(COEFFICIENTS),
         "limits": {
             "bias_over_u": bias_limit(runs),
@@ -70,6 +71,8 @@ def show(case: Case, found: list[tuple[Validated, Judged]], seed: int) -> None:
     out, runs = tables.console(), found[0][0].tally.runs
     out.print(tables.heading(f"Monte Carlo: {runs} runs of the firmware's estimators, seed {seed}"))
     out.print(f"Stand: {case.stand.name or 'without a name'}")
+    if case.terms:
+        out.print(f"Beside the twelve coefficients each run finds {', '.join(case.terms)}")
     headings = ("", "u planned", "bias/u", "spread/u", "bound/spread", "k = 1", "k = 2", "k = 3")
     for one, judged in found:
         out.print(tables.heading(f"\n{one.estimator}"))

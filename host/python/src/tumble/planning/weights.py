@@ -12,14 +12,17 @@ from itertools import product
 
 import numpy as np
 
+from tumble import core
 from tumble.arrays import Floats
 from tumble.errors import UsageError
-from tumble.estimators import HARMONIC
+from tumble.estimators import ESTIMATORS, HARMONIC, OPTIMAL
 from tumble.planning.case import Case
 from tumble.planning.published import NAMES, REFINED, SOURCES, TABLE_1, TABLE_1_CORRECTED, TABLE_4, evaluate
 from tumble.reference.estimators import paper_slots
-from tumble.solving.gains import Linearised, gains, linearise
+from tumble.solving import extended
+from tumble.solving.gains import Linearised, gains, linearise, optimal_table
 from tumble.stand import COMMON, Stand
+from tumble.terms import EXTENDABLE
 
 FURTHER = ("seat", "platform", "encoder", "drift")
 OF_OUTPUTS = ("noise", "drift")  # in volts; the others are angles
@@ -30,7 +33,23 @@ _ROUNDING = 1e-13
 
 def estimator_gains(case: Case, estimator: str, k: Floats) -> Floats:
     """Gains (12, 3 x fit positions) of an estimator; those of optimal are for the case's stand and this K."""
-    return gains(case.fitted, estimator, k, case.stand, case.step_v)
+    return all_gains(case, estimator, k)[:12]
+
+
+def all_gains(case: Case, estimator: str, k: Floats) -> Floats:
+    """The same, and those of the sizes of the case's further terms: (12 + 3 x terms, 3 x fit positions)."""
+    if not case.terms:
+        return gains(case.fitted, estimator, k, case.stand, case.step_v)
+    run = core.CoreSchedule(case.schedule)
+    if estimator != OPTIMAL:
+        return extended.gains(run, case.terms)
+    return optimal_table(case.fitted, k, case.stand, case.step_v, None, extended.fitted_columns(run, case.terms)).gains
+
+
+def estimators_of(case: Case) -> tuple[str, ...]:
+    """Those that find all that the case's model has, in as many mountings as they can."""
+    names = EXTENDABLE if case.terms else ESTIMATORS
+    return tuple(name for name in names if name != OPTIMAL or len(case.schedule.mountings) <= core.MAX_YAWS)
 
 
 def sources_of(stand: Stand) -> tuple[str, ...]:

@@ -109,6 +109,14 @@ class RunSeen:
         """The largest output, as a specific force in g."""
         return float(np.abs(np.linalg.solve(self._k, self._means.T)).max())
 
+    @property
+    def departure(self) -> float:
+        """Rms of what least squares on the ideal stand leaves of the outputs, in the channel that has most, over
+        max|K|: about an angle in rad."""
+        freedom = len(self._fit) - 4
+        squares = (self._left().reshape(-1, 3) ** 2).sum(axis=0)
+        return float(np.sqrt(squares.max() / freedom)) if freedom > 0 else 0.0
+
     def angles(self, alpha4: float | None, variance: Floats) -> dict[str, Estimate | None]:
         """The angles by the closed form: all None where the paper's positions are not all there. Without an `alpha4`
         the uncertainties are 0.
@@ -188,9 +196,13 @@ class RunSeen:
         """Design, derivatives by the set angles, and what an ideal stand leaves of the outputs, in units of the
         noise."""
         noise = np.maximum(np.sqrt(np.repeat(variance[self._fit], 3)) / self._scale, _SMALLEST_NOISE)
+        return self._model.design / noise[:, None], self._model.by_set_angle.T / noise[:, None], self._left() / noise
+
+    def _left(self) -> Floats:
+        """What an ideal stand leaves of the outputs, over max|K|."""
         ideal, outputs = dense_design(self._fitted), self._means.ravel()
-        left = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
-        return self._model.design / noise[:, None], self._model.by_set_angle.T / noise[:, None], left / noise
+        left: Floats = outputs - ideal @ np.linalg.lstsq(ideal, outputs, rcond=None)[0]
+        return left
 
     def _components(self, variance: Floats) -> tuple[Floats, Floats]:
         """The residuals that errors of set angles move, as independent components: their values, in units of the noise,

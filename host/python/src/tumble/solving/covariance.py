@@ -11,6 +11,7 @@ to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,13 +49,19 @@ def norm_uncertainty(k: Floats, covariance: Floats, attitudes: Floats, terms: Te
     """Standard uncertainty (...), g, of the length of the specific force that the calibrated block shows at `attitudes`
     (..., 3), unit vectors. `terms`: further ones whose sizes the covariance has behind U0; a drift was the run's and is
     over."""
+    gradient = norm_gradient(k, attitudes, terms)
+    found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
+    return found
+
+
+def norm_gradient(k: Floats, attitudes: Floats, terms: Terms = ()) -> Floats:
+    """Of how much that length falls short of the true one, by errors of K row by row, U0 and the sizes of further
+    `terms`: (..., 12 + 3 x terms)."""
     n = np.asarray(attitudes, dtype=float)
     w = n @ np.linalg.inv(k)
     further = [w * n ** POWERS[term] if term in POWERS else np.zeros(n.shape) for term in terms]
     by_k = np.einsum("...i,...j->...ij", w, n).reshape(*n.shape[:-1], 9)
-    gradient = np.concatenate([by_k, w, *further], axis=-1)
-    found: Floats = np.sqrt(np.maximum(((gradient @ covariance) * gradient).sum(axis=-1), 0.0))
-    return found
+    return np.concatenate([by_k, w, *further], axis=-1)
 
 
 def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
@@ -64,21 +71,32 @@ def worst_norm(k: Floats, covariance: Floats, terms: Terms = ()) -> WorstNorm:
     many, and climbed from the best of them, around each in eight directions, with steps that are halved where none
     leads up.
     """
-    best = spread_attitudes(_START)
-    best = best[np.argsort(norm_uncertainty(k, covariance, best, terms))[-_BEST:]]
-    height, step = norm_uncertainty(k, covariance, best, terms), np.full(len(best), _FIRST_STEP)
-    for _ in range(_ROUNDS):
+
+    def heights(attitudes: Floats) -> Floats:
+        return norm_uncertainty(k, covariance, attitudes, terms)
+
+    start = spread_attitudes(_START)
+    best = start[np.argsort(heights(start))[-_BEST:]]
+    best, height = climbed(heights, best, heights(best), _ROUNDS)
+    top = int(height.argmax())
+    return WorstNorm(float(height[top]), best[top])
+
+
+def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, rounds: int) -> tuple[Floats, Floats]:
+    """Attitudes (n, 3) and heights (n,) at most so many steps further up from `best`, which have `height`. `heights`:
+    of attitudes (n, 8, 3) around each, (n, 8)."""
+    step = np.full(len(best), _FIRST_STEP)
+    for _ in range(rounds):
         around = _around(best, step)
-        heights = norm_uncertainty(k, covariance, around, terms)
-        upward = heights.argmax(axis=1)
-        highest = np.take_along_axis(heights, upward[:, None], axis=1)[:, 0]
+        found = heights(around)
+        upward = found.argmax(axis=1)
+        highest = np.take_along_axis(found, upward[:, None], axis=1)[:, 0]
         leads_up = highest > height
         best = np.where(leads_up[:, None], around[np.arange(len(best)), upward], best)
         height, step = np.where(leads_up, highest, height), np.where(leads_up, step, step / 2.0)
         if step.max() < _LAST_STEP:
             break
-    top = int(height.argmax())
-    return WorstNorm(float(height[top]), best[top])
+    return best, height
 
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:

@@ -107,6 +107,7 @@ def compare_seen(
     scatter: Floats,
     stand: Stand | None,
     trust_stand: bool = True,
+    mean_variance: Floats | None = None,
 ) -> None:
     """Look at the stand again, through the witness. Raises Disagreement.
 
@@ -117,8 +118,10 @@ def compare_seen(
     noise, u_noise = reference.pooled_noise(samples, scatter)
     rounded = max(_ROUNDED_RAD, _LAST_BITS * _SUMMED * run.largest_force)
     seen = None if noise is None or u_noise is None else Estimate(noise, u_noise)
-    witness = look(run, seen, samples, stand, trust_stand)
-    variances = [own_variance(one, samples, stand) for one in (seen, None)]  # by the run and by the stand
+    witness = look(run, seen, samples, stand, trust_stand, mean_variance)
+    variances = [
+        own_variance(one, samples, stand, mean_variance) for one in (seen, None)
+    ]  # by the run and by the stand
     misfit = max([1.0, *(run.misfit(variance) for variance in variances if variance is not None)])
     _require_seen("noise", found.noise, witness.noise, 0.0)
     _require_seen("alpha4", found.alpha4, witness.alpha4, rounded, misfit)

@@ -16,6 +16,7 @@ from tumble import core, reference
 from tumble.arrays import Flags, Floats
 from tumble.core.fit import chi_squared
 from tumble.core.optimal import estimate_runs as core_runs, require_small
+from tumble.errors import BadInput, UsageError
 from tumble.reference.estimators import fit_indices
 from tumble.schedule import Schedule
 from tumble.solving.gains import Linearised, OptimalTable, exact_force, linearise
@@ -36,7 +37,12 @@ class NotSolvable(Exception):
 
 def columns(schedule: core.CoreSchedule, terms: Terms) -> Floats:
     """Outputs by the size of every term, by term and channel: (3 x terms, positions, 3)."""
-    force, count = schedule.attitudes(), len(schedule)
+    return columns_at(schedule.attitudes(), terms)
+
+
+def columns_at(force: Floats, terms: Terms) -> Floats:
+    """The same at specific forces (positions, 3), in the order of the run."""
+    count = len(force)
     felt = {term: force**power for term, power in POWERS.items()}
     felt[DRIFT] = np.repeat(_time(count), 3, axis=1)
     found = [felt[term] * np.eye(3)[i] for term in terms for i in range(3)]
@@ -58,6 +64,15 @@ def confused(schedule: Schedule, terms: Terms) -> str | None:
     """What the fit positions cannot tell apart, in words; None where they can."""
     found = [f"{', '.join(them[:-1])} and {them[-1]}" for them in reference.confused(schedule, terms)]
     return f"these positions cannot tell apart {', nor '.join(found)}" if found else None
+
+
+def require_told_apart(schedule: Schedule, terms: Terms, file: str = "") -> None:
+    """Raise BadInput of the run in `file`, UsageError before there is one, where the fit positions do not determine the
+    terms."""
+    found = confused(schedule, terms) if terms else None
+    if found is not None:
+        said = f"--model {','.join(terms)}: {found}"
+        raise BadInput(said, file) if file else UsageError(said)
 
 
 def estimate_runs(schedule: core.CoreSchedule, means: Floats, terms: Terms, table: OptimalTable | None) -> Floats:

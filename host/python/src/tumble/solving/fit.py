@@ -122,8 +122,7 @@ def judge(model: WholeModel, confidence: float, seen: StandSeen, sampled: Sequen
 
 def variance_of_means(stand: Stand, samples: Integers, rounding: float) -> Floats:
     """By the declared noise of `stand`, and a standard deviation of `rounding` that averaging does not help."""
-    variance: Floats = stand.sigma("noise") ** 2 / stand.averaged_over(samples) + rounding**2
-    return variance
+    return stand.mean_variance(samples) + rounding**2
 
 
 @dataclass(frozen=True)

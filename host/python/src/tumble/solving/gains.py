@@ -29,7 +29,7 @@ from tumble.errors import UsageError
 from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.reference.estimators import circles, fit_indices, unidentified
 from tumble.schedule import Schedule
-from tumble.stand import COMMON, Stand
+from tumble.stand import COMMON, Stand, rounding_of
 
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
@@ -172,7 +172,7 @@ def _waves_and_drifts(stand: Stand) -> tuple[int, int]:
 def mean_sigma(k: Floats, stand: Stand, step: float, samples: float) -> tuple[float, bool]:
     """Standard deviation of a position's mean, and whether that is only the floor, NOISE_FLOOR_G of max|K|."""
     floor = NOISE_FLOOR_G * float(np.abs(k).max())
-    sigma = max(stand.sigma("noise"), abs(step) / 12**0.5) / samples**0.5
+    sigma = max(stand.sigma("noise"), rounding_of(step)) / samples**0.5
     if not 0.0 < max(sigma, floor) < _LARGEST_SIGMA:
         raise UsageError("no optimal weights: K is zero, or the noise beyond any number of volts")
     return max(sigma, floor), sigma < floor

@@ -180,13 +180,25 @@ def _estimates(
     """Coefficients (runs, 12)."""
     rng, found = np.random.default_rng(seed), []
     for start in range(0, runs, _CHUNK):
-        count = min(_CHUNK, runs - start)
-        draws = [
-            unit_draws(rng, SIGMA if source.normal else limits, (count, len(source.sigma)))
-            for source in errors.values()
-        ]
-        found.append(estimate(exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))))
+        found.append(estimate(drawn_outputs(schedule, k, u0, errors, limits, min(_CHUNK, runs - start), rng)))
     return np.concatenate(found)
+
+
+def drawn_outputs(
+    schedule: Schedule,
+    k: Floats,
+    u0: Floats,
+    errors: dict[str, Source],
+    limits: str,
+    runs: int,
+    rng: np.random.Generator,
+) -> Floats:
+    """Outputs (runs, positions, 3) of the exact geometry, every error drawn anew for every run: by a uniform law where
+    the stand's `limits` are half-widths, but noise, which is normal, by a normal one."""
+    draws = [
+        unit_draws(rng, SIGMA if source.normal else limits, (runs, len(source.sigma))) for source in errors.values()
+    ]
+    return exact_outputs(schedule, k, u0, errors, np.concatenate(draws, axis=1))
 
 
 def unit_draws(rng: np.random.Generator, limits: str, shape: tuple[int, int]) -> Floats:

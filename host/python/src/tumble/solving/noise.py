@@ -11,7 +11,7 @@ from tumble import reference
 from tumble.arrays import Flags, Floats, Integers
 from tumble.files.run_file import Run
 from tumble.solving.stand_seen import averaged_over
-from tumble.stand import Stand
+from tumble.stand import Stand, rounding_of
 
 _ROUNDING = 1e-12  # of the largest output
 _CHANNELS = np.array(["ux", "uy", "uz"])
@@ -47,7 +47,7 @@ def look(run: Run, stand: Stand | None, step: float) -> Noise:
     exceeds = _exceeds(measured, declared, run, step)
     steps = np.full(3, step) if step > 0.0 else np.where(np.isfinite(run.blocks.resolution), run.blocks.resolution, 0.0)
     undithered = _undithered(measured, declared, steps)
-    rounding = np.where(undithered, steps / np.sqrt(12.0), 0.0)
+    rounding = np.where(undithered, [rounding_of(step) for step in steps.tolist()], 0.0)
     variance = np.zeros((len(samples), 3)) if measured is None else measured.mean_variance(samples) * exceeds
     by_samples, white = variance, 0.0 if declared is None else declared**2
     variance = np.where(undithered, np.maximum(variance, white / samples[:, None]) + rounding**2, variance)

@@ -242,9 +242,10 @@ def solve(
         reach = Propagation(core_schedule, witnessed, run, found.k, estimator, errors, step, variances)
         stated, costly = _state(reach, optimal, further, file)
     shown = RunSeen(core_schedule, found.linear, run.measured, found.k, found.u0)
-    seen = look(shown, noise(run.samples, run.scatter), run.samples, declared)
-    compare_seen(seen, reference.RunSeen(witnessed, comparison.linear, found.k), samples, scatter, declared)
-    seen = _without_angles(seen) if terms else seen
+    looked = look(shown, noise(run.samples, run.scatter), run.samples, declared, mean_variance=noisy.mean_variance)
+    witness = reference.RunSeen(witnessed, comparison.linear, found.k)
+    compare_seen(looked, witness, samples, scatter, declared, mean_variance=variance)
+    seen = _without_angles(looked) if terms else looked
     fit = None
     if declared is not None and model is not None:
         fit = judge(model, confidence, seen, sampled_patterns(noisy, run, seen.noise, declared, step))
@@ -269,9 +270,7 @@ def _require_told_apart(schedule: core.CoreSchedule, witnessed: Schedule, run: R
     if not terms:
         return
     schedule.identify(run.measured)
-    confused = extended.confused(witnessed, terms)
-    if confused is not None:
-        raise BadInput(f"--model {','.join(terms)}: {confused}", file)
+    extended.require_told_apart(witnessed, terms, file)
 
 
 def _state(

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.core import MAX_YAWS
+from tumble.core import MAX_STAND_ERROR_RAD, MAX_YAWS
 from tumble.stand import Stand
 
 ANGLES = ("alpha1", "alpha2_plus_alpha3", "alpha3_difference")
@@ -46,10 +46,13 @@ class AngleError(Protocol):
 
 class RunSeen(Protocol):
     """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
-    `mountings`: how many the schedule has."""
+    `mountings`: how many the schedule has; `departure`: rms of what least squares on the ideal stand leaves of the
+    outputs, in the channel that has most, over max|K|: about an angle in rad; 0 where it leaves nothing by itself."""
 
     mountings: int
 
+    @property
+    def departure(self) -> float: ...
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def fit(self, alpha4: float, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
     def other_yaw_changes(self, alpha4: float, variance: Floats, /) -> Mapping[int, Quantity | None]: ...
@@ -82,22 +85,30 @@ class StandSeen:
 
 
 def look(
-    run: RunSeen, noise: Quantity | None, samples: Integers, stand: Stand | None, trust_stand: bool = True
+    run: RunSeen,
+    noise: Quantity | None,
+    samples: Integers,
+    stand: Stand | None,
+    trust_stand: bool = True,
+    mean_variance: Floats | None = None,
 ) -> StandSeen:
     """What a run shows, by one of the two implementations: `run` is that one's RunSeen, `noise` the pooled noise that
-    it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs.
+    it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs; `mean_variance`
+    (positions, 3): of the means as their own samples show it, counts where it is more than white noise leaves.
 
-    Free attitudes, more mountings than the core has yaws for, show the noise alone. A stand that is not to be trusted
-    gives no uncertainties, except where the run itself has none to give.
+    Free attitudes, more mountings than the core has yaws for, show the noise alone. So do outputs so far from those of
+    any stand that no small angles explain them, such as those of exchanged mountings: the angles are linear theory, and
+    its figures would be rounding. A stand that is not to be trusted gives no uncertainties, except where the run itself
+    has none to give.
     """
-    if run.mountings > MAX_YAWS:
+    if run.mountings > MAX_YAWS or run.departure > MAX_STAND_ERROR_RAD:
         return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
-    own = own_variance(noise, samples, stand)
+    own = own_variance(noise, samples, stand, mean_variance)
     error = None if own is None else run.angle_error(own)
     alpha4 = None if error is None else error.seen
     if stand is not None and (trust_stand or alpha4 is None):
         source, sigma = "stand", stand.sigma("angle")
-        variance = stand.sigma("noise") ** 2 / averaged_over(samples, stand)
+        variance = _at_least(stand.mean_variance(samples), mean_variance)
     elif alpha4 is not None and own is not None:
         source, sigma, variance = "run", alpha4.value, own
     else:
@@ -113,12 +124,22 @@ def averaged_over(samples: Integers, stand: Stand | None) -> Integers:
     return np.maximum(samples, 1) if stand is None else stand.averaged_over(samples)
 
 
-def own_variance(noise: Quantity | None, samples: Integers, stand: Stand | None) -> Floats | None:
-    """Variance of each mean by the noise that the run shows, else by the declared one; None where neither is known."""
+def own_variance(
+    noise: Quantity | None, samples: Integers, stand: Stand | None, mean_variance: Floats | None = None
+) -> Floats | None:
+    """Variance of each mean by the noise that the run shows, else by the declared one; None where neither is known.
+    `mean_variance` as of `look`."""
     if noise is not None:
-        variance: Floats = noise.value**2 / averaged_over(samples, stand)
-        return variance
-    return None if stand is None else stand.sigma("noise") ** 2 / averaged_over(samples, stand)
+        return _at_least(noise.value**2 / averaged_over(samples, stand), mean_variance)
+    return None if stand is None else stand.mean_variance(samples)
+
+
+def _at_least(white: Floats, mean_variance: Floats | None) -> Floats:
+    """One variance for all channels of a position, as the noise is pooled over them."""
+    if mean_variance is None or not (mean_variance > white[:, None]).any():
+        return white
+    both: Floats = np.maximum(white[:, None], mean_variance).mean(axis=1)
+    return both
 
 
 def document(seen: StandSeen, volts_per_unit: float) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
 from tumble.solving import extended, optimal_run
 from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
-from tumble.stand import Stand
+from tumble.stand import Stand, rounding_of
 from tumble.terms import Terms
 
 
@@ -71,7 +71,7 @@ def _of_optimal(
     averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
     further = extended.fitted_columns(part, terms)
     gains = optimal_table(part.data, k, stand, step, averaged_over, further).gains
-    one_sample = max(stand.sigma("noise"), abs(step) / 12**0.5)
+    one_sample = max(stand.sigma("noise"), rounding_of(step))
     used = replace(
         stand,
         axis_tilt=stand.sigma("axis_tilt"),

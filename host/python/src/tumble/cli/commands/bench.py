@@ -22,6 +22,7 @@ from tumble.errors import (
 from tumble.estimators import OPTIMAL
 from tumble.messages import on_terminal, tell
 from tumble.schedule import file_of
+from tumble.terms import parse
 
 if TYPE_CHECKING:
     from tumble.bench.folder import RunFolder
@@ -58,6 +59,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         " is then the most that may be taken",
     )
     options.add_estimator(parser)
+    options.add_model(parser)
     parser.add_argument(
         "--bus",
         metavar="BUS",
@@ -119,17 +121,20 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
     """Everything that the files and options say: the setup, and the stand file or None."""
     seed = options.parse_seed(arguments.seed)
     limit_g = options.parse_limit(arguments.limit)
+    terms = parse(arguments.model, arguments.estimator)
 
     from dataclasses import replace
 
     from tumble.bench.setup import Setup
     from tumble.core import MAX_SAMPLES
     from tumble.files.stand_file import read_block, read_stand
+    from tumble.solving import extended
     from tumble.stand import PAPER_STAND
 
     samples = None if arguments.samples is None else options.parse_whole(arguments.samples, "--samples", 1, MAX_SAMPLES)
     error_budget_v = _parse_budget(arguments.error_budget)
     schedule = _read_schedule(arguments, given)
+    extended.require_told_apart(schedule.data, terms)
     file = None if arguments.stand is None else read_stand(arguments.stand, given[arguments.stand])
     stand = PAPER_STAND if file is None else file.stand
     block, truth = (None, None) if file is None else (file.block, file.truth)
@@ -151,6 +156,7 @@ def _read_setup(arguments: argparse.Namespace, given: dict[str, bytes]) -> tuple
         limit_g=limit_g,
         stand_file=arguments.stand or "",
         block_file=arguments.block or arguments.stand or "",
+        terms=terms,
     ), file
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from tumble.planning.budget import Budget
     from tumble.planning.case import Case
     from tumble.planning.promise import Promise
+    from tumble.solving.further import Further
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -38,20 +39,22 @@ def add_to(subparsers: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compute and print. Raises TumbleError."""
     case = read_case(arguments)
+    from tumble.planning import model_cost
     from tumble.planning.budget import budget, document
     from tumble.planning.promise import promise
 
     found = budget(case, arguments.weights, arguments.estimator)
     promised = promise(case, arguments.estimator) if arguments.weights == DERIVED else None
+    further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json(document(found, case, promised))
+        write_json({**document(found, case, promised), **model_cost.document(further)})
     else:
-        _show(found, case, promised)
+        _show(found, case, promised, further)
     return EXIT_PASS
 
 
-def _show(found: Budget, case: Case, promised: Promise | None) -> None:
-    from tumble.planning import tables
+def _show(found: Budget, case: Case, promised: Promise | None, further: Further | None) -> None:
+    from tumble.planning import model_cost, tables
     from tumble.planning.budget import ALPHAS, numbers_are, unit
     from tumble.planning.published import NAMES
 
@@ -70,6 +73,7 @@ def _show(found: Budget, case: Case, promised: Promise | None) -> None:
     out.print(ALPHAS)
     if promised is not None:
         out.print(promised.sentence)
+    model_cost.show(out, further)
     if found.second_order.matters:
         for complaint in found.second_order.complaints:
             out.print(f"Beware: {complaint}", style="yellow")

@@ -10,9 +10,9 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli.commands.plan_options import add_case_options, add_subject, read_case, write_json
-from tumble.cli.options import Subparsers
+from tumble.cli.options import Subparsers, refuse_model
 from tumble.errors import EXIT_PASS, UsageError, quoted
-from tumble.estimators import COEFFICIENTS
+from tumble.estimators import COEFFICIENTS, OPTIMAL
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
@@ -29,7 +29,9 @@ def add_to(subparsers: Subparsers) -> None:
         help="the weights that are best for a stand: a gain table for `optimal`",
         description="The gain table of the optimal estimator for a stand, and how much better it is than refined.",
     )
-    add_case_options(parser, choose_estimator=False)
+    add_case_options(parser, choose_estimator=False, extendable=False)
+    parser.set_defaults(estimator=OPTIMAL)
+    refuse_model(parser, "the firmware's gains are for twelve coefficients; further terms are for plan budget")
     parser.add_argument(
         "--result",
         metavar="RESULT.json",

@@ -8,11 +8,21 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from tumble.cli.options import Subparsers, add_estimator, add_limit, add_schedule, parse_limit, parse_number
+from tumble.cli.options import (
+    Subparsers,
+    add_estimator,
+    add_limit,
+    add_model,
+    add_schedule,
+    parse_limit,
+    parse_number,
+)
 from tumble.errors import UsageError, quoted
+from tumble.terms import parse
 
 if TYPE_CHECKING:
     from tumble.planning.case import Case
+    from tumble.terms import Terms
 
 DEFAULT_PROBABILITY = 0.95
 _LEAST_PROBABLE, _MOST_PROBABLE = 0.5, 0.9999  # few are served by less, and none is computed better than the last
@@ -31,10 +41,12 @@ def add_subject(
     return parser
 
 
-def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True) -> None:
-    """--stand, --schedule, --limit, and --estimator if there is a choice of one."""
+def add_case_options(parser: argparse.ArgumentParser, choose_estimator: bool = True, extendable: bool = True) -> None:
+    """--stand, --schedule, --limit, --model if further terms may be found, --estimator if there is a choice of one."""
     add_limit_options(parser)
     add_schedule(parser)
+    if extendable:
+        add_model(parser)
     if choose_estimator:
         add_estimator(parser)
 
@@ -86,8 +98,20 @@ def read_case(arguments: argparse.Namespace) -> Case:
         derived = getattr(arguments, "weights", DERIVED) == DERIVED
         estimator = getattr(arguments, "estimator", None) if derived else None
         schedule = read_schedule(arguments.schedule, estimator=estimator).data
-    case = Case.of(stand_file, arguments.stand, schedule)
+    case = replace(Case.of(stand_file, arguments.stand, schedule), terms=_terms(arguments))
+    if case.terms and hasattr(arguments, "schedule"):
+        from tumble.solving.extended import require_told_apart
+
+        require_told_apart(case.schedule, case.terms)
     return case if limit_g is None else replace(case, limit_g=limit_g)
+
+
+def _terms(arguments: argparse.Namespace) -> Terms:
+    """Of --model. Raises UsageError."""
+    text = getattr(arguments, "model", None)
+    if text is not None and getattr(arguments, "weights", DERIVED) == PUBLISHED:
+        raise UsageError("--model: the paper's weights are for twelve coefficients (--weights derived)")
+    return parse(text, getattr(arguments, "estimator", None))
 
 
 def parse_positive(text: str, option: str) -> float:

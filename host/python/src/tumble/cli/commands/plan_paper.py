@@ -5,19 +5,20 @@ from __future__ import annotations
 import argparse
 
 from tumble.cli.commands.plan_options import add_subject, write_json
-from tumble.cli.options import Subparsers
+from tumble.cli.options import Subparsers, refuse_model
 from tumble.errors import EXIT_PASS
 
 
 def add_to(subparsers: Subparsers) -> None:
     """Describe the subject to argparse."""
-    add_subject(
+    parser = add_subject(
         subparsers,
         "paper",
         run,
         help="the paper, audited: its tables and formulas beside what they should be",
         description="Tables 1 to 5 and formulas (6), (18) and (19) of the paper, computed again and compared.",
     )
+    refuse_model(parser, "the paper's model has twelve coefficients; further terms are for plan budget")
 
 
 def run(arguments: argparse.Namespace) -> int:

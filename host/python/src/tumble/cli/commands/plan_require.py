@@ -52,6 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     limit_g = case.limit_g
     split = _split(arguments.split, case, arguments.weights == "published")
 
+    from tumble.planning import model_cost, tables
     from tumble.planning.enough import enough
     from tumble.planning.headroom import headroom, margins
     from tumble.planning.require import requirements
@@ -63,10 +64,13 @@ def run(arguments: argparse.Namespace) -> int:
     of_all = margins(case, limit_g) if derived else {arguments.estimator: room.margin}
     just = enough(case, arguments.estimator, found.limits, probability) if derived else None
     plan = document(found, room, of_all, just, case, arguments.weights, arguments.estimator, limit_g, split)
+    further = model_cost.model_cost(case, arguments.estimator)
     if arguments.json:
-        write_json(plan)
+        write_json({**plan, **model_cost.document(further)})
     else:
         show(plan, case)
+        if further is not None:
+            tables.console().print(model_cost.sentence(further))
     return EXIT_PASS
 
 

@@ -15,7 +15,7 @@ from tumble.cli.commands.plan_options import (
     read_case,
     write_json,
 )
-from tumble.cli.options import Subparsers, parse_number, parse_whole
+from tumble.cli.options import Subparsers, add_model, parse_number, parse_whole
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.messages import on_terminal
 
@@ -35,6 +35,7 @@ def add_to(subparsers: Subparsers) -> None:
         " |a|, in the least test time found; and what the built-in schedules take for the same.",
     )
     add_limit_options(parser)
+    add_model(parser)
     add_probability(parser, "of keeping the limit: of passing the check, and of |a| within it at every attitude")
     parser.add_argument(
         "--norm", metavar="G", help="reach this worst standard uncertainty of |a| over all attitudes, not a limit"

@@ -55,6 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None and not arguments.plot.endswith(".svg"):
         raise UsageError(f"--plot: {quoted(arguments.plot)} does not end in .svg")
     case = read_case(arguments)
+    if case.terms and arguments.table != "known":
+        raise UsageError("--table run: not with --model; the second order makes up for weights made elsewhere")
 
     from tumble.files.disk import refuse_overwriting, write_text
     from tumble.planning import validate_report
@@ -77,12 +79,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _estimators(arguments: argparse.Namespace, case: Case) -> tuple[str, ...]:
     """The one asked for, or all that the schedule allows."""
+    from tumble.planning.weights import estimators_of
     from tumble.reference.estimators import circles
 
     if arguments.estimator is not None:
         return (arguments.estimator,)
     harmonic = circles(case.fitted) is not None
-    return tuple(name for name in ESTIMATORS if harmonic or name not in HARMONIC)
+    return tuple(name for name in estimators_of(case) if harmonic or name not in HARMONIC)
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from tumble.defaults import NEEDS_STAND
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.estimators import OPTIMAL
 from tumble.schedule import file_of
-from tumble.terms import EXTENDABLE, TERMS, parse
+from tumble.terms import parse
 
 FEWEST_SIMULATED, MOST_SIMULATED = 1000, 1_000_000
 
@@ -28,12 +28,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     options.add_estimator(parser, "; optimal needs --stand")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML): gives the uncertainties")
     options.add_schedule(parser)
-    parser.add_argument(
-        "--model",
-        metavar="TERM,...",
-        help=f"further terms to find: {', '.join(TERMS)} (second and third order, drift over the run); needs"
-        f" --estimator {' or '.join(EXTENDABLE)}",
-    )
+    options.add_model(parser)
     options.add_limit(parser)
     options.add_confidence(parser)
     options.add_json(parser)

@@ -1,0 +1,77 @@
+"""What further terms of a model cost, before a run: how well each is found, and what the twelve coefficients lose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.estimators import COEFFICIENTS
+from tumble.planning.case import Case
+from tumble.planning.error_field import error_field
+from tumble.solving.covariance import worst_norm
+from tumble.solving.further import Further, Without
+from tumble.terms import DRIFT, names
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def model_cost(case: Case, estimator: str) -> Further | None:
+    """Of the nominal block, whose further terms are 0; None for a model of the twelve coefficients alone."""
+    if not case.terms:
+        return None
+    k = case.nominal_k()
+    covariance, twelve = _covariance(case, estimator), _covariance(replace(case, terms=()), estimator)
+    u = np.sqrt(np.diag(twelve))
+    without, none = Without(u[:9].reshape(3, 3), u[9:], worst_norm(k, twelve)), np.zeros((len(case.terms), 3))
+    return Further(case.terms, k, none, none, covariance, without)
+
+
+def _covariance(case: Case, estimator: str) -> Floats:
+    unknowns = error_field(case, estimator, case.nominal_k()).unknowns
+    found: Floats = unknowns.T @ unknowns
+    return found
+
+
+def document(found: Further | None) -> dict[str, Any]:
+    """As a part of a plan for JSON: `extended` as a result has it, but without values."""
+    if found is None:
+        return {}
+    whole, worst = found.document(1.0), found.worst_norm
+    assert worst is not None  # of a planned stand it is known
+    kept = {key: value for key, value in whole.items() if key.startswith("u_") or key in ("terms", "without")}
+    return {"extended": {**kept, "u_norm_g": worst.worst}}
+
+
+def sentence(found: Further) -> str:
+    """For people."""
+    worst, alone, without = found.worst_norm, found.worst_norm_of_twelve, found.without
+    assert worst is not None and alone is not None and without is not None
+    return (
+        f"Worst u(|a|) with {', '.join(found.terms)} in the model: {1e6 * worst.worst:.3g} ug, by K and U0 alone"
+        f" {1e6 * alone.worst:.3g} ug;\nwithout: {1e6 * without.worst.worst:.3g} ug"
+    )
+
+
+def show(out: Console, found: Further | None) -> None:
+    """Print what the twelve lose, and how well the terms are found; nothing for None."""
+    from tumble.planning import tables
+
+    if found is None:
+        return
+    without, covariance, of_values = found.without, found.covariance, found.u
+    assert without is not None and covariance is not None and of_values is not None
+    u, alone = np.sqrt(np.diag(covariance)), np.concatenate([without.u_k.ravel(), without.u_u0])
+    rows = [
+        (name, "V/g" if name.startswith("K") else "V", f"{now:.3e}", f"{before:.3e}", f"{now / before:.2f}")
+        for name, now, before in zip(COEFFICIENTS, u, alone)
+    ]
+    units = {"k2": "1/g", "k3": "1/g^2", DRIFT: "V"}
+    for name, size in zip(names(found.terms), of_values.ravel()):
+        rows.append((name, units[name.partition("_")[0].lower()], f"{size:.3e}", "", ""))
+    out.print(tables.heading(f"With {', '.join(found.terms)} in the model"))
+    out.print(tables.table(("", "unit", "u", "u without", "times"), rows, left=(0, 1)))
+    out.print(sentence(found))
