@@ -1,4 +1,4 @@
-/* arith.h - the only arithmetic of the core beyond + - x /: square root, magnitude, rounding to a float, tests of one
+/* arith.h - the only arithmetic of the core beyond + - x /: square root, square, magnitude, rounding to a float, tests of one
  * number.
  *
  * All give the same bits on every target with IEEE 754 doubles; no other function of <math.h> may be used in
@@ -20,6 +20,11 @@
 static inline double tumble_sqrt(double x)
 {
     return sqrt(x);
+}
+
+static inline double tumble_square(double x)
+{
+    return x * x;
 }
 
 /* Clears the sign: of -0 it makes 0. */

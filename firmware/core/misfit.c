@@ -19,16 +19,9 @@ typedef struct {
     double variance_v2;
 } fitted_t;
 
-double tumble_chi_squared_limit(int freedom, double sigmas)
-{
-    const double part = 2.0 / (9.0 * (double)freedom);
-    const double root = 1.0 - part + (sigmas * tumble_sqrt(part));
-    return (double)freedom * root * root * root;
-}
-
 double tumble_misfit_limit(int freedom)
 {
-    return tumble_chi_squared_limit(freedom, TUMBLE_MISFIT_SIGMAS);
+    return tumble_chi_squared_limit((double)freedom, TUMBLE_MISFIT_SIGMAS);
 }
 
 static void begin_test(tumble_misfit_work_t *work)
@@ -57,11 +50,6 @@ static bool is_in(const tumble_misfit_work_t *work, int channel)
     return channel != ((int)work->test - 1);
 }
 
-static double square_of(double x)
-{
-    return x * x;
-}
-
 static double largest_k(const tumble_coefficients_t *coefficients)
 {
     double largest = 0.0;
@@ -75,7 +63,7 @@ static double largest_k(const tumble_coefficients_t *coefficients)
  * whole model knows better; this one asks less of such a stand. */
 static double angle_variance(const tumble_stand_record_t *stand)
 {
-    return square_of(stand->angle_rad) + (2.0 * square_of(stand->encoder_rad));
+    return tumble_square(stand->angle_rad) + (2.0 * tumble_square(stand->encoder_rad));
 }
 
 /* Variance of a mean: its noise, with the rounding of the converter. The second-order effect of an angle's error is
@@ -85,15 +73,15 @@ static double variance_of(const tumble_misfit_run_t *run, uint32_t samples)
 {
     const double step_v = tumble_abs(run->v_per_count);
     const double noise_v = run->stand->noise_v;
-    const double rounding_v2 = square_of(step_v) / 12.0;
+    const double rounding_v2 = tumble_square(step_v) / 12.0;
     const double n = (double)samples;
     const double scale_v = largest_k(run->coefficients);
-    double variance = tumble_exceeds(HALF_STEP * step_v, noise_v) ? ((square_of(noise_v) / n) + rounding_v2)
-                                                                  : ((square_of(noise_v) + rounding_v2) / n);
-    variance = tumble_larger(variance, square_of(run->stand->least_noise_v));
-    variance = tumble_larger(variance, square_of(SMALLEST_NOISE * scale_v));
-    variance += square_of(run->stand->drift_v) / 12.0;
-    return variance + square_of(angle_variance(run->stand) * scale_v);
+    double variance = tumble_exceeds(HALF_STEP * step_v, noise_v) ? ((tumble_square(noise_v) / n) + rounding_v2)
+                                                                  : ((tumble_square(noise_v) + rounding_v2) / n);
+    variance = tumble_larger(variance, tumble_square(run->stand->least_noise_v));
+    variance = tumble_larger(variance, tumble_square(SMALLEST_NOISE * scale_v));
+    variance += tumble_square(run->stand->drift_v) / 12.0;
+    return variance + tumble_square(angle_variance(run->stand) * scale_v);
 }
 
 /* Along the block's axes: a specific force given along h and v of the table. */
@@ -202,7 +190,7 @@ static int solve(tumble_misfit_work_t *work)
         }
         const double right = without_products(work->right[row], r, work->right, row);
         work->right[row] = tumble_exceeds(r[row], 0.0) ? (right / r[row]) : 0.0;
-        work->square -= square_of(work->right[row]);
+        work->square -= tumble_square(work->right[row]);
         rank += tumble_exceeds(r[row], 0.0) ? 1 : 0;
     }
     return rank;

@@ -5,6 +5,7 @@
 #include "core/harmonic.h"
 #include "core/means.h"
 #include "core/normal.h"
+#include "core/one_copy.h"
 #include "core/vector.h"
 
 #include <stddef.h>
@@ -144,24 +145,22 @@ static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
     g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : harmonic_gain(gains, p);
 }
 
-static double square(double x)
+/* What the noise of the mean of a position does. Not inlined: else its numbers lie on the stack below add_position's. */
+TUMBLE_ONE_COPY static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p,
+                                               const double g[TUMBLE_CHANNELS])
 {
-    return x * x;
-}
-
-/* Of the mean of a position. */
-static double variance_at(const tumble_judged_run_t *run, uint8_t p)
-{
-    const uint32_t samples = (run->samples != NULL) ? run->samples[p] : run->stand->samples;
-    return tumble_larger(square(run->stand->noise_v) / (double)samples, square(run->stand->least_noise_v));
-}
-
-/* What the noise of the mean of a position does. */
-static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS])
-{
-    double squared = tumble_dot(g, g) * variance_at(run, p);
+    const tumble_stand_record_t *stand = run->stand;
+    const uint32_t samples = (run->samples != NULL) ? run->samples[p] : stand->samples;
+    const double declared_v2 =
+        tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
+    double squared = tumble_dot(g, g) * declared_v2;
+    for (int i = 0; (run->noise != NULL) && (i < TUMBLE_CHANNELS); i++) {
+        if (tumble_is_positive(tumble_abs(g[i]))) { /* most are 0 */
+            squared += tumble_square(g[i]) * tumble_noise_excess(run->noise, i, samples, declared_v2);
+        }
+    }
     for (int i = 0; (run->excess_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        squared += square(g[i]) * run->excess_variance_v2[p][i];
+        squared += tumble_square(g[i]) * run->excess_variance_v2[p][i];
     }
     return squared;
 }
@@ -195,7 +194,6 @@ static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t
     seat->theta_h += (w[1] * mounting->tilt.cosine * angle->cosine) - (w[2] * mounting->tilt.sine);
     seat->theta_n += turning;
     response->alpha4_squared += turning * turning;
-    response->noise_squared += noise_squared_at(run, p, g);
     tumble_course_add(run, p, turning, g, &response->course);
 }
 
@@ -203,20 +201,21 @@ static void add_position(const tumble_judged_run_t *run, const tumble_mounting_t
 static void add_seat(const seat_t *seat, response_t *response)
 {
     response->yaw += seat->alpha3;
-    response->yaws_squared += square(seat->alpha3);
+    response->yaws_squared += tumble_square(seat->alpha3);
     response->lean += seat->theta_h;
-    response->seats_squared += square(seat->theta_h) + square(seat->theta_n);
+    response->seats_squared += tumble_square(seat->theta_h) + tumble_square(seat->theta_n);
 }
 
 /* All sources in quadrature. */
 static double combined(const tumble_stand_record_t *stand, const response_t *response)
 {
-    const double yaws_squared = stand->common_yaw ? square(response->yaw) : response->yaws_squared;
-    return tumble_sqrt(square(stand->axis_tilt_rad * response->alpha1) + square(stand->level_rad * response->alpha2) +
-                       (square(stand->remount_rad) * yaws_squared) +
-                       (square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
-                       (square(stand->seat_rad) * response->seats_squared) +
-                       square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
+    const double yaws_squared = stand->common_yaw ? tumble_square(response->yaw) : response->yaws_squared;
+    return tumble_sqrt(
+        tumble_square(stand->axis_tilt_rad * response->alpha1) + tumble_square(stand->level_rad * response->alpha2) +
+        (tumble_square(stand->remount_rad) * yaws_squared) +
+        (tumble_square(stand->angle_rad) * response->alpha4_squared) + response->noise_squared +
+        (tumble_square(stand->seat_rad) * response->seats_squared) +
+        tumble_square(stand->platform_rad * response->lean) + tumble_course_variance(stand, &response->course));
 }
 
 /* Mounting by mounting, so that no number has to be kept for each. */
@@ -234,6 +233,7 @@ static double uncertainty_of(const gains_t *gains)
                 double g[TUMBLE_CHANNELS];
                 gains_at(gains, p, fit, g);
                 add_position(run, mounting, p, g, &response, &seat);
+                response.noise_squared += noise_squared_at(run, p, g);
             }
             fit += used ? 1U : 0U;
         }

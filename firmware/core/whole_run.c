@@ -86,7 +86,7 @@ static void find_verdict(tumble_whole_work_t *work)
     const int freedom = (int)work->freedom;
     work->under_way = false;
     if (freedom > 0) {
-        work->limit = tumble_chi_squared_limit(freedom, TUMBLE_WHOLE_SIGMAS);
+        work->limit = tumble_chi_squared_limit((double)freedom, TUMBLE_WHOLE_SIGMAS);
         work->misfit = tumble_sqrt(work->chi_squared / (double)freedom);
         work->misfits = !tumble_within(work->chi_squared, work->limit);
         work->known = tumble_is_finite(work->chi_squared);

@@ -25,6 +25,12 @@ TUMBLE_HAS_SIZE("2025h:1", tumble_whole_work_t, chi_squared, 8U);
 TUMBLE_FOLLOWS("2025h:2", tumble_whole_work_t, chi_squared, limit, 8U);
 TUMBLE_FOLLOWS("2025h:3", tumble_whole_work_t, limit, misfit, 8U);
 TUMBLE_HAS_SIZE("2025h:4", tumble_whole_work_t, freedom, 1U);
+TUMBLE_HAS_SIZE("2026h:1", tumble_noise_t, noise_v[0], 8U);
+TUMBLE_FOLLOWS("2026h:2", tumble_noise_t, noise_v[0], noise_v[1], 8U);
+TUMBLE_FOLLOWS("2026h:3", tumble_noise_t, noise_v[1], noise_v[2], 8U);
+TUMBLE_FOLLOWS("2026h:4", tumble_noise_t, noise_v[2], declared_v, 8U);
+TUMBLE_HAS_SIZE("2026h:5", tumble_noise_t, above, 1U);
+TUMBLE_FOLLOWS("2026h:6", tumble_noise_t, above, undithered, 1U);
 TUMBLE_HAS_SIZE("2100h:1", tumble_set_t, sequence, 4U);
 TUMBLE_FOLLOWS("2100h:2", tumble_set_t, sequence, restores, 4U);
 TUMBLE_HAS_SIZE("2100h:3", tumble_set_t, origin, 1U);
@@ -154,6 +160,11 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 2U, offsetof(tumble_whole_work_t, chi_squared)},
     {0x2025U, 4U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 1U, 0U, 0U, 0U, offsetof(tumble_whole_work_t, freedom)},
+    /* Noise */
+    {0x2026U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 8U, 0U, 0U, 3U, offsetof(tumble_noise_t, noise_v[0])},
+    {0x2026U, 5U, TUMBLE_TYPE_UNSIGNED8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 0U, 1U, offsetof(tumble_noise_t, above)},
     /* Active set, and 3 more */
     {0x2100U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 4U, 0U, 3U, 1U, offsetof(tumble_set_t, sequence)},

@@ -4,6 +4,7 @@
 #include "core/bytes.h"
 #include "navcomp/keeper_objects.h"
 #include "navcomp/navcomp_internal.h"
+#include "navcomp/uncertainty.h"
 
 #include <assert.h>
 #include <stddef.h>
@@ -104,6 +105,20 @@ static tumble_abort_t read_result(const tumble_keeper_t *keeper, const tumble_en
         return refusal;
     }
     return of_fit ? member(fit, entry, bytes, size) : member(uncertainty, entry, bytes, size);
+}
+
+static tumble_abort_t read_noise(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
+                                 uint8_t *size)
+{
+    const tumble_noise_t *noise = NULL;
+    const tumble_uncertainty_t *uncertainty = NULL;
+    const tumble_status_t status = tumble_navcomp_noise(keeper->navcomp, &noise);
+    if (status == TUMBLE_OK) {
+        return member(noise, entry, bytes, size);
+    }
+    const bool comes =
+        (status == TUMBLE_E_PORT_BUSY) && (tumble_sets_uncertainty(&keeper->sets, &uncertainty) == TUMBLE_E_PORT_BUSY);
+    return comes ? TUMBLE_ABORT_DEVICE_STATE : TUMBLE_ABORT_NO_DATA;
 }
 
 static tumble_abort_t read_stand(const tumble_keeper_t *keeper, const tumble_entry_t *entry, uint8_t *bytes,
@@ -232,6 +247,9 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
     case TUMBLE_KEEPER_INDEX_U_U0:
     case TUMBLE_KEEPER_INDEX_FIT:
         refusal = read_result(keeper, entry, bytes, size);
+        break;
+    case TUMBLE_KEEPER_INDEX_NOISE:
+        refusal = read_noise(keeper, entry, bytes, size);
         break;
     case TUMBLE_KEEPER_INDEX_KEEPER:
     case TUMBLE_KEEPER_INDEX_HOST:

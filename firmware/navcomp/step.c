@@ -18,6 +18,7 @@
 
 #include "core/arith.h"
 #include "core/one_copy.h"
+#include "navcomp/uncertainty.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -126,6 +127,9 @@ tumble_status_t tumble_navcomp_init(tumble_navcomp_t *navcomp, const tumble_navc
     }
     *navcomp = (tumble_navcomp_t){.config = config, .stand = {config->stand, config->stand_memory}};
     (void)memset(config->stand_memory, 0, config->stand->bytes);
+    if ((config->declared != NULL) && (config->declared->noise != NULL)) {
+        *config->declared->noise = (tumble_run_noise_t){.looked = false};
+    }
     tumble_status_t status = init_node(navcomp);
     if (status == TUMBLE_OK) {
         status = join_bus(navcomp, config->port->now_us(config->port->context));
@@ -177,12 +181,16 @@ static void advance(tumble_navcomp_t *navcomp, uint64_t now_us)
 static void take_sample(tumble_navcomp_t *navcomp, const tumble_block_sample_t *sample)
 {
     const tumble_navcomp_hooks_t *hooks = navcomp->config->hooks;
+    const tumble_declared_t *declared = navcomp->config->declared;
     const tumble_keeping_t *keeping = navcomp->config->keeping;
     tumble_taken_t taken;
     navcomp->temperature_half_c = sample->temperature_half_c;
     const bool averaged = tumble_procedure_sample(&navcomp->procedure, sample, &taken);
     if (averaged && (hooks != NULL) && (hooks->on_sample_averaged != NULL)) {
         hooks->on_sample_averaged(hooks->context, taken, sample);
+    }
+    if (averaged && (declared != NULL) && (declared->take != NULL)) {
+        declared->take(navcomp, taken, sample);
     }
     if (keeping != NULL) {
         keeping->sample(navcomp->config->keeper, sample, averaged);

@@ -35,6 +35,13 @@ tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint
     if (tumble_navcomp_result(navcomp, &result) != TUMBLE_OK) {
         return TUMBLE_E_STATE;
     }
+    if (tumble_navcomp_look_at_noise(navcomp)) {
+        return TUMBLE_E_PORT_BUSY; /* enough for one step */
+    }
+    const tumble_noise_t *noise = NULL;
+    if (tumble_navcomp_noise(navcomp, &noise) == TUMBLE_E_DEVIATION) {
+        return TUMBLE_E_DEVIATION;
+    }
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_declared_t *declared = navcomp->config->declared;
     const tumble_averaging_t *averages = tumble_procedure_averages(&navcomp->procedure);
@@ -46,6 +53,7 @@ tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint
                                      .stand = declared->stand,
                                      .coefficients = result.coefficients,
                                      .samples = samples,
-                                     .only = only};
+                                     .only = only,
+                                     .noise = noise};
     return judge(config, declared, &run, uncertainty);
 }

@@ -10,13 +10,36 @@
 #include "tumble/core.h"
 #include "tumble/navcomp.h"
 
+/* The noise that a run shows, 248 bytes. The board lends it beside the stand that it declares; tumble_navcomp_init clears
+ * it. Private, but for what tumble_navcomp_noise tells. A position that is measured again counts again; after a loss of
+ * power only the positions measured since then count, and the scatter of all. */
+typedef struct tumble_run_noise {
+    tumble_blocks_t blocks;
+    tumble_noise_t seen;
+    tumble_status_t status; /* of the look; TUMBLE_OK: `seen` is of this run */
+    bool looked;            /* since the last sample */
+} tumble_run_noise_t;
+
 /* The stand as declared, const data of the board. */
 typedef struct tumble_declared {
     const tumble_stand_record_t *stand; /* its `samples` are not looked at: the run knows them */
 
     /* Of TUMBLE_ESTIMATE_OPTIMAL: tumble_optimal_uncertainty of tumble/core.h; else may be null. */
     tumble_status_t (*weighted)(const void *source, const tumble_judged_run_t *run, tumble_uncertainty_t *uncertainty);
+
+    /* tumble_navcomp_take_noise and memory for it: the uncertainties count the noise that a run shows, where it is more
+     * than declared. Both null: the declared noise is believed. */
+    void (*take)(const tumble_navcomp_t *navcomp, tumble_taken_t taken, const tumble_block_sample_t *sample);
+    tumble_run_noise_t *noise;
 } tumble_declared_t;
+
+/* A sample that went into a mean: for `take`, and for nothing else. Integers alone. */
+void tumble_navcomp_take_noise(const tumble_navcomp_t *navcomp, tumble_taken_t taken,
+                               const tumble_block_sample_t *sample);
+
+/* For this room: look at the noise of the present result, which takes as long as one uncertainty. False: that has been
+ * done, or there is no memory for it. */
+bool tumble_navcomp_look_at_noise(const tumble_navcomp_t *navcomp);
 
 #define TUMBLE_ALL_COEFFICIENTS 0x0FFFU
 
@@ -26,9 +49,16 @@ typedef struct tumble_declared {
  * (`refined`) to 1.2 million (`least_squares`) for 18 positions: a control loop computes one in each step, beginning
  * with coefficient 0, the only one with which a gain record is checked. `uncertainty` is written on TUMBLE_OK, and set
  * to zero on TUMBLE_E_NOT_FINITE.
- * Returns TUMBLE_OK, TUMBLE_E_STATE (no result), TUMBLE_E_ARGUMENT (null; nothing declared; no coefficient; a number
- * out of range), or as the estimator's function in tumble/core.h. */
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (the noise of the run has been looked at, and nothing else: ask again; only with
+ * memory for it, and only the first time), TUMBLE_E_STATE (no result), TUMBLE_E_ARGUMENT (null; nothing declared; no
+ * coefficient; a number out of range), TUMBLE_E_DEVIATION (the samples scatter beyond all measure), or as the
+ * estimator's function in tumble/core.h. */
 tumble_status_t tumble_navcomp_uncertainty(const tumble_navcomp_t *navcomp, uint16_t coefficients,
                                            tumble_uncertainty_t *uncertainty);
+
+/* The noise that these uncertainties count, valid until the next sample is averaged.
+ * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (the uncertainties have not been asked for), TUMBLE_E_STATE (no result, or no
+ * memory for it), TUMBLE_E_TOO_FEW (one sample a position shows none: the declared noise counts), TUMBLE_E_DEVIATION. */
+tumble_status_t tumble_navcomp_noise(const tumble_navcomp_t *navcomp, const tumble_noise_t **noise);
 
 #endif

@@ -1,6 +1,6 @@
 /* From a result to a verdict, a part in each step:
  *
- *     run_done --> UNCERTAINTY, 12 steps --> FIT, a step a position --> WHOLE_MODEL, if the board asks --+
+ *     run_done --> UNCERTAINTY, 13 steps --> FIT, a step a position --> WHOLE_MODEL, if the board asks --+
  *         |                                                                                             v
  *         `-- no stand is declared -------------------------------------------------------------> COMPARE_SETS
  *
@@ -123,7 +123,11 @@ static void judge_uncertainty(tumble_sets_t *sets)
     const tumble_sets_owner_t *owner = sets->owner;
     const bool same = (set->estimator == sets->run->estimator); /* as when the run ended */
     const uint16_t only = (uint16_t)(UINT32_C(1) << sets->at);
-    if (!same || (owner->uncertainty(owner->self, only, &set->uncertainty) != TUMBLE_OK)) {
+    const tumble_status_t status = same ? owner->uncertainty(owner->self, only, &set->uncertainty) : TUMBLE_E_STATE;
+    if (status == TUMBLE_E_PORT_BUSY) {
+        return; /* something has to be found first: ask again at the next step */
+    }
+    if (status != TUMBLE_OK) {
         set->uncertainty = (tumble_uncertainty_t){.u0_v = {0.0}};
         begin_task(sets, TASK_COMPARE_SETS);
         return;

@@ -198,7 +198,8 @@ static void declare_stand(bench_config_t *config)
     if (needs_gains(config)) {
         declare_weighted_noise(config);
     }
-    config->declared = (tumble_declared_t){&config->record, tumble_optimal_uncertainty};
+    config->declared =
+        (tumble_declared_t){&config->record, tumble_optimal_uncertainty, tumble_navcomp_take_noise, &config->noise};
 }
 
 /* Silence of the block that is a fault: by default a hundred samples, never more than its eight-bit counter tells from a

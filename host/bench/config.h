@@ -50,6 +50,7 @@ typedef struct {
     tumble_optimal_t optimal;     /* its working memory */
     tumble_stand_record_t record; /* what the firmware is told of the stand */
     tumble_declared_t declared;
+    tumble_run_noise_t noise; /* working memory of what it is told */
     tumble_drive_profile_t profile;
     bench_profile_lists_t lists;
     tumble_operator_config_t person;

@@ -55,6 +55,8 @@ const bench_key_t bench_config_keys[] = {
      "rad; drawn cross terms lie within this"},
     {"block.bias_v", BENCH_F64, 1, BLOCK(bias_v), 0, BIG, "V; drawn biases lie within this"},
     {"block.noise_v", BENCH_F64, 3, SENSOR(noise_v), 0, BIG, "V; limit of the noise of one sample, by channel"},
+    {"block.noise_correlation", BENCH_F64, 3, SENSOR(noise_correlation), -0.999, 0.999,
+     "of the noise of neighbouring samples, by channel; 0: white"},
     {"block.noise_limits", BENCH_ENUM, 1, SENSOR(noise_law), 0, 0, "sigma1|sigma3|uniform"},
     {"block.converter_bits", BENCH_U8, 1, SENSOR(converter_bits), 8, 24, "of the converter"},
     {"block.range_v", BENCH_F64, 1, SENSOR(range_v), 1e-9, BIG, "V; the converter measures up to + and - this"},

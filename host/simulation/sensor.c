@@ -2,7 +2,7 @@
 
 #include "simulation/maths.h"
 
-#include <math.h> /* fabs, ldexp: exact */
+#include <math.h> /* fabs, ldexp: exact; sqrt: rounded as IEEE 754 says */
 #include <string.h>
 
 void sim_sensor_init(sim_sensor_t *sensor, const sim_sensor_config_t *config, uint64_t seed)
@@ -30,6 +30,17 @@ double sim_sensor_temperature_c(const sim_sensor_t *sensor, double time_s)
     return t->end_c + (t->start_c - t->end_c) * gone + sensor->faults[SIM_FAULT_WARM].value;
 }
 
+/* It has the same variance, but for the very first samples after power-on. */
+static void correlate(sim_sensor_t *sensor, int channel)
+{
+    const double rho = sensor->config->noise_correlation[channel];
+    const double fresh = sqrt(1.0 - rho * rho);
+    for (int n = 0; rho != 0.0 && n < SIM_NOISE_AHEAD; n++) {
+        sensor->before[channel] = rho * sensor->before[channel] + fresh * sensor->ahead[channel][n];
+        sensor->ahead[channel][n] = sensor->before[channel];
+    }
+}
+
 static void draw_ahead(sim_sensor_t *sensor)
 {
     const sim_sensor_config_t *const config = sensor->config;
@@ -39,6 +50,7 @@ static void draw_ahead(sim_sensor_t *sensor)
             for (int n = 0; n < SIM_NOISE_AHEAD; n++) {
                 ahead[n] = config->noise_v[i] * sim_random_symmetric(&sensor->noise[i]);
             }
+            correlate(sensor, i);
             continue;
         }
         const double sigma = (config->noise_law == SIM_LAW_SIGMA3) ? config->noise_v[i] / 3.0 : config->noise_v[i];
@@ -46,6 +58,7 @@ static void draw_ahead(sim_sensor_t *sensor)
         for (int n = 0; n < SIM_NOISE_AHEAD; n++) {
             ahead[n] *= sigma;
         }
+        correlate(sensor, i);
     }
     sensor->used = 0;
 }

@@ -32,8 +32,9 @@ typedef struct {
     double k2_per_g[TUMBLE_CHANNELS];
     double noise_v[TUMBLE_CHANNELS]; /* limit of one sample's noise, read by `noise_law` */
     sim_law_t noise_law;
-    double range_v;         /* the converter measures from - to + this */
-    uint8_t converter_bits; /* 8 to 24 */
+    double noise_correlation[TUMBLE_CHANNELS]; /* AR(1), of neighbouring samples: above -1, below 1; 0: white */
+    double range_v;                            /* the converter measures from - to + this */
+    uint8_t converter_bits;                    /* 8 to 24 */
     double drift_v_per_h[TUMBLE_CHANNELS];
     sim_temperature_t temperature;
 } sim_sensor_config_t;
@@ -47,6 +48,7 @@ typedef struct {
     sim_random_t noise[TUMBLE_CHANNELS];
     sim_random_t fault_noise[TUMBLE_CHANNELS];
     double ahead[TUMBLE_CHANNELS][SIM_NOISE_AHEAD]; /* noise drawn in advance (V): in stock it is cheaper */
+    double before[TUMBLE_CHANNELS];                 /* the last one of these */
     uint32_t used;
     sim_fault_effects_t faults; /* in force */
     int32_t last[TUMBLE_CHANNELS];

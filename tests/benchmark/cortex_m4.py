@@ -53,6 +53,10 @@ CANDIDATES = {
     "uncertainties of `refined`": 13,
     "uncertainties of `least_squares`": 14,
     "uncertainties of `optimal`": 15,
+    "a sample in blocks": 21,
+    "the noise of a run": 18,
+    "one of `refined`, noise above": 19,
+    "one of `least_squares`, noise above": 20,
     "refined, three mountings": 16,
     "refined, diagonal": 17,
 }
@@ -64,7 +68,8 @@ SOURCES = ("firmware/**/*.[ch]", "boards/**/*.[chS]", "boards/**/CMakeLists.txt"
 KNOWN = {1: "refined", 2: "least_squares", 3: "linear", 4: "optimal"}
 KNOWN |= dict.fromkeys((6, 7, 12), "least_squares")
 KNOWN |= {13: "u refined", 14: "u least_squares", 15: "u optimal", 16: OTHERS[0], 17: OTHERS[1]}
-LOOP, SAMPLE_PATHS = "a loop over samples", ("a sample, without gates", "a sample, with gates")
+LOOP = "a loop over samples"
+SAMPLE_PATHS = ("a sample, without gates", "a sample, with gates", "a sample in blocks")
 STEPS = {"idle": "an idle step", "sample": "a step with a sample", "other": "any other step"}
 # The target's library rounds a sum wrongly, by one unit in the last place, where the exponents of its terms differ by
 # 33 and the result falls below the power of two that the larger one is not below (1 - 1.55e-10, say; ieee754-df.S of

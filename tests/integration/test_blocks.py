@@ -34,12 +34,16 @@ class Blocks:
             self.averaging.finish()
             lib.tumble_blocks_finish(self.state)
 
-    def excess(self, noise_counts, v_per_count=V_PER_COUNT, least_v=0.0):
-        found = np.full((lib.TUMBLE_MAX_POSITIONS, 3), np.nan)
-        stand = {"noise_v": noise_counts * V_PER_COUNT, "samples": 1, "least_noise_v": least_v}
-        given_ = ffi.new("tumble_stand_record_t *", stand), v_per_count, ffi.cast("double(*)[3]", found.ctypes.data)
-        require_ok(lib.tumble_blocks_excess(self.state, self.averaging._state, *given_))
+    def noise(self, noise_counts, v_per_count=V_PER_COUNT):
+        found = ffi.new("tumble_noise_t *")
+        stand = ffi.new("tumble_stand_record_t *", {"noise_v": noise_counts * V_PER_COUNT, "samples": 1})
+        require_ok(lib.tumble_blocks_noise(self.state, self.averaging._state, stand, v_per_count, found))
         return found
+
+    def excess(self, noise_counts, samples):
+        """(3,): of the mean of so many samples."""
+        noise, declared = self.noise(noise_counts), (noise_counts * V_PER_COUNT) ** 2 / samples
+        return np.array([lib.tumble_noise_excess(noise, i, samples, declared) for i in range(3)])
 
     @property
     def sums(self):
@@ -110,7 +114,7 @@ def test_the_largest_differences_do_not_overflow_and_are_refused_in_the_end():
         blocks.averaging.add((counter, 0, 0), counter)
     blocks.averaging.finish()
     with pytest.raises(CoreRefusal) as caught:
-        blocks.excess(1.0)
+        blocks.noise(1.0)
     assert caught.value.name == "TUMBLE_E_DEVIATION"
 
 
@@ -150,10 +154,13 @@ def test_the_rule_is_that_of_the_host(rho, samples):
         blocks.take(index, [tuple(row) for row in rows])
     told = 0
     for declared in (sigma, sigma / 2):
-        excess = blocks.excess(declared)
+        excess = blocks.excess(declared, samples)
         expected = expected_excess(taken, blocks.state.block_samples, declared, V_PER_COUNT)
-        np.testing.assert_allclose(excess[:6], np.tile(expected, (6, 1)), rtol=1e-9, atol=1e-30)
-        assert (excess[6:] == 0.0).all()
+        np.testing.assert_allclose(excess, expected, rtol=1e-9, atol=1e-30)
+        noise, above = blocks.noise(declared), expected > 0.0
+        assert noise.above == above @ [1, 2, 4] and noise.undithered == 0
+        shown = np.sqrt((expected / V_PER_COUNT**2 + declared**2 / samples) * samples) * V_PER_COUNT
+        assert np.array(list(noise.noise_v))[above] == pytest.approx(shown[above], rel=1e-9)
         told += (expected > 0.0).sum()
     assert told >= 2
 
@@ -170,7 +177,7 @@ def test_the_stated_error_covers():
         blocks = Blocks(samples)
         for index, rows in enumerate(taken.tolist()):
             blocks.take(index, [tuple(row) for row in rows])
-        excess = blocks.excess(sigma)[0] / V_PER_COUNT**2
+        excess = blocks.excess(sigma, samples) / V_PER_COUNT**2
         error = weight @ taken.mean(axis=1)
         covered += np.abs(error) < 2 * np.sqrt(sigma**2 / samples + excess)
         told += excess > 0.0
@@ -190,10 +197,10 @@ def test_refusals():
         assert refusal_of(lib.tumble_blocks_init(state, samples)) == "TUMBLE_E_ARGUMENT"
     for v_per_count, name in ((1.0, "TUMBLE_E_TOO_FEW"), (0.0, "TUMBLE_E_ARGUMENT"), (np.inf, "TUMBLE_E_ARGUMENT")):
         with pytest.raises(CoreRefusal) as caught:
-            blocks.excess(1.0, v_per_count)
+            blocks.noise(1.0, v_per_count)
         assert caught.value.name == name
-    stand, out = ffi.new("tumble_stand_record_t *"), ffi.new("double[36][3]")
+    stand, out = ffi.new("tumble_stand_record_t *"), ffi.new("tumble_noise_t *")
     good = [blocks.state, blocks.averaging._state, stand, 1.0, out]
     for place in (0, 1, 2, 4):
         bad = [ffi.NULL if index == place else one for index, one in enumerate(good)]
-        assert refusal_of(lib.tumble_blocks_excess(*bad)) == "TUMBLE_E_ARGUMENT"
+        assert refusal_of(lib.tumble_blocks_noise(*bad)) == "TUMBLE_E_ARGUMENT"

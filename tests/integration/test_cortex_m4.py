@@ -42,6 +42,10 @@ def test_what_the_estimators_cost():
     assert costs["12 unknowns, normal equations"] < costs["12 unknowns, Householder QR"]
     assert 0.65e6 < costs["uncertainties of `refined`"] < 0.82e6
     assert 1.05e6 < costs["uncertainties of `least_squares`"] < 1.32e6
+    assert 30 < costs["a sample in blocks"] < 150
+    for name in ("the noise of a run", "one of `refined`, noise above"):
+        assert 40_000 < costs[name] < 105_000  # each is a step of its own
+    assert costs["one of `least_squares`, noise above"] < 205_000  # 22,000 of them for the noise
     assert stacks["optimal: table, 2nd order"] < 704
     assert stacks["12 unknowns, normal equations"] > 1200
     check_steps(steps)
@@ -72,7 +76,7 @@ def test_a_table_is_printed_with_ratios():
     header, first, *rest = estimators.splitlines()
     assert header.split() == ["instructions", "ratio", "code", "library", "data", "stack"]
     assert first.split()[0] == "refined" and first.split()[2] == "1.00"
-    assert len(rest) == 15 and len(whole.splitlines()) == 4
+    assert len(rest) == 19 and len(whole.splitlines()) == 4
     assert "LEFT OUT" in steps or len(steps.splitlines()) == 4
     assert budget.splitlines()[0].split()[-4:] == ["code", "library", "static_ram", "stack"]
     for target in ("cortex-m4", "cortex-a53"):

@@ -506,6 +506,23 @@ tumble_status_t tumble_residual_rms(const tumble_schedule_t *schedule, const tum
 
 #define TUMBLE_MAX_STAND_SIGMA_RAD 1.0
 
+/* What the samples of a run show of its noise, by channel (tumble_blocks_noise); 104 bytes. */
+typedef struct {
+    double noise_v[TUMBLE_CHANNELS];     /* of one sample, were it white: it gives the means their standard errors */
+    double declared_v;                   /* the same as the stand declares it */
+    double variance_v2[TUMBLE_CHANNELS]; /* private: of a sample, as it matters to a mean, */
+    double line_v2[TUMBLE_CHANNELS];     /* what each further length of the longest blocks adds to it, */
+    double lengths_per_sample;           /* such lengths, */
+    double rounding_v2;                  /* and of rounding by one count */
+    uint8_t above;                       /* bit of each channel: its noise is more than declared, beyond chance */
+    uint8_t undithered;                  /* likewise: all samples of a position round alike */
+} tumble_noise_t;
+
+/* By how much the variance of a mean of so many `samples` (1 or more) is larger than `declared_v2`; 0 or more. Counts
+ * where the noise of the channel is above the declared one; where samples round alike the rounding of one count is
+ * added, undivided. */
+double tumble_noise_excess(const tumble_noise_t *noise, int channel, uint32_t samples, double declared_v2);
+
 /* What a stand is declared to be: standard deviations, 0 for an error that it does not have. */
 typedef struct {
     double axis_tilt_rad; /* alpha1: the axis is not level; one for a run. Angles: 0 to TUMBLE_MAX_STAND_SIGMA_RAD */
@@ -537,6 +554,7 @@ typedef struct {
     /* By how much the variance of the mean of each position and channel, as it was measured, is larger than declared:
      * 0 or more. Null: by nothing. */
     const double (*excess_variance_v2)[TUMBLE_CHANNELS];
+    const tumble_noise_t *noise; /* the same by tumble_blocks_noise; null: by nothing */
 } tumble_judged_run_t;
 
 /* Standard uncertainties, arranged and with units as in tumble_coefficients_t. */
@@ -786,7 +804,7 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
  *
  * Beside the averaging of a run give tumble_blocks_begin with tumble_averaging_begin, tumble_blocks_add every sample
  * that tumble_averaging_add took, and tumble_blocks_finish after tumble_averaging_finish returned TUMBLE_OK. These three
- * use no floating point and do not check their arguments. When the run is over, tumble_blocks_excess tells what
+ * use no floating point and do not check their arguments. When the run is over, tumble_blocks_noise tells what
  * uncertainties must count beyond the declared noise.
  */
 
@@ -822,14 +840,21 @@ void tumble_blocks_add(tumble_blocks_t *blocks, const int32_t counts[TUMBLE_CHAN
 /* Keep the open position. A position that is measured again counts again. */
 void tumble_blocks_finish(tumble_blocks_t *blocks);
 
-/* For tumble_judged_run_t: by how much the variance of every finished mean is larger than `stand` declares, in the unit
- * of `v_per_count` squared; 0 in a channel whose noise is not more than declared, beyond chance (below 1e-3 for an honest
- * run), and where there is no mean. Of the stand its noise counts.
+/* For tumble_judged_run_t: the noise that the run shows, in the unit of `v_per_count`. A channel is `above` what `stand`
+ * declares only beyond chance (below 1e-3 for an honest run); half a count of rounding is no such noise. Of the stand
+ * its noise_v counts. Where no position has two blocks the scatter of samples speaks alone. Some 60,000 instructions on a
+ * Cortex-M4 without floating point hardware for 18 positions.
  * Returns TUMBLE_OK, TUMBLE_E_ARGUMENT (null; `v_per_count` 0 or not finite), TUMBLE_E_TOO_FEW (no finished position has
  * two samples), TUMBLE_E_DEVIATION (samples scatter so much that a sum of squares has come to its end). */
-tumble_status_t tumble_blocks_excess(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging,
-                                     const tumble_stand_record_t *stand, double v_per_count,
-                                     double excess_v2[TUMBLE_MAX_POSITIONS][TUMBLE_CHANNELS]);
+tumble_status_t tumble_blocks_noise(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging,
+                                    const tumble_stand_record_t *stand, double v_per_count, tumble_noise_t *noise);
+
+/* ---- The quantile of chi-squared that belongs to so many one-sided `sigmas` of the normal distribution, by Wilson and
+ * Hilferty (1931): k (1 - 2/(9 k) + sigmas sqrt(2/(9 k)))^3. With 4 it is never below the true quantile, and above it by
+ * 9 % (1 degree), 2.4 % (6), 0.8 % (18). `freedom` 1 or more: without freedom there is nothing to judge, and the answer
+ * would not be a number.
+ */
+double tumble_chi_squared_limit(double freedom, double sigmas);
 
 /* ---- Misfit: does a run fit the stand that is declared? A chi-squared test of every mounting, taken in small steps.
  *
@@ -894,12 +919,6 @@ void tumble_misfit_begin(tumble_misfit_work_t *work);
 /* Take one step of the test: one position, or the end of one test; some 20,000 instructions on a Cortex-M4 without
  * floating point hardware. Call it until it returns false; then `work->misfit` is the verdict. */
 bool tumble_misfit_step(tumble_misfit_work_t *work, const tumble_misfit_run_t *run);
-
-/* The quantile of chi-squared that belongs to so many one-sided `sigmas` of the normal distribution, by Wilson and
- * Hilferty (1931): k (1 - 2/(9 k) + sigmas sqrt(2/(9 k)))^3. With 4 it is never below the true quantile, and above it by
- * 9 % (1 degree), 2.4 % (6), 0.8 % (18). `freedom` 1 or more: without freedom there is nothing to judge, and the answer
- * would not be a number. */
-double tumble_chi_squared_limit(int freedom, double sigmas);
 
 /* The largest chi-squared of an honest run: tumble_chi_squared_limit with TUMBLE_MISFIT_SIGMAS. */
 double tumble_misfit_limit(int freedom);

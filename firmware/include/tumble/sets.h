@@ -651,7 +651,7 @@ typedef struct {
 
     /* The standard uncertainties of these coefficients (bits) of the present result; the others are left as they are.
      * Called for one coefficient in each step. Null: they are never known, and so no set is committed by itself.
-     * Returns TUMBLE_OK, or why they are not known. */
+     * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (asked again at the next step), or why they are not known. */
     tumble_status_t (*uncertainty)(const void *self, uint16_t coefficients, tumble_uncertainty_t *uncertainty);
 
     /* Lent from tumble_sets_run_done on, for as long as the means must stay as they are (tumble_sets_allow). */

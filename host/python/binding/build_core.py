@@ -209,6 +209,17 @@ typedef struct {
     double drift_v;
 } tumble_stand_record_t;
 typedef struct {
+    double noise_v[3];
+    double declared_v;
+    double variance_v2[3];
+    double line_v2[3];
+    double lengths_per_sample;
+    double rounding_v2;
+    uint8_t above;
+    uint8_t undithered;
+} tumble_noise_t;
+double tumble_noise_excess(const tumble_noise_t *, int channel, uint32_t samples, double declared_v2);
+typedef struct {
     const tumble_schedule_t *schedule;
     const tumble_stand_record_t *stand;
     const tumble_coefficients_t *coefficients;
@@ -216,6 +227,7 @@ typedef struct {
     const uint32_t *samples;
     uint16_t only;
     const double (*excess_variance_v2)[3];
+    const tumble_noise_t *noise;
 } tumble_judged_run_t;
 typedef struct {
     int64_t square_sum[2][3];
@@ -229,8 +241,8 @@ tumble_status_t tumble_blocks_init(tumble_blocks_t *, uint32_t samples);
 void tumble_blocks_begin(tumble_blocks_t *);
 void tumble_blocks_add(tumble_blocks_t *, const int32_t *counts);
 void tumble_blocks_finish(tumble_blocks_t *);
-tumble_status_t tumble_blocks_excess(const tumble_blocks_t *, const tumble_averaging_t *,
-                                     const tumble_stand_record_t *, double v_per_count, double (*excess_v2)[3]);
+tumble_status_t tumble_blocks_noise(const tumble_blocks_t *, const tumble_averaging_t *,
+                                    const tumble_stand_record_t *, double v_per_count, tumble_noise_t *);
 typedef struct { double k_v_per_g[3][3]; double u0_v[3]; } tumble_uncertainty_t;
 
 tumble_status_t tumble_uncertainty_gains(const tumble_gain_table_t *, const tumble_judged_run_t *,

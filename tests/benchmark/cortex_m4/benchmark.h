@@ -20,5 +20,7 @@ tumble_status_t samples_none(void);
 tumble_status_t samples_without_gates(void);
 tumble_status_t samples_with_gates(void);
 tumble_status_t samples_divide(void);
+tumble_status_t samples_in_blocks(void);
+tumble_status_t samples_noise(void);
 
 #endif

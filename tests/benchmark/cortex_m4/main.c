@@ -57,6 +57,16 @@ static const tumble_gain_record_t *record;
 #define ESTIMATE() tumble_estimate_refined(&tumble_schedule_three_mountings, &benchmark_three_mountings, &found, NULL)
 #elif CANDIDATE == 17
 #define ESTIMATE() tumble_estimate_refined(&tumble_schedule_diagonal, &benchmark_diagonal, &found, NULL)
+#elif CANDIDATE == 18
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_noise()
+#elif CANDIDATE == 19
+#define ESTIMATE() tumble_uncertainty_refined(&one_judged, &uncertainty, NULL)
+#elif CANDIDATE == 20
+#define ESTIMATE() tumble_uncertainty_least_squares(&one_judged, &uncertainty, NULL)
+#elif CANDIDATE == 21
+#define BEGIN() samples_begin()
+#define ESTIMATE() samples_in_blocks()
 #elif CANDIDATE == 15
 #define ESTIMATE() tumble_uncertainty_gains(&benchmark_table, &judged, &uncertainty)
 #endif
@@ -64,7 +74,17 @@ static const tumble_gain_record_t *record;
 #if CANDIDATE >= 13 && CANDIDATE <= 15
 static tumble_uncertainty_t uncertainty;
 static const tumble_judged_run_t judged = {
-    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0, NULL};
+    &tumble_schedule_paper, &benchmark_stand, &benchmark_coefficients, NULL, NULL, 0, NULL, NULL};
+#define FOUND uncertainty
+#elif CANDIDATE == 19 || CANDIDATE == 20
+static tumble_uncertainty_t uncertainty;
+static const tumble_noise_t noise = {
+    .variance_v2 = {1e-7, 2e-7, 3e-7}, .line_v2 = {1e-8, 2e-8, 3e-8}, .lengths_per_sample = 1.0 / 16.0, .above = 7U};
+static const tumble_judged_run_t one_judged = {.schedule = &tumble_schedule_paper,
+                                               .stand = &benchmark_stand,
+                                               .coefficients = &benchmark_coefficients,
+                                               .only = 0x200, /* the longest */
+                                               .noise = &noise};
 #define FOUND uncertainty
 #else
 static tumble_coefficients_t found;

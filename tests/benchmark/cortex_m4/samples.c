@@ -8,6 +8,8 @@
 #define POSITIONS 18
 
 static tumble_averaging_t averaging;
+static tumble_blocks_t blocks;
+static tumble_noise_t noise;
 static tumble_averaging_config_t config = {.saturation_counts = 0x7FFFFF,
                                            .min_samples = 50,
                                            .max_lost = 3,
@@ -33,11 +35,15 @@ void samples_begin(void)
 {
     make_samples();
     (void)tumble_averaging_init(&averaging, &config);
+    (void)tumble_blocks_init(&blocks, 50U);
     for (uint8_t p = 0; p < POSITIONS; p++) {
         (void)tumble_averaging_begin(&averaging, p);
+        tumble_blocks_begin(&blocks);
         for (uint32_t s = 0; s < 50U; s++) {
             tumble_averaging_accumulate(&averaging, samples[(s + p) % KINDS].counts);
+            tumble_blocks_add(&blocks, samples[(s + p) % KINDS].counts);
         }
+        tumble_blocks_finish(&blocks);
         (void)tumble_averaging_finish(&averaging, &config);
     }
     (void)tumble_averaging_begin(&averaging, POSITIONS);
@@ -77,4 +83,21 @@ tumble_status_t samples_with_gates(void)
 tumble_status_t samples_divide(void)
 {
     return tumble_averaging_means(&averaging, 1e-6, &means);
+}
+
+/* Beside one of the two above. */
+tumble_status_t samples_in_blocks(void)
+{
+    for (uint32_t s = 0; s < SAMPLES; s++) {
+        samples[s % KINDS].counter = counter++;
+        tumble_blocks_add(&blocks, samples[s % KINDS].counts);
+    }
+    return TUMBLE_OK;
+}
+
+/* Above the declared noise, in all channels. */
+tumble_status_t samples_noise(void)
+{
+    static const tumble_stand_record_t stand = {.noise_v = 1e-6, .samples = 50};
+    return tumble_blocks_noise(&blocks, &averaging, &stand, 1e-6, &noise);
 }

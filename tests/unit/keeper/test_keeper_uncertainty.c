@@ -37,6 +37,38 @@ static void test_every_coefficient_once_and_in_steps_of_its_own(void)
     }
 }
 
+static void test_the_noise_is_looked_at_in_a_step_of_its_own(void)
+{
+    static tumble_run_noise_t noise;
+    declared.take = tumble_navcomp_take_noise;
+    declared.noise = &noise;
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2026, 1));
+    run_to_done();
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, refusal_of(0x2026, 1));
+    settle_memory();
+    TEST_ASSERT_EQUAL_UINT32(TUMBLE_COEFFICIENTS + 1, calls);
+    TEST_ASSERT_EQUAL_HEX16(1, asked[0]);
+    TEST_ASSERT_EQUAL_HEX16(1, asked[1]);
+    TEST_ASSERT_TRUE(asked_at[1] > asked_at[0]);
+    TEST_ASSERT_EQUAL_HEX16(2, asked[2]);
+    for (uint8_t i = 0; i < 3U; i++) {
+        TEST_ASSERT_TRUE(read_f64(0x2026, (uint8_t)(i + 1U)) == noise.seen.noise_v[i]);
+    }
+    TEST_ASSERT_TRUE(read_f64(0x2026, 4) == 1e-5);
+    TEST_ASSERT_EQUAL_UINT8(noise.seen.above, read_number(0x2026, 5, 1));
+    TEST_ASSERT_EQUAL_UINT8(noise.seen.undithered, read_number(0x2026, 6, 1));
+    TEST_ASSERT_TRUE((noise.seen.noise_v[2] > 0.0) && (noise.blocks.pairs[0] >= POSITIONS));
+    ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2026, 1));
+}
+
+static void test_without_memory_for_it_no_noise_is_told(void)
+{
+    (void)run_and_judge();
+    TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2023, 1));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2026, 1));
+}
+
 static void test_reading_computes_nothing(void)
 {
     tumble_uncertainty_t u;

@@ -35,12 +35,71 @@ static void test_they_are_those_of_the_estimator_in_use(void)
         for (size_t p = 0; p < 18U; p++) {
             samples[p] = averages->averages[p].samples;
         }
-        const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &coefficients, NULL, samples, 0, NULL};
+        const tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &coefficients, NULL, samples, 0, NULL, NULL};
         tumble_uncertainty_t expected;
         ASSERT_STATUS(TUMBLE_OK, judges[c](&run, &expected, NULL));
+        ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
         ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
         TEST_ASSERT_EQUAL_MEMORY(&expected, &stated, sizeof stated);
     }
+}
+
+static const tumble_noise_t *noise_of_run(void)
+{
+    const tumble_noise_t *noise = NULL;
+    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_navcomp_noise(&world.navcomp, &noise));
+    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_navcomp_uncertainty(&world.navcomp, 1, &stated));
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_noise(&world.navcomp, &noise));
+    return noise;
+}
+
+/* Of every position of 50 samples: 3 pairs of 8, one of 16. */
+static void test_every_position_counts_once(void)
+{
+    run_lines("", 1, NULL);
+    TEST_ASSERT_EQUAL_UINT32(18U * 3U, config.noise.blocks.pairs[0]);
+    TEST_ASSERT_EQUAL_UINT32(18U, config.noise.blocks.pairs[1]);
+    const tumble_noise_t *noise = noise_of_run();
+    TEST_ASSERT_EQUAL_HEX8(0, noise->above);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * 3e-4, 3e-4, noise->noise_v[0]);
+    run_lines("", 2, NULL); /* forgotten at power-on */
+    TEST_ASSERT_EQUAL_UINT32(18U, config.noise.blocks.pairs[1]);
+}
+
+/* Too few samples for any; and as many as a position has at least. */
+static void test_how_long_blocks_are(void)
+{
+    run_lines("procedure.samples = 7\naveraging.stuck_run = 0\n", 1, NULL);
+    TEST_ASSERT_EQUAL_UINT32(0, config.noise.blocks.block_samples);
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * 3e-4, 3e-4, noise_of_run()->noise_v[1]);
+    run_lines("procedure.error_budget_v = 6e-5\nprocedure.samples = 200\n", 1, NULL);
+    TEST_ASSERT_EQUAL_UINT32(4, config.noise.blocks.block_samples); /* 16 samples at least, not 200 */
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(18U * 2U, config.noise.blocks.pairs[0]);
+}
+
+static void test_correlated_noise_is_above_and_counts(void)
+{
+    tumble_uncertainty_t white;
+    run_lines("", 1, NULL);
+    (void)noise_of_run();
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &white));
+    run_lines("block.noise_correlation = 0.9 0 0.5\n", 1, NULL);
+    TEST_ASSERT_EQUAL_HEX8(5, noise_of_run()->above);
+    ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
+    TEST_ASSERT_TRUE(stated.u0_v[0] > 2.0 * white.u0_v[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * white.u0_v[1], white.u0_v[1], stated.u0_v[1]);
+    TEST_ASSERT_TRUE(stated.u0_v[2] > 1.2 * white.u0_v[2]);
+}
+
+/* Samples that scatter beyond all measure: then nothing is certain. */
+static void test_sums_at_their_end_state_nothing(void)
+{
+    run_lines("", 1, NULL);
+    config.noise.blocks.square_sum[1][2] = INT64_MAX;
+    const tumble_noise_t *noise = NULL;
+    ASSERT_STATUS(TUMBLE_E_PORT_BUSY, tumble_navcomp_uncertainty(&world.navcomp, 1, &stated));
+    ASSERT_STATUS(TUMBLE_E_DEVIATION, tumble_navcomp_uncertainty(&world.navcomp, 1, &stated));
+    ASSERT_STATUS(TUMBLE_E_DEVIATION, tumble_navcomp_noise(&world.navcomp, &noise));
 }
 
 static void test_without_a_result_or_a_stand_nothing_is_stated(void)
@@ -54,7 +113,7 @@ static void test_without_a_result_or_a_stand_nothing_is_stated(void)
     other.stand_memory = &stand;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_init(&fresh, &other));
     ASSERT_STATUS(TUMBLE_E_STATE, tumble_navcomp_uncertainty(&fresh, TUMBLE_ALL_COEFFICIENTS, &stated));
-    const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL};
+    const tumble_declared_t bare = {world.navcomp_config.declared->stand, NULL, NULL, NULL};
     world.navcomp_config.declared = &bare;
     ASSERT_STATUS(TUMBLE_OK, tumble_navcomp_uncertainty(&world.navcomp, TUMBLE_ALL_COEFFICIENTS, &stated));
     world.navcomp.procedure_config.estimate = TUMBLE_ESTIMATE_OPTIMAL; /* which this board does not hold */
@@ -81,7 +140,7 @@ static void test_those_of_a_gain_record_are_for_the_k_it_was_made_for(void)
     tumble_optimal_t work;
     tumble_optimal_source_t source = {record.bytes, record.size, &work};
     const tumble_gain_table_t table = {tumble_gain_record_gains(open_gains(&record, &tumble_schedule_paper)), 18};
-    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0, NULL};
+    tumble_judged_run_t run = {&tumble_schedule_paper, &stand, &made_for, NULL, NULL, 0, NULL, NULL};
     tumble_uncertainty_t expected;
     ASSERT_STATUS(TUMBLE_OK, tumble_uncertainty_gains(&table, &run, &expected));
     run.coefficients = &another;

@@ -19,9 +19,11 @@ from tumble.estimators import OPTIMAL
 from tumble.files.run_file import Run, read_run
 from tumble.files.run_layout import Wishes
 from tumble.solving.crosscheck import OPTIMAL_LIMIT_U, RELATIVE_LIMIT, compare_uncertainties
+from tumble.solving.noise import look, of_means
 from tumble.solving.solution import Solution, Truth, solve
 
 DOCUMENT = "bench.json"
+_NOISE_LIMIT = 1e-9
 
 
 def read_document(stage: Path) -> dict[str, Any] | None:
@@ -119,13 +121,36 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
     if document["u_K"] is None:
         raise Disagreement("the firmware states no uncertainties; no result is given")
     schedule, samples = setup.schedule.data, solution.run.samples
+    variance = _noise_on_board(solution, document, setup)
     if setup.estimator == OPTIMAL:
         known, step = gains.known(setup), step_v(setup)
-        witness = reference.optimal_uncertainties(schedule, known.k, setup.stand, samples, step, known.samples)
+        given = schedule, known.k, setup.stand, samples, step, known.samples
+        witness = reference.optimal_uncertainties(*given, variance)
     else:
-        witness = reference.standard_uncertainties(schedule, solution.found.k, setup.stand, samples, setup.estimator)
+        given_k = schedule, solution.found.k, setup.stand, samples, setup.estimator
+        witness = reference.standard_uncertainties(*given_k, variance)
     stated = np.array(document["u_K"]).reshape(3, 3), np.array(document["u_U0"])
     compare_uncertainties(stated, witness, setup.estimator == OPTIMAL)
+
+
+def _noise_on_board(solution: Solution, document: dict[str, Any], setup: Setup) -> Floats | None:
+    """What the noise of a mean counts at least, (positions, 3), from the recorded samples by the rule on board, which
+    looks at two lengths of blocks; None where nobody looks. A position that was measured again counts twice there, and
+    only its last samples are recorded: then as the firmware tells it."""
+    told, samples, step = document["noise"], solution.run.samples, step_v(setup)
+    if told is None:
+        return None
+    declared = setup.stand.with_step(step) if setup.estimator == OPTIMAL else setup.stand
+    scatter = (solution.run.scatter / step).astype(np.float32).astype(float) * step  # as it is kept there
+    noise = look(dataclasses.replace(solution.run, scatter=scatter), declared, step, told["block_samples"])
+    if document["counters"]["positions_kept"] > len(samples):
+        above = np.array([name in told["above_declared"] for name in "xyz"])
+        as_told: Floats = np.maximum(noise.mean_variance, above * np.square(told["noise_v"]) / samples[:, None])
+        return as_told
+    assert noise.measured is not None  # the firmware saw two samples of a position
+    seen = of_means(noise.measured, samples)
+    _require_close("the noise", np.array(told["noise_v"]), seen, _NOISE_LIMIT * seen)
+    return noise.mean_variance
 
 
 def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats | float) -> None:

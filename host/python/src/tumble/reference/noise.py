@@ -51,9 +51,9 @@ class MeasuredNoise:
         return np.asarray((self.pooled > limits).any(axis=0))
 
 
-def measured_noise(samples: Integers, scatter: Floats, squares: Floats) -> MeasuredNoise | None:
+def measured_noise(samples: Integers, scatter: Floats, squares: Floats, shortest: int = 1) -> MeasuredNoise | None:
     """None where no position has two samples. `samples` (positions,), `scatter` (positions, 3), `squares` (lengths,
-    positions, 3) as in files.run_blocks."""
+    positions, 3) as in files.run_blocks; of these, those from index `shortest` on are looked at beside the scatter."""
     several = samples > 1
     if not several.any():
         return None
@@ -61,17 +61,19 @@ def measured_noise(samples: Integers, scatter: Floats, squares: Floats) -> Measu
     variance = ((samples[several] - 1)[:, None] * scatter[several] ** 2).sum(axis=0) / freedom
     pairs = np.array([(samples >> (level + 1)).sum() for level in range(len(squares))], dtype=int)
     energies = squares.sum(axis=1) / pairs[:, None]
-    pooled = np.array([variance, *(_pooled(energies[level:], pairs[level:]) for level in range(1, len(squares)))])
-    freedoms = np.array([freedom, *(pairs[level:].sum() for level in range(1, len(squares)))])
+    levels = range(shortest, len(squares))
+    pooled = np.array([variance, *(_pooled(energies[level:], pairs[level:]) for level in levels)])
+    freedoms = np.array([freedom, *(pairs[level:].sum() for level in levels)])
+    lengths = np.array([1, *(1 << level for level in levels)])
     grown = pooled > chance_limit(freedoms, _GROWN_SIGMAS)[:, None] * variance
     largest = np.where(grown, pooled, 0.0).argmax(axis=0)
     line = np.zeros(3)
-    if len(pairs) > 1:
+    if len(levels) > 0:
         steepest = np.clip(2.0 * (energies[-1] - energies[-2]), 0.0, energies[-1])
-        line = np.where(largest == len(pairs) - 1, steepest, 0.0)
+        line = np.where(largest == len(levels), steepest, 0.0)
     found = pooled[largest, np.arange(3)]
     longest = 1 << max(len(pairs) - 1, 0)
-    return MeasuredNoise(np.sqrt(variance), 1 << largest, freedoms[largest], found, line, longest, pooled, freedoms)
+    return MeasuredNoise(np.sqrt(variance), lengths[largest], freedoms[largest], found, line, longest, pooled, freedoms)
 
 
 def _pooled(energies: Floats, pairs: Integers) -> Floats:

@@ -93,11 +93,17 @@ def optimal_covariance(
 
 
 def optimal_uncertainties(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, step: float, known_samples: float
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    step: float,
+    known_samples: float,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of weights made at `k` for `known_samples`, on a block that has this `k`. Arguments as
-    of `optimal`."""
-    return by_coefficient(_Whitened(schedule, k, stand, samples, step, known_samples).covariance())
+    of `optimal`; `mean_variance` (positions, 3): what the noise of a mean counts at least."""
+    return by_coefficient(_Whitened(schedule, k, stand, samples, step, known_samples).covariance(mean_variance))
 
 
 class _Whitened:

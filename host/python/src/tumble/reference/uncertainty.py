@@ -148,10 +148,15 @@ def covariance(
 
 
 def standard_uncertainties(
-    schedule: Schedule, k: Floats, stand: Stand, samples: Integers, estimator: str
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    mean_variance: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of an estimate: the roots of the diagonal of its covariance."""
-    return by_coefficient(covariance(schedule, k, stand, samples, estimator))
+    return by_coefficient(covariance(schedule, k, stand, samples, estimator, mean_variance))
 
 
 def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:

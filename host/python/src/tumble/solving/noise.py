@@ -39,9 +39,15 @@ class Noise:
         return bool((self.mean_variance.max(axis=0) > 0.0).all())
 
 
-def look(run: Run, stand: Stand | None, step: float) -> Noise:
-    """`stand` (None: nothing is declared) and the `step` of the converter (0: not known) in the unit of the run."""
-    measured = reference.measured_noise(run.samples, run.scatter, run.blocks.squares)
+def look(run: Run, stand: Stand | None, step: float, shortest: int | None = None) -> Noise:
+    """`stand` (None: nothing is declared) and the `step` of the converter (0: not known) in the unit of the run. All
+    lengths of blocks are looked at; with `shortest` only blocks of so many samples and of twice as many, as on board,
+    and with 0 none."""
+    squares, first = run.blocks.squares, 1
+    if shortest is not None:
+        first = max(shortest.bit_length() - 1, 1)
+        squares = squares[: first + 2 if shortest > 0 else 1]
+    measured = reference.measured_noise(run.samples, run.scatter, squares, first)
     declared = None if stand is None else stand.sigma("noise")
     samples = np.where(run.measured, averaged_over(run.samples, stand), 1)
     exceeds = _exceeds(measured, declared, run, step)
