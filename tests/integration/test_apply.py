@@ -259,7 +259,7 @@ def test_csv_with_nine_decimals(paper, saved, tmp_path, capsysbinary):
     done = applied(capsysbinary, saved, tmp_path / "data.csv")
     lines = done.out.decode().splitlines()
     assert lines == ["time,note,ux,uy,uz,x,y,z", *expected_lines(paper, rows)]
-    assert done.err.decode().startswith(f"tumble: notice: {saved}: assuming a square seat and volts")
+    assert done.err.decode().startswith(f"tumble: notice: {saved}: assuming a square seat, volts and one temperature")
     assert done.err.count(b"\n") == 1
 
 

@@ -13,7 +13,7 @@ from conftest import EXAMPLES
 from documents import paper_stand, valid
 from hypothesis import given, settings, strategies as st
 
-from tumble.cli.exports import NAMES
+from tumble.estimators import COEFFICIENTS
 from tumble.solving.si import converted
 
 pytestmark = pytest.mark.python
@@ -93,7 +93,7 @@ def test_csv_has_the_covariance(tumble, tmp_path):
     file, result = solve(tumble, tmp_path)
     for unit, covariance in (("g", result["covariance"]), ("m/s2", None)):
         rows = list(csv.DictReader(io.StringIO(tumble("export", file, "--format", "csv", "--unit", unit).stdout)))
-        exported = np.array([[float(row[f"covariance_{name}"]) for name in NAMES] for row in rows])
+        exported = np.array([[float(row[f"covariance_{name}"]) for name in COEFFICIENTS] for row in rows])
         stated = np.array([float(row["standard_uncertainty"]) for row in rows])
         assert np.sqrt(np.diag(exported)) == pytest.approx(stated, rel=1e-9)
         if covariance is not None:

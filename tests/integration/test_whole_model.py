@@ -19,6 +19,7 @@ from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.reference.fit import basis
 from tumble.reference.patterns import BY_NAME, PATTERNS
+from tumble.solving.crosscheck import LARGEST_MISFIT
 from tumble.solving.fit import judge, variance_of_means
 from tumble.solving.stand_seen import StandSeen
 
@@ -293,6 +294,7 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
     rng = np.random.default_rng(51)
     data = PAPER.data if name == "paper" else core.built_in(name)
     schedule, count, mountings = core.CoreSchedule(data), len(data.positions), len(data.mountings)
+    near = 0
     for _ in range(8):
         stand = dataclasses.replace(
             stand_named("paper"), limits="sigma1", remounting=rng.choice(["independent", "common"]),
@@ -313,10 +315,16 @@ def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
         variance = variance_of_means(stand, np.ones(count, dtype=int), rounding(stand, V_PER_COUNT))
         witness = reference.WholeModel(data, means, variance, stand)
         assert verdict.freedom == witness.freedom == 3 * count - 12
+        misfit = math.sqrt(witness.chi_squared / witness.freedom)
+        if misfit > LARGEST_MISFIT:  # the problem is not linear any more, and nobody needs the figure
+            assert verdict.misfit > LARGEST_MISFIT
+            continue
+        near += 1
         assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-7)
-        assert verdict.misfit == pytest.approx(math.sqrt(witness.chi_squared / witness.freedom), rel=1e-7)
+        assert verdict.misfit == pytest.approx(misfit, rel=1e-7)
         assert verdict.limit == pytest.approx(chi_squared_quantile(0.999, witness.freedom), rel=2.5e-3)
         assert verdict.misfits == (verdict.chi_squared > verdict.limit)
+    assert near >= 3
 
 
 def rounding(stand, step):

@@ -154,11 +154,12 @@ def _noise_on_board(solution: Solution, document: dict[str, Any], setup: Setup) 
 
 
 def _require_close(name: str, firmware: Floats, witness: Floats, allowed: Floats | float) -> None:
-    excess = np.abs(firmware - witness) / allowed
-    if not (excess <= 1.0).all():
+    difference = np.abs(firmware - witness)
+    if not (difference <= allowed).all():
+        with np.errstate(divide="ignore"):
+            times = np.nanmax(difference / allowed)
         raise Disagreement(
-            f"the firmware and numpy disagree: {name} differs by {excess.max():.2g} times what is allowed;"
-            " no result is given"
+            f"the firmware and numpy disagree: {name} differs by {times:.2g} times what is allowed; no result is given"
         )
 
 

@@ -58,10 +58,11 @@ def add_model(parser: argparse.ArgumentParser) -> None:
 def refuse_model(parser: argparse.ArgumentParser, why: str) -> None:
     """--model, where it makes no sense."""
 
-    def refuse(text: str) -> None:
-        raise UsageError(f"--model: {why}")
+    class Refuse(argparse.Action):
+        def __call__(self, *_: object) -> None:
+            raise UsageError(f"--model: {why}")
 
-    parser.add_argument("--model", type=refuse, help=argparse.SUPPRESS)
+    parser.add_argument("--model", action=Refuse, help=argparse.SUPPRESS)
 
 
 def add_limit(parser: argparse.ArgumentParser) -> None:
