@@ -11,7 +11,7 @@
  *     estimator: its name in TUMBLE_ESTIMATOR_LIST
  *     K, U0: 3 x 3 in V/g, 3 in V; null without a result
  *     u_K, u_U0: their standard uncertainties; null where none can be stated
- *     noise: {block_samples, noise_v (3), declared_v, above_declared, undithered (channels)}; null where nobody looked
+ *     noise: {block_samples, noise_v (3), declared_v, above_declared (channels)}; null where nobody looked
  *     verification: {delta_g_g: list of {mounting, position, use, delta_g_g}, max_abs_delta_g_g, max_abs_fit_g,
  *         max_abs_check_g, limit_g, pass}; null without a result
  *     closure_g: by mounting; null without a result
