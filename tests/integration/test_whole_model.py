@@ -5,21 +5,18 @@ import itertools
 import json
 import math
 
-import core_whole_model
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
 from conftest import EXAMPLES
-from core_whole_model import averages_of
 from test_fixture_check import PAPER, U0, simulated, stand_named
 
 from tumble import core, reference
-from tumble.core.fit import ANGLES, chi_squared
+from tumble.core.fit import chi_squared
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.files.run_file import Run
 from tumble.reference.fit import basis
 from tumble.reference.patterns import BY_NAME, PATTERNS
-from tumble.solving.crosscheck import LARGEST_MISFIT
 from tumble.solving.fit import judge, variance_of_means
 from tumble.solving.stand_seen import StandSeen
 
@@ -282,70 +279,6 @@ def test_core_and_witness_agree_far_from_the_declared_stand():
         square, freedom = chi_squared(PAPER, run.means, run.measured, variance, declared)
         assert freedom == witness.freedom == 42
         assert square == pytest.approx(witness.chi_squared, rel=1e-8)
-
-
-V_PER_COUNT = 2e-9
-
-
-@pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
-@pytest.mark.parametrize("name", ["paper", "three_mountings", "diagonal"])
-def test_in_steps_on_board_it_is_the_witness_s(name, estimator):
-    """From the averages of counts, beginning with what the estimator found, on random stands and blocks."""
-    rng = np.random.default_rng(51)
-    data = PAPER.data if name == "paper" else core.built_in(name)
-    schedule, count, mountings = core.CoreSchedule(data), len(data.positions), len(data.mountings)
-    near = 0
-    for _ in range(8):
-        stand = dataclasses.replace(
-            stand_named("paper"), limits="sigma1", remounting=rng.choice(["independent", "common"]),
-            noise=10.0 ** rng.uniform(-6, -3),
-            samples=1,
-            **{source: rng.choice([0.0, 1.0]) * 10.0 ** rng.uniform(-5, -3) for source in ANGLES},
-        )
-        means = reference.Geometry(data).outputs(
-            NOMINAL_K + 0.02 * rng.normal(size=(3, 3)),
-            0.02 * rng.normal(size=3),
-            alpha1=stand.axis_tilt * rng.normal(),
-            alpha3=2e-3 * rng.normal(size=mountings),
-            delta=stand.angle * rng.normal(size=count),
-        )
-        counts = np.rint((means + stand.noise * rng.normal(size=means.shape)) / V_PER_COUNT)
-        means = counts * V_PER_COUNT
-        verdict = on_board(schedule, averages_of(counts), *core.estimate(schedule, means, None, estimator), stand)
-        variance = variance_of_means(stand, np.ones(count, dtype=int), rounding(stand, V_PER_COUNT))
-        witness = reference.WholeModel(data, means, variance, stand)
-        assert verdict.freedom == witness.freedom == 3 * count - 12
-        misfit = math.sqrt(witness.chi_squared / witness.freedom)
-        if misfit > LARGEST_MISFIT:  # the problem is not linear any more, and nobody needs the figure
-            assert verdict.misfit > LARGEST_MISFIT
-            continue
-        near += 1
-        assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-7)
-        assert verdict.misfit == pytest.approx(misfit, rel=1e-7)
-        assert verdict.limit == pytest.approx(chi_squared_quantile(0.999, witness.freedom), rel=2.5e-3)
-        assert verdict.misfits == (verdict.chi_squared > verdict.limit)
-    assert near >= 3
-
-
-def rounding(stand, step):
-    return step / math.sqrt(12.0) if stand.noise < step / 2.0 else 0.0
-
-
-def on_board(schedule, averaging, k, u0, stand):
-    return core_whole_model.judge(schedule, averaging, k, u0, stand, V_PER_COUNT)
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.2, 0.28, 0.3, 0.49, 0.51, 3.0])
-def test_on_board_samples_that_round_alike_are_not_averaged(noise):
-    """As in `solve`: less noise than half a step of the converter is none that averages out."""
-    rng, step = np.random.default_rng(52), 1e-4
-    stand = dataclasses.replace(stand_named("paper"), limits="sigma1", noise=noise * step, angle=0.0, samples=1)
-    counts = np.rint(reference.Geometry(PAPER.data).outputs(NOMINAL_K, U0) / step) + rng.integers(-1, 2, (18, 3))
-    found = core.estimate(PAPER, counts * step, None, "refined")
-    verdict = core_whole_model.judge(PAPER, averages_of(counts), *found, stand, step)
-    variance = variance_of_means(stand, np.ones(18, dtype=int), rounding(stand, step))
-    witness = reference.WholeModel(PAPER.data, counts * step, variance, stand)
-    assert verdict.chi_squared == pytest.approx(witness.chi_squared, rel=1e-9)
 
 
 def test_three_mountings_and_missing_positions():

@@ -24,6 +24,7 @@ from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import reason
 from tumble.files.run_file import require_text
 from tumble.files.run_layout import Wishes, detect, detect_unit, find_all, is_blank, is_comment, split
+from tumble.files.run_temperature import read_temperatures
 from tumble.units import noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -105,6 +106,7 @@ class CsvData:
         self.renamed = raw_names(self._names, demand.with_uncertainty)
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
+        self._felt_c: list[float] = []
 
     @property
     def header(self) -> bytes:
@@ -114,6 +116,11 @@ class CsvData:
         if self.renamed:
             own = delimiter.join(_quoted(self.renamed.get(name, name), delimiter) for name in self._names)
         return _encoded(self._preamble + delimiter.join([own, *self._demand.names]) + self._end)
+
+    @property
+    def temperatures_c(self) -> tuple[float, ...]:
+        """The lowest and the highest temperature of the rows that have been given; empty where the data tell none."""
+        return tuple(self._felt_c)
 
     def require_header_of(self, other: CsvData) -> None:
         """The rows of both can stand in one file. Raises BadInput."""
@@ -142,6 +149,7 @@ class CsvData:
             places = np.flatnonzero(full).tolist()
         else:
             outputs, places = self._read_carefully(lines, row)
+        self._feel(lines, row)
         try:
             values = self._demand.values(outputs, self._factor)
         except BadInput as error:
@@ -150,6 +158,14 @@ class CsvData:
         for place, numbers in zip(places, values.tolist()):
             lines[place] = self._with_numbers(lines[place], numbers)
         return _encoded("".join(lines)), len(lines), bool(places)
+
+    def _feel(self, lines: list[str], row: int) -> None:
+        """Keep what the rows of a piece say of their temperature."""
+        rows = ((row + i, line) for i, line in enumerate(lines, 1) if not is_blank(line) and not is_comment(line))
+        found, _ = read_temperatures(rows, self._layout, self._file)
+        if found is not None:
+            known = [*self._felt_c, found.low_c, found.high_c]
+            self._felt_c = [min(known), max(known)]
 
     def _with_numbers(self, line: str, numbers: list[float]) -> str:
         end = _end_of(line)

@@ -63,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     force = result.force(arguments.unit, arguments.uncertainty)
     demand = demand_of(force, result.unit, arguments.uncertainty, wishes)
     _beware(result, arguments.result)
+    known_c = result.document.get("temperature")
     if len(kinds) > 1 and len(set(targets)) < len(targets):
         raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
     if kinds == {True} and len(set(targets)) < len(targets):
@@ -74,14 +75,14 @@ def run(arguments: argparse.Namespace) -> int:
         import tempfile
 
         with tempfile.SpooledTemporaryFile(_IN_MEMORY) as spooled:  # no half of it on stdout where a row is bad
-            _calibrate(arguments.data, spooled, demand)  # type: ignore[arg-type] # a BinaryIO in all but name
+            _calibrate(arguments.data, spooled, demand, known_c)  # type: ignore[arg-type] # a BinaryIO in all but name
             spooled.seek(0)
             shutil.copyfileobj(spooled, sys.stdout.buffer)
             sys.stdout.buffer.flush()
         return EXIT_PASS
     for target in dict.fromkeys(targets):
         with written(target) as out:
-            _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand)
+            _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
     return EXIT_PASS
 
 
@@ -109,11 +110,12 @@ def _beware(result: Result, file: str) -> None:
         tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
 
 
-def _calibrate(files: list[str], out: BinaryIO, demand: Demand) -> None:
-    """All files into one output: the header of the first, the rows of all."""
+def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[str, Any] | None) -> None:
+    """All files into one output: the header of the first, the rows of all. `known_c`: temperature of the result."""
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
     from tumble.files.tables import PARQUET, suffix_of
+    from tumble.solving.temperature import outside
 
     first: Any = None
     for file in files:
@@ -129,6 +131,8 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand) -> None:
                 data.require_header_of(first)
             first = first or data
             out.writelines(data.rows())
+            if (told := outside(known_c, data.temperatures_c)) is not None:
+                tell(f"tumble: warning: {file_name(file)}: {told}")
 
 
 def _tell_of_names(renamed: dict[str, str], file: str) -> None:
