@@ -8,8 +8,8 @@
 #define CHANCE_SIGMAS 4.2 /* one-sided, 1.3e-5: more than declared */
 #define GROWN_SIGMAS 2.33 /* one-sided, 1e-2: more than the scatter */
 #define HALF_COUNT 0.5
-#define THIRD_COUNTS                                                                                                   \
-    3.0 /* samples round alike below a third of a count squared: a quarter of noise, a twelfth of rounding */
+/* Samples round alike below a third of a count squared: a quarter of noise, a twelfth of rounding. */
+#define THIRD_COUNTS 3.0
 
 /* What a channel shows, in counts squared. */
 typedef struct {
