@@ -30,13 +30,13 @@ double tumble_course_of(uint8_t fit, uint8_t fit_positions)
 double tumble_course_at(const tumble_schedule_t *schedule, const bool *measured, uint8_t p)
 {
     uint8_t before = 0;
-    uint8_t all = 0;
+    uint8_t count = 0;
     for (uint8_t other = 0; other < schedule->position_count; other++) {
         const uint8_t used = tumble_normal_uses(schedule, measured, other) ? 1U : 0U;
         before = (uint8_t)(before + ((other < p) ? used : 0U));
-        all = (uint8_t)(all + used);
+        count = (uint8_t)(count + used);
     }
-    return tumble_course_of(before, all);
+    return tumble_course_of(before, count);
 }
 
 void tumble_course_add(const tumble_judged_run_t *run, uint8_t p, double turning, const double g[TUMBLE_CHANNELS],
