@@ -60,8 +60,8 @@ static double declared_variance(const tumble_misfit_run_t *run, uint32_t samples
 
 static double course_of_average(const tumble_misfit_run_t *run, uint8_t p)
 {
-    bool measured[TUMBLE_MAX_POSITIONS] = {false};
-    for (uint8_t other = 0; other < run->schedule->position_count; other++) {
+    bool measured[TUMBLE_MAX_POSITIONS];
+    for (uint8_t other = 0; other < (uint8_t)TUMBLE_MAX_POSITIONS; other++) {
         measured[other] = run->averaging->averages[other].samples != 0U;
     }
     return tumble_course_at(run->schedule, measured, p);

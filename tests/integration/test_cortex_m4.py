@@ -46,7 +46,7 @@ def test_what_the_estimators_cost():
     for name in ("the noise of a run", "one of `refined`, noise above"):
         assert 40_000 < costs[name] < 105_000  # each is a step of its own
     assert costs["one of `least_squares`, noise above"] < 205_000  # 22,000 of them for the noise
-    assert stacks["optimal: table, 2nd order"] < 704
+    assert stacks["optimal: table, 2nd order"] < 832  # its row
     assert stacks["12 unknowns, normal equations"] > 1200
     check_steps(steps)
 
@@ -56,7 +56,7 @@ def check_whole_model(whole, steps):
     assert list(whole) == ["paper", "three_mountings", "diagonal"]
     for taken, instructions, longest, stack in whole.values():
         assert taken < 2000 and 20e6 < instructions < 60e6 and instructions / taken < longest < 68_000
-        assert stack < 736
+        assert stack < 1008  # its row
         assert steps is None or longest < max(step[3] for step in steps.values())
 
 
