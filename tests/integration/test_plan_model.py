@@ -105,7 +105,7 @@ def test_where_no_order_is_high_both_ways_find_the_same(terms):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
-@pytest.mark.parametrize("terms", MODELS)
+@pytest.mark.parametrize("terms", [MODELS[0], *(pytest.param(terms, marks=pytest.mark.full) for terms in MODELS[1:])])
 def test_runs_turn_out_as_promised(terms, estimator):
     """At a limit that a third of them fail."""
     runs, case = 2000, case_of("lab", terms, with_checks(built_in("paper")))
@@ -131,7 +131,7 @@ def test_every_plan_says_what_the_terms_cost(tumble):
     ]
 
 
-@pytest.mark.parametrize("goal", [("--norm", "1e-4"), ("--limit", "3e-4")])
+@pytest.mark.parametrize("goal", [("--norm", "1e-4"), pytest.param(("--limit", "3e-4"), marks=pytest.mark.full)])
 def test_a_built_in_schedule_that_does_not_tell_is_out_of_reach(goal, tumble):
     """The diagonals have no cube; what is found tells it, with six residuals left."""
     found = plan(tumble, "schedule", "--model", "k3", *goal)
