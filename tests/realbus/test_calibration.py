@@ -79,8 +79,8 @@ def decode(tmp_path):
             decoded.setdefault(key, []).append((half["x"], half["y"], other["z"]))
     rows = run_folder_of(tmp_path)
     assert len(rows) == 18 * 10
-    for _, _, _, _, _, cx, cy, cz, counter, timestamp in rows:
-        assert (cx, cy, cz) in decoded[int(counter) % 256, int(timestamp)]
+    for _, _, _, _, _, cx, cy, cz, counter, timestamp, temperature in rows:
+        assert (cx, cy, cz) in decoded[int(counter) % 256, int(timestamp)] and temperature == 25.0
 
 
 def test_a_node_that_serves_calibrates_by_command_twice_and_ends_between_two(bus, started, tmp_path):
