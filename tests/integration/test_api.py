@@ -304,3 +304,9 @@ def test_the_page_shows_what_is_printed(tmp_path):
     assert done.stdout == shown
     for name in set(tumble.__all__) - {"__version__", "TumbleError"}:
         assert f"`{name}" in page, name
+
+
+def test_complex_outputs_are_refused():
+    columns = {"mounting": [1], "position": [1], "ux": [0.1], "uy": [0.2], "uz": np.array([1j])}
+    with pytest.raises(tumble.BadInput, match="not numbers: 'complex'"):
+        tumble.read(columns, unit="V")

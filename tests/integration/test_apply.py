@@ -394,3 +394,26 @@ def test_a_process_of_its_own_writes_to_a_pipe(tumble, saved, tmp_path):
     (tmp_path / "data.csv").write_text("ux,uy,uz\n" + "0.1,0.2,1.9\n" * 3)
     done = tumble("apply", saved, tmp_path / "data.csv")
     assert done.returncode == 0 and done.stdout.count("\n") == 4
+
+
+def test_a_comment_without_an_end_takes_no_row_of_the_next_file(paper, saved, tmp_path, capsysbinary):
+    (tmp_path / "a.csv").write_text("ux,uy,uz\n0.1,0.2,1.9\n# end")
+    (tmp_path / "b.csv").write_text("ux,uy,uz\n0.1,0.2,1.8\n")
+    lines = applied(capsysbinary, saved, tmp_path / "a.csv", tmp_path / "b.csv").out.decode().splitlines()
+    expected = expected_lines(paper, ["0.1,0.2,1.9", "0.1,0.2,1.8"])
+    assert lines == ["ux,uy,uz,x,y,z", expected[0], "# end", expected[1]]
+
+
+def test_bad_data_is_one_line(saved, tmp_path, capsysbinary):
+    said = applied(capsysbinary, saved, tmp_path / "none.csv", code=2)
+    assert (said.out, said.err.count(b"\n")) == (b"", 1)
+
+
+def test_what_was_warned_of_is_warned_of_again(saved, tmp_path, capsysbinary):
+    document = json.loads(saved.read_text())
+    document["warnings"] = ["nothing checks this run"]
+    saved.write_text(json.dumps(document))
+    (tmp_path / "data.csv").write_text("ux,uy,uz\n0.1,0.2,1.9\n")
+    said = applied(capsysbinary, saved, tmp_path / "data.csv").err.decode()
+    assert f"tumble: warning: {saved}: nothing checks this run\n" in said
+    assert tumble.load(saved).warnings == ("nothing checks this run",)

@@ -122,13 +122,13 @@ def test_the_compiler_finds_a_trigraph(solved, tumble, tmp_path):
 
 def test_a_result_to_beware_of_is_exported_with_a_warning(solved, tumble):
     """On stderr and in the header; the exit code is that of an export that was done."""
-    for options, warning in (
-        (("paper_stand.csv", "--limit", "1e-6"), "the gravity check FAILED: largest error 6.6e-05 g, limit 1e-06 g"),
-        (("lab_stand.csv", "--stand", "paper_stand.toml"), "the run does not fit the stand file: the uncertainties"),
+    for options, warning, count in (
+        (("paper_stand.csv", "--limit", "1e-6"), "the gravity check FAILED: largest error 6.6e-05 g, limit 1e-06 g", 1),
+        (("lab_stand.csv", "--stand", "paper_stand.toml"), "the run does not fit the stand file: ", 2),
     ):
         file, _ = solved(*options)
         done = tumble("export", file, "--format", "c")
-        assert done.returncode == 0 and f"result.json: {warning}" in done.stderr and done.stderr.count("\n") == 1
+        assert done.returncode == 0 and f"result.json: {warning}" in done.stderr and done.stderr.count("\n") == count
         assert f" * WARNING: {warning}" in done.stdout
         assert warning in tumble("export", file, "--format", "csv").stderr
 

@@ -147,8 +147,8 @@ REFUSED = {
         "optimize",
         "--model",
         "k2",
-    ): "the firmware's gains are for twelve coefficients; further terms are for plan budget",
-    ("plan", "paper", "--model", "k2"): "the paper's model has twelve coefficients; further terms are for plan budget",
+    ): "the firmware's gains are for twelve coefficients; further terms are for other plans",
+    ("plan", "paper", "--model", "k2"): "the paper's model has twelve coefficients; further terms are for other plans",
     ("plan", "budget", "--model", "k2"): "refined is a closed form of twelve coefficients; use --estimator"
     " least_squares, or optimal with --stand FILE",
     ("plan", "require", "--model", "k4", "--estimator", "optimal"): "'k4' is not one of k2, k3, drift, once each",

@@ -14,13 +14,15 @@ from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES
 from tumble.units import noise_unit
 
+_NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
+
 
 def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: bool = False) -> list[str]:
     """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that
     outputs without a unit are in volts."""
     told: list[str] = []
     if not solution.run.unit_told and not confirmed_volts:
-        told.append("the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)")
+        told.append(_NO_UNIT)
     told += odd
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V":
@@ -90,7 +92,9 @@ def complaints_of_document(result: dict[str, Any]) -> list[str]:
     if not check["pass"]:
         sizes = f"largest error {check['max_abs_delta_g_g']:.2g} g, limit {check['limit_g']:g} g"
         found.append(f"the gravity check FAILED: {sizes}")
-    fit = result["fit"] or {}
+    if result["warnings"] is not None:
+        return found + [one for one in result["warnings"] if one != _NO_UNIT]  # which `assumes` tells
+    fit = result["fit"] or {}  # of a result that is older than its warnings
     if result["stand_doubts"] or fit.get("fits") is False:
         found.append("the run does not fit the stand file: the uncertainties are too small")
     elif fit.get("explanations"):

@@ -107,6 +107,7 @@ class CsvData:
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
         self._felt_c: list[float] = []
+        self.passed_over: tuple[str, ...] = ()
 
     @property
     def header(self) -> bytes:
@@ -162,7 +163,8 @@ class CsvData:
     def _feel(self, lines: list[str], row: int) -> None:
         """Keep what the rows of a piece say of their temperature."""
         rows = ((row + i, line) for i, line in enumerate(lines, 1) if not is_blank(line) and not is_comment(line))
-        found, _ = read_temperatures(rows, self._layout, self._file)
+        found, odd = read_temperatures(rows, self._layout, self._file)
+        self.passed_over = self.passed_over or odd
         if found is not None:
             known = [*self._felt_c, found.low_c, found.high_c]
             self._felt_c = [min(known), max(known)]

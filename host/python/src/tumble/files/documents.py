@@ -69,6 +69,7 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
         _require(result, key, _null_or(kind), file, default=None)
     _require(result, "pass", lambda value: isinstance(value, bool), file, default=result["verification"]["pass"])
     _require(result, "temperature", _null_or_temperature, file, default=None)
+    _require(result, "warnings", _null_or_sentences, file, default=None)
     _require(result, "assumes", _is_names, file, default=[])
     _require(result, "assumed_for", lambda value: _is_table(value, _is_names), file, default={})
     environment = result["environment"] or {}
@@ -101,6 +102,10 @@ def _require(table: dict[str, Any], key: str, is_valid: Check, file: str, prefix
         raise BadInput(f"not a result of schema {RESULT}: no {prefix}{key}", file)
     if not is_valid(table[key]):
         raise BadInput(f"not a result of schema {RESULT}: {prefix}{key} is {quoted(table[key])}", file)
+
+
+def _null_or_sentences(value: Any) -> bool:
+    return value is None or (isinstance(value, list) and all(isinstance(one, str) for one in value))
 
 
 def _null_or(kind: type) -> Check:

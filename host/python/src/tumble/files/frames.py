@@ -41,6 +41,12 @@ def names_of(table: Any) -> list[str]:
     return list(map(str, table.keys() if library is None else table.columns))
 
 
+def _real(column: Any) -> Floats:
+    if np.iscomplexobj(column):
+        raise ValueError("complex")
+    return np.asarray(column, dtype=float)
+
+
 def column_of(table: Any, place: int, name: str) -> Floats:
     """Column number `place` as floats (rows,), NaN for what is missing. Raises BadInput, the table being `name`."""
     library, label = library_of(table), names_of(table)[place]
@@ -52,9 +58,9 @@ def column_of(table: Any, place: int, name: str) -> Floats:
         elif library == ARROW:
             values = table.column(place).cast("double").to_numpy()
         elif isinstance(table, Mapping):
-            values = np.asarray(list(table.values())[place], dtype=float)
+            values = _real(list(table.values())[place])
         else:
-            values = np.asarray(table[label], dtype=float)
+            values = _real(table[label])
     except (ValueError, TypeError) as error:
         raise BadInput(f"not numbers: {quoted(error)}", name, column=label) from None
     except Exception as error:  # of polars and pyarrow, which have classes of their own for it

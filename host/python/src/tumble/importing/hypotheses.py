@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.errors import UsageError
 from tumble.importing import attitudes, order
 from tumble.importing.attitudes import AXES, STRAIGHT, Attitudes, Seen, Signs, View
 from tumble.importing.order import ANY, NONE, SCHEDULE, Assigned
@@ -43,6 +44,14 @@ class Claims:
     repeats: str | None = None
     leave_out: frozenset[int] = frozenset()
     take: frozenset[int] = frozenset()
+
+    def require_rests(self, count: int) -> None:
+        """Raise UsageError where rests are named that are not there, or both ways."""
+        unknown = sorted(number for number in self.leave_out | self.take if not 1 <= number <= count)
+        if unknown:
+            raise UsageError(f"--leave-out, --take: there is no rest {unknown[0]}, of {count}")
+        if both := sorted(self.leave_out & self.take):
+            raise UsageError(f"rest {both[0]} is to be left out (--leave-out) and to be taken (--take)")
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
+    settings.claims.require_rests(len(found.rests))
     names = set.intersection(*(set(one.labels) for one in recordings))
     labelled = bool(names & {"position", "angle", "number"})
     try:

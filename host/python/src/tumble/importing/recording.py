@@ -82,6 +82,7 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
 
 
 def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:
+    own = data
     if wishes.delimiter == SPACE:
         data = b"\n".join(b" ".join(line.split()) for line in data.splitlines())
     wishes = replace(wishes, wanted=OUTPUTS, has_preamble=True)
@@ -103,7 +104,7 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
     return Recording(
         file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels,
-        (*notes, *(told.notes if told else ())), data,
+        (*notes, *(told.notes if told else ())), own,
     )  # fmt: skip
 
 

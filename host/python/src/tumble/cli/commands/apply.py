@@ -62,7 +62,6 @@ def run(arguments: argparse.Namespace) -> int:
     result = load(arguments.result)
     force = result.force(arguments.unit, arguments.uncertainty)
     demand = demand_of(force, result.unit, arguments.uncertainty, wishes)
-    _beware(result, arguments.result)
     known_c = result.document.get("temperature")
     if len(kinds) > 1 and len(set(targets)) < len(targets):
         raise UsageError("CSV and Parquet cannot be joined: --out FOLDER keeps them apart")
@@ -79,10 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
             spooled.seek(0)
             shutil.copyfileobj(spooled, sys.stdout.buffer)
             sys.stdout.buffer.flush()
-        return EXIT_PASS
-    for target in dict.fromkeys(targets):
+    for target in dict.fromkeys(filter(None, targets)):
         with written(target) as out:
             _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
+    _beware(result, arguments.result)
     return EXIT_PASS
 
 
@@ -118,6 +117,7 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
     from tumble.solving.temperature import outside
 
     first: Any = None
+    last = b"\n"
     for file in files:
         if suffix_of(file) in PARQUET:
             _tell_of_names(calibrate_parquet(file, out, demand), file)
@@ -130,7 +130,12 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
             else:
                 data.require_header_of(first)
             first = first or data
-            out.writelines(data.rows())
+            out.write(b"" if last == b"\n" else b"\n")  # a comment may end a file without one
+            for piece in data.rows():
+                out.write(piece)
+                last = piece[-1:] or last
+            for odd in data.passed_over:
+                tell(f"tumble: warning: {file_name(file)}: {odd}")
             if (told := outside(known_c, data.temperatures_c)) is not None:
                 tell(f"tumble: warning: {file_name(file)}: {told}")
 

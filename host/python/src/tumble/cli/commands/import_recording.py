@@ -73,6 +73,9 @@ def run(arguments: argparse.Namespace) -> int:
     sources = (*arguments.recordings, arguments.stand, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
         refuse_overwriting(getattr(arguments, option), *sources, option=f"--{option}")
+    outputs = [os.path.realpath(one) for one in (arguments.out, arguments.plot, arguments.recipe) if one is not None]
+    if len(set(outputs)) < len(outputs):
+        raise UsageError("--out, --plot and --recipe: two of them name the same file")
     if arguments.plot is not None:
         plot.require_format(arguments.plot)
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)

@@ -31,7 +31,10 @@ def add_to(subparsers: Subparsers) -> None:
     )
     add_case_options(parser, choose_estimator=False, extendable=False)
     parser.set_defaults(estimator=OPTIMAL)
-    refuse_model(parser, "the firmware's gains are for twelve coefficients; further terms are for plan budget")
+    refuse_model(
+        parser,
+        "the firmware's gains are for twelve coefficients; further terms are for other plans",
+    )
     parser.add_argument(
         "--result",
         metavar="RESULT.json",

@@ -18,7 +18,7 @@ def add_to(subparsers: Subparsers) -> None:
         help="the paper, audited: its tables and formulas beside what they should be",
         description="Tables 1 to 5 and formulas (6), (18) and (19) of the paper, computed again and compared.",
     )
-    refuse_model(parser, "the paper's model has twelve coefficients; further terms are for plan budget")
+    refuse_model(parser, "the paper's model has twelve coefficients; further terms are for other plans")
 
 
 def run(arguments: argparse.Namespace) -> int:
