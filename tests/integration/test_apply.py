@@ -380,16 +380,6 @@ def test_what_cannot_be_done_leaves_all_as_it_was(saved, tmp_path):
         assert refused_last_line(tmp_path, "apply", saved, data).endswith(f"data.csv: {said}\n")
 
 
-def test_a_result_that_failed_is_warned_of(tmp_path, capsysbinary):
-    tumble.solve(EXAMPLES / "paper_stand.csv", limit_g=1e-6).save(tmp_path / "failed.json")
-    (tmp_path / "data.csv").write_text("ux,uy,uz\n0,0,2\n")
-    told = applied(capsysbinary, tmp_path / "failed.json", tmp_path / "data.csv").err.decode().splitlines()
-    failed = (
-        f"tumble: warning: {tmp_path}/failed.json: the gravity check FAILED: largest error 6.6e-05 g, limit 1e-06 g"
-    )
-    assert told[0] == failed and "assuming" in told[1]
-
-
 def test_a_process_of_its_own_writes_to_a_pipe(tumble, saved, tmp_path):
     (tmp_path / "data.csv").write_text("ux,uy,uz\n" + "0.1,0.2,1.9\n" * 3)
     done = tumble("apply", saved, tmp_path / "data.csv")
@@ -402,18 +392,3 @@ def test_a_comment_without_an_end_takes_no_row_of_the_next_file(paper, saved, tm
     lines = applied(capsysbinary, saved, tmp_path / "a.csv", tmp_path / "b.csv").out.decode().splitlines()
     expected = expected_lines(paper, ["0.1,0.2,1.9", "0.1,0.2,1.8"])
     assert lines == ["ux,uy,uz,x,y,z", expected[0], "# end", expected[1]]
-
-
-def test_bad_data_is_one_line(saved, tmp_path, capsysbinary):
-    said = applied(capsysbinary, saved, tmp_path / "none.csv", code=2)
-    assert (said.out, said.err.count(b"\n")) == (b"", 1)
-
-
-def test_what_was_warned_of_is_warned_of_again(saved, tmp_path, capsysbinary):
-    document = json.loads(saved.read_text())
-    document["warnings"] = ["nothing checks this run"]
-    saved.write_text(json.dumps(document))
-    (tmp_path / "data.csv").write_text("ux,uy,uz\n0.1,0.2,1.9\n")
-    said = applied(capsysbinary, saved, tmp_path / "data.csv").err.decode()
-    assert f"tumble: warning: {saved}: nothing checks this run\n" in said
-    assert tumble.load(saved).warnings == ("nothing checks this run",)
