@@ -217,7 +217,7 @@ def test_a_pattern_is_told_before_the_sum_of_residuals_is_too_large(tumble, tmp_
     result = tmp_path / "result.json"
     result.write_text(done.stdout)
     exported = tumble("export", result, "--format", "c").stdout
-    assert "WARNING: the run shows what the stand file does not declare" in exported
+    assert "WARNING: the run fits the stand file, but shows drift of " in exported
 
 
 def test_half_of_that_is_no_reason_to_speak():
