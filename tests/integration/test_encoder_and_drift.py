@@ -9,6 +9,7 @@ import pytest
 from blocks import NOMINAL_K, random_block, usable_schedule
 from conftest import EXAMPLES
 from documents import valid
+from test_seat import with_keys
 
 from tumble import core, reference
 from tumble.core.fit import chi_squared
@@ -233,14 +234,6 @@ def test_runs_that_drift_and_turn_as_declared_fit():
     assert np.mean(squares) == pytest.approx(42, abs=5 * np.sqrt(84 / runs))
     assert np.std(squares) == pytest.approx(np.sqrt(84), rel=0.2)
     assert np.mean(undeclared) > 420
-
-
-def with_keys(tmp_path, **keys):
-    lines = (EXAMPLES / "paper_stand.toml").read_text().splitlines()
-    place = lines.index("[stand]") + 1
-    path = tmp_path / "stand.toml"
-    path.write_text("\n".join([*lines[:place], *(f"{key} = {value}" for key, value in keys.items()), *lines[place:]]))
-    return path
 
 
 @pytest.mark.parametrize("key", ["encoder_rad", "drift_v"])
