@@ -45,6 +45,8 @@ TUMBLE_HAS_SIZE("2100h:11", tumble_set_t, schedule_crc, 4U);
 TUMBLE_FOLLOWS("2100h:12", tumble_set_t, schedule_crc, stand_crc, 4U);
 TUMBLE_FOLLOWS("2100h:13", tumble_set_t, stand_crc, reasons, 4U);
 TUMBLE_FOLLOWS("2100h:14", tumble_set_t, reasons, record_crc, 4U);
+TUMBLE_HAS_SIZE("2100h:15", tumble_set_t, temperature_min_half_c, 1U);
+TUMBLE_FOLLOWS("2100h:16", tumble_set_t, temperature_min_half_c, temperature_max_half_c, 1U);
 TUMBLE_IS_ARRAY("2104h:1", tumble_set_t, coefficients.k_v_per_g, coefficients.k_v_per_g[0][0], 8U, 9U);
 TUMBLE_IS_ARRAY("2108h:1", tumble_set_t, coefficients.u0_v, coefficients.u0_v[0], 8U, 3U);
 TUMBLE_IS_ARRAY("210Ch:1", tumble_set_t, uncertainty.k_v_per_g, uncertainty.k_v_per_g[0][0], 8U, 9U);
@@ -182,6 +184,8 @@ static const tumble_entry_t entries[] = {
      TUMBLE_ACCESS_READ, 4U, 0U, 3U, 0U, offsetof(tumble_set_t, samples)},
     {0x2100U, 11U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 4U, 0U, 3U, 3U, offsetof(tumble_set_t, schedule_crc)},
+    {0x2100U, 15U, TUMBLE_TYPE_INTEGER8, TUMBLE_HOME_COMPUTED,
+     TUMBLE_ACCESS_READ, 1U, 0U, 3U, 1U, offsetof(tumble_set_t, temperature_min_half_c)},
     /* Active set: K, and 3 more */
     {0x2104U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 3U, 8U, offsetof(tumble_set_t, coefficients.k_v_per_g[0][0])},

@@ -50,7 +50,9 @@ static_assert((offsetof(tumble_set_t, temperature_c) < offsetof(tumble_set_t, gr
                   (offsetof(tumble_set_t, gravity_m_s2) < offsetof(tumble_set_t, coefficients)) &&
                   (offsetof(tumble_set_t, uncertainty) < offsetof(tumble_set_t, max_abs_fit_g)) &&
                   (offsetof(tumble_set_t, max_abs_fit_g) < offsetof(tumble_set_t, closure_v)) &&
-                  (offsetof(tumble_set_t, closure_v) < offsetof(tumble_set_t, samples)),
+                  (offsetof(tumble_set_t, closure_v) < offsetof(tumble_set_t, samples)) &&
+                  (offsetof(tumble_set_t, temperature_min_half_c) < offsetof(tumble_set_t, temperature_max_half_c)) &&
+                  (offsetof(tumble_set_t, temperature_max_half_c) < offsetof(tumble_set_t, schedule_crc)),
               "what is known goes by the order of the members");
 
 /* Is the number at this place of the set known? */
@@ -66,6 +68,8 @@ static bool is_known(const tumble_set_t *set, uint16_t offset)
         {offsetof(tumble_set_t, uncertainty), offsetof(tumble_set_t, max_abs_fit_g), TUMBLE_SET_HAS_UNCERTAINTY},
         {offsetof(tumble_set_t, max_abs_fit_g), offsetof(tumble_set_t, closure_v), TUMBLE_SET_HAS_CHECK},
         {offsetof(tumble_set_t, closure_v), offsetof(tumble_set_t, samples), TUMBLE_SET_HAS_CLOSURE},
+        {offsetof(tumble_set_t, temperature_min_half_c), offsetof(tumble_set_t, schedule_crc),
+         TUMBLE_SET_HAS_TEMPERATURE_RANGE},
     };
     bool known = true;
     for (size_t i = 0; i < (sizeof parts / sizeof parts[0]); i++) {

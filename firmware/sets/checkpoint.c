@@ -13,6 +13,7 @@ enum { JOB_CLEAR = TUMBLE_LOG_OWN, JOB_ERASE_FIRST, JOB_ERASE_SECOND, JOB_BEGIN,
 #define CELLS_PER_SECTOR (TUMBLE_STORE_MIN_SECTOR / TUMBLE_CHECKPOINT_BYTES)
 #define RUN_HEAD_BYTES 8U
 #define AT_INDEX 2U
+#define AT_MARGINS 44U
 #define AT_CRC 60U
 
 #define FIELD(member, width, count) {(uint16_t)offsetof(tumble_average_t, member), (width), (count)}
@@ -62,6 +63,8 @@ static void put_entry(const tumble_checkpoint_t *checkpoint, uint8_t index, cons
 {
     tumble_record_fill(&entry_record, average, bytes);
     bytes[AT_INDEX] = index;
+    bytes[AT_MARGINS] = checkpoint->margins.cold;
+    bytes[AT_MARGINS + 1U] = checkpoint->margins.warm;
     tumble_record_seal(bytes, AT_CRC, crc_of_run(checkpoint->fingerprint));
 }
 
@@ -89,6 +92,7 @@ tumble_status_t tumble_checkpoint_init(tumble_checkpoint_t *checkpoint, const tu
         return TUMBLE_E_ARGUMENT;
     }
     forget(checkpoint);
+    checkpoint->margins = (tumble_margins_t){0, 0};
     return tumble_log_open(&checkpoint->log, &kind, nv);
 }
 
@@ -224,6 +228,13 @@ tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_
     return TUMBLE_OK;
 }
 
+void tumble_checkpoint_narrow(tumble_checkpoint_t *checkpoint, tumble_margins_t seen)
+{
+    tumble_margins_t *const margins = &checkpoint->margins;
+    margins->cold = (seen.cold < margins->cold) ? seen.cold : margins->cold;
+    margins->warm = (seen.warm < margins->warm) ? seen.warm : margins->warm;
+}
+
 bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t fingerprint)
 {
     return !tumble_checkpoint_busy(checkpoint) && checkpoint->kept && (checkpoint->fingerprint == fingerprint);
@@ -255,5 +266,7 @@ TUMBLE_ONE_COPY tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *chec
         return TUMBLE_E_CRC;
     }
     *average = read;
+    const tumble_margins_t margins = {checkpoint->bytes[AT_MARGINS], checkpoint->bytes[AT_MARGINS + 1U]};
+    tumble_checkpoint_narrow(checkpoint, margins);
     return TUMBLE_OK;
 }

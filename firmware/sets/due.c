@@ -124,6 +124,10 @@ void tumble_sets_sample(tumble_sets_t *sets, int8_t temperature_half_c, bool ave
 {
     watch_temperature(sets, temperature_half_c);
     if (averaged) {
+        const int above_coldest = (int)temperature_half_c - (int)INT8_MIN;
+        const int below_warmest = (int)INT8_MAX - (int)temperature_half_c;
+        const tumble_margins_t seen = {(uint8_t)above_coldest, (uint8_t)below_warmest};
+        tumble_checkpoint_narrow(&sets->checkpoint, seen);
         sets->warmth_half_c += temperature_half_c;
         sets->warm_samples++;
     }

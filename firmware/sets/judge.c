@@ -29,6 +29,19 @@ static void begin_task(tumble_sets_t *sets, unsigned task)
 
 /* The set of a result. */
 
+/* At an end of what a sample can tell a block may have been colder or warmer still: then the range is not known. The end
+ * of the cold is two values wide, for a block whose values are as many below 0 as above ends at -63.5 degrees C. */
+static void add_temperature_range(const tumble_margins_t *margins, tumble_set_t *set)
+{
+    const int min_half_c = (int)margins->cold + (int)INT8_MIN;
+    const int max_half_c = (int)INT8_MAX - (int)margins->warm;
+    if ((min_half_c > -(int)INT8_MAX) && (max_half_c < (int)INT8_MAX) && (min_half_c <= max_half_c)) {
+        set->temperature_min_half_c = (int8_t)min_half_c;
+        set->temperature_max_half_c = (int8_t)max_half_c;
+        set->flags |= TUMBLE_SET_HAS_TEMPERATURE_RANGE;
+    }
+}
+
 static void add_circumstances(const tumble_sets_t *sets, tumble_set_t *set)
 {
     (void)memcpy(set->block_serial, sets->config->serial, tumble_serial_length(sets->config));
@@ -38,6 +51,7 @@ static void add_circumstances(const tumble_sets_t *sets, tumble_set_t *set)
         set->temperature_c = (double)sets->warmth_half_c / ((double)sets->warm_samples * HALF_DEGREES);
         set->flags |= TUMBLE_SET_HAS_TEMPERATURE;
     }
+    add_temperature_range(&sets->checkpoint.margins, set);
     if (tumble_is_positive(sets->settings.gravity_m_s2)) {
         set->gravity_m_s2 = sets->settings.gravity_m_s2;
         set->flags |= TUMBLE_SET_HAS_GRAVITY;

@@ -15,6 +15,7 @@ void tumble_sets_run_began(tumble_sets_t *sets)
         sets->run_resumed = false;
         sets->warmth_half_c = 0;
         sets->warm_samples = 0;
+        tumble_sets_forget_margins(sets);
     }
     sets->saved = 0;
     sets->unfit = 0;

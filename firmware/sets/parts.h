@@ -101,7 +101,8 @@ bool tumble_sets_rules_are_other(const tumble_sets_t *sets);    /* than after th
 uint16_t tumble_sets_rules_flag(const tumble_sets_t *sets);     /* of a set that becomes active now, or is held */
 
 /* work.c */
-uint64_t tumble_sets_bit(uint8_t position); /* of a position, in words that have one bit for each */
+uint64_t tumble_sets_bit(uint8_t position);           /* of a position, in words that have one bit for each */
+void tumble_sets_forget_margins(tumble_sets_t *sets); /* of the run's temperatures: there was none yet */
 void tumble_sets_fail(tumble_sets_t *sets, tumble_status_t status); /* count a failure of the memory */
 void tumble_sets_begin_job(tumble_sets_t *sets, uint8_t job, tumble_status_t status);
 

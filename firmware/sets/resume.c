@@ -49,6 +49,7 @@ tumble_status_t tumble_sets_resume(tumble_sets_t *sets)
     sets->fingerprint = tumble_sets_fingerprint(sets);
     sets->saved = 0;
     sets->lost = 0;
+    tumble_sets_forget_margins(sets); /* each mean brings its own along */
     sets->task = TASK_RESTORE;
     sets->at = 0;
     return TUMBLE_OK;

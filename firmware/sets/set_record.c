@@ -19,7 +19,7 @@
 #define AT_U 160U
 #define AT_CHECK 256U
 #define AT_CLOSURE 280U
-#define AT_ZERO 294U
+#define AT_RANGE 294U
 #define AT_RESTORES 308U
 #define AT_FROM_CRC 312U
 #define AT_CRC 316U
@@ -51,7 +51,8 @@ static const tumble_field_t fields[] = {
     FIELD(samples, 4, 1),
     FIELD(fit_positions, 1, 1),
     FIELD(check_positions, 1, 1),
-    {TUMBLE_FIELD_NONE, 1, 2},
+    FIELD(temperature_min_half_c, 1, 1),
+    FIELD(temperature_max_half_c, 1, 1),
     FIELD(schedule_crc, 4, 1),
     FIELD(stand_crc, 4, 1),
     FIELD(reasons, 4, 1),
@@ -60,22 +61,25 @@ static const tumble_field_t fields[] = {
 };
 static const tumble_record_t record = {head, fields, AT_CRC, sizeof head, COUNT_OF(fields)};
 
-/* Which doubles must be what, and by which flag they are known. */
+/* What is known by which flag, and what the doubles in it must be. */
 typedef enum { ANY_SIGN, NOT_NEGATIVE, POSITIVE } range_t;
 typedef struct {
     uint16_t flag; /* 0: always known */
     uint16_t at;
-    uint8_t count;
+    uint8_t bytes; /* fewer than a double has: there is none */
     range_t range;
 } numbers_t;
 
+#define DOUBLES(count) ((count) * sizeof(double))
+
 static const numbers_t numbers[] = {
-    {0, AT_K, 12, ANY_SIGN},
-    {TUMBLE_SET_HAS_UNCERTAINTY, AT_U, 12, NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_TEMPERATURE, AT_TEMPERATURE, 1, ANY_SIGN},
-    {TUMBLE_SET_HAS_GRAVITY, AT_GRAVITY, 1, POSITIVE},
-    {TUMBLE_SET_HAS_CHECK, AT_CHECK, 3, NOT_NEGATIVE},
-    {TUMBLE_SET_HAS_CLOSURE, AT_CLOSURE, 1, NOT_NEGATIVE},
+    {0, AT_K, DOUBLES(12U), ANY_SIGN},
+    {TUMBLE_SET_HAS_UNCERTAINTY, AT_U, DOUBLES(12U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_TEMPERATURE, AT_TEMPERATURE, DOUBLES(1U), ANY_SIGN},
+    {TUMBLE_SET_HAS_GRAVITY, AT_GRAVITY, DOUBLES(1U), POSITIVE},
+    {TUMBLE_SET_HAS_CHECK, AT_CHECK, DOUBLES(3U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_CLOSURE, AT_CLOSURE, DOUBLES(1U), NOT_NEGATIVE},
+    {TUMBLE_SET_HAS_TEMPERATURE_RANGE, AT_RANGE, 2, ANY_SIGN},
 };
 
 static bool is_known(const numbers_t *row, uint32_t flags)
@@ -108,20 +112,20 @@ static tumble_status_t check_numbers(const uint8_t *bytes, uint32_t flags)
     tumble_status_t status = TUMBLE_OK;
     for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
         const numbers_t *row = &numbers[i];
-        for (uint32_t n = 0; (n < row->count) && (status == TUMBLE_OK) && is_known(row, flags); n++) {
+        const uint32_t count = is_known(row, flags) ? (row->bytes / (uint32_t)sizeof(double)) : 0U;
+        for (uint32_t n = 0; (n < count) && (status == TUMBLE_OK); n++) {
             status = check_number(&bytes[row->at + (n * sizeof(double))], row->range);
         }
     }
     return status;
 }
 
-/* What is unknown is 0, and so are the bytes that mean nothing. */
+/* What is unknown is 0. */
 static bool the_rest_is_zero(const uint8_t *bytes, uint32_t flags)
 {
-    bool zero = are_zero(&bytes[AT_ZERO], 2);
+    bool zero = true;
     for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
-        zero = zero && (is_known(&numbers[i], flags) ||
-                        are_zero(&bytes[numbers[i].at], numbers[i].count * (uint32_t)sizeof(double)));
+        zero = zero && (is_known(&numbers[i], flags) || are_zero(&bytes[numbers[i].at], numbers[i].bytes));
     }
     return zero;
 }
@@ -149,7 +153,11 @@ static tumble_status_t check_fields(const uint8_t *bytes)
         (origin > (uint8_t)TUMBLE_ORIGIN_HELD) || !serial_ends_in_zeros(&bytes[AT_SERIAL])) {
         return TUMBLE_E_ARGUMENT;
     }
-    return the_rest_is_zero(bytes, flags) ? check_numbers(bytes, flags) : TUMBLE_E_FRAME;
+    if (!the_rest_is_zero(bytes, flags)) {
+        return TUMBLE_E_FRAME;
+    }
+    const bool in_order = tumble_get_i8(&bytes[AT_RANGE]) <= tumble_get_i8(&bytes[AT_RANGE + 1U]);
+    return in_order ? check_numbers(bytes, flags) : TUMBLE_E_ARGUMENT;
 }
 
 tumble_status_t tumble_set_check(const uint8_t bytes[TUMBLE_SET_BYTES])
@@ -191,7 +199,7 @@ static void put_fields(const tumble_set_t *set, uint8_t *bytes)
     tumble_record_fill(&record, set, bytes);
     for (uint32_t i = 0; i < COUNT_OF(numbers); i++) {
         if (!is_known(&numbers[i], set->flags)) {
-            (void)memset(&bytes[numbers[i].at], 0, numbers[i].count * sizeof(double));
+            (void)memset(&bytes[numbers[i].at], 0, numbers[i].bytes);
         }
     }
 }

@@ -9,6 +9,11 @@ TUMBLE_ONE_COPY uint64_t tumble_sets_bit(uint8_t position)
     return UINT64_C(1) << position;
 }
 
+void tumble_sets_forget_margins(tumble_sets_t *sets)
+{
+    sets->checkpoint.margins = (tumble_margins_t){UINT8_MAX, UINT8_MAX};
+}
+
 void tumble_sets_fail(tumble_sets_t *sets, tumble_status_t status)
 {
     sets->status = (uint8_t)status;

@@ -65,6 +65,8 @@ static int print_set(void)
     (void)printf("schedule_crc %" PRIu32 "\nstand_crc %" PRIu32 "\nreasons %" PRIu32 "\n", set.schedule_crc,
                  set.stand_crc, set.reasons);
     (void)printf("restores %" PRIu32 "\nfrom_crc %" PRIu32 "\n", set.restores, set.from_crc);
+    const double range_c[] = {set.temperature_min_half_c / 2.0, set.temperature_max_half_c / 2.0};
+    print_doubles("temperature_range_c", range_c, 2);
     return (tumble_set_encode(&set, bytes) == TUMBLE_OK) ? print_bytes(bytes, TUMBLE_SET_BYTES) : 1;
 }
 
@@ -111,13 +113,18 @@ static int print_checkpoint(uint32_t fingerprint, bool position)
         return print_bytes(cell, TUMBLE_CHECKPOINT_BYTES);
     }
     memcpy(cell, bytes, TUMBLE_CHECKPOINT_BYTES);
-    if (tumble_checkpoint_init(&checkpoint, &memory.nv) != TUMBLE_OK || settle() != 0 ||
-        tumble_checkpoint_read(&checkpoint, index, &average) != TUMBLE_OK) {
+    if (tumble_checkpoint_init(&checkpoint, &memory.nv) != TUMBLE_OK || settle() != 0) {
+        return 1;
+    }
+    checkpoint.margins = (tumble_margins_t){UINT8_MAX, UINT8_MAX};
+    if (tumble_checkpoint_read(&checkpoint, index, &average) != TUMBLE_OK) {
         return 1;
     }
     (void)printf("index %u\nsamples %" PRIu32 "\nsums %" PRId64 " %" PRId64 " %" PRId64 "\n", index, average.samples,
                  average.sum_counts[0], average.sum_counts[1], average.sum_counts[2]);
     print_floats("scatter", average.scatter_counts, 3);
+    const double range_c[] = {-64.0 + checkpoint.margins.cold / 2.0, 63.5 - checkpoint.margins.warm / 2.0};
+    print_doubles("temperature_range_c", range_c, 2);
     if (tumble_checkpoint_append(&checkpoint, index, &average) != TUMBLE_OK || settle() != 0) {
         return 1;
     }

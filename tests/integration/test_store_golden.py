@@ -2,9 +2,11 @@
 And the dump."""
 
 import importlib.util
+import re
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import pytest
@@ -51,9 +53,12 @@ def expected_fields(case):
         numbers["flags"] = sum(1 << bit for bit, name in enumerate(known) if numbers[name] is not None)
         numbers["flags"] |= codec.RESUMED if numbers.pop("resumed") else 0
         numbers["flags"] |= codec.OTHER_RULES if numbers.pop("other_rules") else 0
+        numbers["flags"] |= codec.HAS_TEMPERATURE_RANGE if numbers["temperature_range_c"] else 0
         numbers["serial"] = numbers["serial"].encode().ljust(24, b"\0").hex()
-        lengths = {"u_k": 9, "u_u0": 3, "check": 3}
+        lengths = {"u_k": 9, "u_u0": 3, "check": 3, "temperature_range_c": 2}
         numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
+    if case["kind"] == "position":
+        numbers["temperature_range_c"] = numbers["temperature_range_c"] or [-64.0, 63.5]  # all that a sample can tell
     return numbers
 
 
@@ -102,6 +107,7 @@ def test_an_altered_bit_is_noticed_by_both(firmware, name):
         assert firmware(case["kind"], bytes(record), fingerprint)[0] != 0
 
 
+HALF_DEGREES = st.lists(st.integers(-128, 127), min_size=2, max_size=2).map(lambda pair: [n / 2 for n in sorted(pair)])
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 POSITIVE = st.floats(min_value=0.0, allow_infinity=False).map(abs)
 WORD = st.integers(0, 2**32 - 1)
@@ -133,10 +139,47 @@ WORD = st.integers(0, 2**32 - 1)
         from_crc=WORD,
         resumed=st.booleans(),
         other_rules=st.booleans(),
+        temperature_range_c=HALF_DEGREES | st.none(),
     )
 )
 def test_any_set_comes_back(found):
     assert codec.decode_set(codec.encode_set(found)) == found
+
+
+def with_a_seal(record, *changed):
+    record = bytearray(record[:-4])
+    for at, byte in changed:
+        record[at] = byte
+    return bytes(record) + zlib.crc32(record).to_bytes(4, "little")
+
+
+@pytest.mark.parametrize("changed", [
+    [(15, 0x01)],  # a flag that does not exist
+    [(15, 0x80)],
+    [(295, 0xE5)],  # -13 degrees C at least, -13.5 at most
+    [(14, 0x3F)],  # the range is there, and its flag is not
+], ids=["flag 0100h", "flag 8000h", "order", "no flag"])
+def test_a_wrong_field_under_a_right_checksum_is_refused_by_both(firmware, changed):
+    whole = (GOLDEN / "set_temperature_range.bin").read_bytes()
+    assert whole[14:16] == bytes([0xBF, 0]) and whole[294:296] == bytes([0xE6, 0xE9])
+    record = with_a_seal(whole, *changed)
+    with pytest.raises(codec.NotARecord, match="a field is out of its range"):
+        codec.decode_set(record)
+    assert firmware("set", record)[0] != 0
+    assert codec.decode_set(with_a_seal(whole)).temperature_range_c == [-13.0, -11.5]
+
+
+@pytest.mark.parametrize(("range_c", "kept_c"), [([20.1, 20.4], [20.0, 20.5]), ([-20.4, -20.1], [-20.5, -20.0]),
+                                                 ([-64.0, 63.5], [-64.0, 63.5]), ([21.5, 21.5], [21.5, 21.5])])
+def test_a_range_between_half_degrees_is_widened(range_c, kept_c):
+    assert codec.decode_set(codec.encode_set(a_set(temperature_range_c=range_c))).temperature_range_c == kept_c
+
+
+@pytest.mark.parametrize("range_c", [[-64.1, 20.0], [20.0, 63.6], [20.5, 20.4], [float("nan"), 20.0]])
+def test_a_range_that_cannot_be_kept_is_refused(range_c):
+    message = "a range of temperatures lies within -64.0 and 63.5 deg C, the lower first"
+    with pytest.raises(ValueError, match=message):
+        codec.encode_set(a_set(temperature_range_c=range_c))
 
 
 def a_set(**changes):
@@ -252,6 +295,17 @@ def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
     assert done.stdout.startswith(
         "active (the factory set): sequence 0, factory, block '0042', 2026-11-21 00:00 UTC, K_xx"
     ), done
+
+
+@pytest.mark.parametrize(("range_c", "told"), [(None, ""), ([-12.5, 21.0], ", -12.5 to 21 deg C"),
+                                               ([0.0, 0.0], ", 0 deg C")])
+def test_the_dump_tells_the_temperatures_of_the_run(tumble, tmp_path, range_c, told):
+    image = tmp_path / "memory"
+    memory = bytearray(b"\xff" * (8 * 4096))
+    put(memory, 4096, place(a_set(sequence=1, origin=3, temperature_range_c=range_c)))
+    image.write_bytes(memory)
+    line = tumble("store", "dump", image).stdout.splitlines()[0]
+    assert re.search(r"U0 [^V]* V(.*), gravity check", line)[1] == told, line
 
 
 def test_the_dump_tells_of_other_rules(tumble, tmp_path):

@@ -30,6 +30,8 @@ static inline tumble_set_t set_of(unsigned tag)
     set.samples = 900U + tag;
     set.fit_positions = 18;
     set.check_positions = (uint8_t)tag;
+    set.temperature_min_half_c = (int8_t)((int)(tag % 100U) - 60);
+    set.temperature_max_half_c = (int8_t)(set.temperature_min_half_c + (int)(tag % 7U));
     set.schedule_crc = 0x140E4A73U + tag;
     set.stand_crc = 0xCAFE0000U + tag;
     set.reasons = tag;

@@ -152,7 +152,8 @@ enum {
 #define TUMBLE_SET_OTHER_RULES                                                                                         \
     0x0040U /* judged, committed or accepted under other rules than the board's, or with the
                                         * service level open, when they could be changed */
-#define TUMBLE_SET_FLAGS 0x007FU
+#define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples that went into the means */
+#define TUMBLE_SET_FLAGS 0x00FFU
 
 typedef struct {
     /* Written by the store's jobs, which do not read what a caller puts here. For tumble_set_encode the caller fills them. */
@@ -176,10 +177,12 @@ typedef struct {
     uint32_t samples; /* of the whole run; 0: unknown */
     uint8_t fit_positions;
     uint8_t check_positions;
-    uint32_t schedule_crc; /* fingerprint, tumble_gain_record_schedule_crc; 0: unknown */
-    uint32_t stand_crc;    /* fingerprint of the stand as the application makes it; 0: unknown */
-    uint32_t reasons;      /* why it was held, bits of the application; 0: it was not */
-    uint32_t record_crc;   /* read: CRC-32 at the end of the record; writing a record does not look at it */
+    int8_t temperature_min_half_c; /* in half degrees Celsius, as samples tell it; not above ... */
+    int8_t temperature_max_half_c; /* ... this one */
+    uint32_t schedule_crc;         /* fingerprint, tumble_gain_record_schedule_crc; 0: unknown */
+    uint32_t stand_crc;            /* fingerprint of the stand as the application makes it; 0: unknown */
+    uint32_t reasons;              /* why it was held, bits of the application; 0: it was not */
+    uint32_t record_crc;           /* read: CRC-32 at the end of the record; writing a record does not look at it */
 } tumble_set_t;
 
 /* Write the record of `set`. Fields whose flag is cleared are unknown and written as 0. After a refusal the content of
@@ -447,9 +450,18 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
 #define TUMBLE_CHECKPOINT_BYTES 64U
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
 
+/* The range of a run's temperatures, by its margins to the ends of what a sample can tell, in half degrees: none is below
+ * -64 degrees C plus `cold`, none above 63.5 degrees C less `warm`. {UINT8_MAX, UINT8_MAX}: there was none yet. {0, 0}: it
+ * is not known, and so it is in entries of earlier versions. Of two ranges the smaller margins are those of both. */
+typedef struct {
+    uint8_t cold;
+    uint8_t warm;
+} tumble_margins_t;
+
 typedef struct {
     uint8_t next;                        /* the cell where the next entry goes */
     bool kept;                           /* a run has been begun */
+    tumble_margins_t margins;            /* the owner's, {0, 0} from init on: appended with every entry */
     uint32_t fingerprint;                /* of the run that is kept */
     uint8_t place[TUMBLE_MAX_POSITIONS]; /* the cell of the last valid entry of each position; 0: none */
     tumble_log_t log;                    /* its first cell is the header; `torn` of a run that is kept only */
@@ -473,6 +485,9 @@ tumble_status_t tumble_checkpoint_begin(tumble_checkpoint_t *checkpoint, uint32_
 tumble_status_t tumble_checkpoint_append(tumble_checkpoint_t *checkpoint, uint8_t index,
                                          const tumble_average_t *average);
 
+/* These temperatures are of the run as well: narrow its margins. */
+void tumble_checkpoint_narrow(tumble_checkpoint_t *checkpoint, tumble_margins_t seen);
+
 /* Forget the run. Returns TUMBLE_OK (begun), TUMBLE_E_PORT_BUSY, TUMBLE_E_STATE (init refused). */
 tumble_status_t tumble_checkpoint_clear(tumble_checkpoint_t *checkpoint);
 
@@ -482,7 +497,8 @@ bool tumble_checkpoint_matches(const tumble_checkpoint_t *checkpoint, uint32_t f
 /* Is this position kept? The last entry of a position counts. False while busy, and for an index out of range. */
 bool tumble_checkpoint_has(const tumble_checkpoint_t *checkpoint, uint8_t index);
 
-/* One kept position; one read. The caller has asked tumble_checkpoint_matches before.
+/* One kept position, whose margins narrow those of the checkpoint; one read. The caller has asked
+ * tumble_checkpoint_matches before.
  * Returns TUMBLE_OK, TUMBLE_E_PORT_BUSY (ask again), TUMBLE_E_MISSING_POSITION (not kept), TUMBLE_E_ARGUMENT (null),
  * TUMBLE_E_NV, TUMBLE_E_CRC. */
 tumble_status_t tumble_checkpoint_read(tumble_checkpoint_t *checkpoint, uint8_t index, tumble_average_t *average);

@@ -17,7 +17,7 @@ static void test_a_good_result_becomes_the_active_set(void)
     TEST_ASSERT_EQUAL_MEMORY(result.coefficients, &set.coefficients, sizeof set.coefficients);
     TEST_ASSERT_EQUAL_MEMORY(&u, &set.uncertainty, sizeof u);
     TEST_ASSERT_EQUAL_HEX16(TUMBLE_SET_HAS_TEMPERATURE | TUMBLE_SET_HAS_GRAVITY | TUMBLE_SET_HAS_UNCERTAINTY |
-                                TUMBLE_SET_HAS_CHECK,
+                                TUMBLE_SET_HAS_CHECK | TUMBLE_SET_HAS_TEMPERATURE_RANGE,
                             set.flags); /* no noise: both mountings come back to where they began */
     TEST_ASSERT_EQUAL_UINT8(TUMBLE_ORIGIN_COMMITTED, set.origin);
     TEST_ASSERT_EQUAL_STRING("TB-0001", (const char *)set.block_serial);

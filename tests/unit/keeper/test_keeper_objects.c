@@ -38,6 +38,8 @@ static void check_set(tumble_which_set_t which)
     TEST_ASSERT_EQUAL_HEX32(set.schedule_crc, read_number((uint16_t)(0x2100U + at), 11, 4));
     TEST_ASSERT_EQUAL_HEX32(set.stand_crc, read_number((uint16_t)(0x2100U + at), 12, 4));
     TEST_ASSERT_EQUAL_HEX32(set.reasons, read_number((uint16_t)(0x2100U + at), 13, 4));
+    TEST_ASSERT_EQUAL_HEX8((uint8_t)set.temperature_min_half_c, read_number((uint16_t)(0x2100U + at), 15, 1));
+    TEST_ASSERT_EQUAL_HEX8((uint8_t)set.temperature_max_half_c, read_number((uint16_t)(0x2100U + at), 16, 1));
     assert_told(set.coefficients.k_v_per_g, set.coefficients.u0_v, (uint16_t)(0x2104U + at), (uint16_t)(0x2108U + at));
     assert_told(set.uncertainty.k_v_per_g, set.uncertainty.u0_v, (uint16_t)(0x210CU + at), (uint16_t)(0x2110U + at));
     TEST_ASSERT_TRUE(set.max_abs_fit_g == read_f64((uint16_t)(0x2114U + at), 1));
@@ -76,10 +78,14 @@ static void test_what_a_set_does_not_know_is_refused(void)
 {
     keeper_config.uncertainty = NULL;
     settings.gravity_m_s2 = 0.0;
+    bench.block.temperature_half_c = INT8_MAX; /* as warm as can be told, or warmer */
     keeper_power_cycle();
     bench_pass(&bench, 1.0);
     TEST_ASSERT_EQUAL(TUMBLE_VERDICT_HELD, run_and_judge());
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2102, 8));
+    TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2102, 14));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2102, 15));
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2102, 16));
     TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_NO_DATA, refusal_of(0x2102, 9));
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x2106, 9));
     TEST_ASSERT_EQUAL_HEX32(0, refusal_of(0x210A, 3));

@@ -74,6 +74,57 @@ static void test_what_is_out_of_range_is_refused(void)
     assert_status(TUMBLE_E_ARGUMENT, tumble_checkpoint_init(NULL, &memory.nv));
 }
 
+static void assert_margins(uint8_t cold, uint8_t warm)
+{
+    TEST_ASSERT_EQUAL_UINT8(cold, logs_checkpoint.margins.cold);
+    TEST_ASSERT_EQUAL_UINT8(warm, logs_checkpoint.margins.warm);
+}
+
+/* Each end by itself is narrowed, never widened. */
+static void test_margins_are_narrowed(void)
+{
+    static const struct {
+        tumble_margins_t seen;
+        tumble_margins_t left;
+    } steps[] = {{{200, 55}, {200, 55}}, {{201, 54}, {200, 54}}, {{199, 56}, {199, 54}},
+                 {{199, 54}, {199, 54}}, {{0, 255}, {0, 54}},    {{255, 0}, {0, 0}}};
+    assert_margins(0, 0);
+    tumble_checkpoint_narrow(&logs_checkpoint, (tumble_margins_t){200, 55});
+    assert_margins(0, 0); /* what is not known stays unknown */
+    logs_checkpoint.margins = (tumble_margins_t){UINT8_MAX, UINT8_MAX};
+    for (size_t i = 0; i < COUNT_OF(steps); i++) {
+        tumble_checkpoint_narrow(&logs_checkpoint, steps[i].seen);
+        assert_margins(steps[i].left.cold, steps[i].left.warm);
+    }
+}
+
+/* Entries take the margins along as they are by then; what is read narrows. */
+static void test_margins_outlive_power(void)
+{
+    const uint8_t *entries = &memory.bytes[(6U * 4096U) + TUMBLE_CHECKPOINT_BYTES];
+    assert_status(TUMBLE_OK, append_average(0)); /* not known */
+    logs_checkpoint.margins = (tumble_margins_t){200, 50};
+    assert_status(TUMBLE_OK, append_average(1));
+    tumble_checkpoint_narrow(&logs_checkpoint, (tumble_margins_t){150, 60});
+    assert_status(TUMBLE_OK, append_average(2));
+    TEST_ASSERT_EACH_EQUAL_UINT8(0, &entries[44], 16);
+    TEST_ASSERT_EQUAL_UINT8(200, entries[TUMBLE_CHECKPOINT_BYTES + 44U]);
+    TEST_ASSERT_EQUAL_UINT8(50, entries[TUMBLE_CHECKPOINT_BYTES + 45U]);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0, &entries[TUMBLE_CHECKPOINT_BYTES + 46U], 14);
+    TEST_ASSERT_EQUAL_UINT8(150, entries[(2U * TUMBLE_CHECKPOINT_BYTES) + 44U]);
+    TEST_ASSERT_TRUE(checkpoint_boot(&memory));
+    assert_margins(0, 0);
+    TEST_ASSERT_TRUE(average_is(2, 2));
+    assert_margins(0, 0);
+    logs_checkpoint.margins = (tumble_margins_t){UINT8_MAX, UINT8_MAX};
+    TEST_ASSERT_TRUE(average_is(1, 1));
+    assert_margins(200, 50);
+    TEST_ASSERT_TRUE(average_is(2, 2));
+    assert_margins(150, 50);
+    TEST_ASSERT_TRUE(average_is(0, 0));
+    assert_margins(0, 0);
+}
+
 static void test_one_job_at_a_time(void)
 {
     tumble_average_t average = average_of(1);

@@ -52,8 +52,12 @@ static void test_what_is_unknown_is_zero(void)
     set.uncertainty.u0_v[2] = -INFINITE;
     set.max_abs_check_g = NOT_A_NUMBER;
     set.closure_v = NOT_A_NUMBER;
+    set.temperature_min_half_c = 5;
+    set.temperature_max_half_c = -5;
     assert_encodes(TUMBLE_OK);
     TEST_ASSERT_EQUAL_INT(TUMBLE_OK, tumble_set_decode(bytes, &read));
+    TEST_ASSERT_EQUAL_INT8(0, read.temperature_min_half_c);
+    TEST_ASSERT_EQUAL_INT8(0, read.temperature_max_half_c);
     TEST_ASSERT_TRUE(read.temperature_c == 0.0 && read.gravity_m_s2 == 0.0 && read.uncertainty.u0_v[2] == 0.0);
     TEST_ASSERT_TRUE(read.max_abs_check_g == 0.0 && read.closure_v == 0.0);
 }
@@ -96,6 +100,32 @@ static void test_every_number_must_be_one_and_in_its_range(void)
     assert_encodes(TUMBLE_E_NOT_FINITE);
 }
 
+static void test_a_range_of_temperatures_has_its_lower_end_first(void)
+{
+    static const struct {
+        int8_t min_half_c;
+        int8_t max_half_c;
+        tumble_status_t status;
+    } ranges[] = {
+        {0, 0, TUMBLE_OK},         {-128, 127, TUMBLE_OK},     {-128, -128, TUMBLE_OK},
+        {127, 127, TUMBLE_OK},     {-13, -12, TUMBLE_OK},      {-12, -13, TUMBLE_E_ARGUMENT},
+        {1, 0, TUMBLE_E_ARGUMENT}, {0, -1, TUMBLE_E_ARGUMENT}, {127, -128, TUMBLE_E_ARGUMENT},
+    };
+    for (size_t i = 0; i < COUNT_OF(ranges); i++) {
+        tumble_set_t read;
+        set.temperature_min_half_c = ranges[i].min_half_c;
+        set.temperature_max_half_c = ranges[i].max_half_c;
+        assert_encodes(ranges[i].status);
+        if (ranges[i].status == TUMBLE_OK) {
+            TEST_ASSERT_EQUAL_HEX8((uint8_t)ranges[i].min_half_c, bytes[294]);
+            TEST_ASSERT_EQUAL_HEX8((uint8_t)ranges[i].max_half_c, bytes[295]);
+            assert_status(TUMBLE_OK, tumble_set_decode(bytes, &read));
+            TEST_ASSERT_EQUAL_INT8(ranges[i].min_half_c, read.temperature_min_half_c);
+            TEST_ASSERT_EQUAL_INT8(ranges[i].max_half_c, read.temperature_max_half_c);
+        }
+    }
+}
+
 static void test_flags_origin_and_serial_are_checked(void)
 {
     set.flags = TUMBLE_SET_FLAGS + 1U;
@@ -136,11 +166,15 @@ static void test_what_is_wrong_under_a_right_crc_is_refused(void)
         uint16_t flags;
         tumble_status_t status;
     } wrong[] = {
-        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},    {12, 6, 0x3F, TUMBLE_E_ARGUMENT},     {14, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
-        {15, 0x80, 0x3F, TUMBLE_E_ARGUMENT}, {39, 'x', 0x3F, TUMBLE_E_ARGUMENT},   {294, 1, 0x3F, TUMBLE_E_FRAME},
-        {295, 1, 0x3F, TUMBLE_E_FRAME},      {48, 1, 0x3E, TUMBLE_E_FRAME},        {56, 1, 0x3D, TUMBLE_E_FRAME},
-        {255, 1, 0x3B, TUMBLE_E_FRAME},      {279, 1, 0x37, TUMBLE_E_FRAME},       {287, 1, 0x2F, TUMBLE_E_FRAME},
-        {64, 0x7F, 0x3F, TUMBLE_OK},         {167, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
+        {12, 0, 0x3F, TUMBLE_E_ARGUMENT},     {12, 6, 0x3F, TUMBLE_E_ARGUMENT},
+        {15, 0x01, 0x3F, TUMBLE_E_ARGUMENT},  {15, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
+        {39, 'x', 0x3F, TUMBLE_E_ARGUMENT},   {294, 1, 0x3F, TUMBLE_E_FRAME},
+        {295, 1, 0x3F, TUMBLE_E_FRAME},       {48, 1, 0x3E, TUMBLE_E_FRAME},
+        {56, 1, 0x3D, TUMBLE_E_FRAME},        {255, 1, 0x3B, TUMBLE_E_FRAME},
+        {279, 1, 0x37, TUMBLE_E_FRAME},       {287, 1, 0x2F, TUMBLE_E_FRAME},
+        {64, 0x7F, 0x3F, TUMBLE_OK},          {167, 0x80, 0x3F, TUMBLE_E_ARGUMENT},
+        {294, 0x7F, 0xBF, TUMBLE_E_ARGUMENT}, {295, 0x80, 0xBF, TUMBLE_E_ARGUMENT},
+        {295, 0x7F, 0xBF, TUMBLE_OK},
     };
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
         set = set_of(3);

@@ -29,9 +29,14 @@ class Temperatures:
 
     @property
     def text(self) -> str:
-        """Such as "20.5 deg C" or "20 to 21.5 deg C"."""
-        low, high = f"{self.low_c:.3g}", f"{self.high_c:.3g}"
-        return f"{low} deg C" if low == high else f"{low} to {high} deg C"
+        """As `range_text` has it."""
+        return range_text(self.low_c, self.high_c)
+
+
+def range_text(low_c: float, high_c: float) -> str:
+    """Such as "20.5 deg C" or "20 to 21.5 deg C"."""
+    low, high = f"{low_c:.3g}", f"{high_c:.3g}"
+    return f"{low} deg C" if low == high else f"{low} to {high} deg C"
 
 
 def read_temperatures(

@@ -15,15 +15,16 @@ ENTRY_BYTES = 128
 CELL_BYTES = 64
 
 ORIGINS = {1: "factory", 2: "committed", 3: "accepted", 4: "rolled back", 5: "held"}
-HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED, OTHER_RULES = (
-    1 << bit for bit in range(7)
+HAS_TEMPERATURE, HAS_GRAVITY, HAS_UNCERTAINTY, HAS_CHECK, HAS_CLOSURE, RESUMED, OTHER_RULES, HAS_TEMPERATURE_RANGE = (
+    1 << bit for bit in range(8)
 )
+COLDEST_C, WARMEST_C = -64.0, 63.5  # that a sample can tell
 
 _SET_HEAD = struct.pack("<4sHH", b"TSET", 1, SET_BYTES)
-_SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2x5I")
+_SET = struct.Struct("<8sIBBH24sQ2d12d12d4dIBB2b5I")
 _ENTRY = struct.Struct("<4sIIBBHQf12f12f")
 _RUN_HEAD = struct.pack("<4sHH", b"TRUN", 1, CELL_BYTES)
-_POSITION = struct.Struct("<2sBxI3q3f16x")
+_POSITION = struct.Struct("<2sBxI3q3f2B14x")
 
 
 class NotARecord(Exception):
@@ -57,6 +58,7 @@ class CoefficientSet:
     from_crc: int
     resumed: bool
     other_rules: bool = False  # judged, committed or accepted under rules other than the board's
+    temperature_range_c: list[float] | None = None  # least and largest of the run's samples
 
 
 @dataclass
@@ -82,6 +84,7 @@ class Position:
     samples: int
     sums: list[int]
     scatter: list[float]
+    temperature_range_c: list[float] | None = None  # of the run so far
 
 
 def _sealed(bytes_: bytes, before: int = 0) -> bytes:
@@ -93,14 +96,23 @@ def _check_seal(bytes_: bytes, before: int = 0) -> None:
         raise NotARecord("its checksum does not agree")
 
 
+def _half_degrees(range_c: list[float]) -> tuple[int, int]:
+    """A range as half degrees, rounded outwards, so that what was within still is."""
+    low_c, high_c = range_c
+    if not COLDEST_C <= low_c <= high_c <= WARMEST_C:
+        raise ValueError(f"a range of temperatures lies within {COLDEST_C} and {WARMEST_C} deg C, the lower first")
+    return math.floor(2 * low_c), math.ceil(2 * high_c)
+
+
 def encode_set(s: CoefficientSet) -> bytes:
-    """The 320 bytes of a set."""
+    """The 320 bytes of a set. The range of temperatures is widened to half degrees. Raises ValueError."""
     known = (
         (HAS_TEMPERATURE, s.temperature_c),
         (HAS_GRAVITY, s.gravity_m_s2),
         (HAS_UNCERTAINTY, s.u_k),
         (HAS_CHECK, s.check),
         (HAS_CLOSURE, s.closure_v),
+        (HAS_TEMPERATURE_RANGE, s.temperature_range_c),
     )
     flags = sum(bit for bit, value in known if value is not None) | (RESUMED if s.resumed else 0)
     flags |= OTHER_RULES if s.other_rules else 0
@@ -127,6 +139,7 @@ def encode_set(s: CoefficientSet) -> bytes:
             s.samples,
             s.fit_positions,
             s.check_positions,
+            *_half_degrees(s.temperature_range_c or [0.0, 0.0]),
             s.schedule_crc,
             s.stand_crc,
             s.reasons,
@@ -142,8 +155,10 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         raise NotARecord("there is no set of coefficients")
     _check_seal(bytes_)
     _, sequence, origin, estimator, flags, serial, date, temperature, gravity, *rest = _SET.unpack(bytes_[:-4])
-    doubles, (samples, fit, check, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
-    if origin not in ORIGINS or flags >> 7 or not all(map(math.isfinite, [temperature, gravity, *doubles])):
+    doubles, (samples, fit, check, low, high, schedule, stand, reasons, restores, from_crc) = rest[:28], rest[28:]
+    finite = all(map(math.isfinite, [temperature, gravity, *doubles]))
+    in_range = low <= high if flags & HAS_TEMPERATURE_RANGE else low == high == 0
+    if origin not in ORIGINS or flags >> 8 or not finite or not in_range:
         raise NotARecord("a field is out of its range")
 
     def known(bit: int, value: Any) -> Any:
@@ -173,6 +188,7 @@ def decode_set(bytes_: bytes) -> CoefficientSet:
         from_crc,
         bool(flags & RESUMED),
         bool(flags & OTHER_RULES),
+        known(HAS_TEMPERATURE_RANGE, [low / 2, high / 2]),
     )
 
 
@@ -235,7 +251,9 @@ def decode_run(bytes_: bytes) -> int:
 
 def encode_position(p: Position, fingerprint: int) -> bytes:
     """The 64 bytes of a finished position of that run."""
-    return _sealed(_POSITION.pack(b"TP", p.index, p.samples, *p.sums, *p.scatter), _seed(fingerprint))
+    low, high = _half_degrees(p.temperature_range_c or [COLDEST_C, WARMEST_C])
+    margins = int(low - 2 * COLDEST_C), int(2 * WARMEST_C - high)
+    return _sealed(_POSITION.pack(b"TP", p.index, p.samples, *p.sums, *p.scatter, *margins), _seed(fingerprint))
 
 
 def decode_position(bytes_: bytes, fingerprint: int) -> Position:
@@ -243,8 +261,9 @@ def decode_position(bytes_: bytes, fingerprint: int) -> Position:
     if bytes_[:2] != b"TP":
         raise NotARecord("there is no position")
     _check_seal(bytes_, _seed(fingerprint))
-    _, index, samples, *numbers = _POSITION.unpack(bytes_[:-4])
-    return Position(index, samples, numbers[:3], numbers[3:])
+    _, index, samples, *numbers, cold, warm = _POSITION.unpack(bytes_[:-4])
+    range_c = [COLDEST_C + cold / 2, WARMEST_C - warm / 2] if cold or warm else None
+    return Position(index, samples, numbers[:3], numbers[3:], range_c)
 
 
 def _seed(fingerprint: int) -> int:
