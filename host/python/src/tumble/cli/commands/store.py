@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
-from tumble.cli.options import Subparsers, add_subjects, parse_whole
+from tumble.cli.options import Subparsers, add_json, add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
 _LARGEST_SECTOR = 1 << 24
@@ -21,16 +22,20 @@ def add_to(subparsers: Subparsers) -> None:
     )
     parser.add_argument("image", metavar="IMAGE", help="the memory's bytes from its first sector on")
     parser.add_argument("--sector", metavar="BYTES", help="size of a sector; default: 4096, the least")
+    add_json(parser)
     parser.set_defaults(run_command=dump)
 
 
 def dump(arguments: argparse.Namespace) -> int:
     """Read and print. Returns the exit code; raises TumbleError."""
     from tumble.files.disk import read_bytes
+    from tumble.files.documents import to_json
+    from tumble.store.document import document
     from tumble.store.image import MIN_SECTOR, describe, read_image
 
     sector = MIN_SECTOR
     if arguments.sector is not None:
         sector = parse_whole(arguments.sector, "--sector", MIN_SECTOR, _LARGEST_SECTOR)
-    print("\n".join(describe(read_image(read_bytes(arguments.image), sector, arguments.image))))
+    found = read_image(read_bytes(arguments.image), sector, arguments.image)
+    sys.stdout.write(to_json(document(found)) if arguments.json else "\n".join([*describe(found), ""]))
     return EXIT_PASS
