@@ -360,8 +360,8 @@ def test_the_factory_set_of_the_page_is_one(tumble, tmp_path):
     ), done
 
 
-@pytest.mark.parametrize(("range_c", "told"), [(None, ""), ([-12.5, 21.0], ", -12.5 to 21 deg C"),
-                                               ([0.0, 0.0], ", 0 deg C")])
+@pytest.mark.parametrize(("range_c", "told"), [(None, ""), ([-12.5, 21.0], ", at -12.5 to 21 deg C"),
+                                               ([0.0, 0.0], ", at 0 deg C")])
 def test_the_dump_tells_the_temperatures_of_the_run(tumble, tmp_path, range_c, told):
     image = tmp_path / "memory"
     memory = bytearray(b"\xff" * (8 * 4096))

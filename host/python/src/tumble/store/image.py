@@ -145,7 +145,7 @@ def _set_line(name: str, found: CoefficientSet | None) -> str:
         f"K_xx, K_yy, K_zz {diagonal} V/g",
         f"U0 {', '.join(f'{u:.6g}' for u in found.u0)} V",
     ]
-    parts += [range_text(*found.temperature_range_c)] if found.temperature_range_c else []
+    parts += [f"at {range_text(*found.temperature_range_c)}"] if found.temperature_range_c else []
     parts += [f"gravity check {max(found.check[:2]):.2g} of {found.check[2]:.2g} g"] if found.check else []
     parts += [f"reasons {found.reasons:#06x}"] if found.reasons else []
     parts += ["under other rules than the board's"] if found.other_rules else []
