@@ -140,7 +140,8 @@ def test_a_run_that_lost_power_goes_on(bench):
     computer.wait(lambda: computer.state() != "IDLE")
     computer.finish_run()
     assert computer.counter() == 1
-    assert computer["Active set"]["Flags"].raw & 0x20
+    assert computer["Active set"]["Flags"].raw & 0x20 and computer["Active set"]["Flags"].raw & 0x80
+    assert [computer["Active set"][f"Temperature {end}"].raw for end in ("min", "max")] == [50, 50]  # 25 degrees C
 
 
 def test_the_inhibit_ends_a_run(bench):
