@@ -74,6 +74,7 @@ static void go_on_to(uint8_t index)
 
 static void start_to(uint8_t index)
 {
+    bench.logged = 0;
     ASSERT_STATUS(TUMBLE_OK, tell(TUMBLE_COMMAND_START));
     go_on_to(index);
 }
