@@ -143,6 +143,52 @@ def test_labels_that_gravity_denies(imported):
     assert "is labelled 1." in said and "correct its label, or delete its rows" in said
 
 
+# Which rests to take, of rows with labels.
+
+
+def seen_twice(shift=0.01, longer=3):
+    """All positions by running number, then 4 again: longer, and a little off; a file, and the means of both visits."""
+    again = np.tile(samples(3), (longer, 1)) + np.array([shift, 0.0, -shift])
+    rows = "".join(f"4,{x:.6f},{y:.6f},{z:.6f}\n" for x, y, z in again.tolist())
+    return labelled(lambda place: {"Pos": place + 1}) + rows, samples(3).mean(axis=0), again.mean(axis=0)
+
+
+@pytest.mark.parametrize(("options", "second"), [
+    (("--repeats", "first"), 0.0), (("--repeats", "last"), 1.0), (("--repeats", "longest"), 1.0),
+    (("--leave-out", "19"), 0.0), (("--leave-out", "4"), 1.0), ((), 0.75),
+])  # fmt: skip
+def test_which_of_two_visits_is_taken(imported, options, second):
+    text, first, again = seen_twice()
+    said, means = imported(text, options=options)
+    assert means[1, 4] == pytest.approx((1 - second) * first + second * again, abs=1e-6), said
+    assert ("all their rests are taken; --repeats first|last|longest takes one" in said) == (not options)
+    assert ("left out: comes again" in said) == ("--repeats" in options)
+    assert ("left out as told" in said) == ("--leave-out" in options)
+
+
+def test_a_label_that_gravity_denies_is_taken_or_left_out_as_told(imported):
+    text = labelled(lambda place: {"Pos": place + 1 if place != 3 else 6})
+    said, means = imported(text)
+    assert means == {} and "rest 4 is labelled 1.6, and gravity is" in said
+    assert "--leave-out 4 goes on without, --take 4 takes it" in said
+    said, means = imported(text, options=("--leave-out", "4"))
+    assert len(means) == 17 and "no rows at 1.4" in said and means[1, 6] == pytest.approx(MEANS[5], abs=1e-3)
+    said, means = imported(text, options=("--take", "4", "--tolerance", "20"))
+    assert means[1, 6] == pytest.approx((MEANS[5] + MEANS[3]) / 2, abs=1e-3), said
+
+
+@pytest.mark.parametrize("option", ["--leave-out", "--take"])
+def test_a_rest_that_the_labels_do_not_name(imported, option):
+    said, _ = imported(labelled(lambda place: {"Pos": place + 1}), options=(option, "19"))
+    assert said == "tumble: --leave-out, --take: there is no rest 19, of 18\n"
+
+
+def test_nothing_is_left(imported):
+    everything = ",".join(str(number) for number in range(1, 19))
+    said, _ = imported(labelled(lambda place: {"Pos": place + 1}), options=("--leave-out", everything))
+    assert said.endswith("log0.csv: --leave-out leaves no rest\n")
+
+
 # The same for continuous recordings.
 
 

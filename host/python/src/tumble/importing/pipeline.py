@@ -89,16 +89,17 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    settings.claims.require_rests(len(found.rests))
     names = set.intersection(*(set(one.labels) for one in recordings))
     labelled = bool(names & {"position", "angle", "number"})
     try:
         if labelled:
             groups, rests, lost = _labelled_rests(recordings, names, outputs, file_of_row, found, interval)
+            settings.claims.require_rests(len(rests))
             matched = labels.match(groups, rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
         else:
             rests = list(found.rests)
+            settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
             _require_one_name_a_mounting(recordings, names, rests, matched, schedule)
     except Doubtful as doubt:
@@ -184,13 +185,13 @@ def _labelled_rests(
     without one, all."""
     texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     groups, rests, lost = [], [], []
-    for number, group in enumerate(labels.groups_of(texts, file_of_row), 1):
+    for group in labels.groups_of(texts, file_of_row):
         inside = [(max(r.begin, group.begin), min(r.end, group.end)) for r in found.rests]
         inside = [(begin, end) for begin, end in inside if end - begin >= _FEWEST_ROWS_IN_BLOCK]
         if interval is None or group.end - group.begin < 4 * found.block:
             inside = [(group.begin, group.end)]
         if not inside:
-            lost.append(f"group {number} of rows with the same labels is never at rest: left out")
+            lost.append(f"rows labelled {group.text} are never at rest: left out")
             continue
         begin, end = max(inside, key=lambda part: part[1] - part[0])
         groups.append(group)
