@@ -137,6 +137,35 @@ def test_mountings_with_names(imported, names):
     assert means == {} and "mountings or positions exchanged" in said
 
 
+@pytest.mark.parametrize(("mountings", "said"), [
+    ("C=1", "--mountings: 'C' is no mounting here; there are 'A', 'B'"),
+    ("A=1,B=2,a=1", "--mountings: 'a' is no mounting here; there are 'A', 'B'"),
+    ("A=3", "--mountings: the schedule has no mounting 3; it has 1, 2"),
+])  # fmt: skip
+def test_mountings_that_are_not_there(imported, logged, mountings, said):
+    """Of rows that name their positions, and of a recording with a column of mountings beside it."""
+    text = labelled(lambda p: {"mounting": "AB"[p // 9], "position": p % 9 + 1})
+    assert imported(text, options=("--mountings", mountings))[0].endswith(f"log0.csv: {said}\n")
+    assert imported(with_mountings(logged), options=("--mountings", mountings))[0].endswith(f"log0.csv: {said}\n")
+
+
+def with_mountings(logged):
+    """A continuous recording whose rows name their mounting, A or B."""
+    middle = int(np.flatnonzero(logged.truth == 9)[0]) - 60
+    head, *rows = logged.csv().splitlines()
+    named = [f"{'A' if place < middle else 'B'},{row}" for place, row in enumerate(rows)]
+    return "\n".join([f"mounting,{head}", *named]) + "\n"
+
+
+def test_the_mountings_that_are_said_are_those_of_a_continuous_recording(imported, logged):
+    said, means = imported(with_mountings(logged), options=("--mountings", "A=1,B=2"))
+    assert is_right(means), said
+    said, _ = imported(with_mountings(logged), options=("--mountings", "A=2"))
+    assert said.endswith("log0.csv: rest 1 is in mounting 1, but --mountings says 'A' is 2\n")
+    said, _ = imported(logged.csv(), options=("--mountings", "A=1"))
+    assert said.endswith("log0.csv: --mountings: 'A' is no mounting here, for the rows do not name any\n")
+
+
 def test_labels_that_gravity_denies(imported):
     exchanged = {3: 5, 5: 3}
     said, _ = imported(labelled(lambda p: {"Pos": exchanged.get(p, p) + 1}))

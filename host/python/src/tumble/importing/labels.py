@@ -23,6 +23,7 @@ from tumble.importing.rests import Rest
 from tumble.schedule import Schedule
 
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
+_ALL = "all"  # key of groups that are numbered through all mountings
 _CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
@@ -172,9 +173,25 @@ def _visits(positions: Integers) -> dict[int, list[list[int]]]:
     return found
 
 
+def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
+    """Raise Doubtful where the user names a mounting that the rows do not, or gives one a number that is not there.
+    `there`: the names of the rows, empty where they have none."""
+    numbers = [mounting.number for mounting in schedule.mountings]
+    for name, number in named.items():
+        if not there:
+            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here, for the rows do not name any")
+        if name not in there:
+            listed = ", ".join(map(quoted, there))
+            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here; there are {listed}")
+        if number not in numbers:
+            known = ", ".join(map(str, numbers))
+            raise Doubtful(f"--mountings: the schedule has no mounting {number}; it has {known}")
+
+
 def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
     """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
     keys = _mounting_keys([given.groups[index] for index in given.kept], given.schedule)
+    require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
     found, faults = [], []
     for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
         try:
@@ -198,7 +215,7 @@ def _mounting_keys(groups: Sequence[Group], schedule: Schedule) -> list[str]:
     if groups[0].mounting is not None:
         return [str(group.mounting) for group in groups]
     if groups[0].number is not None or _has_running_numbers(groups, schedule):
-        return ["all"] * len(groups)
+        return [_ALL] * len(groups)
     if len({group.file for group in groups}) > 1:
         return [f"file{group.file + 1}" for group in groups]
     keys, part, before = [], 1, -np.inf
@@ -221,8 +238,8 @@ def _has_running_numbers(groups: Sequence[Group], schedule: Schedule) -> bool:
 def _ways(keys: list[str], schedule: Schedule, named: dict[str, int]) -> Iterator[dict[str, int]]:
     """Numbers of mountings by key: what is said, else the schedule's own numbers, else every way."""
     numbers = [mounting.number for mounting in schedule.mountings]
-    if keys == ["all"]:
-        yield {"all": 0}
+    if keys == [_ALL]:
+        yield {_ALL: 0}
         return
     own = {key: int(key) for key in keys if re.fullmatch(r"\d{1,3}", key) and int(key) in numbers}
     if set(own) == set(keys) and not named:

@@ -101,7 +101,7 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             rests = list(found.rests)
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
-            _require_one_name_a_mounting(recordings, names, rests, matched, schedule)
+            _require_one_name_a_mounting(recordings, names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
         raise BadInput(str(doubt), files[0]) from None
     notes = _notes(recordings, settings, found, interval, labelled) + list(matched.notes)
@@ -202,18 +202,25 @@ def _labelled_rests(
 
 
 def _require_one_name_a_mounting(
-    recordings: Sequence[Recording], names: set[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule
+    recordings: Sequence[Recording],
+    names: set[str],
+    rests: Sequence[Rest],
+    matched: Matched,
+    schedule: Schedule,
+    told: dict[str, int],
 ) -> None:
-    """A column of mountings beside a continuous recording: a name for each mounting. Raises Doubtful."""
-    if "mounting" not in names:
-        return
-    texts = [text for one in recordings for text in one.labels["mounting"]]
+    """A column of mountings beside a continuous recording: a name for each mounting, the one that is `told`. Raises
+    Doubtful."""
+    texts = [text for one in recordings for text in one.labels["mounting"]] if "mounting" in names else []
+    labels.require_names(told, list(dict.fromkeys(texts)), schedule)
     known: dict[str, tuple[int, int]] = {}
     for number, (rest, position) in enumerate(zip(rests, matched.positions), 1):
-        if position == NONE:
+        if position == NONE or not texts:
             continue
         mounting = schedule.positions[position].mounting
         name = texts[(rest.begin + rest.end) // 2]
+        if told.get(name, mounting) != mounting:
+            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
         first, other = known.setdefault(name, (mounting, number))
         if first != mounting:
             raise Doubtful(
