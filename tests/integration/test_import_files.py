@@ -161,7 +161,7 @@ def test_the_mountings_that_are_said_are_those_of_a_continuous_recording(importe
     said, means = imported(with_mountings(logged), options=("--mountings", "A=1,B=2"))
     assert is_right(means), said
     said, _ = imported(with_mountings(logged), options=("--mountings", "A=2"))
-    assert said.endswith("log0.csv: rest 1 is in mounting 1, but --mountings says 'A' is 2\n")
+    assert said.endswith(" is in mounting 1, but --mountings says 'A' is 2\n")
     said, _ = imported(logged.csv(), options=("--mountings", "A=1"))
     assert said.endswith("log0.csv: --mountings: 'A' is no mounting here, for the rows do not name any\n")
 
