@@ -172,6 +172,32 @@ def test_labels_that_gravity_denies(imported):
     assert "is labelled 1." in said and "correct its label, or delete its rows" in said
 
 
+# Columns that are named like labels and say the same in every row.
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("position", "0"), ("position", ""), ("Pos", "n/a"), ("angle", "45"), ("index", "1"), ("mounting", "1"),
+])  # fmt: skip
+def test_a_column_that_says_the_same_in_every_row(imported, logged, name, value):
+    """It made the recording unreadable."""
+    head, *rows = logged.csv().splitlines()
+    said, means = imported("\n".join([f"{name},{head}", *(f"{value},{row}" for row in rows)]) + "\n")
+    label = {"Pos": "position", "index": "number"}.get(name, name)
+    assert is_right(means), said
+    assert f"- {label}: '{value}' in every row, which tells nothing: not read" in said
+
+
+@pytest.mark.parametrize("number", [lambda place: place + 1, lambda place: place % 9 + 1])
+def test_one_mounting_for_all_positions(imported, number):
+    said, means = imported(labelled(lambda place: {"mounting": 1, "position": number(place)}))
+    assert is_right(means) and "- mounting: '1' in every row" in said
+
+
+def test_positions_that_are_the_same_in_every_row_of_their_own_file(imported):
+    files = [labelled(lambda p: {"mounting": p // 9 + 1, "position": p % 9 + 1}, places=[p]) for p in range(18)]
+    assert is_right(imported(*files)[1])
+
+
 # Which rests to take, of rows with labels.
 
 

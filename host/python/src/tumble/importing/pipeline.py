@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import BadInput, UsageError
+from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
@@ -89,11 +89,11 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    names = set.intersection(*(set(one.labels) for one in recordings))
-    labelled = bool(names & {"position", "angle", "number"})
+    texts, same = _telling(recordings, schedule, settings.mountings)
+    labelled = bool(texts.keys() - {"mounting"})
     try:
         if labelled:
-            groups, rests, lost = _labelled_rests(recordings, names, outputs, file_of_row, found, interval)
+            groups, rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
             settings.claims.require_rests(len(rests))
             matched = labels.match(groups, rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
@@ -101,14 +101,32 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             rests = list(found.rests)
             settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
-            _require_one_name_a_mounting(recordings, names, rests, matched, schedule, settings.mountings)
+            names = texts.get("mounting", [])
+            _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
         raise BadInput(str(doubt), files[0]) from None
-    notes = _notes(recordings, settings, found, interval, labelled) + list(matched.notes)
+    notes = _notes(recordings, settings, found, interval, labelled) + same + list(matched.notes)
     return Imported(
         tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
         tuple(notes),
     )  # fmt: skip
+
+
+def _telling(
+    recordings: Sequence[Recording], schedule: Schedule, told: dict[str, int]
+) -> tuple[dict[str, list[str]], list[str]]:
+    """The labels (by name, a text for each row) that all recordings have, without those that are the same in every row
+    and tell nothing; and sentences on these. `told`: names of mountings that the user says numbers of."""
+    names = set.intersection(*(set(one.labels) for one in recordings))
+    texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
+    meant = set(texts.get("mounting", [])) if len(schedule.mountings) == 1 else set(told)
+    same = {
+        name: rows[0]
+        for name, rows in texts.items()
+        if len(set(rows)) == 1 and not (name == "mounting" and rows[0] in meant)
+    }
+    notes = [f"{name}: {quoted(text)} in every row, which tells nothing: not read" for name, text in same.items()]
+    return {name: rows for name, rows in texts.items() if name not in same}, notes
 
 
 def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, float | None, Integers]:
@@ -174,8 +192,7 @@ def _explained(matched: Matched) -> int:
 
 
 def _labelled_rests(
-    recordings: Sequence[Recording],
-    names: set[str],
+    texts: dict[str, list[str]],
     outputs: Floats,
     file_of_row: Integers,
     found: Found,
@@ -183,7 +200,6 @@ def _labelled_rests(
 ) -> tuple[list[labels.Group], list[Rest], list[str]]:
     """Groups of rows with the same labels, and of each the rows that are at rest: with a clock, the longest rest in it;
     without one, all."""
-    texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     groups, rests, lost = [], [], []
     for group in labels.groups_of(texts, file_of_row):
         inside = [(max(r.begin, group.begin), min(r.end, group.end)) for r in found.rests]
@@ -202,16 +218,10 @@ def _labelled_rests(
 
 
 def _require_one_name_a_mounting(
-    recordings: Sequence[Recording],
-    names: set[str],
-    rests: Sequence[Rest],
-    matched: Matched,
-    schedule: Schedule,
-    told: dict[str, int],
+    texts: Sequence[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule, told: dict[str, int]
 ) -> None:
-    """A column of mountings beside a continuous recording: a name for each mounting, the one that is `told`. Raises
-    Doubtful."""
-    texts = [text for one in recordings for text in one.labels["mounting"]] if "mounting" in names else []
+    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
+    `told`; empty: there is none. Raises Doubtful."""
     labels.require_names(told, list(dict.fromkeys(texts)), schedule)
     known: dict[str, tuple[int, int]] = {}
     for number, (rest, position) in enumerate(zip(rests, matched.positions), 1):
