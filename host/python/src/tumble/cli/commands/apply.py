@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.applying import demand_of
     from tumble.api.result import load
     from tumble.files.calibrated import OUTPUTS
-    from tumble.files.disk import written
+    from tumble.files.disk import together
     from tumble.files.tables import PARQUET, suffix_of
 
     wishes = replace(layout_options.wishes(arguments, OUTPUTS, has_unit=False), wanted=OUTPUTS)
@@ -78,9 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
             spooled.seek(0)
             shutil.copyfileobj(spooled, sys.stdout.buffer)
             sys.stdout.buffer.flush()
-    for target in dict.fromkeys(filter(None, targets)):
-        with written(target) as out:
-            _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
+    with together() as them:
+        for target in dict.fromkeys(filter(None, targets)):
+            with them.written(target) as out:
+                _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
     _beware(result, arguments.result)
     return EXIT_PASS
 

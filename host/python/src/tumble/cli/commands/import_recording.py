@@ -64,7 +64,7 @@ def add_to(subparsers: options.Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
-    from tumble.files.disk import refuse_overwriting, write_bytes, write_text
+    from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import plot, recipe, report
@@ -86,14 +86,15 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.stand is not None:
         remarks.append(f"signs of K: of scale_v_per_g in {os.path.basename(arguments.stand)}")
     done = replace(done, notes=(*remarks, *done.notes))
-    drawn = None if arguments.plot is None else plot.picture(done, arguments.plot)
     text = to_json(report.document(done)) if arguments.json else report.text(done)
+    files: dict[str, bytes] = {}
     if arguments.out is not None:
-        write_text(arguments.out, report.run_csv(done))
-    if drawn is not None:
-        write_bytes(arguments.plot, drawn)
+        files[arguments.out] = report.run_csv(done).encode()
+    if arguments.plot is not None:
+        files[arguments.plot] = plot.picture(done, arguments.plot)
     if arguments.recipe is not None and not replayed:
-        write_text(arguments.recipe, recipe.to_toml(settings))
+        files[arguments.recipe] = recipe.to_toml(settings).encode()
+    write_all(files)
     sys.stdout.write(text)
     return EXIT_PASS
 
