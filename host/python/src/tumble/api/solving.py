@@ -21,7 +21,7 @@ from tumble.files.stand_file import StandFile, read_stand
 from tumble.schedule import Schedule
 from tumble.solving import plausibility, provenance, result
 from tumble.solving.solution import Solution, solve as solve_run
-from tumble.solving.temperature import in_environment
+from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
 
@@ -70,8 +70,10 @@ def solved(
     told_g = declared_g if limit_g is None else limit_g
     run, planned = recording.on(_schedule(schedule, estimator))
     odd_rows = run_rows.require(run, planned.data, stand_file, recording.name)
+    environment = None if stand_file is None else stand_file.environment
+    contradiction = contradicted(run, environment)
     solution = solve_run(
-        in_environment(run, None if stand_file is None else stand_file.environment),
+        in_environment(run, environment),
         planned,
         estimator,
         DEFAULT_LIMIT_G if told_g is None else told_g,
@@ -82,6 +84,7 @@ def solved(
         terms=terms,
     )
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
+    odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)
 
 

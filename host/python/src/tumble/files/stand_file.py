@@ -19,6 +19,7 @@ from typing import Any
 
 from tumble.core import MAX_SAMPLES
 from tumble.errors import BadInput
+from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
@@ -33,7 +34,7 @@ _OPTIONAL = {  # errors that a stand need not declare, by the attribute of Stand
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
     "u_gravity_m_s2": (0.0, 0.2),
-    "temperature_c": (-100.0, 300.0),
+    "temperature_c": (LOWEST_C, HIGHEST_C),
     "pressure_hpa": (0.0, 2000.0),
     "humidity_percent": (0.0, 100.0),
 }
