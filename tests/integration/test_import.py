@@ -233,7 +233,7 @@ def test_other_pictures_are_refused(refused, tmp_path):
         (("--mountings", "A"), "--mountings: 'A' is not NAME=NUMBER"),
         (("--still", "0"), "--still: '0' is not a number above 0"),
         (("--tolerance", "90"), "--tolerance: '90' is not a number above 0, at most 45"),
-        (("--columns", "u=Ax"), "with NAME one of ux, uy, uz, time, mounting, position, angle, number, once each"),
+        (("--columns", "u=Ax"), "position, angle, number, temperature, once each"),
         (("--columns", "time=T"), "no column 'T' (for time) among 'n_samples,acc_x,acc_y,acc_z'"),
         (("--window", "4000"), "0 rests do not show scale and bias of every channel"),
     ],

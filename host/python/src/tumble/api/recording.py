@@ -16,7 +16,8 @@ from tumble.files import frames, run_file
 from tumble.files.csv_rows import Refused
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import PositionIndex, Run, RunTable
-from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes, detect, detect_unit, find_all
+from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, detect_unit, find_all
+from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
 from tumble.schedule import Schedule
 from tumble.units import UNIT
@@ -66,6 +67,12 @@ class Recording:
             return layout.unit if layout.unit_told else None
         return self._columns[1]
 
+    @property
+    def temperature_c(self) -> tuple[float, float] | None:
+        """The lowest and the highest of the run, degrees Celsius; None where its rows do not tell it."""
+        found = self._temperatures[0]
+        return None if found is None else (found.low_c, found.high_c)
+
     def __len__(self) -> int:
         return len(self._rows.index)
 
@@ -88,9 +95,17 @@ class Recording:
                 positions.of_row(float(self.mounting[row]), float(self.position[row]))
             except Refused as refused:
                 raise BadInput(str(refused), self.name, int(rows.lines[row]), refused.column) from None
-        ignored = len(frames.names_of(self._table)) - len(COLUMNS)
-        unit = self.unit
-        return run_file.averaged(replace(rows, index=index), schedule, unit or "V", unit is not None, ignored)
+        unit, (felt, passed_over) = self.unit, self._temperatures
+        ignored = len(frames.names_of(self._table)) - len(COLUMNS) - (felt is not None)
+        told = unit or "V", unit is not None, ignored
+        return run_file.averaged(replace(rows, index=index), schedule, *told, temperature=felt, passed_over=passed_over)
+
+    @cached_property
+    def _temperatures(self) -> tuple[Temperatures | None, tuple[str, ...]]:
+        """And sentences on a column that is passed over."""
+        if self._data is not None:
+            return run_file.temperatures(self._data, detect(self._data, self._wishes, self.name), self.name)
+        return temperatures_of_table(self._table, self._wishes.columns, len(self), self.name)
 
     @cached_property
     def _rows(self) -> RunTable:
@@ -171,9 +186,10 @@ def wishes_of(
     columns: dict[str, str] | None, unit: str | None, delimiter: str | None = None, decimal: str | None = None
 ) -> Wishes:
     """What a caller says about the layout. Raises UsageError."""
-    unknown = [name for name in columns or {} if name not in COLUMNS]
+    known = (*COLUMNS, TEMPERATURE)
+    unknown = [name for name in columns or {} if name not in known]
     if unknown:
-        raise UsageError(f"columns: {quoted(unknown[0])} is not one of {', '.join(COLUMNS)}")
+        raise UsageError(f"columns: {quoted(unknown[0])} is not one of {', '.join(known)}")
     if unit is not None and not UNIT.fullmatch(unit):
         raise UsageError(f"unit: {quoted(unit)} is not a unit such as V, mV or m/s^2")
     return Wishes(columns=dict(columns or {}), delimiter=delimiter, decimal=decimal, unit=unit)
@@ -191,9 +207,9 @@ def read(
 
     `source`: the path of a run file (CSV; Parquet, `.parquet`; NPZ, `.npz`, and MAT, `.mat`, with an array for every
     column), a DataFrame of pandas or polars, a table of pyarrow, a mapping from names to columns, a structured array,
-    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; others are ignored. `columns` names those
-    that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the outputs; both, like `delimiter` and
-    `decimal` of CSV, are detected unless given.
+    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; it may have temperature, deg C; others are
+    ignored. `columns` names those that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the
+    outputs; both, like `delimiter` and `decimal` of CSV, are detected unless given.
 
     Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
     is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.
@@ -208,4 +224,5 @@ def read(
     """
     recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
     len(recording)  # what cannot be used is told now
+    _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
     return recording

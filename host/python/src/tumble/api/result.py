@@ -155,7 +155,8 @@ class Result:
         of the gravity, for m/s2), as columns u_x, u_y, u_z, u_norm before x; of an array, an array (..., 7) of x, y, z,
         u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
 
-        Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+        A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
+        1 deg C outside. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
@@ -165,7 +166,8 @@ class Result:
         >>> list(table)
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
         """
-        return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit)
+        known_c = self._checked["temperature"]
+        return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit, known_c)
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""

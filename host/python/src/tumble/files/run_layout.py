@@ -153,7 +153,8 @@ def _from_header(
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
         told = unit or _DEFAULT_UNIT, unit is not None
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *_temperature(names, wishes))
+        felt = temperature_column(names, wishes.columns)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
@@ -203,17 +204,16 @@ def is_number(text: str) -> bool:
     return NUMBER.fullmatch(text.replace(",", ".")) is not None
 
 
-def _temperature(names: list[str], wishes: Wishes) -> tuple[Column | None, str | None]:
+def temperature_column(names: list[str], renamed: dict[str, str]) -> tuple[Column | None, str | None]:
     """The column of the temperature, and why it is not known; that a told one is there, is known."""
     try:
-        index = find_column(TEMPERATURE, names, wishes.columns)
+        index = find_column(TEMPERATURE, names, renamed)
     except ValueError as several:
         return None, str(several)
     if index is None:
         return None, None
     unit = _BRACKETED.search(names[index])
-    told = TEMPERATURE in wishes.columns
-    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), told), None
+    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), TEMPERATURE in renamed), None
 
 
 def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -69,6 +70,15 @@ class Imported:
     def unit_told(self) -> bool:
         """By the files or the user, not assumed."""
         return all(one.unit_told for one in self.recordings)
+
+    @cached_property
+    def temperatures_c(self) -> Floats | None:
+        """Of all rows, NaN where it is not known; None where no file tells it."""
+        parts = [
+            np.full(len(one.outputs), np.nan) if one.temperatures_c is None else one.temperatures_c
+            for one in self.recordings
+        ]
+        return None if all(one.temperatures_c is None for one in self.recordings) else np.concatenate(parts)
 
     def sha256(self) -> list[str]:
         """Of each file's bytes."""

@@ -17,6 +17,7 @@ from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
     NUMBER,
+    TEMPERATURE,
     Layout,
     Wishes,
     decoded,
@@ -28,12 +29,14 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
+from tumble.files.run_temperature import range_of, temperatures_of_rows
 from tumble.importing import clock, novatel
 from tumble.importing.clock import Clock
 
 OUTPUTS = ("ux", "uy", "uz")
 LABELS = ("mounting", "position", "angle", "number")
 OPTIONAL = ("time", *LABELS)
+COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
 SPACE = " "
 _MOST_LABELS = 256  # different running numbers: more count samples
 _LOST = {"", "nan", "-", "null", "none", "n/a"}
@@ -42,7 +45,8 @@ _LOST = {"", "nan", "-", "null", "none", "n/a"}
 @dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
-    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences."""
+    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `temperatures_c` (rows,): NaN
+    where it is not known, None where no row tells it; `notes`: sentences."""
 
     file: str
     outputs: Floats
@@ -51,6 +55,7 @@ class Recording:
     unit_told: bool
     clock: Clock | None
     labels: dict[str, list[str]]
+    temperatures_c: Floats | None
     notes: tuple[str, ...]
     data: bytes
 
@@ -77,7 +82,7 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
         notes.append(f"left out: {log.damaged} messages that are damaged, {log.others} lines of something else")
     told = _clock_of(log.seconds, "time s", timing, file)
     return Recording(
-        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
+        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, None, (*notes, *told.notes), data
     )
 
 
@@ -102,9 +107,10 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     labels = _labels(rows)
     if "number" in rows.texts and "number" not in labels:
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
+    felt, about_temperature = _temperatures(data, layout, rows, file)
     return Recording(
-        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels,
-        (*notes, *(told.notes if told else ())), own,
+        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels, felt,
+        (*notes, *(told.notes if told else ()), *about_temperature), own,
     )  # fmt: skip
 
 
@@ -154,8 +160,21 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
         unit = wishes.unit or detect_unit(units, file, row)
         told = layout.unit_told or unit is not None
         note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
-        return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told), [note]
+        felt = layout.temperature
+        if felt is not None and not felt.unit and fields[felt.index].lower() not in _LOST:
+            felt = replace(felt, unit=fields[felt.index].strip("[]()"))
+        return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt), [note]
     return layout, []
+
+
+def _temperatures(data: bytes, layout: Layout, rows: _Rows, file: str) -> tuple[Floats | None, tuple[str, ...]]:
+    """Of the rows that are kept, and sentences about them. Raises BadInput where the user names a column of others."""
+    kept = set(rows.lines.tolist())
+    lines = ((row, line) for row, line in body_of(data, layout) if row in kept)
+    found, odd = temperatures_of_rows(lines, layout, file)
+    if (known := range_of(found)) is None or layout.temperature is None:
+        return None, odd
+    return found, (f"temperature: of column {quoted(layout.temperature.name)}, {known.text}",)
 
 
 def _read_rows(

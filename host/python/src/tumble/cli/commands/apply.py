@@ -14,7 +14,7 @@ from tumble.messages import tell
 
 if TYPE_CHECKING:
     from tumble.api.result import Result
-    from tumble.files.calibrated import Demand
+    from tumble.files.calibrated import Demand, Seen
 
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
@@ -54,9 +54,11 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.result import load
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
+    from tumble.files.run_layout import TEMPERATURE
     from tumble.files.tables import PARQUET, suffix_of
 
-    wishes = replace(layout_options.wishes(arguments, OUTPUTS, has_unit=False), wanted=OUTPUTS)
+    told = layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False)
+    wishes = replace(told, wanted=OUTPUTS)
     targets = _targets(arguments)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     result = load(arguments.result)
@@ -115,18 +117,19 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
     from tumble.files.tables import PARQUET, suffix_of
-    from tumble.solving.temperature import outside
 
     first: Any = None
     last = b"\n"
     for file in files:
         if suffix_of(file) in PARQUET:
-            _tell_of_names(calibrate_parquet(file, out, demand), file)
+            seen = calibrate_parquet(file, out, demand)
+            _tell_of_names(seen.renamed, file)
+            _tell_of_temperatures(seen, known_c, file)
             continue
         with opened(file) as stream:
             data = CsvData(stream, file, demand)
             if first is None:
-                _tell_of_names(data.renamed, file)
+                _tell_of_names(data.seen.renamed, file)
                 out.write(data.header)
             else:
                 data.require_header_of(first)
@@ -135,10 +138,14 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
             for piece in data.rows():
                 out.write(piece)
                 last = piece[-1:] or last
-            for odd in data.passed_over:
-                tell(f"tumble: warning: {file_name(file)}: {odd}")
-            if (told := outside(known_c, data.temperatures_c)) is not None:
-                tell(f"tumble: warning: {file_name(file)}: {told}")
+            _tell_of_temperatures(data.seen, known_c, file)
+
+
+def _tell_of_temperatures(seen: Seen, known_c: dict[str, Any] | None, file: str) -> None:
+    from tumble.api.applying import doubts
+
+    for odd in doubts(seen, known_c):
+        tell(f"tumble: warning: {file_name(file)}: {odd}")
 
 
 def _tell_of_names(renamed: dict[str, str], file: str) -> None:

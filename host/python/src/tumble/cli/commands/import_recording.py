@@ -103,10 +103,10 @@ def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
     """The recipe's, or the usual ones, with what the options say. Raises TumbleError."""
     from tumble.importing import recipe
     from tumble.importing.pipeline import Settings
-    from tumble.importing.recording import OPTIONAL, OUTPUTS, Timing
+    from tumble.importing.recording import COLUMNS, Timing
 
     base = recipe.read(arguments.recipe) if replayed else Settings()
-    told = layout_options.wishes(arguments, (*OUTPUTS, *OPTIONAL))
+    told = layout_options.wishes(arguments, COLUMNS)
     wishes = replace(
         base.wishes,
         columns=base.wishes.columns | told.columns,
