@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from tumble.api.arguments import wishes_of
+from tumble.api.words import told_in_python
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, UsageError
 from tumble.files import frames, run_file
 from tumble.files.csv_rows import Refused
 from tumble.files.disk import read_bytes
@@ -20,7 +22,6 @@ from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, det
 from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
 from tumble.schedule import Schedule
-from tumble.units import UNIT
 
 _ANYWHERE = 256  # numbers of mountings and positions: 0 to 255
 
@@ -114,13 +115,9 @@ class Recording:
             layout = detect(self._data, self._wishes, self.name)
             return run_file.read_table(self._data, layout, _Anywhere(), self.name)
         places, _ = self._columns
-        values = [frames.column_of(self._table, place, self.name) for place in places]
-        if len({len(column) for column in values}) != 1:
-            sizes = ", ".join(f"{name} {len(column)}" for name, column in zip(COLUMNS, values))
-            raise BadInput(f"columns of different lengths: {sizes}", self.name)
-        if not len(values[0]):
+        rows = frames.stacked(self._table, places, COLUMNS, self.name)
+        if not len(rows):
             raise BadInput("no samples", self.name)
-        rows = np.stack(values, axis=1)
         self._require(rows)
         index = _Anywhere().of_arrays(rows[:, 0], rows[:, 1])
         return RunTable(index, rows[:, 2:], np.arange(1, len(rows) + 1), 0, 0)
@@ -130,7 +127,7 @@ class Recording:
         """Places of COLUMNS in the table, and the unit of the outputs, if it is told."""
         names = frames.names_of(self._table)
         try:
-            places = find_all(names, self._wishes)
+            places = find_all(names, self._wishes, is_text=False)
         except ValueError as error:
             raise BadInput(str(error), self.name) from None
         return places, self._wishes.unit or detect_unit([names[place] for place in places[-3:]], self.name, None)
@@ -173,26 +170,13 @@ def _of_array(source: Any) -> dict[str, Floats]:
     if type(source).__name__ == "LazyFrame":
         raise UsageError("a LazyFrame has no rows yet: collect() it")
     try:
-        rows = np.asarray(source, dtype=float)
+        rows = frames.real(source)
     except (TypeError, ValueError):
         kind = f"{type(source).__module__}.{type(source).__name__}"
         raise UsageError(f"{kind} is neither a file, nor a table, nor an array of numbers") from None
     if rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
         raise UsageError(f"an array of shape {rows.shape} is no run: (rows, 5) is one, of {', '.join(COLUMNS)}")
     return dict(zip(COLUMNS, rows.T))
-
-
-def wishes_of(
-    columns: dict[str, str] | None, unit: str | None, delimiter: str | None = None, decimal: str | None = None
-) -> Wishes:
-    """What a caller says about the layout. Raises UsageError."""
-    known = (*COLUMNS, TEMPERATURE)
-    unknown = [name for name in columns or {} if name not in known]
-    if unknown:
-        raise UsageError(f"columns: {quoted(unknown[0])} is not one of {', '.join(known)}")
-    if unit is not None and not UNIT.fullmatch(unit):
-        raise UsageError(f"unit: {quoted(unit)} is not a unit such as V, mV or m/s^2")
-    return Wishes(columns=dict(columns or {}), delimiter=delimiter, decimal=decimal, unit=unit)
 
 
 def read(
@@ -222,7 +206,8 @@ def read(
     >>> run.outputs.shape
     (2, 3)
     """
-    recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
-    len(recording)  # what cannot be used is told now
-    _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
+    with told_in_python():
+        recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
+        len(recording)  # what cannot be used is told now
+        _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
     return recording

@@ -77,7 +77,7 @@ class Seen:
 def columns_of_outputs(names: list[str], renamed: dict[str, str], name: str) -> tuple[tuple[int, ...], str | None]:
     """Places of the outputs among the columns of a table, and their unit, if brackets tell it. Raises BadInput."""
     try:
-        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS))
+        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS), is_text=False)
     except ValueError as error:
         raise BadInput(str(error), name) from None
     return places, detect_unit([names[place] for place in places], name, None)
@@ -283,7 +283,7 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     BadInput."""
     names = frames.names_of(table)
     places, told = columns_of_outputs(names, demand.wishes.columns, name)
-    outputs = np.stack([frames.column_of(table, place, name) for place in places], axis=1)
+    outputs = frames.stacked(table, places, OUTPUTS, name)
     values = demand.values(outputs, factor_of(demand.wishes.unit or told, demand.unit, name))
     seen.renamed = raw_names(names, demand.with_uncertainty)
     seen.feel(*temperatures_of_table(table, demand.wishes.columns, len(outputs), name))

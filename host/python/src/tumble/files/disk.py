@@ -15,6 +15,14 @@ from tumble.errors import BadInput, TumbleError, UsageError, quoted
 _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
 
 
+def path_of(file: object) -> str:
+    """A path as text. Raises UsageError for what is none."""
+    path = os.fspath(file) if isinstance(file, (str, os.PathLike)) else None
+    if not isinstance(path, str):
+        raise UsageError(f"a {type(file).__name__} is not the path of a file")
+    return path
+
+
 def read_bytes(file: str) -> bytes:
     """All of a file. Raises BadInput."""
     with opened(file) as stream:
@@ -26,8 +34,9 @@ def read_bytes(file: str) -> bytes:
 
 def opened(file: str) -> BinaryIO:
     """A file to be read, which the caller closes. Raises BadInput."""
+    path = path_of(file)
     try:
-        return open(file, "rb")
+        return open(path, "rb")
     except OSError as error:
         raise BadInput(reason(error), file) from None
     except ValueError:  # a name with a zero byte

@@ -15,6 +15,7 @@ from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
+DECIMALS = (".", ",")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -87,6 +88,11 @@ class Layout:
     unit_told: bool
     temperature: Column | None = None
     doubt: str | None = None
+
+
+def is_delimiter(sign: object) -> bool:
+    """Can this separate columns?"""
+    return isinstance(sign, str) and len(sign) == 1 and sign not in '"#\r\n\0.+-' and not sign.isalnum()
 
 
 def decoded(data: bytes) -> str:
@@ -216,24 +222,36 @@ def temperature_column(names: list[str], renamed: dict[str, str]) -> tuple[Colum
     return Column(index, names[index], "" if unit is None else unit.group(1).strip(), TEMPERATURE in renamed), None
 
 
-def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
-    """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
+def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[int, ...]:
+    """Indices of the wanted COLUMNS. `is_text`: the names were one line, which a delimiter separates. Raises
+    ValueError, naming all that are not there, and what is."""
     renamed = wishes.columns
     told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
     found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
+        _require_different(found, names)
         return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
     asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []
     header = quoted(",".join(names), _LONGEST_HEADER)
     said = f"{' and '.join([*asked, *([_columns(plain)] if plain else [])])} among {header}"
-    if len(names) == 1:
+    if len(names) == 1 and is_text:
         raise ValueError(f"{said}; say what separates the columns with --delimiter")
     if plain:
         said += f"; name what is missing with --columns {','.join(f'{wanted}=NAME' for wanted in plain)}, or add it"
     raise ValueError(said)
+
+
+def _require_different(found: dict[str, int | None], names: list[str]) -> None:
+    """Raise ValueError where one column is told to be two."""
+    for index in found.values():
+        alike = [other for other, its in found.items() if its == index]
+        if len(alike) > 1:
+            raise ValueError(
+                f"column {quoted(names[index or 0])} is named for {_listed(alike)}; each has one of its own"
+            )
 
 
 def _columns(names: list[str]) -> str:

@@ -104,9 +104,11 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 
 def _beware(result: Result, file: str) -> None:
     """What whoever uses the calibrated data should know, on stderr."""
+    from tumble.api.complaints import complaints_of_document
+    from tumble.files.documents import read_coefficients
     from tumble.solving.assumptions import phrase
 
-    for warning in result.warnings:
+    for warning in complaints_of_document(read_coefficients(file)):
         tell(f"tumble: warning: {file_name(file)}: {warning}")
     if result.assumes:
         tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
