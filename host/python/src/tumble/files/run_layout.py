@@ -267,10 +267,16 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
     bare = [_bare(name) for name in names]
+    plain = [_BRACKETED.sub("", name).strip() for name in names]  # u_x may be the uncertainty of x, beside ux
     tests: list[Callable[[int], bool]] = (
         [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
         if asked
-        else [lambda i: bare[i] == wanted, lambda i: bare[i] in _ALIASES[wanted]]
+        else [
+            lambda i: plain[i] == wanted,
+            lambda i: plain[i].lower() == wanted,
+            lambda i: bare[i] == wanted,
+            lambda i: bare[i] in _ALIASES[wanted],
+        ]
     )
     for test in tests:
         found = [index for index in range(len(names)) if test(index)]
