@@ -14,6 +14,7 @@ from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
+    from tumble.importing.attitudes import Signs
     from tumble.importing.hypotheses import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
@@ -79,13 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         plot.require_format(arguments.plot)
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
-    settings = _settings(arguments, replayed)
+    signs, about_signs = _told_signs(arguments)
+    settings = _settings(arguments, replayed, signs)
     schedule = read_schedule(settings.schedule_name).data
     done = import_recordings(arguments.recordings, schedule, settings)
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
-    if arguments.stand is not None:
-        remarks.append(f"signs of K: of scale_v_per_g in {os.path.basename(arguments.stand)}")
-    done = replace(done, notes=(*remarks, *done.notes))
+    done = replace(done, notes=(*remarks, *about_signs, *done.notes))
     text = to_json(report.document(done)) if arguments.json else report.text(done)
     files: dict[str, bytes] = {}
     if arguments.out is not None:
@@ -99,8 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS
 
 
-def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
-    """The recipe's, or the usual ones, with what the options say. Raises TumbleError."""
+def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
+    """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
     from tumble.importing import recipe
     from tumble.importing.pipeline import Settings
     from tumble.importing.recording import COLUMNS, Timing
@@ -121,7 +121,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
         wishes=wishes,
         timing=Timing(rate, arguments.time_unit or base.timing.unit),
         thresholds=_thresholds(arguments, base.thresholds),
-        claims=_claims(arguments, base.claims),
+        claims=_claims(arguments, base.claims, signs or base.claims.signs),
         mountings=mountings,
     )
 
@@ -141,12 +141,7 @@ def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
     return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
 
 
-def _claims(arguments: argparse.Namespace, base: Claims) -> Claims:
-    signs = base.signs
-    if arguments.stand is not None:
-        signs = _signs_of_stand(arguments.stand)
-    if arguments.signs is not None:
-        signs = _parse_signs(arguments.signs)
+def _claims(arguments: argparse.Namespace, base: Claims, signs: Signs | None) -> Claims:
     tolerance = base.tolerance
     if arguments.tolerance is not None:
         tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
@@ -161,17 +156,22 @@ def _claims(arguments: argparse.Namespace, base: Claims) -> Claims:
     )
 
 
-def _signs_of_stand(file: str) -> tuple[int, int, int] | None:
+def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]:
+    """The signs of K that the options say, and remarks on where they are from; None: they say none."""
     from tumble.files.stand_file import read_stand
 
-    block = read_stand(file).block
-    if block is None:
-        return None
-    sign = 1 if block["scale_v_per_g"] > 0 else -1
-    return sign, sign, sign
+    of_stand, remarks = None, []
+    if arguments.stand is not None:
+        block, name = read_stand(arguments.stand).block, os.path.basename(arguments.stand)
+        if block is None:
+            remarks = [f"signs of K: {name} has no [block], and tells none"]
+        else:
+            sign = 1 if block["scale_v_per_g"] > 0 else -1
+            of_stand, remarks = (sign, sign, sign), [f"signs of K: of scale_v_per_g in {name}"]
+    return (of_stand, remarks) if arguments.signs is None else (_parse_signs(arguments.signs), [])
 
 
-def _parse_signs(text: str) -> tuple[int, int, int]:
+def _parse_signs(text: str) -> Signs:
     if len(text) != 3 or set(text) - {"+", "-"}:
         raise UsageError(f"--signs: {quoted(text)} is not three of + and -, of x, y and z, such as --signs=+-+")
     x, y, z = (1 if sign == "+" else -1 for sign in text)
