@@ -343,6 +343,39 @@ def test_a_clock_that_stands_still(imported, logged):
     assert is_right(imported(text, options=("--rate", "50"))[1])
 
 
+@pytest.mark.parametrize("value", ["1e308", "-1e308", "1e200", "1.1e100", "1e400"])
+@pytest.mark.parametrize("column", ["time", "Ax", "Az"])
+def test_numbers_beyond_any_output_are_refused(imported, logged, column, value):
+    """They made numpy warn, on stderr, of overflows."""
+    head, *rows = logged.csv().splitlines()
+    place, fields = head.split(",").index(column), rows[700].split(",")
+    fields[place] = value
+    said, _ = imported("\n".join([head, *rows[:700], ",".join(fields), *rows[701:]]) + "\n")
+    name = {"time": "time", "Ax": "ux", "Az": "uz"}[column]
+    shown = repr(float(value)) if column == "time" else repr(value)
+    assert said.endswith(f"log0.csv: row 702, column {name}: {shown} is out of range\n")
+
+
+def test_numbers_just_within_are_read_without_a_warning(imported, logged):
+    head, *rows = logged.csv().splitlines()
+    for value in ("1e100", "-1e100"):
+        fields = [*rows[700].split(",")[:3], value]
+        said, _ = imported("\n".join([head, *rows[:700], ",".join(fields), *rows[701:]]) + "\n")
+        assert "do not show" in said or "channels" in said or "import of" in said
+
+
+@pytest.mark.parametrize(("option", "value"), [("--window", "20.5"), ("--window", "0.4"), ("--min-rest", "1.5")])
+def test_seconds_without_a_clock(imported, logged, option, value):
+    """They were passed over in silence."""
+    head, *rows = logged.csv().splitlines()
+    text = "\n".join(row.split(",", 1)[1] for row in (head, *rows)) + "\n"
+    said, _ = imported(text, options=(option, value))
+    advice = "without a clock it counts samples, a whole number; --rate HZ gives seconds"
+    assert said == f"tumble: {option} {value}: {advice}\n"
+    assert is_right(imported(text, options=(option, value, "--rate", "50"))[1])
+    assert is_right(imported(text, options=(option, "24"))[1])
+
+
 def test_no_such_time(imported, logged):
     text = logged.csv().replace("\n", "\nnoon,1,2,3\n", 1)
     said, _ = imported(text)

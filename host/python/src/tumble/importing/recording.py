@@ -13,6 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
+from tumble.files.csv_rows import LARGEST_OUTPUT
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
@@ -185,7 +186,7 @@ def _read_rows(
     if not set(columns) - {"time"}:
         indices = (*layout.indices, *([] if time is None else [time]))
         plain = read_plain(data, replace(layout, indices=indices))
-        if plain is not None and np.isfinite(plain[0]).all():
+        if plain is not None and (np.abs(plain[0]) <= LARGEST_OUTPUT).all():
             values, lines, _ = plain
             return _Rows(values[:, :3], lines, None if time is None else values[:, 3], {}, 0)
     return _read_carefully(data, layout, names, columns, time, file)
@@ -243,6 +244,8 @@ def _number(text: str, layout: Layout, file: str, row: int, name: str) -> float 
 
 def _times(texts: list[str], layout: Layout) -> Floats | list[str]:
     """As numbers where all of them are."""
+    if abs(float(pointed)) > LARGEST_OUTPUT:
+        raise BadInput(f"{quoted(text)} is out of range", file, row, name)
     pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
     return np.array([float(text) for text in pointed]) if all(map(NUMBER.fullmatch, pointed)) else texts
 
@@ -259,6 +262,10 @@ def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timin
 
 def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     if timing.rate_hz is not None:
+    far = ~(np.abs(rows.time) <= LARGEST_OUTPUT)
+    if far.any():
+        row = int(far.argmax())
+        raise BadInput(f"{float(rows.time[row])!r} is out of range", file, int(rows.lines[row]), "time")
         return clock.of_rate(len(values), timing.rate_hz)
     return clock.of_numbers(values, name, timing.unit, file)
 
