@@ -68,7 +68,7 @@ def _thresholds(table: Table | None) -> Thresholds:
     if table is None:
         return Thresholds()
     table.only(*(one.name for one in fields(Thresholds)))
-    found = {}
+    found: dict[str, object] = {f"{name}_samples": None for name in ("window", "min_rest") if f"{name}_s" in table.keys}
     for one in fields(Thresholds):
         if one.name in table.keys:
             whole = one.name.endswith("_samples")

@@ -127,7 +127,7 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
 
 
 def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
-    said: dict[str, float] = {
+    said: dict[str, float | None] = {
         name: _positive(getattr(arguments, name), f"--{name}")
         for name in ("still", "drift")
         if getattr(arguments, name) is not None
@@ -137,7 +137,7 @@ def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
         if text is None:
             continue
         value = _positive(text, f"--{option}")
-        said |= {f"{name}_s": value} | ({f"{name}_samples": int(value)} if value >= 1 and value == int(value) else {})
+        said |= {f"{name}_s": value, f"{name}_samples": int(value) if value >= 1 and value == int(value) else None}
     return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
 
 
