@@ -1,5 +1,6 @@
 """Which column is which: an exact name wins over one that means the same."""
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES
 
@@ -41,3 +42,21 @@ def test_an_exact_name_wins(names, place):
 def test_two_exact_names_are_refused():
     with pytest.raises(ValueError, match=r"columns 'ux' and 'ux \[V\]' could both be ux"):
         find_column("ux", ["ux", "ux [V]", "u_x"], {})
+
+
+@pytest.mark.parametrize("suffix", ["npz", "mat", "NPZ"])
+def test_files_of_arrays_are_told_where_they_belong(paper, suffix, refused, tmp_path):
+    """They were called "not a text file"."""
+    file = tmp_path / f"run.{suffix}"
+    np.savez(open(file, "wb"), ux=[0.1], uy=[0.2], uz=[1.9])  # noqa: SIM115
+    paper.save(tmp_path / "result.json")
+    said = refused("apply", tmp_path / "result.json", file)
+    assert said == f"tumble: {file}: apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)\n"
+    said = refused("import", file)
+    advice = "import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions"
+    assert said == f"tumble: {file}: no text: {advice}\n"
+
+
+def test_a_recording_is_sent_to_import(refused):
+    said = refused("solve", EXAMPLES / "hand_held_session.csv")
+    assert said.endswith("=NAME,position=NAME, or add it; tumble import makes a run file of a logger's recording\n")

@@ -241,6 +241,8 @@ def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[in
         raise ValueError(f"{said}; say what separates the columns with --delimiter")
     if plain:
         said += f"; name what is missing with --columns {','.join(f'{wanted}=NAME' for wanted in plain)}, or add it"
+    if missing == list(COLUMNS[:2]):
+        said += "; tumble import makes a run file of a logger's recording"
     raise ValueError(said)
 
 

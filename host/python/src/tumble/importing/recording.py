@@ -31,6 +31,7 @@ from tumble.files.run_layout import (
     split,
 )
 from tumble.files.run_temperature import range_of, temperatures_of_rows
+from tumble.files.tables import SUFFIXES, suffix_of
 from tumble.importing import clock, novatel
 from tumble.importing.clock import Clock
 
@@ -71,6 +72,10 @@ class Timing:
 
 def read(file: str, wishes: Wishes, timing: Timing) -> Recording:
     """Read one file. Raises BadInput with file, row and column."""
+    if suffix_of(file) in SUFFIXES:
+        raise BadInput(
+            "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
+        )
     data = read_bytes(file)
     require_text(data, file)
     return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
@@ -239,13 +244,13 @@ def _number(text: str, layout: Layout, file: str, row: int, name: str) -> float 
             f" (its decimal mark? see --decimal {other})" if other in text else "; begin the row with # to leave it out"
         )
         raise BadInput(f"{quoted(text)} is not a number{hint}", file, row, name)
+    if abs(float(pointed)) > LARGEST_OUTPUT:
+        raise BadInput(f"{quoted(text)} is out of range", file, row, name)
     return float(pointed)
 
 
 def _times(texts: list[str], layout: Layout) -> Floats | list[str]:
     """As numbers where all of them are."""
-    if abs(float(pointed)) > LARGEST_OUTPUT:
-        raise BadInput(f"{quoted(text)} is out of range", file, row, name)
     pointed = [text.replace(",", ".") if layout.decimal == "," else text for text in texts]
     return np.array([float(text) for text in pointed]) if all(map(NUMBER.fullmatch, pointed)) else texts
 
@@ -257,15 +262,15 @@ def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timin
         return None
     if isinstance(rows.time, list):
         return clock.of_texts(rows.time, file, rows.lines)
+    far = ~(np.abs(rows.time) <= LARGEST_OUTPUT)
+    if far.any():
+        row = int(far.argmax())
+        raise BadInput(f"{float(rows.time[row])!r} is out of range", file, int(rows.lines[row]), "time")
     return _clock_of(rows.time, names[columns["time"]], timing, file)
 
 
 def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     if timing.rate_hz is not None:
-    far = ~(np.abs(rows.time) <= LARGEST_OUTPUT)
-    if far.any():
-        row = int(far.argmax())
-        raise BadInput(f"{float(rows.time[row])!r} is out of range", file, int(rows.lines[row]), "time")
         return clock.of_rate(len(values), timing.rate_hz)
     return clock.of_numbers(values, name, timing.unit, file)
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import layout_options, options
-from tumble.errors import EXIT_PASS, UsageError, file_name, quoted
+from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 
 if TYPE_CHECKING:
@@ -55,11 +55,14 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.calibrated import OUTPUTS
     from tumble.files.disk import together
     from tumble.files.run_layout import TEMPERATURE
-    from tumble.files.tables import PARQUET, suffix_of
+    from tumble.files.tables import PARQUET, SUFFIXES, suffix_of
 
     told = layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False)
     wishes = replace(told, wanted=OUTPUTS)
     targets = _targets(arguments)
+    for file in arguments.data:
+        if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
+            raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)", file)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     result = load(arguments.result)
     force = result.force(arguments.unit, arguments.uncertainty)
