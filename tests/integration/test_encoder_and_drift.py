@@ -67,7 +67,7 @@ def test_core_and_numpy_state_what_follows_by_hand(estimator, limits):
     schedule = core.CoreSchedule(PAPER)
     for by in (
         lambda stand: uncertainties(schedule, NOMINAL_K, stand, LONE, estimator),
-        lambda stand: reference.standard_uncertainties(PAPER, NOMINAL_K, stand, LONE, estimator),
+        lambda stand: reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE, estimator)),
     ):
         with_both, without = (np.concatenate([part.ravel() for part in by(stand)]) for stand in (declared, plain))
         assert with_both**2 - without**2 == pytest.approx(extra, rel=1e-5, abs=1e-16)
@@ -80,7 +80,7 @@ def test_core_and_numpy_agree_on_any_schedule():
         k, _ = random_block(rng)
         declared = random_stand(rng)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = reference.standard_uncertainties(schedule.data, k, declared, samples, "least_squares")
+        witness = reference.by_coefficient(reference.covariance(schedule.data, k, declared, samples, "least_squares"))
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -92,8 +92,8 @@ def test_a_position_that_was_not_measured_takes_no_time():
     measured[[0, 7, 12]] = False
     whole = core.CoreSchedule(PAPER)
     found = uncertainties(whole, NOMINAL_K, BOTH, LONE, "least_squares", measured)
-    part = reference.standard_uncertainties(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
-    for mine, other in zip(found, part):
+    part = reference.covariance(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
+    for mine, other in zip(found, reference.by_coefficient(part)):
         assert mine == pytest.approx(other, rel=1e-9)
 
 
