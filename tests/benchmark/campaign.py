@@ -125,7 +125,7 @@ def uncertainties(setup: Setup, found: np.ndarray) -> np.ndarray:
     schedule = reference.paper_schedule()
     samples = np.full(len(schedule.positions), setup.samples)
     parts = [
-        reference.standard_uncertainties(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR)
+        reference.by_coefficient(reference.covariance(schedule, row[:9].reshape(3, 3), setup.stand, samples, ESTIMATOR))
         for row in found
     ]
     return np.array([np.concatenate([u_k.ravel(), u_u0]) for u_k, u_u0 in parts])

@@ -144,7 +144,8 @@ def test_further_terms():
 
 
 ONES = {name: [1] for name in NAMES}
-MISSING = "no column uy among 'mounting,position,ux,uz'; name what is missing with --columns uy=NAME, or add it"
+MISSING = "no column uy among 'mounting,position,ux,uz'; name what is missing with {}, or add it"
+ASKED = "columns={'uy': 'NAME'}"
 
 
 def test_a_missing_column_is_named(rows, tmp_path, refused):
@@ -152,12 +153,13 @@ def test_a_missing_column_is_named(rows, tmp_path, refused):
     for take in (tumble.read, tumble.solve):
         with pytest.raises(ValueError, match="no column uy among") as caught:
             take(columns)
-        assert type(caught.value) is tumble.BadInput and str(caught.value) == f"table: {MISSING}"
+        assert type(caught.value) is tumble.BadInput and str(caught.value) == f"table: {MISSING.format(ASKED)}"
     file = tmp_path / "run.csv"
     file.write_text("mounting,position,ux,uz\n1,1,0,0\n")
     with pytest.raises(tumble.BadInput) as caught:
         tumble.read(file)
-    assert refused("solve", file) == f"tumble: {caught.value}\n" == f"tumble: {file}: row 1: {MISSING}\n"
+    assert str(caught.value) == f"{file}: row 1: {MISSING.format(ASKED)}"
+    assert refused("solve", file) == f"tumble: {file}: row 1: {MISSING.format('--columns uy=NAME')}\n"
 
 
 BAD = {
@@ -182,10 +184,10 @@ def test_a_bad_row_is_named(said, rows):
 
 WRONG = {
     "estimator: 'best' is not one of averaged, refined, least_squares, optimal": {"estimator": "best"},
-    "--estimator optimal weighs the means by the stand's errors: it needs --stand FILE": {"estimator": "optimal"},
+    "estimator=\"optimal\" weighs the means by the stand's errors: it needs stand=": {"estimator": "optimal"},
     "limit_g: '0' is not a number of g above 0, at most 1": {"limit_g": 0},
     "confidence: '2' is not a number from 0.5 to 0.999999": {"confidence": 2},
-    "--model: 'k4' is not one of k2, k3, drift, once each": {"model": "k4", "estimator": "least_squares"},
+    "model: 'k4' is not one of k2, k3, drift, once each": {"model": "k4", "estimator": "least_squares"},
     "stand: a int is neither the path of a stand file nor a tumble.Stand": {"stand": 7},
     "schedule: a int is neither a name nor the path of a schedule file nor a tumble.Schedule": {"schedule": 7},
 }

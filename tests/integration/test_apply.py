@@ -334,7 +334,7 @@ def test_columns_by_name_and_columns_called_x(paper, saved, tmp_path, capsysbina
     table = paper.apply({"x": [0.1], "y": [0.2], "z": [1.9]})
     assert list(table) == ["raw_x", "raw_y", "raw_z", "x", "y", "z"]
     for words, said in (
-        (["--columns", "mounting=a"], "NAME one of ux, uy, uz, once each"),
+        (["--columns", "mounting=a"], "NAME one of ux, uy, uz, temperature, once each"),
         ([], "no columns ux, uy and uz"),
     ):
         assert said in refused_last_line(tmp_path, "apply", saved, tmp_path / "data.csv", *words)

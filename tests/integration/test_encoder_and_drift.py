@@ -3,6 +3,7 @@ counted wherever an error of the stand counts."""
 
 import dataclasses
 import json
+import re
 
 import numpy as np
 import pytest
@@ -66,7 +67,7 @@ def test_core_and_numpy_state_what_follows_by_hand(estimator, limits):
     schedule = core.CoreSchedule(PAPER)
     for by in (
         lambda stand: uncertainties(schedule, NOMINAL_K, stand, LONE, estimator),
-        lambda stand: reference.standard_uncertainties(PAPER, NOMINAL_K, stand, LONE, estimator),
+        lambda stand: reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE, estimator)),
     ):
         with_both, without = (np.concatenate([part.ravel() for part in by(stand)]) for stand in (declared, plain))
         assert with_both**2 - without**2 == pytest.approx(extra, rel=1e-5, abs=1e-16)
@@ -79,7 +80,7 @@ def test_core_and_numpy_agree_on_any_schedule():
         k, _ = random_block(rng)
         declared = random_stand(rng)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = reference.standard_uncertainties(schedule.data, k, declared, samples, "least_squares")
+        witness = reference.by_coefficient(reference.covariance(schedule.data, k, declared, samples, "least_squares"))
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)
@@ -91,8 +92,8 @@ def test_a_position_that_was_not_measured_takes_no_time():
     measured[[0, 7, 12]] = False
     whole = core.CoreSchedule(PAPER)
     found = uncertainties(whole, NOMINAL_K, BOTH, LONE, "least_squares", measured)
-    part = reference.standard_uncertainties(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
-    for mine, other in zip(found, part):
+    part = reference.covariance(PAPER.part(measured), NOMINAL_K, BOTH, LONE[:15], "least_squares")
+    for mine, other in zip(found, reference.by_coefficient(part)):
         assert mine == pytest.approx(other, rel=1e-9)
 
 
@@ -372,3 +373,23 @@ def test_a_drift_that_is_solved_for_is_none_beside(estimator, tmp_path, tumble):
         solved(tumble, stand, *told) for stand in (with_keys(tmp_path, drift_v=2e-3), EXAMPLES / "paper_stand.toml")
     )
     assert declared["u_U0"] == absent["u_U0"] and declared["fit"] == absent["fit"]
+
+
+@pytest.mark.parametrize("name", ["paper", "angle", "lab", "diagonal", "three_mountings"])
+def test_a_drift_that_is_too_large_for_weights_is_refused(name, tumble, tmp_path):
+    """Up to the limit core and witness agree; beyond some 5e12 they did not, and the exit code was 3."""
+    run, schedule = EXAMPLES / f"{name}_stand.csv", name if name in ("diagonal", "three_mountings") else "paper"
+    text = (EXAMPLES / f"{name}_stand.toml").read_text()
+    noise, samples = (float(re.search(rf"^{key} = (\S+)", text, re.MULTILINE)[1]) for key in ("noise_v", "samples"))
+    for factor in (1e-3, 0.9, 1.1, 100.0):
+        drift = factor * 1e12 * noise / samples**0.5
+        declared = tmp_path / "stand.toml"
+        declared.write_text(text.replace("[stand]", f"[stand]\ndrift_v = {min(drift, 1e9)!r}"))
+        done = tumble("solve", run, "--schedule", schedule, "--stand", declared, "--estimator", "optimal")
+        if factor < 1.0:
+            assert done.returncode in (0, 1), done.stderr
+            continue
+        assert (done.returncode, done.stdout) == (2, "")
+        ratio = rf"{min(drift, 1e9) * samples**0.5 / noise:.2g}"
+        said = f"tumble: no optimal weights: drift_v is {ratio} times the noise of a mean, above 1e+12\n"
+        assert done.stderr == said

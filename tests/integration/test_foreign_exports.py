@@ -1,5 +1,6 @@
 """Exports for other programs: each is applied by that program's own formula, and gives the result's force."""
 
+import itertools
 import json
 import os
 import re
@@ -10,7 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest import EXAMPLES
-from test_apply import exact_force
+from test_apply import exact_force, outputs_exactly
 
 import tumble
 from tumble.api.result import Result
@@ -188,18 +189,34 @@ class Matlab:
         text = self.values[f"tumble.{name}"]
         return np.array([[float(one) for one in row.split()] for row in text[1:-1].split(";")])
 
-    def called(self, name, argument):
+    def called(self, name, *arguments):
         """A function, as Python has it: its text, rewritten sign by sign."""
-        parameter, body = re.fullmatch(r"@\((\w+)\) (.*)", self.values[name]).groups()
+        if name not in self.functions:
+            parameters, body = re.fullmatch(r"@\(([\w, ]+)\) (.*)", self.values[name]).groups()
+            self.functions[name] = parameters.split(", "), compile(self.rewritten(body), name, "eval")
+        parameters, body = self.functions[name]
+        given = dict(zip(parameters, (np.asarray(one, dtype=float) for one in arguments), strict=True))
+        return eval(body, {"np": np, "self": self, "dot": dot, "cross": cross, **given})
+
+    def rewritten(self, body):
+        body = re.sub(r"\[(.*)\] \./", r"np.hstack([\1]) /", body)
+        body = body.replace("((1:3) == j)", "(np.arange(1, 4) == j)")
+        body = re.sub(r"tumble\.(\w+)\(:, j\)'", r"self.matrix('\1')[:, int(j) - 1][None]", body)
         body = re.sub(r"tumble\.(\w+)('?)", lambda m: f"self.matrix('{m[1]}'){'.T' if m[2] else ''}", body)
         body = re.sub(r"(tumble_\w+)\(", r"self.called('\1', ", body)
         body = re.sub(r"diag\((.*?)\)'", r"np.diag(\1)[None]", body)
-        body = (
-            re.sub(r"(?<!\.)\*", "@", body.replace(".^", "**").replace(".*", "\0"))
-            .replace("\0", "*")
-            .replace("@@", "**")
-        )
-        return eval(body, {"np": np, "self": self, parameter: np.array(argument, dtype=float)})
+        body = body.replace(".^", "**").replace(".*", "\0")
+        return re.sub(r"(?<!\.)(?<!\*)\*(?!\*)", "@", body.replace("**", "\1")).replace("\0", "*").replace("\1", "**")
+
+
+def dot(one, other, dimension):
+    assert dimension == 2 and one.shape == other.shape
+    return (one * other).sum(axis=1, keepdims=True)
+
+
+def cross(one, other, dimension):
+    assert dimension == 2 and one.shape == other.shape
+    return np.cross(one, other)
 
 
 def test_the_script_of_matlab(result, exported):
@@ -214,15 +231,59 @@ def test_the_script_of_matlab(result, exported):
     assert script.isascii() and "% Block: SN" in script
 
 
-def test_the_script_of_matlab_with_further_terms(result, exported):
+@pytest.fixture(scope="module")
+def extended():
+    """With K2 and K3 that matter, of either sign; still every output up to 50 V (25 g) is that of one force."""
     solved = {"estimator": "least_squares", "model": "k2,k3", "stand": EXAMPLES / "paper_stand.toml"}
     document = tumble.solve(EXAMPLES / "paper_stand.csv", **solved).document
-    document["extended"] |= {"k2_per_g": [1e-3, -2e-3, 5e-4], "k3_per_g2": [2e-4, 1e-4, -3e-4]}
-    extended = Result(json.dumps(document))
-    found = Matlab(exported("--format", "matlab", of=extended))
-    expected = extended.apply(OUTPUTS[:2])
-    assert found.called("tumble.apply", OUTPUTS[:2]) == pytest.approx(expected, rel=0, abs=1e-12)
-    assert np.abs(expected - (OUTPUTS[:2] - extended.U0) @ np.linalg.inv(extended.K).T).max() > 1e-4  # they matter
+    document["extended"] |= {"k2_per_g": [4e-3, -3e-3, 2e-3], "k3_per_g2": [3e-4, -1e-4, 2e-5]}
+    return Result(json.dumps({**document, "environment": {"gravity_m_s2": GRAVITY}}))
+
+
+def over_the_range(result):
+    """Forces to 25 g (200, 3), and the outputs that they give, in fractions, rounded once."""
+    forces = np.random.default_rng(5).uniform(-25.0, 25.0, (200, 3))
+    forces[:8] = 25.0 * np.array(list(itertools.product((-1, 1), repeat=3)))
+    return forces, [outputs_exactly(result, force) for force in forces.tolist()]
+
+
+NEWTON = r"""
+#include "c.h"
+#include <stdio.h>
+int main(void)
+{
+    static const REAL outputs[][3] = {OUTPUTS};
+    for (unsigned i = 0; i < sizeof outputs / sizeof outputs[0]; i++) {
+        REAL force[3];
+        tumble_exported_force(outputs[i], force);
+        printf("%.17g %.17g %.17g\n", (double)force[0], (double)force[1], (double)force[2]);
+    }
+    return 0;
+}
+"""
+
+
+@with_compiler
+@pytest.mark.parametrize(("number", "suffix", "off"), [("double", "", 1e-12), ("float", "f", 2e-4)])
+@pytest.mark.parametrize("unit", ["g", "m/s2"])
+def test_c_takes_k2_and_k3_out_over_the_range(unit, number, suffix, off, extended, exported, tmp_path):
+    """It was off by 1e-8 g at 50 V, with K2 and K3 a tenth of these."""
+    forces, outputs = over_the_range(extended)
+    listed = ", ".join("{" + ", ".join(f"{one!r}{suffix}" for one in row) + "}" for row in outputs)
+    header = exported("--format", "c", "--unit", unit, "--number", number, of=extended)
+    printed = numbers(NEWTON.replace("REAL", number).replace("OUTPUTS", listed), tmp_path, ("c.h", header))
+    scale = GRAVITY if unit == "m/s2" else 1.0
+    assert np.abs(np.reshape(printed, (-1, 3)) / scale - forces).max() < off
+
+
+def test_python_and_matlab_take_k2_and_k3_out_over_the_range(extended, exported):
+    forces, outputs = over_the_range(extended)
+    script = Matlab(exported("--format", "matlab", of=extended))
+    for found in (extended.apply(outputs), script.called("tumble.apply", outputs)):
+        assert np.abs(found - forces).max() < 1e-12
+
+
+def test_what_holds_no_further_terms(extended, exported):
     for name, program in (("ros", "imu_calib"), ("imucal", "imucal")):
         said = exported("--format", name, "--unit", "g", code=2, of=extended)
         assert said.endswith(f"result.json: {program} holds twelve coefficients, no K2 and K3\n")

@@ -114,6 +114,25 @@ def test_the_stand_file_says_the_signs(tumble, refused, tmp_path):
     assert "nobody says them" not in done.stdout
 
 
+def test_signs_that_are_said_are_not_the_stand_file_s(tumble, tmp_path):
+    """The report said that they were its own."""
+    stand = paper_stand(tmp_path, scale_v_per_g=-2.0)
+    done = tumble("import", logged(tmp_path), "--stand", stand, "--signs=+++", "--out", tmp_path / "run.csv")
+    assert done.returncode == 0 and places(tmp_path / "run.csv") == expected(IN_ORDER)
+    assert "scale_v_per_g" not in done.stdout and "- signs of K in x, y, z: +++, as told" in done.stdout
+
+
+def test_a_stand_file_without_a_block_keeps_the_signs_of_the_recipe(tumble, refused, tmp_path):
+    stand = paper_stand(tmp_path)
+    stand.write_text(stand.read_text().split("[block]")[0])
+    file, recipe = logged(tmp_path, k=-NOMINAL_K), tmp_path / "recipe.toml"
+    recipe.write_text('[import]\nsigns = "---"\n')
+    done = tumble("import", file, "--stand", stand, "--recipe", recipe, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0, done.stderr
+    assert "- signs of K: stand.toml has no [block], and tells none" in done.stdout
+    assert "K negative in x, y, z (--signs=---)" in refused("import", file, "--stand", stand)
+
+
 def test_positive_signs_are_told(tumble, tmp_path):
     done = tumble("import", logged(tmp_path), "--json")
     document = valid(done.stdout, "import")
@@ -233,7 +252,7 @@ def test_other_pictures_are_refused(refused, tmp_path):
         (("--mountings", "A"), "--mountings: 'A' is not NAME=NUMBER"),
         (("--still", "0"), "--still: '0' is not a number above 0"),
         (("--tolerance", "90"), "--tolerance: '90' is not a number above 0, at most 45"),
-        (("--columns", "u=Ax"), "with NAME one of ux, uy, uz, time, mounting, position, angle, number, once each"),
+        (("--columns", "u=Ax"), "position, angle, number, temperature, once each"),
         (("--columns", "time=T"), "no column 'T' (for time) among 'n_samples,acc_x,acc_y,acc_z'"),
         (("--window", "4000"), "0 rests do not show scale and bias of every channel"),
     ],

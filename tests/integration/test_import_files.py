@@ -137,10 +137,111 @@ def test_mountings_with_names(imported, names):
     assert means == {} and "mountings or positions exchanged" in said
 
 
+@pytest.mark.parametrize(("mountings", "said"), [
+    ("C=1", "--mountings: 'C' is no mounting here; there are 'A', 'B'"),
+    ("A=1,B=2,a=1", "--mountings: 'a' is no mounting here; there are 'A', 'B'"),
+    ("A=3", "--mountings: the schedule has no mounting 3; it has 1, 2"),
+])  # fmt: skip
+def test_mountings_that_are_not_there(imported, logged, mountings, said):
+    """Of rows that name their positions, and of a recording with a column of mountings beside it."""
+    text = labelled(lambda p: {"mounting": "AB"[p // 9], "position": p % 9 + 1})
+    assert imported(text, options=("--mountings", mountings))[0].endswith(f"log0.csv: {said}\n")
+    assert imported(with_mountings(logged), options=("--mountings", mountings))[0].endswith(f"log0.csv: {said}\n")
+
+
+def with_mountings(logged):
+    """A continuous recording whose rows name their mounting, A or B."""
+    middle = int(np.flatnonzero(logged.truth == 9)[0]) - 60
+    head, *rows = logged.csv().splitlines()
+    named = [f"{'A' if place < middle else 'B'},{row}" for place, row in enumerate(rows)]
+    return "\n".join([f"mounting,{head}", *named]) + "\n"
+
+
+def test_the_mountings_that_are_said_are_those_of_a_continuous_recording(imported, logged):
+    said, means = imported(with_mountings(logged), options=("--mountings", "A=1,B=2"))
+    assert is_right(means), said
+    said, _ = imported(with_mountings(logged), options=("--mountings", "A=2"))
+    assert said.endswith(" is in mounting 1, but --mountings says 'A' is 2\n")
+    said, _ = imported(logged.csv(), options=("--mountings", "A=1"))
+    assert said.endswith("log0.csv: --mountings: 'A' is no mounting here, for the rows do not name any\n")
+
+
 def test_labels_that_gravity_denies(imported):
     exchanged = {3: 5, 5: 3}
     said, _ = imported(labelled(lambda p: {"Pos": exchanged.get(p, p) + 1}))
     assert "is labelled 1." in said and "correct its label, or delete its rows" in said
+
+
+# Columns that are named like labels and say the same in every row.
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("position", "0"), ("position", ""), ("Pos", "n/a"), ("angle", "45"), ("index", "1"), ("mounting", "1"),
+])  # fmt: skip
+def test_a_column_that_says_the_same_in_every_row(imported, logged, name, value):
+    """It made the recording unreadable."""
+    head, *rows = logged.csv().splitlines()
+    said, means = imported("\n".join([f"{name},{head}", *(f"{value},{row}" for row in rows)]) + "\n")
+    label = {"Pos": "position", "index": "number"}.get(name, name)
+    assert is_right(means), said
+    assert f"- {label}: '{value}' in every row, which tells nothing: not read" in said
+
+
+@pytest.mark.parametrize("number", [lambda place: place + 1, lambda place: place % 9 + 1])
+def test_one_mounting_for_all_positions(imported, number):
+    said, means = imported(labelled(lambda place: {"mounting": 1, "position": number(place)}))
+    assert is_right(means) and "- mounting: '1' in every row" in said
+
+
+def test_positions_that_are_the_same_in_every_row_of_their_own_file(imported):
+    files = [labelled(lambda p: {"mounting": p // 9 + 1, "position": p % 9 + 1}, places=[p]) for p in range(18)]
+    assert is_right(imported(*files)[1])
+
+
+# Which rests to take, of rows with labels.
+
+
+def seen_twice(shift=0.01, longer=3):
+    """All positions by running number, then 4 again: longer, and a little off; a file, and the means of both visits."""
+    again = np.tile(samples(3), (longer, 1)) + np.array([shift, 0.0, -shift])
+    rows = "".join(f"4,{x:.6f},{y:.6f},{z:.6f}\n" for x, y, z in again.tolist())
+    return labelled(lambda place: {"Pos": place + 1}) + rows, samples(3).mean(axis=0), again.mean(axis=0)
+
+
+@pytest.mark.parametrize(("options", "second"), [
+    (("--repeats", "first"), 0.0), (("--repeats", "last"), 1.0), (("--repeats", "longest"), 1.0),
+    (("--leave-out", "19"), 0.0), (("--leave-out", "4"), 1.0), ((), 0.75),
+])  # fmt: skip
+def test_which_of_two_visits_is_taken(imported, options, second):
+    text, first, again = seen_twice()
+    said, means = imported(text, options=options)
+    assert means[1, 4] == pytest.approx((1 - second) * first + second * again, abs=1e-6), said
+    assert ("all their rests are taken; --repeats first|last|longest takes one" in said) == (not options)
+    assert ("left out: comes again" in said) == ("--repeats" in options)
+    assert ("left out as told" in said) == ("--leave-out" in options)
+
+
+def test_a_label_that_gravity_denies_is_taken_or_left_out_as_told(imported):
+    text = labelled(lambda place: {"Pos": place + 1 if place != 3 else 6})
+    said, means = imported(text)
+    assert means == {} and "rest 4 is labelled 1.6, and gravity is" in said
+    assert "--leave-out 4 goes on without, --take 4 takes it" in said
+    said, means = imported(text, options=("--leave-out", "4"))
+    assert len(means) == 17 and "no rows at 1.4" in said and means[1, 6] == pytest.approx(MEANS[5], abs=1e-3)
+    said, means = imported(text, options=("--take", "4", "--tolerance", "20"))
+    assert means[1, 6] == pytest.approx((MEANS[5] + MEANS[3]) / 2, abs=1e-3), said
+
+
+@pytest.mark.parametrize("option", ["--leave-out", "--take"])
+def test_a_rest_that_the_labels_do_not_name(imported, option):
+    said, _ = imported(labelled(lambda place: {"Pos": place + 1}), options=(option, "19"))
+    assert said == "tumble: --leave-out, --take: there is no rest 19, of 18\n"
+
+
+def test_nothing_is_left(imported):
+    everything = ",".join(str(number) for number in range(1, 19))
+    said, _ = imported(labelled(lambda place: {"Pos": place + 1}), options=("--leave-out", everything))
+    assert said.endswith("log0.csv: --leave-out leaves no rest\n")
 
 
 # The same for continuous recordings.
@@ -240,6 +341,39 @@ def test_a_clock_that_stands_still(imported, logged):
     said, _ = imported(text)
     assert "column 'time' does not count: --rate HZ reads the recording without it" in said
     assert is_right(imported(text, options=("--rate", "50"))[1])
+
+
+@pytest.mark.parametrize("value", ["1e308", "-1e308", "1e200", "1.1e100", "1e400"])
+@pytest.mark.parametrize("column", ["time", "Ax", "Az"])
+def test_numbers_beyond_any_output_are_refused(imported, logged, column, value):
+    """They made numpy warn, on stderr, of overflows."""
+    head, *rows = logged.csv().splitlines()
+    place, fields = head.split(",").index(column), rows[700].split(",")
+    fields[place] = value
+    said, _ = imported("\n".join([head, *rows[:700], ",".join(fields), *rows[701:]]) + "\n")
+    name = {"time": "time", "Ax": "ux", "Az": "uz"}[column]
+    shown = repr(float(value)) if column == "time" else repr(value)
+    assert said.endswith(f"log0.csv: row 702, column {name}: {shown} is out of range\n")
+
+
+def test_numbers_just_within_are_read_without_a_warning(imported, logged):
+    head, *rows = logged.csv().splitlines()
+    for value in ("1e100", "-1e100"):
+        fields = [*rows[700].split(",")[:3], value]
+        said, _ = imported("\n".join([head, *rows[:700], ",".join(fields), *rows[701:]]) + "\n")
+        assert "do not show" in said or "channels" in said or "import of" in said
+
+
+@pytest.mark.parametrize(("option", "value"), [("--window", "20.5"), ("--window", "0.4"), ("--min-rest", "1.5")])
+def test_seconds_without_a_clock(imported, logged, option, value):
+    """They were passed over in silence."""
+    head, *rows = logged.csv().splitlines()
+    text = "\n".join(row.split(",", 1)[1] for row in (head, *rows)) + "\n"
+    said, _ = imported(text, options=(option, value))
+    advice = "without a clock it counts samples, a whole number; --rate HZ gives seconds"
+    assert said == f"tumble: {option} {value}: {advice}\n"
+    assert advice not in imported(text, options=(option, value, "--rate", "50"))[0]
+    assert is_right(imported(text, options=(option, "24"))[1])
 
 
 def test_no_such_time(imported, logged):

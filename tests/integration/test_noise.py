@@ -182,7 +182,8 @@ def test_noise_as_declared_changes_nothing():
     assert not solution.noise.exceeds.any() and not solution.noise.mean_variance.any()
     assert assumed(solution).keys() == {"seat", "temperature"}
     samples = np.full(POSITIONS, 50)
-    u_k, _ = reference.standard_uncertainties(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
+    covariance = reference.covariance(paper_schedule(), solution.found.k, PAPER_STAND, samples, "refined")
+    u_k, _ = reference.by_coefficient(covariance)
     np.testing.assert_allclose(solution.u_k, u_k, rtol=1e-9)
 
 
@@ -281,7 +282,8 @@ def test_a_little_more_noise_than_declared_is_said(factor):
     np.testing.assert_allclose(scatter, factor * PAPER_STAND.noise, rtol=0.1)
     for i in range(3):
         louder = dataclasses.replace(PAPER_STAND, noise=scatter[i])
-        u_k, _ = reference.standard_uncertainties(paper_schedule(), solution.found.k, louder, samples, "refined")
+        covariance = reference.covariance(paper_schedule(), solution.found.k, louder, samples, "refined")
+        u_k, _ = reference.by_coefficient(covariance)
         np.testing.assert_allclose(solution.u_k[i], u_k[i], rtol=1e-9)
 
 

@@ -76,7 +76,7 @@ def covariance_of(schedule, declared, estimator):
 @pytest.mark.parametrize(("name", "seat"), REFINED)
 def test_what_a_seat_costs_the_paper_s_schedule(name, seat):
     declared, expected = stand(*STANDS[name], seat=seat), REFINED[name, seat]
-    witness, _ = reference.standard_uncertainties(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined")
+    witness, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, declared, LONE_ROWS, "refined"))
     found, _ = uncertainties(core.CoreSchedule(PAPER), NOMINAL_K, declared, LONE_ROWS, "refined")
     for u in (witness, found):
         shown = [u[place] / 2.0 * 1e6 for place in SHOWN]
@@ -93,7 +93,7 @@ def test_core_and_numpy_agree_on_any_schedule():
         seats = dict(zip(("seat", "platform"), rng.uniform(0, 1e-3, 2)))
         declared = Stand(*rng.uniform(0, 1e-3, 5), 5, "sigma1", **seats)
         samples = rng.integers(1, 9, len(schedule.data.positions))
-        witness = reference.standard_uncertainties(schedule.data, k, declared, samples, "least_squares")
+        witness = reference.by_coefficient(reference.covariance(schedule.data, k, declared, samples, "least_squares"))
         found = uncertainties(schedule, k, declared, samples, "least_squares")
         for mine, other in zip(found, witness):
             assert mine == pytest.approx(other, rel=1e-9)

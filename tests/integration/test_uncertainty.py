@@ -48,7 +48,7 @@ def named(values, table):
 @pytest.mark.parametrize(("estimator", "remounting"), BUDGET)
 def test_budget_of_the_papers_stand(estimator, remounting):
     stand = dataclasses.replace(STAND, remounting=remounting)
-    u_k, u_u0 = reference.standard_uncertainties(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator)
+    u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
     relative = np.concatenate([(u_k / NOMINAL_K).ravel(), u_u0 / np.diag(NOMINAL_K)]) * 1e6
     found, expected = named(relative, BUDGET[estimator, remounting])
     assert found == pytest.approx(expected, rel=0.01)
@@ -74,18 +74,18 @@ def test_weights_of_set_angles_and_noise(estimator):
 
 @pytest.mark.parametrize(("limits", "factor"), [("sigma1", 1.0), ("sigma3", 3.0), ("uniform", 3.0**0.5)])
 def test_limits_say_what_the_numbers_are(limits, factor):
-    u_k, u_u0 = reference.standard_uncertainties(PAPER, NOMINAL_K, STAND, LONE_ROWS, "refined")
+    u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, STAND, LONE_ROWS, "refined"))
     stand = dataclasses.replace(STAND, limits=limits)
-    other_k, other_u0 = reference.standard_uncertainties(PAPER, NOMINAL_K, stand, LONE_ROWS, "refined")
+    other_k, other_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, "refined"))
     assert other_k * factor == pytest.approx(u_k, rel=1e-13)
     assert other_u0 * factor == pytest.approx(u_u0, rel=1e-13)
 
 
 def test_samples_of_the_run_count_and_a_lone_row_is_a_mean():
     noise_only = dataclasses.replace(STAND, axis_tilt=0.0, level=0.0, remount=0.0, angle=0.0)
-    lone, _ = reference.standard_uncertainties(PAPER, NOMINAL_K, noise_only, LONE_ROWS, "refined")
-    same, _ = reference.standard_uncertainties(PAPER, NOMINAL_K, noise_only, np.full(18, 50), "refined")
-    fewer, _ = reference.standard_uncertainties(PAPER, NOMINAL_K, noise_only, np.full(18, 2), "refined")
+    lone, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, LONE_ROWS, "refined"))
+    same, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 50), "refined"))
+    fewer, _ = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, noise_only, np.full(18, 2), "refined"))
     assert lone == pytest.approx(same, rel=1e-13)
     assert fewer == pytest.approx(lone * 5, rel=1e-13)
 
@@ -116,7 +116,7 @@ def test_spread_of_the_core_over_many_runs_is_what_is_stated(remounting):
         found = np.array(
             [np.concatenate([c.ravel() for c in core.estimate(paper, run, None, estimator)]) for run in runs]
         )
-        u_k, u_u0 = reference.standard_uncertainties(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator)
+        u_k, u_u0 = reference.by_coefficient(reference.covariance(PAPER, NOMINAL_K, stand, LONE_ROWS, estimator))
         assert found.std(axis=0) == pytest.approx(np.concatenate([u_k.ravel(), u_u0]), rel=0.04)
 
 

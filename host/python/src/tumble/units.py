@@ -9,6 +9,11 @@ UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 
 
+def is_unit(text: object) -> bool:
+    """Can this be the name of a unit?"""
+    return isinstance(text, str) and UNIT.fullmatch(text) is not None and text == text.strip()
+
+
 def volts_per(unit: str) -> float:
     """Size in volts of a unit of the outputs; 1 for a unit that is no multiple of the volt, which takes the volt's
     place in the stand file and in the result."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
 
+from tumble.api.arguments import require_unit, wishes_of
 from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError
 from tumble.files import frames
-from tumble.files.calibrated import Demand, factor_of, with_calibrated
+from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calibrated
 from tumble.files.run_layout import Wishes
 from tumble.solving.force import Force, NoForce
+from tumble.solving.temperature import outside
 
 
 def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str = "data") -> Floats:
@@ -30,12 +33,25 @@ def applied(
     with_uncertainty: bool,
     columns: dict[str, str] | None,
     outputs_unit: str | None,
+    known_c: dict[str, Any] | None,
 ) -> Any:
-    """As Result.apply; `unit`: of the result's outputs."""
+    """As Result.apply; `unit`: of the result's outputs; `known_c`: its temperature."""
+    require_unit(outputs_unit, "outputs_unit")
+    wishes = wishes_of(columns, outputs_unit, wanted=OUTPUTS)
     if not frames.is_table(data):
         return _of_array(force, data, unit, with_uncertainty, outputs_unit)
-    demand = demand_of(force, unit, with_uncertainty, Wishes(columns=columns or {}, unit=outputs_unit))
-    return with_calibrated(data, frames.library_of(data) or "table", demand)[0]
+    demand = demand_of(force, unit, with_uncertainty, wishes)
+    name, seen = frames.library_of(data) or "table", Seen()
+    found = with_calibrated(data, name, demand, seen)
+    for odd in doubts(seen, known_c):
+        warnings.warn(f"{name}: {odd}", stacklevel=3)
+    return found
+
+
+def doubts(seen: Seen, known_c: dict[str, Any] | None) -> tuple[str, ...]:
+    """What to warn of after data were calibrated. `known_c`: temperature of the result, None where it is not known."""
+    told = outside(known_c, seen.temperatures_c)
+    return seen.passed_over if told is None else (*seen.passed_over, told)
 
 
 def demand_of(force: Force, unit: str, with_uncertainty: bool, wishes: Wishes) -> Demand:
@@ -45,7 +61,7 @@ def demand_of(force: Force, unit: str, with_uncertainty: bool, wishes: Wishes) -
 
 def _of_array(force: Force, data: Any, unit: str, with_uncertainty: bool, outputs_unit: str | None) -> Floats:
     try:
-        outputs = np.asarray(data, dtype=float)
+        outputs = frames.real(data)
     except (TypeError, ValueError):
         kind = f"{type(data).__module__}.{type(data).__name__}"
         raise UsageError(f"{kind} is neither an array of numbers nor a table with columns") from None

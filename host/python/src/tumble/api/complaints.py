@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tumble.fixture.judge import Limits
-from tumble.solving import noise, plausibility
+from tumble.solving import noise, plausibility, temperature
 from tumble.solving.fit import NOISE, Explanation
 from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
@@ -24,6 +24,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: boo
     if not solution.run.unit_told and not confirmed_volts:
         told.append(_NO_UNIT)
     told += odd
+    if (span := temperature.spanned(solution.run)) is not None:
+        told.append(span)
     unit = solution.run.unit
     if solution.stand is not None and noise_unit(unit) != "V":
         told.append(f"outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")

@@ -9,17 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from tumble.api.arguments import wishes_of
+from tumble.api.words import told_in_python
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, UsageError
 from tumble.files import frames, run_file
 from tumble.files.csv_rows import Refused
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import PositionIndex, Run, RunTable
-from tumble.files.run_layout import COLUMNS, NO_WISHES, Wishes, detect, detect_unit, find_all
+from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, detect_unit, find_all
+from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
 from tumble.schedule import Schedule
-from tumble.units import UNIT
 
 _ANYWHERE = 256  # numbers of mountings and positions: 0 to 255
 
@@ -66,6 +68,12 @@ class Recording:
             return layout.unit if layout.unit_told else None
         return self._columns[1]
 
+    @property
+    def temperature_c(self) -> tuple[float, float] | None:
+        """The lowest and the highest of the run, degrees Celsius; None where its rows do not tell it."""
+        found = self._temperatures[0]
+        return None if found is None else (found.low_c, found.high_c)
+
     def __len__(self) -> int:
         return len(self._rows.index)
 
@@ -88,9 +96,17 @@ class Recording:
                 positions.of_row(float(self.mounting[row]), float(self.position[row]))
             except Refused as refused:
                 raise BadInput(str(refused), self.name, int(rows.lines[row]), refused.column) from None
-        ignored = len(frames.names_of(self._table)) - len(COLUMNS)
-        unit = self.unit
-        return run_file.averaged(replace(rows, index=index), schedule, unit or "V", unit is not None, ignored)
+        unit, (felt, passed_over) = self.unit, self._temperatures
+        ignored = len(frames.names_of(self._table)) - len(COLUMNS) - (felt is not None)
+        told = unit or "V", unit is not None, ignored
+        return run_file.averaged(replace(rows, index=index), schedule, *told, temperature=felt, passed_over=passed_over)
+
+    @cached_property
+    def _temperatures(self) -> tuple[Temperatures | None, tuple[str, ...]]:
+        """And sentences on a column that is passed over."""
+        if self._data is not None:
+            return run_file.temperatures(self._data, detect(self._data, self._wishes, self.name), self.name)
+        return temperatures_of_table(self._table, self._wishes.columns, len(self), self.name)
 
     @cached_property
     def _rows(self) -> RunTable:
@@ -99,13 +115,9 @@ class Recording:
             layout = detect(self._data, self._wishes, self.name)
             return run_file.read_table(self._data, layout, _Anywhere(), self.name)
         places, _ = self._columns
-        values = [frames.column_of(self._table, place, self.name) for place in places]
-        if len({len(column) for column in values}) != 1:
-            sizes = ", ".join(f"{name} {len(column)}" for name, column in zip(COLUMNS, values))
-            raise BadInput(f"columns of different lengths: {sizes}", self.name)
-        if not len(values[0]):
+        rows = frames.stacked(self._table, places, COLUMNS, self.name)
+        if not len(rows):
             raise BadInput("no samples", self.name)
-        rows = np.stack(values, axis=1)
         self._require(rows)
         index = _Anywhere().of_arrays(rows[:, 0], rows[:, 1])
         return RunTable(index, rows[:, 2:], np.arange(1, len(rows) + 1), 0, 0)
@@ -115,7 +127,7 @@ class Recording:
         """Places of COLUMNS in the table, and the unit of the outputs, if it is told."""
         names = frames.names_of(self._table)
         try:
-            places = find_all(names, self._wishes)
+            places = find_all(names, self._wishes, is_text=False)
         except ValueError as error:
             raise BadInput(str(error), self.name) from None
         return places, self._wishes.unit or detect_unit([names[place] for place in places[-3:]], self.name, None)
@@ -158,25 +170,13 @@ def _of_array(source: Any) -> dict[str, Floats]:
     if type(source).__name__ == "LazyFrame":
         raise UsageError("a LazyFrame has no rows yet: collect() it")
     try:
-        rows = np.asarray(source, dtype=float)
+        rows = frames.real(source)
     except (TypeError, ValueError):
         kind = f"{type(source).__module__}.{type(source).__name__}"
         raise UsageError(f"{kind} is neither a file, nor a table, nor an array of numbers") from None
     if rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
         raise UsageError(f"an array of shape {rows.shape} is no run: (rows, 5) is one, of {', '.join(COLUMNS)}")
     return dict(zip(COLUMNS, rows.T))
-
-
-def wishes_of(
-    columns: dict[str, str] | None, unit: str | None, delimiter: str | None = None, decimal: str | None = None
-) -> Wishes:
-    """What a caller says about the layout. Raises UsageError."""
-    unknown = [name for name in columns or {} if name not in COLUMNS]
-    if unknown:
-        raise UsageError(f"columns: {quoted(unknown[0])} is not one of {', '.join(COLUMNS)}")
-    if unit is not None and not UNIT.fullmatch(unit):
-        raise UsageError(f"unit: {quoted(unit)} is not a unit such as V, mV or m/s^2")
-    return Wishes(columns=dict(columns or {}), delimiter=delimiter, decimal=decimal, unit=unit)
 
 
 def read(
@@ -191,9 +191,9 @@ def read(
 
     `source`: the path of a run file (CSV; Parquet, `.parquet`; NPZ, `.npz`, and MAT, `.mat`, with an array for every
     column), a DataFrame of pandas or polars, a table of pyarrow, a mapping from names to columns, a structured array,
-    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; others are ignored. `columns` names those
-    that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the outputs; both, like `delimiter` and
-    `decimal` of CSV, are detected unless given.
+    or an array (rows, 5). Its columns are mounting, position, ux, uy, uz; it may have temperature, deg C; others are
+    ignored. `columns` names those that are named otherwise, as in `{"ux": "AccX"}`; `unit` says the unit of the
+    outputs; both, like `delimiter` and `decimal` of CSV, are detected unless given.
 
     Raises tumble.BadInput, a ValueError, for what cannot be used: it names file, row and column; row 1 of a table that
     is no CSV file is its first. Raises tumble.NotInstalled, an ImportError, where a library is missing.
@@ -206,6 +206,8 @@ def read(
     >>> run.outputs.shape
     (2, 3)
     """
-    recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
-    len(recording)  # what cannot be used is told now
+    with told_in_python():
+        recording = recording_of(source, wishes_of(columns, unit, delimiter, decimal))
+        len(recording)  # what cannot be used is told now
+        _ = recording.temperature_c if TEMPERATURE in (columns or {}) else None
     return recording

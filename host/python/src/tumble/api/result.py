@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 
 from tumble.api.applying import applied
 from tumble.api.complaints import complaints_of_document
+from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.disk import read_bytes, write_text
+from tumble.files.disk import path_of, read_bytes, write_text
 from tumble.files.documents import checked_coefficients
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.force import Force
@@ -47,8 +48,10 @@ class Result:
         self._text = text
         self._name = name
         self._checked = checked_coefficients(text.encode("utf-8"), name)
-        self.warnings = tuple(complaints_of_document(self._checked)) if warnings is None else warnings
-        """Why the result may not be what it claims: sentences, as the command line prints them."""
+        told = complaints_of_document(self._checked) if warnings is None else warnings
+        self.warnings = tuple(map(in_python, told))
+        """Why the result may not be what it claims: the sentences that the command line prints, with arguments in place
+        of options."""
 
     @property
     def document(self) -> dict[str, Any]:
@@ -155,7 +158,8 @@ class Result:
         of the gravity, for m/s2), as columns u_x, u_y, u_z, u_norm before x; of an array, an array (..., 7) of x, y, z,
         u_x, u_y, u_z, u_norm. The noise of the data itself is not in them.
 
-        Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
+        A column temperature, deg C, of a table is held against that of the run: a UserWarning where a row is more than
+        1 deg C outside. Missing values (NaN, null) stay missing. Raises UsageError, BadInput.
 
         >>> import tumble
         >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
@@ -165,7 +169,9 @@ class Result:
         >>> list(table)
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
         """
-        return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit)
+        known_c = self._checked["temperature"]
+        with told_in_python():
+            return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit, known_c)
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""
@@ -186,12 +192,13 @@ class Result:
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Write `to_json()` to a file, as a whole or not at all. Raises BadInput."""
-        write_text(os.fspath(file), self._text)
+        write_text(path_of(file), self._text)
 
 
 def load(file: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
-    name, data = os.fspath(file), read_bytes(os.fspath(file))
+    name = path_of(file)
+    data = read_bytes(name)
     checked_coefficients(data, name)  # also that it is text
     return Result(data.decode("utf-8-sig"), name=name)
 

@@ -7,9 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from typing import Any
 
+from tumble.api.arguments import as_list, as_number
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
+from tumble.api.words import told_in_python
 from tumble.core import CoreRefusal, CoreSchedule
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, DEFAULT_SCHEDULE, NEEDS_STAND
 from tumble.errors import BadInput, UsageError, quoted
@@ -17,11 +19,11 @@ from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
 from tumble.files.documents import to_json
 from tumble.files.schedule_file import read_schedule, require_identifying, require_solvable
-from tumble.files.stand_file import StandFile, read_stand
+from tumble.files.stand_file import StandFile, read_stand, require_stand
 from tumble.schedule import Schedule
 from tumble.solving import plausibility, provenance, result
 from tumble.solving.solution import Solution, solve as solve_run
-from tumble.solving.temperature import in_environment
+from tumble.solving.temperature import contradicted, in_environment
 from tumble.stand import Stand
 from tumble.terms import Terms, parse
 
@@ -70,8 +72,10 @@ def solved(
     told_g = declared_g if limit_g is None else limit_g
     run, planned = recording.on(_schedule(schedule, estimator))
     odd_rows = run_rows.require(run, planned.data, stand_file, recording.name)
+    environment = None if stand_file is None else stand_file.environment
+    contradiction = contradicted(run, environment)
     solution = solve_run(
-        in_environment(run, None if stand_file is None else stand_file.environment),
+        in_environment(run, environment),
         planned,
         estimator,
         DEFAULT_LIMIT_G if told_g is None else told_g,
@@ -82,14 +86,17 @@ def solved(
         terms=terms,
     )
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
+    odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)
 
 
 def _stand_file(stand: Any) -> StandFile:
     """What is declared of a stand: by a file, by what was read of one, or by a Stand alone."""
     if isinstance(stand, StandFile):
+        require_stand(stand.stand, "stand")
         return stand
     if isinstance(stand, Stand):
+        require_stand(stand, "stand")
         nothing: dict[str, Any] = dict.fromkeys(field.name for field in fields(StandFile))
         return StandFile(**{**nothing, "stand": stand})
     if isinstance(stand, (str, os.PathLike)):
@@ -110,6 +117,8 @@ def _schedule(schedule: Any, estimator: str) -> CoreSchedule:
         core_schedule = CoreSchedule(schedule)
     except CoreRefusal as refusal:
         raise BadInput(f"is refused: {refusal}", "schedule") from None
+    except (TypeError, ValueError, OverflowError, AttributeError) as error:
+        raise BadInput(f"cannot be used: {quoted(error, 80)}", "schedule") from None
     require_identifying(core_schedule, "schedule")
     require_solvable(core_schedule, estimator, "schedule")
     return core_schedule
@@ -148,18 +157,18 @@ def solve(
     >>> round(float(result.K[2, 2]), 3)
     2.004
     """
-    if limit_g is not None and not 0.0 < limit_g <= 1.0:
+    if limit_g is not None and not 0.0 < as_number(limit_g) <= 1.0:
         raise UsageError(f"limit_g: {quoted(limit_g)} is not a number of g above 0, at most 1")
-    if not 0.5 <= confidence <= 0.999999:
+    if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
-    wanted = model if isinstance(model, str) else ",".join(model)
-    found = solved(
-        recording_of(run),
-        stand=stand,
-        schedule=schedule,
-        estimator=estimator,
-        limit_g=limit_g,
-        confidence=confidence,
-        terms=parse(wanted or None, estimator),
-    )
-    return Result(to_json(found.document()), tuple(found.complaints()))
+    with told_in_python():
+        found = solved(
+            recording_of(run),
+            stand=stand,
+            schedule=schedule,
+            estimator=estimator,
+            limit_g=limit_g,
+            confidence=confidence,
+            terms=parse(as_list(model), estimator),
+        )
+        return Result(to_json(found.document()), tuple(found.complaints()))

@@ -128,7 +128,7 @@ def _require_same_uncertainties(solution: Solution, document: dict[str, Any], se
         witness = reference.optimal_uncertainties(*given, variance)
     else:
         given_k = schedule, solution.found.k, setup.stand, samples, setup.estimator
-        witness = reference.standard_uncertainties(*given_k, variance)
+        witness = reference.by_coefficient(reference.covariance(*given_k, variance))
     stated = np.array(document["u_K"]).reshape(3, 3), np.array(document["u_U0"])
     compare_uncertainties(stated, witness, setup.estimator == OPTIMAL)
 

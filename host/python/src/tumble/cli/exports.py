@@ -7,10 +7,11 @@ from typing import Any
 
 from tumble.api.complaints import complaints_of_document
 from tumble.arrays import Floats
+from tumble.cli import newton
 from tumble.cli.fixed_point import double_literal, fixed_point_function, float_literal
 from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
-from tumble.terms import DRIFT, POWERS, Terms
+from tumble.terms import DRIFT, Terms
 
 _C_HEADER = """\
 /* Coefficients of a three-axis block of accelerometers: U = U0 + K a{model}
@@ -55,21 +56,6 @@ static inline void tumble_exported_force(const {number} outputs[3], {number} for
     const {number} left[3] = {{ {biases} }};
     for (int i = 0; i < 3; i++) {{
         force[i] = inverse[i][0] * left[0] + inverse[i][1] * left[1] + inverse[i][2] * left[2];
-    }}
-}}
-"""
-_FORCE_WITH_TERMS = """
-/* The specific force that outputs show. Every pass is closer by a factor of 2 K2 a + 3 K3 a^2: of a few thousandths. */
-static inline void tumble_exported_force(const {number} outputs[3], {number} force[3])
-{{
-    static const {number} inverse[3][3] = TUMBLE_K_INVERSE_INITIALIZER;
-    const {number} shown[3] = {{ {biases} }};
-    {number} left[3] = {{ shown[0], shown[1], shown[2] }};
-    for (int n = 0; n < 8; n++) {{
-        for (int i = 0; i < 3; i++) {{
-            force[i] = inverse[i][0] * left[0] + inverse[i][1] * left[1] + inverse[i][2] * left[2];
-        }}
-{beyond}
     }}
 }}
 """
@@ -175,14 +161,7 @@ def _force_function(terms: Terms, number: str) -> str:
     biases = ", ".join(f"outputs[{i}] - TUMBLE_U0_{axis}" for i, axis in enumerate("XYZ"))
     if not terms:
         return _FORCE.format(biases=biases, number=number)
-    beyond = [f"TUMBLE_K_{axis * 2} * ({_powers(terms, i, axis)})" for i, axis in enumerate("XYZ")]
-    lines = [f"        left[{i}] = shown[{i}] - {one};" for i, one in enumerate(beyond)]
-    return _FORCE_WITH_TERMS.format(biases=biases, beyond="\n".join(lines), number=number)
-
-
-def _powers(terms: Terms, i: int, axis: str) -> str:
-    force = f"force[{i}]"
-    return " + ".join(" * ".join([f"TUMBLE_{term.upper()}_{axis}", *[force] * POWERS[term]]) for term in terms)
+    return newton.in_c(terms, number, biases)
 
 
 def why_unknown(result: dict[str, Any]) -> str:

@@ -13,12 +13,10 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.cli import newton
 from tumble.cli.exports import FORCE_UNITS, origin, why_unknown
 from tumble.solving.assumptions import phrase
 from tumble.solving.coefficients import Coefficients
-from tumble.terms import POWERS
-
-_PASSES = 8  # for K2 and K3: each is closer by a few thousandths, as in the C header
 
 
 def to_matlab(result: dict[str, Any], force_unit: str = "g") -> str:
@@ -45,18 +43,9 @@ def to_matlab(result: dict[str, Any], force_unit: str = "g") -> str:
 
 
 def _function(them: Coefficients) -> list[str]:
-    if not them.terms:
-        return ["tumble.apply = @(U) (U - tumble.U0') * tumble.K_inverse';"]
-    powers = " + ".join(f"tumble.{term.upper()}' .* a.^{POWERS[term]}" for term in them.terms)
-    nested = "U - tumble.U0'"
-    inner = f"tumble_linear({nested})"
-    for _ in range(_PASSES - 1):
-        inner = f"tumble_linear({nested} - tumble_beyond({inner}))"
-    return [
-        "tumble_linear = @(left) left * tumble.K_inverse';",
-        f"tumble_beyond = @(a) diag(tumble.K)' .* ({powers});",
-        f"tumble.apply = @(U) {inner};",
-    ]
+    if them.terms:
+        return newton.in_matlab(them.terms)
+    return ["tumble.apply = @(U) (U - tumble.U0') * tumble.K_inverse';"]
 
 
 def _matrix(rows: Floats) -> str:

@@ -53,16 +53,18 @@ def _parse_columns(text: str, names: Sequence[str]) -> dict[str, str]:
 
 def _parse_delimiter(text: str) -> str:
     """Read one character, or comma, semicolon, tab."""
+    from tumble.files.run_layout import is_delimiter
+
     delimiter = _DELIMITERS.get(text.lower(), text)
-    if len(delimiter) != 1 or delimiter in '"#\r\n.+-' or delimiter.isalnum():
+    if not is_delimiter(delimiter):
         raise UsageError(f"--delimiter: {quoted(text)} is not comma, semicolon, tab or another single sign")
     return delimiter
 
 
 def _parse_unit(text: str) -> str:
     """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
-    from tumble.units import UNIT
+    from tumble.units import is_unit
 
-    if not UNIT.fullmatch(text) or text != text.strip():
+    if not is_unit(text):
         raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
     return text

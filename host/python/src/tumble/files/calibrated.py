@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any, BinaryIO
 
@@ -24,7 +24,7 @@ from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import reason
 from tumble.files.run_file import require_text
 from tumble.files.run_layout import Wishes, detect, detect_unit, find_all, is_blank, is_comment, split
-from tumble.files.run_temperature import read_temperatures
+from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
 from tumble.units import noise_unit, volts_per
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -57,10 +57,27 @@ class Demand:
         return np.concatenate([found[:, 3:], found[:, :3]], axis=1)
 
 
+@dataclass
+class Seen:
+    """What was found beside the outputs: columns that were `renamed`; `temperatures_c`, the lowest and the highest,
+    empty where the data tell none; sentences on columns that are `passed_over`."""
+
+    renamed: dict[str, str] = field(default_factory=dict)
+    temperatures_c: tuple[float, ...] = ()
+    passed_over: tuple[str, ...] = ()
+
+    def feel(self, found: Temperatures | None, passed_over: tuple[str, ...]) -> None:
+        """Keep what further rows say of their temperature."""
+        self.passed_over = self.passed_over or passed_over
+        if found is not None:
+            known = (*self.temperatures_c, found.low_c, found.high_c)
+            self.temperatures_c = (min(known), max(known))
+
+
 def columns_of_outputs(names: list[str], renamed: dict[str, str], name: str) -> tuple[tuple[int, ...], str | None]:
     """Places of the outputs among the columns of a table, and their unit, if brackets tell it. Raises BadInput."""
     try:
-        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS))
+        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS), is_text=False)
     except ValueError as error:
         raise BadInput(str(error), name) from None
     return places, detect_unit([names[place] for place in places], name, None)
@@ -103,25 +120,18 @@ class CsvData:
         head = [next(lines) for _ in range(self._layout.header_row)]
         self._preamble, self._end = "".join(head[:-1]), _end_of(head[-1]) or "\n"
         self._names = split(head[-1].lstrip("\ufeff"), self._layout.delimiter)
-        self.renamed = raw_names(self._names, demand.with_uncertainty)
+        self.seen = Seen(raw_names(self._names, demand.with_uncertainty))
         self._body = self._first[len("".join(head).encode("utf-8", "surrogateescape")) :]
         self._header = head[-1].rstrip("\r\n")
-        self._felt_c: list[float] = []
-        self.passed_over: tuple[str, ...] = ()
 
     @property
     def header(self) -> bytes:
         """What stands above the rows: the file's own, with the names of the new columns."""
         delimiter = self._layout.delimiter
         own = self._header
-        if self.renamed:
-            own = delimiter.join(_quoted(self.renamed.get(name, name), delimiter) for name in self._names)
+        if self.seen.renamed:
+            own = delimiter.join(_quoted(self.seen.renamed.get(name, name), delimiter) for name in self._names)
         return _encoded(self._preamble + delimiter.join([own, *self._demand.names]) + self._end)
-
-    @property
-    def temperatures_c(self) -> tuple[float, ...]:
-        """The lowest and the highest temperature of the rows that have been given; empty where the data tell none."""
-        return tuple(self._felt_c)
 
     def require_header_of(self, other: CsvData) -> None:
         """The rows of both can stand in one file. Raises BadInput."""
@@ -150,7 +160,8 @@ class CsvData:
             places = np.flatnonzero(full).tolist()
         else:
             outputs, places = self._read_carefully(lines, row)
-        self._feel(lines, row)
+        told = ((row + i, line) for i, line in enumerate(lines, 1) if not is_blank(line) and not is_comment(line))
+        self.seen.feel(*read_temperatures(told, self._layout, self._file))
         try:
             values = self._demand.values(outputs, self._factor)
         except BadInput as error:
@@ -159,15 +170,6 @@ class CsvData:
         for place, numbers in zip(places, values.tolist()):
             lines[place] = self._with_numbers(lines[place], numbers)
         return _encoded("".join(lines)), len(lines), bool(places)
-
-    def _feel(self, lines: list[str], row: int) -> None:
-        """Keep what the rows of a piece say of their temperature."""
-        rows = ((row + i, line) for i, line in enumerate(lines, 1) if not is_blank(line) and not is_comment(line))
-        found, odd = read_temperatures(rows, self._layout, self._file)
-        self.passed_over = self.passed_over or odd
-        if found is not None:
-            known = [*self._felt_c, found.low_c, found.high_c]
-            self._felt_c = [min(known), max(known)]
 
     def _with_numbers(self, line: str, numbers: list[float]) -> str:
         end = _end_of(line)
@@ -228,9 +230,8 @@ def _quoted(name: str, delimiter: str) -> str:
     return '"' + name.replace('"', '""') + '"' if special else name
 
 
-def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> dict[str, str]:
-    """Write a Parquet file with calibrated columns. Returns the columns that were renamed. Raises BadInput,
-    NotInstalled."""
+def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> Seen:
+    """Write a Parquet file with calibrated columns. Raises BadInput, NotInstalled."""
     try:
         with open(file, "rb"):
             pass
@@ -246,24 +247,23 @@ def calibrate_parquet(file: str, out: BinaryIO, demand: Demand) -> dict[str, str
         raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
     from pyarrow import Table
 
-    renamed: dict[str, str] = {}
-    writer = None
+    seen, writer = Seen(), None
     first = Table.from_batches([], schema=source.schema_arrow)
     try:
         for batch in source.iter_batches(_ROWS):
-            table, renamed = with_calibrated(Table.from_batches([batch]), file, demand)
+            table = with_calibrated(Table.from_batches([batch]), file, demand, seen)
             writer = writer or parquet.ParquetWriter(out, table.schema)
             writer.write_table(table)
         if writer is None:
-            table, renamed = with_calibrated(first, file, demand)
+            table = with_calibrated(first, file, demand, seen)
             writer = parquet.ParquetWriter(out, table.schema)
     finally:
         if writer is not None:
             writer.close()
-    return renamed
+    return seen
 
 
-def _by_polars(file: str, out: BinaryIO, demand: Demand) -> dict[str, str]:
+def _by_polars(file: str, out: BinaryIO, demand: Demand) -> Seen:
     """As a whole."""
     try:
         import polars
@@ -273,16 +273,18 @@ def _by_polars(file: str, out: BinaryIO, demand: Demand) -> dict[str, str]:
         source = polars.read_parquet(file)
     except Exception as error:  # as above
         raise BadInput(f"not a Parquet file that can be read: {quoted(error)}", file) from None
-    table, renamed = with_calibrated(source, file, demand)
-    table.write_parquet(out)
-    return renamed
+    seen = Seen()
+    with_calibrated(source, file, demand, seen).write_parquet(out)
+    return seen
 
 
-def with_calibrated(table: Any, name: str, demand: Demand) -> tuple[Any, dict[str, str]]:
-    """A table of files.frames with its calibrated columns, and the columns that were renamed. Raises BadInput."""
+def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
+    """A table of files.frames with its calibrated columns; what else is in it is added to what was `seen`. Raises
+    BadInput."""
     names = frames.names_of(table)
     places, told = columns_of_outputs(names, demand.wishes.columns, name)
-    outputs = np.stack([frames.column_of(table, place, name) for place in places], axis=1)
+    outputs = frames.stacked(table, places, OUTPUTS, name)
     values = demand.values(outputs, factor_of(demand.wishes.unit or told, demand.unit, name))
-    renamed = raw_names(names, demand.with_uncertainty)
-    return frames.with_columns(table, renamed, dict(zip(demand.names, values.T))), renamed
+    seen.renamed = raw_names(names, demand.with_uncertainty)
+    seen.feel(*temperatures_of_table(table, demand.wishes.columns, len(outputs), name))
+    return frames.with_columns(table, seen.renamed, dict(zip(demand.names, values.T)))

@@ -17,6 +17,7 @@ from tumble.core import MAX_MEAN
 from tumble.errors import quoted
 from tumble.files.run_layout import NUMBER, Layout, split
 
+LARGEST_OUTPUT: float = MAX_MEAN  # of either sign: beyond, no output is believed
 _NOT_FINITE = {"nan", "inf", "infinity"}
 
 
@@ -100,6 +101,6 @@ def _number(text: str, column: str, layout: Layout) -> float:
     if not NUMBER.fullmatch(pointed) or (layout.decimal == "," and "." in text):
         raise NotANumber(text, column)
     value = float(pointed)
-    if abs(value) > MAX_MEAN:
+    if abs(value) > LARGEST_OUTPUT:
         raise Refused(f"{quoted(text)} is out of range", column)
     return value

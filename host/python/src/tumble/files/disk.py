@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import stat
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import BadInput, TumbleError, UsageError, quoted
 
 _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
+
+
+def path_of(file: object) -> str:
+    """A path as text. Raises UsageError for what is none."""
+    path = os.fspath(file) if isinstance(file, (str, os.PathLike)) else None
+    if not isinstance(path, str):
+        raise UsageError(f"a {type(file).__name__} is not the path of a file")
+    return path
 
 
 def read_bytes(file: str) -> bytes:
@@ -25,8 +34,9 @@ def read_bytes(file: str) -> bytes:
 
 def opened(file: str) -> BinaryIO:
     """A file to be read, which the caller closes. Raises BadInput."""
+    path = path_of(file)
     try:
-        return open(file, "rb")
+        return open(path, "rb")
     except OSError as error:
         raise BadInput(reason(error), file) from None
     except ValueError:  # a name with a zero byte
@@ -34,7 +44,7 @@ def opened(file: str) -> BinaryIO:
 
 
 def write_text(file: str, text: str) -> None:
-    """Write a text file, UTF-8, as `write_bytes` does."""
+    """Write a text file, UTF-8, as `written` does."""
     write_bytes(file, text.encode("utf-8"))
 
 
@@ -44,21 +54,117 @@ def write_bytes(file: str, data: bytes) -> None:
         stream.write(data)
 
 
+def write_all(files: Mapping[str, bytes]) -> None:
+    """Write several files: all of them or none. Raises BadInput."""
+    with together() as them:
+        for file in sorted(files, key=_is_special):  # what cannot be taken back comes last
+            with them.written(file) as stream:
+                stream.write(files[file])
+
+
 @contextmanager
 def written(file: str) -> Iterator[BinaryIO]:
     """A file to be written as a whole or not at all: into a temporary one beside it, then renamed. Raises BadInput.
 
     A pipe or a device, such as /dev/stdout, cannot be replaced and is written to directly.
     """
+    with together() as them, them.written(file) as stream:
+        yield stream
+
+
+@contextmanager
+def together() -> Iterator[Together]:
+    """Files that are written all or none: they are put in their places at the end, when all are there."""
+    them = Together()
     try:
-        with _opened(os.path.realpath(file)) as stream:
-            yield stream
+        yield them
+        them.put_in_place()
+    finally:
+        them.discard()
+
+
+class Together:
+    """See `together`. Of files that were in these places before, one name is kept until all is done."""
+
+    def __init__(self) -> None:
+        self._staged: list[tuple[str, str, str]] = []  # as the user calls it, where it is, where it belongs
+        self._kept: list[str] = []
+
+    @contextmanager
+    def written(self, file: str) -> Iterator[BinaryIO]:
+        """One of them. Raises BadInput."""
+        with _naming(file):
+            target = os.path.realpath(file)
+            if _is_special(target):
+                with open(target, "wb") as stream:
+                    yield stream
+                return
+            temporary = _beside(target, "tmp")
+            handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+            self._staged.append((file, temporary, target))
+            with os.fdopen(handle, "wb") as stream:
+                yield stream
+
+    def put_in_place(self) -> None:
+        """All of them; where one cannot be, none. Raises BadInput."""
+        done: list[tuple[str, str | None]] = []
+        try:
+            for file, temporary, target in self._staged:
+                with _naming(file):
+                    before = self._keep(target) if len(self._staged) > 1 else None
+                    if os.path.exists(target):
+                        os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
+                    os.replace(temporary, target)
+                    done.append((target, before))
+        except BaseException:
+            for target, before in done:
+                if before is None:
+                    os.unlink(target)
+                else:
+                    os.replace(before, target)
+            raise
+
+    def _keep(self, target: str) -> str | None:
+        """Another name of the file that is there; None: there is none."""
+        if not os.path.exists(target):
+            return None
+        other = _beside(target, "old")
+        self._kept.append(other)
+        try:
+            os.link(target, other)
+        except OSError:  # not every file system has links
+            shutil.copy2(target, other)
+        return other
+
+    def discard(self) -> None:
+        """What is not in its place, and what was kept."""
+        for file in (*(temporary for _, temporary, _ in self._staged), *self._kept):
+            with suppress(FileNotFoundError):
+                os.unlink(file)
+
+
+@contextmanager
+def _naming(file: str) -> Iterator[None]:
+    """What the system says becomes BadInput."""
+    try:
+        yield
     except OSError as error:
         raise BadInput(f"cannot be written: {reason(error)}", file) from None
-    except BadInput:
+    except TumbleError:
         raise
     except ValueError:
         raise BadInput("not a file name", file) from None
+
+
+def _is_special(file: str) -> bool:
+    """Is it there, but no file that can be replaced?"""
+    return os.path.exists(file) and not os.path.isfile(file)
+
+
+def _beside(target: str, suffix: str) -> str:
+    """A hidden file of this process."""
+    folder, name = os.path.split(target)
+    return os.path.join(folder, f".{name}.{os.getpid()}.{suffix}")
 
 
 def refuse_overwriting(out: str | None, *sources: str | None, option: str = "--out") -> None:
@@ -73,26 +179,6 @@ def _is_same(one: str, other: str) -> bool:
         return os.path.realpath(one) == os.path.realpath(other)
     except (OSError, ValueError):  # the working folder is gone; a name with a zero byte
         return False
-
-
-@contextmanager
-def _opened(target: str) -> Iterator[BinaryIO]:
-    if os.path.exists(target) and not os.path.isfile(target):
-        with open(target, "wb") as stream:
-            yield stream
-        return
-    folder, name = os.path.split(target)
-    temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
-    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            yield stream
-        if os.path.exists(target):
-            os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
-        os.replace(temporary, target)
-    except BaseException:
-        os.unlink(temporary)
-        raise
 
 
 def reason(error: OSError) -> str:

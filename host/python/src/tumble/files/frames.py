@@ -41,7 +41,8 @@ def names_of(table: Any) -> list[str]:
     return list(map(str, table.keys() if library is None else table.columns))
 
 
-def _real(column: Any) -> Floats:
+def real(column: Any) -> Floats:
+    """As floats. Raises ValueError, TypeError."""
     if np.iscomplexobj(column):
         raise ValueError("complex")
     return np.asarray(column, dtype=float)
@@ -58,9 +59,9 @@ def column_of(table: Any, place: int, name: str) -> Floats:
         elif library == ARROW:
             values = table.column(place).cast("double").to_numpy()
         elif isinstance(table, Mapping):
-            values = _real(list(table.values())[place])
+            values = real(list(table.values())[place])
         else:
-            values = _real(table[label])
+            values = real(table[label])
     except (ValueError, TypeError) as error:
         raise BadInput(f"not numbers: {quoted(error)}", name, column=label) from None
     except Exception as error:  # of polars and pyarrow, which have classes of their own for it
@@ -71,6 +72,15 @@ def column_of(table: Any, place: int, name: str) -> Floats:
     if values.ndim != 1:
         raise BadInput(f"has {values.ndim} dimensions, a column has one", name, column=label)
     return values
+
+
+def stacked(table: Any, places: tuple[int, ...], labels: tuple[str, ...], name: str) -> Floats:
+    """Columns number `places`, which errors call by `labels`, as (rows, columns). Raises BadInput as `column_of`."""
+    values = [column_of(table, place, name) for place in places]
+    if len({len(column) for column in values}) != 1:
+        sizes = ", ".join(f"{label} {len(column)}" for label, column in zip(labels, values))
+        raise BadInput(f"columns of different lengths: {sizes}", name)
+    return np.stack(values, axis=1)
 
 
 def with_columns(table: Any, renamed: dict[str, str], new: dict[str, Floats]) -> Any:

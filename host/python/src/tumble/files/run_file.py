@@ -94,7 +94,7 @@ def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: by
     require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)
-    temperature, passed_over = read_temperatures(_rows(data, layout), layout, file)
+    temperature, passed_over = temperatures(data, layout, file)
     ignored = layout.width - len(COLUMNS) - (temperature is not None)
     told = ignored, hashlib.sha256(data).hexdigest(), temperature, passed_over
     return averaged(table, schedule, layout.unit, layout.unit_told, *told)
@@ -264,9 +264,10 @@ def body_of(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
     return ((row, line) for row, line in lines if row > layout.header_row)
 
 
-def _rows(data: bytes, layout: Layout) -> Iterable[tuple[int, str]]:
-    """Of these, the lines that hold a row."""
-    return ((row, line) for row, line in body_of(data, layout) if not is_blank(line) and not is_comment(line))
+def temperatures(data: bytes, layout: Layout, file: str) -> tuple[Temperatures | None, tuple[str, ...]]:
+    """Of a run file, as read_temperatures reads them. Raises BadInput."""
+    rows = ((row, line) for row, line in body_of(data, layout) if not is_blank(line) and not is_comment(line))
+    return read_temperatures(rows, layout, file)
 
 
 def _hint(refused: NotANumber, line: str, is_first: bool, data: bytes, layout: Layout, positions: PositionIndex) -> str:

@@ -15,6 +15,7 @@ from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
+DECIMALS = (".", ",")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
@@ -89,6 +90,11 @@ class Layout:
     doubt: str | None = None
 
 
+def is_delimiter(sign: object) -> bool:
+    """Can this separate columns?"""
+    return isinstance(sign, str) and len(sign) == 1 and sign not in '"#\r\n\0.+-' and not sign.isalnum()
+
+
 def decoded(data: bytes) -> str:
     """Text of a file: UTF-8 with or without a mark, or else one byte a character (only names can differ then)."""
     data = data.removeprefix(b"\xef\xbb\xbf")
@@ -153,7 +159,8 @@ def _from_header(
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
         told = unit or _DEFAULT_UNIT, unit is not None
-        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *_temperature(names, wishes))
+        felt = temperature_column(names, wishes.columns)
+        return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt)
     fields = re.split(r"[,;\t]", line)
     if all(NUMBER.fullmatch(name.strip()) for name in fields):
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
@@ -203,37 +210,50 @@ def is_number(text: str) -> bool:
     return NUMBER.fullmatch(text.replace(",", ".")) is not None
 
 
-def _temperature(names: list[str], wishes: Wishes) -> tuple[Column | None, str | None]:
+def temperature_column(names: list[str], renamed: dict[str, str]) -> tuple[Column | None, str | None]:
     """The column of the temperature, and why it is not known; that a told one is there, is known."""
     try:
-        index = find_column(TEMPERATURE, names, wishes.columns)
+        index = find_column(TEMPERATURE, names, renamed)
     except ValueError as several:
         return None, str(several)
     if index is None:
         return None, None
     unit = _BRACKETED.search(names[index])
-    told = TEMPERATURE in wishes.columns
-    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), told), None
+    return Column(index, names[index], "" if unit is None else unit.group(1).strip(), TEMPERATURE in renamed), None
 
 
-def find_all(names: list[str], wishes: Wishes) -> tuple[int, ...]:
-    """Indices of the wanted COLUMNS. Raises ValueError, naming all that are not there, and what is."""
+def find_all(names: list[str], wishes: Wishes, is_text: bool = True) -> tuple[int, ...]:
+    """Indices of the wanted COLUMNS. `is_text`: the names were one line, which a delimiter separates. Raises
+    ValueError, naming all that are not there, and what is."""
     renamed = wishes.columns
     told_beside = [TEMPERATURE] if TEMPERATURE in renamed else []
     found = {wanted: find_column(wanted, names, renamed) for wanted in (*wishes.wanted, *told_beside)}
     missing = [wanted for wanted, index in found.items() if index is None]
     if not missing:
+        _require_different(found, names)
         return tuple(index for wanted, index in found.items() if index is not None and wanted != TEMPERATURE)
     told = [wanted for wanted in missing if wanted in renamed]
     plain = [wanted for wanted in missing if wanted not in renamed]
     asked = [f"{_columns([quoted(renamed[wanted]) for wanted in told])} (for {_listed(told)})"] if told else []
     header = quoted(",".join(names), _LONGEST_HEADER)
     said = f"{' and '.join([*asked, *([_columns(plain)] if plain else [])])} among {header}"
-    if len(names) == 1:
+    if len(names) == 1 and is_text:
         raise ValueError(f"{said}; say what separates the columns with --delimiter")
     if plain:
         said += f"; name what is missing with --columns {','.join(f'{wanted}=NAME' for wanted in plain)}, or add it"
+    if missing == list(COLUMNS[:2]):
+        said += "; tumble import makes a run file of a logger's recording"
     raise ValueError(said)
+
+
+def _require_different(found: dict[str, int | None], names: list[str]) -> None:
+    """Raise ValueError where one column is told to be two."""
+    for index in found.values():
+        alike = [other for other, its in found.items() if its == index]
+        if len(alike) > 1:
+            raise ValueError(
+                f"column {quoted(names[index or 0])} is named for {_listed(alike)}; each has one of its own"
+            )
 
 
 def _columns(names: list[str]) -> str:
@@ -249,10 +269,16 @@ def find_column(wanted: str, names: list[str], renamed: dict[str, str]) -> int |
     there. Raises ValueError where there are several."""
     asked = renamed.get(wanted)
     bare = [_bare(name) for name in names]
+    plain = [_BRACKETED.sub("", name).strip() for name in names]  # u_x may be the uncertainty of x, beside ux
     tests: list[Callable[[int], bool]] = (
         [lambda i: names[i] == asked, lambda i: names[i].lower() == asked.lower()]
         if asked
-        else [lambda i: bare[i] == wanted, lambda i: bare[i] in _ALIASES[wanted]]
+        else [
+            lambda i: plain[i] == wanted,
+            lambda i: plain[i].lower() == wanted,
+            lambda i: bare[i] == wanted,
+            lambda i: bare[i] in _ALIASES[wanted],
+        ]
     )
     for test in tests:
         found = [index for index in range(len(names)) if test(index)]

@@ -1,18 +1,24 @@
-"""The temperatures of a run, degrees Celsius: what the column `temperature` of its file says.
+"""The temperatures of a run, degrees Celsius: what the column `temperature` of its file or table says.
 
-Extra columns of a run file hold whatever they like, so a column that only looks like one of temperatures is passed over
+Extra columns hold whatever they like, so a column that only looks like one of temperatures is passed over
 where it is not; one that the user names is read or refused.
 """
 
 from __future__ import annotations
 
 import csv
+import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+
+from tumble.arrays import Floats
 from tumble.errors import BadInput, quoted
-from tumble.files.run_layout import Column, Layout, is_number
+from tumble.files import frames
+from tumble.files.run_layout import Column, Layout, is_number, temperature_column
 
 LOWEST_C, HIGHEST_C = -100.0, 230.0  # beyond any block; room temperature in kelvins is above
 OF_RUN_FILE, OF_ENVIRONMENT = "run_file", "environment"
@@ -44,17 +50,47 @@ def read_temperatures(
 ) -> tuple[Temperatures | None, tuple[str, ...]]:
     """What the rows of a run file say, and sentences about a column that is passed over. `lines`: numbers and texts of
     those with a row. Fields that are empty tell nothing. Raises BadInput with row and column."""
-    column = layout.temperature
+    rows, odd = temperatures_of_rows(lines, layout, file)
+    return range_of(rows), odd
+
+
+def temperatures_of_rows(
+    lines: Iterable[tuple[int, str]], layout: Layout, file: str
+) -> tuple[Floats | None, tuple[str, ...]]:
+    """The same, row by row: (rows,), NaN where a field is empty; None where there is no such column."""
+    return _told(layout.temperature, layout.doubt, lambda column: _read(lines, layout, column), file)
+
+
+def temperatures_of_table(
+    table: Any, columns: dict[str, str], rows: int, name: str
+) -> tuple[Temperatures | None, tuple[str, ...]]:
+    """The same of a table of files.frames with so many `rows`, of which `columns` (names by name) are told."""
+    column, doubt = temperature_column(frames.names_of(table), columns)
+    found, odd = _told(column, doubt, lambda column: _of_table(table, column, rows, name), name)
+    return range_of(found), odd
+
+
+def range_of(temperatures_c: Floats | None) -> Temperatures | None:
+    """From the lowest to the highest; None where all are unknown."""
+    known = np.zeros(0) if temperatures_c is None else temperatures_c[~np.isnan(temperatures_c)]
+    return Temperatures(float(known.min()), float(known.max()), OF_RUN_FILE) if len(known) else None
+
+
+def _told(
+    column: Column | None, doubt: str | None, read: Callable[[Column], Floats], file: str
+) -> tuple[Floats | None, tuple[str, ...]]:
+    """What `read` gives of a column; or why it is passed over, which is refused where the user named it."""
     if column is None:
-        return None, (() if layout.doubt is None else (layout.doubt,))
+        return None, (() if doubt is None else (doubt,))
     try:
-        found = _read(lines, layout, column)
+        if column.unit and not _CELSIUS.fullmatch(column.unit):
+            raise _NotTemperatures("its unit is not deg C")
+        return read(column), ()
     except _NotTemperatures as odd:
         if column.told:
             raise BadInput(odd.message, file, odd.row, column.name) from None
         where = "" if odd.row is None else f"row {odd.row}: "
         return None, (f"column {quoted(column.name)} passed over: {where}{odd.message}",)
-    return found, ()
 
 
 class _NotTemperatures(Exception):
@@ -63,11 +99,10 @@ class _NotTemperatures(Exception):
         self.message, self.row = message, row
 
 
-def _read(lines: Iterable[tuple[int, str]], layout: Layout, column: Column) -> Temperatures | None:
-    if column.unit and not _CELSIUS.fullmatch(column.unit):
-        raise _NotTemperatures("its unit is not deg C")
-    seen: dict[str, int] = {}  # a thermometer gives the same few values again and again
+def _read(lines: Iterable[tuple[int, str]], layout: Layout, column: Column) -> Floats:
+    seen: dict[str, float] = {"": math.nan}  # a thermometer gives the same few values again and again
     rows: list[int] = []
+    found = []
 
     def texts() -> Iterable[str]:
         for row, line in lines:
@@ -75,13 +110,33 @@ def _read(lines: Iterable[tuple[int, str]], layout: Layout, column: Column) -> T
             yield line
 
     for fields in csv.reader(texts(), delimiter=layout.delimiter, strict=True):
-        seen.setdefault(fields[column.index].strip(), rows[-1])
-    values = [_value(text, layout, row) for text, row in seen.items() if text]
-    return Temperatures(min(values), max(values), OF_RUN_FILE) if values else None
+        text = fields[column.index].strip()
+        if text not in seen:
+            seen[text] = _value(text, layout, rows[-1])
+        found.append(seen[text])
+    return np.array(found, dtype=float)
 
 
 def _value(text: str, layout: Layout, row: int) -> float:
     pointed = text.replace(",", ".") if layout.decimal == "," else text
     if not is_number(pointed) or not LOWEST_C <= float(pointed) <= HIGHEST_C:
-        raise _NotTemperatures(f"{quoted(text)} is no temperature from {LOWEST_C:g} to {HIGHEST_C:g} deg C", row)
+        raise _NotTemperatures(_odd(quoted(text)), row)
     return float(pointed)
+
+
+def _of_table(table: Any, column: Column, rows: int, name: str) -> Floats:
+    try:
+        values = frames.column_of(table, column.index, name)
+    except BadInput as error:
+        raise _NotTemperatures(error.fault) from None
+    if len(values) != rows:
+        raise _NotTemperatures(f"its length is {len(values)}, that of the outputs {rows}")
+    odd = ~np.isnan(values) & ~((values >= LOWEST_C) & (values <= HIGHEST_C))
+    if odd.any():
+        row = int(odd.argmax())
+        raise _NotTemperatures(_odd(repr(float(values[row]))), row + 1)
+    return values
+
+
+def _odd(text: str) -> str:
+    return f"{text} is no temperature from {LOWEST_C:g} to {HIGHEST_C:g} deg C"

@@ -15,16 +15,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import Any
 
 from tumble.core import MAX_SAMPLES
-from tumble.errors import BadInput
+from tumble.errors import BadInput, quoted
+from tumble.files.run_temperature import HIGHEST_C, LOWEST_C
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
 _LARGEST_ANGLE_RAD = 0.5
 _LARGEST_V = 1e9  # far beyond any block, and far from where squares overflow
-_OPTIONAL = {  # errors that a stand need not declare, by the attribute of Stand: key, largest
+_REQUIRED = {  # errors that a stand declares, by the attribute of Stand: key, largest
+    "axis_tilt": ("axis_tilt_rad", _LARGEST_ANGLE_RAD),
+    "level": ("level_rad", _LARGEST_ANGLE_RAD),
+    "remount": ("remount_rad", _LARGEST_ANGLE_RAD),
+    "angle": ("angle_rad", _LARGEST_ANGLE_RAD),
+    "noise": ("noise_v", _LARGEST_V),
+}
+_OPTIONAL = {  # those that it need not declare
     "seat": ("seat_rad", _LARGEST_ANGLE_RAD),
     "platform": ("platform_rad", _LARGEST_ANGLE_RAD),
     "encoder": ("encoder_rad", _LARGEST_ANGLE_RAD),
@@ -33,7 +42,7 @@ _OPTIONAL = {  # errors that a stand need not declare, by the attribute of Stand
 _ENVIRONMENT_RANGES = {
     "gravity_m_s2": (9.7, 9.9),
     "u_gravity_m_s2": (0.0, 0.2),
-    "temperature_c": (-100.0, 300.0),
+    "temperature_c": (LOWEST_C, HIGHEST_C),
     "pressure_hpa": (0.0, 2000.0),
     "humidity_percent": (0.0, 100.0),
 }
@@ -106,22 +115,31 @@ def read_block(file: str, data: bytes | None = None) -> tuple[dict[str, Any], di
 
 
 def _stand(table: Table) -> Stand:
-    angles = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad")
-    optional = (key for key, _ in _OPTIONAL.values())
-    table.only("name", *angles, "noise_v", "samples", "limits", "remount", *optional)
-    axis_tilt, level, remount, angle = (table.number(key, 0.0, _LARGEST_ANGLE_RAD) for key in angles)
+    errors = (key for key, _ in (*_REQUIRED.values(), *_OPTIONAL.values()))
+    table.only("name", *errors, "samples", "limits", "remount")
     return Stand(
-        axis_tilt=axis_tilt,
-        level=level,
-        remount=remount,
-        angle=angle,
-        noise=table.number("noise_v", 0.0, _LARGEST_V),
+        **{name: table.number(key, 0.0, largest) for name, (key, largest) in _REQUIRED.items()},
         samples=table.integer("samples", 1, MAX_SAMPLES),
         limits=table.choice("limits", LIMIT_KINDS),
         remounting=table.choice("remount", (INDEPENDENT, COMMON), default=INDEPENDENT),
         name=table.text("name", default=""),
         **{name: table.number(key, 0.0, largest, default=0.0) for name, (key, largest) in _OPTIONAL.items()},
     )
+
+
+def require_stand(stand: Stand, name: str) -> None:
+    """Raise BadInput for a stand of the caller's own making that no stand file could declare; `name`: what errors call
+    it."""
+    for attribute, (_, largest) in (_REQUIRED | _OPTIONAL).items():
+        value = getattr(stand, attribute)
+        if not isinstance(value, Real) or not 0.0 <= float(value) <= largest:
+            raise BadInput(f"{quoted(value)} is not a number from 0 to {largest:g}", name, column=attribute)
+    if not isinstance(stand.samples, Integral) or not 1 <= stand.samples <= MAX_SAMPLES:
+        raise BadInput(f"{quoted(stand.samples)} is not a whole number from 1 to {MAX_SAMPLES}", name, column="samples")
+    for attribute, choices in (("limits", LIMIT_KINDS), ("remounting", (INDEPENDENT, COMMON))):
+        value = getattr(stand, attribute)
+        if value not in choices:
+            raise BadInput(f"{quoted(value)} is not one of {', '.join(choices)}", name, column=attribute)
 
 
 def _block(table: Table) -> dict[str, Any]:

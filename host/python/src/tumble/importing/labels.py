@@ -13,15 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.arrays import Floats, Integers
+from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import quoted
 from tumble.importing import attitudes
-from tumble.importing.hypotheses import Claims, Doubtful
-from tumble.importing.match import TAKEN, Matched
+from tumble.importing.hypotheses import REPEATS, Claims, Doubtful
+from tumble.importing.match import LEFT_OUT, REPEATED, TAKEN, Matched
+from tumble.importing.order import NONE
 from tumble.importing.rests import Rest
 from tumble.schedule import Schedule
 
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
+_ALL = "all"  # key of groups that are numbered through all mountings
 _CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
@@ -38,6 +40,12 @@ class Group:
     angle: str | None
     number: str | None
 
+    @property
+    def text(self) -> str:
+        """What its labels are."""
+        told = (self.mounting, self.position, self.angle, self.number)
+        return ", ".join(quoted(one) for one in told if one is not None)
+
 
 def groups_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[Group]:
     """Rows in a row with the same labels."""
@@ -51,34 +59,151 @@ def groups_of(labels: dict[str, list[str]], file_of_row: Integers) -> list[Group
     ]  # fmt: skip
 
 
+@dataclass(frozen=True)
+class _Way:
+    """One way of giving mountings numbers: `positions` (groups,), which of the groups are `taken`, and how far off its
+    position each is, rad."""
+
+    numbers: dict[str, int]
+    positions: Integers
+    taken: Flags
+    off: Floats
+    fit: attitudes.Fit
+
+
 def match(
     groups: Sequence[Group], rests: Sequence[Rest], schedule: Schedule, claims: Claims, named: dict[str, int]
 ) -> Matched:
     """The position of every group, whose rows are the rest of the same index. `named`: numbers of mountings by name, as
     far as the user says. Raises Doubtful."""
-    keys = _mounting_keys(groups, schedule)
+    kept = np.array([number not in claims.leave_out for number in range(1, len(groups) + 1)], dtype=bool)
+    if not kept.any():
+        raise Doubtful("--leave-out leaves no rest")
+    way = _only_way(_Labelled(groups, rests, schedule, claims, np.flatnonzero(kept)), named)
     means = np.array([rest.mean for rest in rests])
-    fits, faults = [], []
-    for numbers in _ways(list(dict.fromkeys(keys)), schedule, named):
-        try:
-            positions = np.array([_position(g, numbers[key], schedule) for g, key in zip(groups, keys)])
-            off, fit = _held_against_gravity(positions, means, schedule, claims, groups)
-        except Doubtful as fault:
-            faults.append(str(fault))
-            continue
-        fits.append((numbers, positions, off, fit))
-    if not fits:
-        raise Doubtful(min(faults, key=len) if faults else "the labels name more mountings than the schedule has")
-    if len(fits) > 1:
-        both = " and ".join(_told(numbers) for numbers, *_ in fits[:3])
-        raise Doubtful(f"the mountings fit {len(fits)} ways, {both}: --mountings says which")
-    numbers, positions, off, fit = fits[0]
-    spread = float(np.sqrt((off**2).mean()))
-    notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(numbers)}"]
-    present = set(positions.tolist())
+    positions, states = np.full(len(groups), NONE), np.full(len(groups), LEFT_OUT, dtype=object)
+    positions[kept] = np.where(way.taken, way.positions, NONE)
+    states[kept] = np.where(way.taken, TAKEN, REPEATED)
+    distances = np.linalg.norm(way.fit.attitudes(means)[:, None] - attitudes.attitudes_of(schedule).forces, axis=-1)
+    off = distances.min(axis=1)
+    off[kept] = way.off
+    spread = float(np.sqrt((way.off[way.taken] ** 2).mean()))
+    return Matched(positions, tuple(states.tolist()), off, spread, way.fit, _notes(way, schedule, claims))
+
+
+def _notes(way: _Way, schedule: Schedule, claims: Claims) -> tuple[str, ...]:
+    notes = [f"positions: by the labels of the rows, which gravity confirms; mountings {_told(way.numbers)}"]
+    present = set(way.positions.tolist())
     missing = [place.label for index, place in enumerate(schedule.positions) if index not in present]
     notes += [f"no rows at {', '.join(missing)}"] if missing else []
-    return Matched(positions, (TAKEN,) * len(groups), off, spread, fit, tuple(notes))
+    again = [schedule.positions[index].label for index, visits in _visits(way.positions).items() if len(visits) > 1]
+    if again and claims.repeats is not None:
+        notes.append(f"positions that come more than once, {', '.join(again)}: the {claims.repeats} rest is taken")
+    elif again:
+        choice = f"--repeats {'|'.join(REPEATS)} takes one"
+        notes.append(f"positions that come more than once, {', '.join(again)}: all their rests are taken; {choice}")
+    return tuple(notes)
+
+
+@dataclass(frozen=True)
+class _Labelled:
+    """What is matched: all `groups` and `rests`, of which those in `kept` (indices) are not told to be left out."""
+
+    groups: Sequence[Group]
+    rests: Sequence[Rest]
+    schedule: Schedule
+    claims: Claims
+    kept: Integers
+
+    def way(self, keys: Sequence[str], numbers: dict[str, int]) -> _Way:
+        """With these numbers of the mountings that `keys` (kept,) name. Raises Doubtful."""
+        groups = [self.groups[index] for index in self.kept]
+        positions = np.array([_position(group, numbers[key], self.schedule) for group, key in zip(groups, keys)])
+        taken = self._taken(positions)
+        return _Way(numbers, positions, taken, *self._held_against_gravity(positions, taken))
+
+    def _taken(self, positions: Integers) -> Flags:
+        """All, or of those at one position the visit that the user chooses."""
+        taken = np.ones(len(positions), dtype=bool)
+        if self.claims.repeats is None:
+            return taken
+        for visits in _visits(positions).values():
+            samples = [sum(self.rests[self.kept[one]].samples for one in visit) for visit in visits]
+            choices = {"first": 0, "last": len(visits) - 1, "longest": int(np.argmax(samples))}
+            taken[list(itertools.chain(*visits))] = False
+            taken[visits[choices[self.claims.repeats]]] = True
+        return taken
+
+    def _held_against_gravity(self, positions: Integers, taken: Flags) -> tuple[Floats, attitudes.Fit]:
+        """How far off its position each kept group is, rad. Raises Doubtful where labels and gravity disagree."""
+        known = attitudes.attitudes_of(self.schedule)
+        forces = known.forces[known.of_position[positions]]
+        means = np.array([self.rests[index].mean for index in self.kept])
+        fit = attitudes.fitted(forces[taken], means[taken])
+        if fit is None:
+            raise Doubtful(
+                f"{len(set(positions[taken].tolist()))} positions do not show scale and bias of every channel: give "
+                "the recordings of all mountings together"
+            )
+        signs = self.claims.signs or tuple(1 if own >= 0 else -1 for own in np.diag(fit.k))
+        own = np.diag(fit.k) * np.array(signs)
+        cross = np.abs(fit.k - np.diag(np.diag(fit.k))).max(axis=1)
+        if not (own > 0.0).all() or not (cross <= _CROSS * own).all():
+            raise Doubtful(
+                "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
+                "mountings or positions exchanged, or columns (--columns ux=...)? "
+            )
+        off: Floats = np.linalg.norm(fit.attitudes(means) - forces, axis=1)
+        judged = taken & np.array([index + 1 not in self.claims.take for index in self.kept], dtype=bool)
+        worst = int(np.where(judged, off, 0.0).argmax())
+        if judged[worst] and off[worst] > min(self.claims.tolerance, 0.4 * known.apart):
+            label, number = self.schedule.positions[positions[worst]].label, int(self.kept[worst]) + 1
+            raise Doubtful(
+                f"rest {number} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
+                f"correct its label, or delete its rows; --leave-out {number} goes on without, --take {number} takes it"
+            )
+        return off, fit
+
+
+def _visits(positions: Integers) -> dict[int, list[list[int]]]:
+    """By position, the stretches of groups that are at it with no other position between."""
+    found: dict[int, list[list[int]]] = {}
+    for position, visit in itertools.groupby(range(len(positions)), key=lambda index: int(positions[index])):
+        found.setdefault(position, []).append(list(visit))
+    return found
+
+
+def require_names(named: dict[str, int], there: Sequence[str], schedule: Schedule) -> None:
+    """Raise Doubtful where the user names a mounting that the rows do not, or gives one a number that is not there.
+    `there`: the names of the rows, empty where they have none."""
+    numbers = [mounting.number for mounting in schedule.mountings]
+    for name, number in named.items():
+        if not there:
+            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here, for the rows do not name any")
+        if name not in there:
+            listed = ", ".join(map(quoted, there))
+            raise Doubtful(f"--mountings: {quoted(name)} is no mounting here; there are {listed}")
+        if number not in numbers:
+            known = ", ".join(map(str, numbers))
+            raise Doubtful(f"--mountings: the schedule has no mounting {number}; it has {known}")
+
+
+def _only_way(given: _Labelled, named: dict[str, int]) -> _Way:
+    """The numbers of mountings that labels and gravity agree on. Raises Doubtful."""
+    keys = _mounting_keys([given.groups[index] for index in given.kept], given.schedule)
+    require_names(named, [key for key in dict.fromkeys(keys) if key != _ALL], given.schedule)
+    found, faults = [], []
+    for numbers in _ways(list(dict.fromkeys(keys)), given.schedule, named):
+        try:
+            found.append(given.way(keys, numbers))
+        except Doubtful as fault:
+            faults.append(str(fault))
+    if not found:
+        raise Doubtful(min(faults, key=len) if faults else "the labels name more mountings than the schedule has")
+    if len(found) > 1:
+        both = " and ".join(_told(one.numbers) for one in found[:3])
+        raise Doubtful(f"the mountings fit {len(found)} ways, {both}: --mountings says which")
+    return found[0]
 
 
 def _told(numbers: dict[str, int]) -> str:
@@ -90,7 +215,7 @@ def _mounting_keys(groups: Sequence[Group], schedule: Schedule) -> list[str]:
     if groups[0].mounting is not None:
         return [str(group.mounting) for group in groups]
     if groups[0].number is not None or _has_running_numbers(groups, schedule):
-        return ["all"] * len(groups)
+        return [_ALL] * len(groups)
     if len({group.file for group in groups}) > 1:
         return [f"file{group.file + 1}" for group in groups]
     keys, part, before = [], 1, -np.inf
@@ -113,8 +238,8 @@ def _has_running_numbers(groups: Sequence[Group], schedule: Schedule) -> bool:
 def _ways(keys: list[str], schedule: Schedule, named: dict[str, int]) -> Iterator[dict[str, int]]:
     """Numbers of mountings by key: what is said, else the schedule's own numbers, else every way."""
     numbers = [mounting.number for mounting in schedule.mountings]
-    if keys == ["all"]:
-        yield {"all": 0}
+    if keys == [_ALL]:
+        yield {_ALL: 0}
         return
     own = {key: int(key) for key in keys if re.fullmatch(r"\d{1,3}", key) and int(key) in numbers}
     if set(own) == set(keys) and not named:
@@ -165,34 +290,3 @@ def _running(group: Group, schedule: Schedule) -> int:
             "another schedule? (--schedule)"
         )
     return int(value) - 1
-
-
-def _held_against_gravity(
-    positions: Integers, means: Floats, schedule: Schedule, claims: Claims, groups: Sequence[Group]
-) -> tuple[Floats, attitudes.Fit]:
-    """How far off its position each group is, rad. Raises Doubtful where labels and gravity disagree."""
-    known = attitudes.attitudes_of(schedule)
-    forces = known.forces[known.of_position[positions]]
-    fit = attitudes.fitted(forces, means)
-    if fit is None:
-        raise Doubtful(
-            f"{len(set(positions.tolist()))} positions do not show scale and bias of every channel: give the "
-            "recordings of all mountings together"
-        )
-    signs = claims.signs or tuple(1 if own >= 0 else -1 for own in np.diag(fit.k))
-    own = np.diag(fit.k) * np.array(signs)
-    cross = np.abs(fit.k - np.diag(np.diag(fit.k))).max(axis=1)
-    if not (own > 0.0).all() or not (cross <= _CROSS * own).all():
-        raise Doubtful(
-            "as the rows are labelled, channels feel other axes than their own, or with other signs than told: are "
-            "mountings or positions exchanged, or columns (--columns ux=...)? "
-        )
-    off = np.linalg.norm(fit.attitudes(means) - forces, axis=1)
-    worst = int(off.argmax())
-    if off[worst] > min(claims.tolerance, 0.4 * known.apart):
-        label = schedule.positions[positions[worst]].label
-        raise Doubtful(
-            f"group {worst + 1} is labelled {label}, and gravity is {np.rad2deg(off[worst]):.3g} deg off there: "
-            "correct its label, or delete its rows"
-        )
-    return off, fit

@@ -18,6 +18,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput
+from tumble.files.csv_rows import LARGEST_OUTPUT
 
 _LINE = re.compile(rb"[#%](RAWIMU(S?)(X?)A,[^;*#%]*;([^*#%]*))\*([0-9a-fA-F]{8})")
 _START = re.compile(rb"[#%]RAWIMUS?X?A,")
@@ -75,4 +76,5 @@ def _row(found: re.Match[bytes]) -> tuple[float, float, float, float] | None:
         week, second, z, minus_y, x = (float(fields[place]) for place in (0, 1, 3, 4, 5))
     except (ValueError, IndexError):
         return None
-    return week * _WEEK_S + second, x, -minus_y, z
+    row = week * _WEEK_S + second, x, -minus_y, z
+    return row if all(abs(value) <= LARGEST_OUTPUT for value in row) else None

@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from tumble.arrays import Floats, Integers
-from tumble.errors import BadInput, UsageError
+from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
@@ -70,6 +71,15 @@ class Imported:
         """By the files or the user, not assumed."""
         return all(one.unit_told for one in self.recordings)
 
+    @cached_property
+    def temperatures_c(self) -> Floats | None:
+        """Of all rows, NaN where it is not known; None where no file tells it."""
+        parts = [
+            np.full(len(one.outputs), np.nan) if one.temperatures_c is None else one.temperatures_c
+            for one in self.recordings
+        ]
+        return None if all(one.temperatures_c is None for one in self.recordings) else np.concatenate(parts)
+
     def sha256(self) -> list[str]:
         """Of each file's bytes."""
         return [hashlib.sha256(one.data).hexdigest() for one in self.recordings]
@@ -89,25 +99,44 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
     file_of_row = np.repeat(np.arange(len(files)), lengths)
     seconds, interval, gaps = _joined_clocks(recordings)
     found = find_rests(outputs, gaps, interval, settings.thresholds)
-    settings.claims.require_rests(len(found.rests))
-    names = set.intersection(*(set(one.labels) for one in recordings))
-    labelled = bool(names & {"position", "angle", "number"})
+    texts, same = _telling(recordings, schedule, settings.mountings)
+    labelled = bool(texts.keys() - {"mounting"})
     try:
         if labelled:
-            groups, rests, lost = _labelled_rests(recordings, names, outputs, file_of_row, found, interval)
+            groups, rests, lost = _labelled_rests(texts, outputs, file_of_row, found, interval)
+            settings.claims.require_rests(len(rests))
             matched = labels.match(groups, rests, schedule, settings.claims, settings.mountings)
             matched = replace(matched, notes=(*matched.notes, *lost))
         else:
             rests = list(found.rests)
+            settings.claims.require_rests(len(rests))
             matched = _matched(rests, schedule, settings)
-            _require_one_name_a_mounting(recordings, names, rests, matched, schedule)
+            names = texts.get("mounting", [])
+            _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
         raise BadInput(str(doubt), files[0]) from None
-    notes = _notes(recordings, settings, found, interval, labelled) + list(matched.notes)
+    notes = _notes(recordings, settings, found, interval, labelled) + same + list(matched.notes)
     return Imported(
         tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
         tuple(notes),
     )  # fmt: skip
+
+
+def _telling(
+    recordings: Sequence[Recording], schedule: Schedule, told: dict[str, int]
+) -> tuple[dict[str, list[str]], list[str]]:
+    """The labels (by name, a text for each row) that all recordings have, without those that are the same in every row
+    and tell nothing; and sentences on these. `told`: names of mountings that the user says numbers of."""
+    names = set.intersection(*(set(one.labels) for one in recordings))
+    texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
+    meant = set(texts.get("mounting", [])) if len(schedule.mountings) == 1 else set(told)
+    same = {
+        name: rows[0]
+        for name, rows in texts.items()
+        if len(set(rows)) == 1 and not (name == "mounting" and rows[0] in meant)
+    }
+    notes = [f"{name}: {quoted(text)} in every row, which tells nothing: not read" for name, text in same.items()]
+    return {name: rows for name, rows in texts.items() if name not in same}, notes
 
 
 def _joined_clocks(recordings: Sequence[Recording]) -> tuple[Floats | None, float | None, Integers]:
@@ -173,8 +202,7 @@ def _explained(matched: Matched) -> int:
 
 
 def _labelled_rests(
-    recordings: Sequence[Recording],
-    names: set[str],
+    texts: dict[str, list[str]],
     outputs: Floats,
     file_of_row: Integers,
     found: Found,
@@ -182,15 +210,14 @@ def _labelled_rests(
 ) -> tuple[list[labels.Group], list[Rest], list[str]]:
     """Groups of rows with the same labels, and of each the rows that are at rest: with a clock, the longest rest in it;
     without one, all."""
-    texts = {name: [text for one in recordings for text in one.labels[name]] for name in sorted(names)}
     groups, rests, lost = [], [], []
-    for number, group in enumerate(labels.groups_of(texts, file_of_row), 1):
+    for group in labels.groups_of(texts, file_of_row):
         inside = [(max(r.begin, group.begin), min(r.end, group.end)) for r in found.rests]
         inside = [(begin, end) for begin, end in inside if end - begin >= _FEWEST_ROWS_IN_BLOCK]
         if interval is None or group.end - group.begin < 4 * found.block:
             inside = [(group.begin, group.end)]
         if not inside:
-            lost.append(f"group {number} of rows with the same labels is never at rest: left out")
+            lost.append(f"rows labelled {group.text} are never at rest: left out")
             continue
         begin, end = max(inside, key=lambda part: part[1] - part[0])
         groups.append(group)
@@ -201,18 +228,19 @@ def _labelled_rests(
 
 
 def _require_one_name_a_mounting(
-    recordings: Sequence[Recording], names: set[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule
+    texts: Sequence[str], rests: Sequence[Rest], matched: Matched, schedule: Schedule, told: dict[str, int]
 ) -> None:
-    """A column of mountings beside a continuous recording: a name for each mounting. Raises Doubtful."""
-    if "mounting" not in names:
-        return
-    texts = [text for one in recordings for text in one.labels["mounting"]]
+    """A column of mountings beside a continuous recording, `texts` by row: a name for each mounting, the one that is
+    `told`; empty: there is none. Raises Doubtful."""
+    labels.require_names(told, list(dict.fromkeys(texts)), schedule)
     known: dict[str, tuple[int, int]] = {}
     for number, (rest, position) in enumerate(zip(rests, matched.positions), 1):
-        if position == NONE:
+        if position == NONE or not texts:
             continue
         mounting = schedule.positions[position].mounting
         name = texts[(rest.begin + rest.end) // 2]
+        if told.get(name, mounting) != mounting:
+            raise Doubtful(f"rest {number} is in mounting {mounting}, but --mountings says {name!r} is {told[name]}")
         first, other = known.setdefault(name, (mounting, number))
         if first != mounting:
             raise Doubtful(

@@ -2,7 +2,7 @@
 
 [import]      schedule, order, signs ("++-"), repeats, tolerance_deg, rate_hz, time_unit
 [layout]      delimiter, decimal, unit
-[columns]     ux, uy, uz, time, mounting, position, angle, number: names in the file
+[columns]     ux, uy, uz, time, mounting, position, angle, number, temperature: names in the file
 [thresholds]  window_s, min_rest_s, window_samples, min_rest_samples, still, drift
 [mountings]   numbers by name
 
@@ -24,7 +24,7 @@ from tumble.importing.clock import UNITS
 from tumble.importing.hypotheses import REPEATS, Claims
 from tumble.importing.order import ANY, SCHEDULE
 from tumble.importing.pipeline import Settings
-from tumble.importing.recording import OPTIONAL, OUTPUTS, Timing
+from tumble.importing.recording import COLUMNS, Timing
 from tumble.importing.rests import Thresholds
 
 _LARGEST = 1e6
@@ -38,7 +38,7 @@ def read(file: str) -> Settings:
         "schedule", "order", "signs", "repeats", "tolerance_deg", "rate_hz", "time_unit"
     )
     layout = (top.table("layout") or Table(file, {}, ("layout",), {})).only("delimiter", "decimal", "unit")
-    columns = (top.table("columns") or Table(file, {}, ("columns",), {})).only(*OUTPUTS, *OPTIONAL)
+    columns = (top.table("columns") or Table(file, {}, ("columns",), {})).only(*COLUMNS)
     mountings = top.table("mountings")
     tolerance = main.number("tolerance_deg", 0.01, 45.0, default=None)
     claims = Claims(
@@ -68,7 +68,7 @@ def _thresholds(table: Table | None) -> Thresholds:
     if table is None:
         return Thresholds()
     table.only(*(one.name for one in fields(Thresholds)))
-    found = {}
+    found: dict[str, object] = {f"{name}_samples": None for name in ("window", "min_rest") if f"{name}_s" in table.keys}
     for one in fields(Thresholds):
         if one.name in table.keys:
             whole = one.name.endswith("_samples")

@@ -13,10 +13,12 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
+from tumble.files.csv_rows import LARGEST_OUTPUT
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
     NUMBER,
+    TEMPERATURE,
     Layout,
     Wishes,
     decoded,
@@ -28,12 +30,15 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
+from tumble.files.run_temperature import range_of, temperatures_of_rows
+from tumble.files.tables import SUFFIXES, suffix_of
 from tumble.importing import clock, novatel
 from tumble.importing.clock import Clock
 
 OUTPUTS = ("ux", "uy", "uz")
 LABELS = ("mounting", "position", "angle", "number")
 OPTIONAL = ("time", *LABELS)
+COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
 SPACE = " "
 _MOST_LABELS = 256  # different running numbers: more count samples
 _LOST = {"", "nan", "-", "null", "none", "n/a"}
@@ -42,7 +47,8 @@ _LOST = {"", "nan", "-", "null", "none", "n/a"}
 @dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
-    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences."""
+    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `temperatures_c` (rows,): NaN
+    where it is not known, None where no row tells it; `notes`: sentences."""
 
     file: str
     outputs: Floats
@@ -51,6 +57,7 @@ class Recording:
     unit_told: bool
     clock: Clock | None
     labels: dict[str, list[str]]
+    temperatures_c: Floats | None
     notes: tuple[str, ...]
     data: bytes
 
@@ -65,6 +72,10 @@ class Timing:
 
 def read(file: str, wishes: Wishes, timing: Timing) -> Recording:
     """Read one file. Raises BadInput with file, row and column."""
+    if suffix_of(file) in SUFFIXES:
+        raise BadInput(
+            "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
+        )
     data = read_bytes(file)
     require_text(data, file)
     return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
@@ -77,7 +88,7 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
         notes.append(f"left out: {log.damaged} messages that are damaged, {log.others} lines of something else")
     told = _clock_of(log.seconds, "time s", timing, file)
     return Recording(
-        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
+        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, None, (*notes, *told.notes), data
     )
 
 
@@ -102,9 +113,10 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
     labels = _labels(rows)
     if "number" in rows.texts and "number" not in labels:
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
+    felt, about_temperature = _temperatures(data, layout, rows, file)
     return Recording(
-        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels,
-        (*notes, *(told.notes if told else ())), own,
+        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels, felt,
+        (*notes, *(told.notes if told else ()), *about_temperature), own,
     )  # fmt: skip
 
 
@@ -154,8 +166,21 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
         unit = wishes.unit or detect_unit(units, file, row)
         told = layout.unit_told or unit is not None
         note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
-        return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told), [note]
+        felt = layout.temperature
+        if felt is not None and not felt.unit and fields[felt.index].lower() not in _LOST:
+            felt = replace(felt, unit=fields[felt.index].strip("[]()"))
+        return replace(layout, header_row=row, unit=unit or layout.unit, unit_told=told, temperature=felt), [note]
     return layout, []
+
+
+def _temperatures(data: bytes, layout: Layout, rows: _Rows, file: str) -> tuple[Floats | None, tuple[str, ...]]:
+    """Of the rows that are kept, and sentences about them. Raises BadInput where the user names a column of others."""
+    kept = set(rows.lines.tolist())
+    lines = ((row, line) for row, line in body_of(data, layout) if row in kept)
+    found, odd = temperatures_of_rows(lines, layout, file)
+    if (known := range_of(found)) is None or layout.temperature is None:
+        return None, odd
+    return found, (f"temperature: of column {quoted(layout.temperature.name)}, {known.text}",)
 
 
 def _read_rows(
@@ -166,7 +191,7 @@ def _read_rows(
     if not set(columns) - {"time"}:
         indices = (*layout.indices, *([] if time is None else [time]))
         plain = read_plain(data, replace(layout, indices=indices))
-        if plain is not None and np.isfinite(plain[0]).all():
+        if plain is not None and (np.abs(plain[0]) <= LARGEST_OUTPUT).all():
             values, lines, _ = plain
             return _Rows(values[:, :3], lines, None if time is None else values[:, 3], {}, 0)
     return _read_carefully(data, layout, names, columns, time, file)
@@ -219,6 +244,8 @@ def _number(text: str, layout: Layout, file: str, row: int, name: str) -> float 
             f" (its decimal mark? see --decimal {other})" if other in text else "; begin the row with # to leave it out"
         )
         raise BadInput(f"{quoted(text)} is not a number{hint}", file, row, name)
+    if abs(float(pointed)) > LARGEST_OUTPUT:
+        raise BadInput(f"{quoted(text)} is out of range", file, row, name)
     return float(pointed)
 
 
@@ -235,6 +262,10 @@ def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timin
         return None
     if isinstance(rows.time, list):
         return clock.of_texts(rows.time, file, rows.lines)
+    far = ~(np.abs(rows.time) <= LARGEST_OUTPUT)
+    if far.any():
+        row = int(far.argmax())
+        raise BadInput(f"{float(rows.time[row])!r} is out of range", file, int(rows.lines[row]), "time")
     return _clock_of(rows.time, names[columns["time"]], timing, file)
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
+from collections.abc import Callable
 from typing import Any
 
 from tumble._version import __version__
+from tumble.files.run_layout import TEMPERATURE
 from tumble.importing.match import JOINED, LEFT_OUT, NOWHERE, OFF, REPEATED, TAKEN
 from tumble.importing.order import NONE
 from tumble.importing.pipeline import Imported
@@ -82,8 +85,6 @@ def _thresholds(done: Imported) -> list[str]:
 
 
 def _degrees(done: Imported) -> float:
-    import math
-
     return round(math.degrees(done.settings.claims.tolerance), 6)
 
 
@@ -154,18 +155,23 @@ def run_csv(done: Imported) -> str:
     """The run file: the samples at positions, in the order in which they were measured."""
     files = ", ".join(ascii(os.path.basename(one.file))[1:-1] for one in done.recordings)
     unit = f" [{done.unit}]" if done.unit_told else ""
-    timed = done.seconds is not None
+    columns = [("time_s", done.seconds, "{:.6f}"), (TEMPERATURE, done.temperatures_c, "{!r}")]
+    further = [(name, values, text) for name, values, text in columns if values is not None]
+    names = [f"ux{unit}", f"uy{unit}", f"uz{unit}", *(name for name, *_ in further), "rest"]
     lines = [
         f"# tumble import {__version__} of {files}; schedule {os.path.basename(done.settings.schedule_name)}",
-        f"mounting,position,ux{unit},uy{unit},uz{unit}{',time_s' if timed else ''},rest",
+        ",".join(["mounting", "position", *names]),
     ]
     for number, (rest, position) in enumerate(zip(done.rests, done.matched.positions), 1):
         if position == NONE:
             continue
-        place = done.schedule.positions[position]
-        rows = done.outputs[rest.begin : rest.end].tolist()
-        times = [""] * len(rows) if done.seconds is None else [f",{t:.6f}" for t in done.seconds[rest.begin : rest.end]]
-        lines += [
-            f"{place.mounting},{place.number},{x!r},{y!r},{z!r}{time},{number}" for (x, y, z), time in zip(rows, times)
-        ]
+        place, part = done.schedule.positions[position], slice(rest.begin, rest.end)
+        fields = [map(repr, channel) for channel in done.outputs[part].T.tolist()]
+        fields += [map(_written(text), values[part].tolist()) for _, values, text in further]
+        lines += [f"{place.mounting},{place.number},{','.join(row)},{number}" for row in zip(*fields)]
     return "\n".join(lines) + "\n"
+
+
+def _written(text: str) -> Callable[[float], str]:
+    """Numbers as this text; nothing for what is not known."""
+    return lambda value: "" if math.isnan(value) else text.format(value)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
+from tumble.errors import UsageError
 from tumble.files.run_blocks import smallest_step
 
 _PER_WINDOW = 4  # blocks
@@ -33,15 +34,15 @@ _STEPS = 0.5  # noise is no less than this part of the converter's step: the sca
 @dataclass(frozen=True)
 class Thresholds:
     """What is called a rest. `window_s`, `min_rest_s`: seconds, or without a clock samples are counted instead
-    (`window_samples`, `min_rest_samples`). `still`: scatter within a window, in units of the noise; `drift`: range of
-    the means of its blocks, in units of their noise."""
+    (`window_samples`, `min_rest_samples`; None: what was said counts none). `still`: scatter within a window, in units
+    of the noise; `drift`: range of the means of its blocks, in units of their noise."""
 
     window_s: float = 0.4
     min_rest_s: float = 0.6
     still: float = 2.5
     drift: float = 8.0
-    window_samples: int = 40
-    min_rest_samples: int = 60
+    window_samples: int | None = 40
+    min_rest_samples: int | None = 60
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class _Blocks:
 
 def find_rests(outputs: Floats, gaps: Integers, interval_s: float | None, thresholds: Thresholds) -> Found:
     """Rests of `outputs` (rows, 3). `gaps`: rows before which time is missing; `interval_s`: between two rows, None if
-    unknown."""
+    unknown. Raises UsageError for lengths that count no samples then."""
     block, guard, fewest = _lengths(interval_s, thresholds)
     blocks = _blocks(outputs, gaps, block)
     nothing = Found((), np.zeros(3), np.zeros(3), np.zeros(3), block)
@@ -132,13 +133,23 @@ def rest_of(outputs: Floats, begin: int, end: int, block: int, rounding: Floats)
 
 
 def _lengths(interval_s: float | None, thresholds: Thresholds) -> tuple[int, int, int]:
-    """Samples of a block, blocks to be left out at each end of a rest, and the fewest samples of a rest."""
-    interval = interval_s or 1.0
-    window = thresholds.window_samples if interval_s is None else thresholds.window_s
-    rest = thresholds.min_rest_samples if interval_s is None else thresholds.min_rest_s
+    """Samples of a block, blocks to be left out at each end of a rest, and the fewest samples of a rest. Raises
+    UsageError."""
+    interval, window, rest = interval_s or 1.0, thresholds.window_s, thresholds.min_rest_s
+    if interval_s is None:
+        window = _counted(thresholds.window_samples, "--window", window)
+        rest = _counted(thresholds.min_rest_samples, "--min-rest", rest)
     block = max(round(window / interval / _PER_WINDOW), _FEWEST_IN_BLOCK)
     guard = max(round(window / interval / 2 / block), 1)
     return block, guard, max(math.ceil(rest / interval), _FEWEST_IN_BLOCK)
+
+
+def _counted(samples: int | None, option: str, told: float) -> float:
+    if samples is None:
+        raise UsageError(
+            f"{option} {told:g}: without a clock it counts samples, a whole number; --rate HZ gives seconds"
+        )
+    return float(samples)
 
 
 def _blocks(outputs: Floats, gaps: Integers, length: int) -> _Blocks:

@@ -14,7 +14,7 @@ from tumble.reference.optimal import OptimalEstimate, optimal, optimal_covarianc
 from tumble.reference.schedules import built_in, paper_schedule
 from tumble.reference.seat import unseen_tilt
 from tumble.reference.stand_seen import RunSeen, pooled_noise
-from tumble.reference.uncertainty import by_coefficient, covariance, standard_uncertainties
+from tumble.reference.uncertainty import by_coefficient, covariance
 from tumble.reference.unseen import unseen_patterns
 from tumble.reference.verification import closure, gravity_errors, intrinsic, residual_rms
 
@@ -40,7 +40,6 @@ __all__ = [
     "paper_schedule",
     "pooled_noise",
     "residual_rms",
-    "standard_uncertainties",
     "unseen_patterns",
     "unseen_tilt",
 ]

@@ -147,18 +147,6 @@ def covariance(
     return joint(coefficients, sources(schedule, k, stand, samples, mean_variance))
 
 
-def standard_uncertainties(
-    schedule: Schedule,
-    k: Floats,
-    stand: Stand,
-    samples: Integers,
-    estimator: str,
-    mean_variance: Floats | None = None,
-) -> tuple[Floats, Floats]:
-    """u_K (3, 3) and u_U0 (3,) of an estimate: the roots of the diagonal of its covariance."""
-    return by_coefficient(covariance(schedule, k, stand, samples, estimator, mean_variance))
-
-
 def by_coefficient(covariance: Floats) -> tuple[Floats, Floats]:
     """u_K (3, 3) and u_U0 (3,) of a covariance of the twelve coefficients, and of further unknowns behind them."""
     u = np.sqrt(np.diag(covariance))

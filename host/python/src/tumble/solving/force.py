@@ -4,8 +4,9 @@ The model (tumble.terms) is U = F(a) with
 
     F_i(a) = U0_i + sum_j K_ij a_j + K_ii (K2_i a_i^2 + K3_i a_i^3)
 
-Without K2 and K3 a = K^-1 (U - U0). With them it is found from there by Newton's method. Coefficients that are off by
-dc show a force that is off by da = -J^-1 (dF/dc) dc to first order, with J = dF/da; so the covariance of the
+Without K2 and K3 a = K^-1 (U - U0). With them it is found from there by Newton's method, a - J^-1 (F(a) - U) with
+J = dF/da; what is exported to C and MATLAB (cli.newton) does the same, PASSES times. Coefficients that are off by
+dc show a force that is off by da = -J^-1 (dF/dc) dc to first order; so the covariance of the
 coefficients gives that of the force, and of its length by the direction of a.
 """
 
@@ -17,6 +18,7 @@ from tumble.arrays import Flags, Floats
 from tumble.solving.coefficients import Coefficients
 from tumble.terms import POWERS
 
+PASSES = 12  # for whoever does not look whether it moves: each doubles the digits, once the root is near
 _STEPS = 50
 _CLOSE = 1e-13  # of the largest component, or of one unit
 _AT_ONCE = 1 << 15  # samples: what an uncertainty needs for one is 100 numbers

@@ -34,6 +34,7 @@ from tumble.stand import COMMON, Stand, rounding_of
 NOISE_FLOOR_G = 1e-9  # times the largest element of K: the noise of a mean never counts as less
 UNEQUAL = "no optimal weights: the stand's errors are too large, or too unequal, to compute with"
 _LARGEST_SIGMA = 1e100
+_LARGEST_DRIFT = 1e12  # times the noise of a mean: weights let a drift through by some 1e-16 of it, their rounding
 _REMEMBERED = 64  # schedules: a plan asks for the same one thousands of times
 _LARGEST_LOSS = 1e-5  # of bias and of spread to rounding, before weights are refused
 
@@ -117,6 +118,7 @@ def optimal_table(
     _require_rank(schedule)
     k = np.asarray(k, dtype=float)
     sigma_mean, floored = mean_sigma(k, stand, step, stand.samples if samples is None else samples)
+    _require_drift(stand.sigma("drift") / sigma_mean)
     shared, angle = shared_sigmas(schedule, stand), stand.sigma("angle")
     model = linearise(schedule)
     by_unknown = design(model) if further is None else np.hstack([design(model), further])
@@ -136,6 +138,13 @@ def optimal_table(
     seats = len(schedule.mountings) if stand.declares_seat else 0
     counts = yaws_of(schedule, stand), seats, *_waves_and_drifts(stand)
     return OptimalTable(k, beta, nuisance_gains, *counts, shared, angle, sigma_mean, u, floored)
+
+
+def _require_drift(size: float) -> None:
+    """Raise UsageError for a drift of more than so many times the noise of a mean."""
+    if not size <= _LARGEST_DRIFT:
+        said = f"drift_v is {size:.2g} times the noise of a mean, above {_LARGEST_DRIFT:g}"
+        raise UsageError(f"no optimal weights: {said}")
 
 
 def standard_deviations(schedule: Schedule, weights: Floats, k: Floats, stand: Stand, sigma_mean: float) -> Floats:

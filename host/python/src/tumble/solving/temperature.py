@@ -13,6 +13,7 @@ from tumble.files.run_file import Run
 from tumble.files.run_temperature import OF_ENVIRONMENT, Temperatures
 
 TOLERANCE_C = 1.0  # what thermometers and the inside of a block differ by
+FAR_C = 10.0  # blocks change by some 1e-4 a kelvin: this is 1e-3, and no warming-up of a block in its room
 
 
 def in_environment(run: Run, environment: Mapping[str, Any] | None) -> Run:
@@ -21,6 +22,22 @@ def in_environment(run: Run, environment: Mapping[str, Any] | None) -> Run:
     if run.temperature is not None or told is None:
         return run
     return replace(run, temperature=Temperatures(float(told), float(told), OF_ENVIRONMENT))
+
+
+def spanned(run: Run) -> str | None:
+    """A warning that the run has no one temperature; None where it has."""
+    found = run.temperature
+    if found is None or found.high_c - found.low_c <= FAR_C:
+        return None
+    return f"the run was measured at {found.text}: its coefficients are those of no one temperature"
+
+
+def contradicted(run: Run, environment: Mapping[str, Any] | None) -> str | None:
+    """A warning that the file of a run and the stand file's [environment] do not tell of the same day."""
+    found, told = run.temperature, (environment or {}).get("temperature_c")
+    if found is None or told is None or found.low_c - FAR_C <= told <= found.high_c + FAR_C:
+        return None
+    return f"the run says {found.text}, temperature_c of the stand file {told:.3g}: that of the run counts"
 
 
 def document(run: Run) -> dict[str, Any] | None:

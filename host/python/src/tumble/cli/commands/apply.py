@@ -9,12 +9,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import layout_options, options
-from tumble.errors import EXIT_PASS, UsageError, file_name, quoted
+from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 
 if TYPE_CHECKING:
     from tumble.api.result import Result
-    from tumble.files.calibrated import Demand
+    from tumble.files.calibrated import Demand, Seen
 
 _IN_MEMORY = 1 << 24  # bytes of output, before they go to a temporary file
 
@@ -53,11 +53,16 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.api.applying import demand_of
     from tumble.api.result import load
     from tumble.files.calibrated import OUTPUTS
-    from tumble.files.disk import written
-    from tumble.files.tables import PARQUET, suffix_of
+    from tumble.files.disk import together
+    from tumble.files.run_layout import TEMPERATURE
+    from tumble.files.tables import PARQUET, SUFFIXES, suffix_of
 
-    wishes = replace(layout_options.wishes(arguments, OUTPUTS, has_unit=False), wanted=OUTPUTS)
+    told = layout_options.wishes(arguments, (*OUTPUTS, TEMPERATURE), has_unit=False)
+    wishes = replace(told, wanted=OUTPUTS)
     targets = _targets(arguments)
+    for file in arguments.data:
+        if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
+            raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)", file)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
     result = load(arguments.result)
     force = result.force(arguments.unit, arguments.uncertainty)
@@ -78,9 +83,10 @@ def run(arguments: argparse.Namespace) -> int:
             spooled.seek(0)
             shutil.copyfileobj(spooled, sys.stdout.buffer)
             sys.stdout.buffer.flush()
-    for target in dict.fromkeys(filter(None, targets)):
-        with written(target) as out:
-            _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
+    with together() as them:
+        for target in dict.fromkeys(filter(None, targets)):
+            with them.written(target) as out:
+                _calibrate([file for file, its in zip(arguments.data, targets) if its == target], out, demand, known_c)
     _beware(result, arguments.result)
     return EXIT_PASS
 
@@ -101,9 +107,11 @@ def _targets(arguments: argparse.Namespace) -> list[str]:
 
 def _beware(result: Result, file: str) -> None:
     """What whoever uses the calibrated data should know, on stderr."""
+    from tumble.api.complaints import complaints_of_document
+    from tumble.files.documents import read_coefficients
     from tumble.solving.assumptions import phrase
 
-    for warning in result.warnings:
+    for warning in complaints_of_document(read_coefficients(file)):
         tell(f"tumble: warning: {file_name(file)}: {warning}")
     if result.assumes:
         tell(f"tumble: notice: {file_name(file)}: {phrase(result.assumes).removeprefix(', ')}")
@@ -114,18 +122,19 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
     from tumble.files.calibrated import CsvData, calibrate_parquet
     from tumble.files.disk import opened
     from tumble.files.tables import PARQUET, suffix_of
-    from tumble.solving.temperature import outside
 
     first: Any = None
     last = b"\n"
     for file in files:
         if suffix_of(file) in PARQUET:
-            _tell_of_names(calibrate_parquet(file, out, demand), file)
+            seen = calibrate_parquet(file, out, demand)
+            _tell_of_names(seen.renamed, file)
+            _tell_of_temperatures(seen, known_c, file)
             continue
         with opened(file) as stream:
             data = CsvData(stream, file, demand)
             if first is None:
-                _tell_of_names(data.renamed, file)
+                _tell_of_names(data.seen.renamed, file)
                 out.write(data.header)
             else:
                 data.require_header_of(first)
@@ -134,10 +143,14 @@ def _calibrate(files: list[str], out: BinaryIO, demand: Demand, known_c: dict[st
             for piece in data.rows():
                 out.write(piece)
                 last = piece[-1:] or last
-            for odd in data.passed_over:
-                tell(f"tumble: warning: {file_name(file)}: {odd}")
-            if (told := outside(known_c, data.temperatures_c)) is not None:
-                tell(f"tumble: warning: {file_name(file)}: {told}")
+            _tell_of_temperatures(data.seen, known_c, file)
+
+
+def _tell_of_temperatures(seen: Seen, known_c: dict[str, Any] | None, file: str) -> None:
+    from tumble.api.applying import doubts
+
+    for odd in doubts(seen, known_c):
+        tell(f"tumble: warning: {file_name(file)}: {odd}")
 
 
 def _tell_of_names(renamed: dict[str, str], file: str) -> None:

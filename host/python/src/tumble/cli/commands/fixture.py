@@ -157,7 +157,7 @@ def _views(
     from tumble.fixture.judge import RunView
     from tumble.solving import plausibility
     from tumble.solving.solution import solve
-    from tumble.solving.temperature import in_environment
+    from tumble.solving.temperature import contradicted, in_environment, spanned
 
     planned = schedule or CoreSchedule.built_in("paper")
     if (count := len(planned.data.mountings)) > MAX_YAWS:
@@ -169,9 +169,11 @@ def _views(
         if views and run.unit != views[0].solution.run.unit:
             raise BadInput(f"outputs in {run.unit}, those of the runs before in {views[0].solution.run.unit}", file)
         odd_rows = run_rows.require(run, core_schedule.data, stand_file, file)
+        about_temperature = filter(None, (contradicted(run, stand_file.environment), spanned(run)))
         run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
         odd = (*odd_rows, *plausibility.require(solution, stand_file, file), *plausibility.unchecked(solution))
+        odd += tuple(about_temperature)
         warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
         views.append(RunView.of(solution, core_schedule, file))
     return views, warnings

@@ -14,6 +14,7 @@ from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
+    from tumble.importing.attitudes import Signs
     from tumble.importing.hypotheses import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
@@ -64,7 +65,7 @@ def add_to(subparsers: options.Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
-    from tumble.files.disk import refuse_overwriting, write_bytes, write_text
+    from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import plot, recipe, report
@@ -79,33 +80,33 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         plot.require_format(arguments.plot)
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
-    settings = _settings(arguments, replayed)
+    signs, about_signs = _told_signs(arguments)
+    settings = _settings(arguments, replayed, signs)
     schedule = read_schedule(settings.schedule_name).data
     done = import_recordings(arguments.recordings, schedule, settings)
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
-    if arguments.stand is not None:
-        remarks.append(f"signs of K: of scale_v_per_g in {os.path.basename(arguments.stand)}")
-    done = replace(done, notes=(*remarks, *done.notes))
-    drawn = None if arguments.plot is None else plot.picture(done, arguments.plot)
+    done = replace(done, notes=(*remarks, *about_signs, *done.notes))
     text = to_json(report.document(done)) if arguments.json else report.text(done)
+    files: dict[str, bytes] = {}
     if arguments.out is not None:
-        write_text(arguments.out, report.run_csv(done))
-    if drawn is not None:
-        write_bytes(arguments.plot, drawn)
+        files[arguments.out] = report.run_csv(done).encode()
+    if arguments.plot is not None:
+        files[arguments.plot] = plot.picture(done, arguments.plot)
     if arguments.recipe is not None and not replayed:
-        write_text(arguments.recipe, recipe.to_toml(settings))
+        files[arguments.recipe] = recipe.to_toml(settings).encode()
+    write_all(files)
     sys.stdout.write(text)
     return EXIT_PASS
 
 
-def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
-    """The recipe's, or the usual ones, with what the options say. Raises TumbleError."""
+def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None) -> Settings:
+    """The recipe's, or the usual ones, with what the options say, and the `signs` that they say. Raises TumbleError."""
     from tumble.importing import recipe
     from tumble.importing.pipeline import Settings
-    from tumble.importing.recording import OPTIONAL, OUTPUTS, Timing
+    from tumble.importing.recording import COLUMNS, Timing
 
     base = recipe.read(arguments.recipe) if replayed else Settings()
-    told = layout_options.wishes(arguments, (*OUTPUTS, *OPTIONAL))
+    told = layout_options.wishes(arguments, COLUMNS)
     wishes = replace(
         base.wishes,
         columns=base.wishes.columns | told.columns,
@@ -120,13 +121,13 @@ def _settings(arguments: argparse.Namespace, replayed: bool) -> Settings:
         wishes=wishes,
         timing=Timing(rate, arguments.time_unit or base.timing.unit),
         thresholds=_thresholds(arguments, base.thresholds),
-        claims=_claims(arguments, base.claims),
+        claims=_claims(arguments, base.claims, signs or base.claims.signs),
         mountings=mountings,
     )
 
 
 def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
-    said: dict[str, float] = {
+    said: dict[str, float | None] = {
         name: _positive(getattr(arguments, name), f"--{name}")
         for name in ("still", "drift")
         if getattr(arguments, name) is not None
@@ -136,16 +137,11 @@ def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:
         if text is None:
             continue
         value = _positive(text, f"--{option}")
-        said |= {f"{name}_s": value} | ({f"{name}_samples": int(value)} if value >= 1 and value == int(value) else {})
+        said |= {f"{name}_s": value, f"{name}_samples": int(value) if value >= 1 and value == int(value) else None}
     return replace(base, **said)  # type: ignore[arg-type] # samples are whole, the rest are not
 
 
-def _claims(arguments: argparse.Namespace, base: Claims) -> Claims:
-    signs = base.signs
-    if arguments.stand is not None:
-        signs = _signs_of_stand(arguments.stand)
-    if arguments.signs is not None:
-        signs = _parse_signs(arguments.signs)
+def _claims(arguments: argparse.Namespace, base: Claims, signs: Signs | None) -> Claims:
     tolerance = base.tolerance
     if arguments.tolerance is not None:
         tolerance = math.radians(_positive(arguments.tolerance, "--tolerance", 45.0))
@@ -160,17 +156,22 @@ def _claims(arguments: argparse.Namespace, base: Claims) -> Claims:
     )
 
 
-def _signs_of_stand(file: str) -> tuple[int, int, int] | None:
+def _told_signs(arguments: argparse.Namespace) -> tuple[Signs | None, list[str]]:
+    """The signs of K that the options say, and remarks on where they are from; None: they say none."""
     from tumble.files.stand_file import read_stand
 
-    block = read_stand(file).block
-    if block is None:
-        return None
-    sign = 1 if block["scale_v_per_g"] > 0 else -1
-    return sign, sign, sign
+    of_stand, remarks = None, []
+    if arguments.stand is not None:
+        block, name = read_stand(arguments.stand).block, os.path.basename(arguments.stand)
+        if block is None:
+            remarks = [f"signs of K: {name} has no [block], and tells none"]
+        else:
+            sign = 1 if block["scale_v_per_g"] > 0 else -1
+            of_stand, remarks = (sign, sign, sign), [f"signs of K: of scale_v_per_g in {name}"]
+    return (of_stand, remarks) if arguments.signs is None else (_parse_signs(arguments.signs), [])
 
 
-def _parse_signs(text: str) -> tuple[int, int, int]:
+def _parse_signs(text: str) -> Signs:
     if len(text) != 3 or set(text) - {"+", "-"}:
         raise UsageError(f"--signs: {quoted(text)} is not three of + and -, of x, y and z, such as --signs=+-+")
     x, y, z = (1 if sign == "+" else -1 for sign in text)

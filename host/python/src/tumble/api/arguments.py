@@ -1,0 +1,58 @@
+"""What callers say, looked at before it is used: what cannot be meant is a UsageError that names the argument."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Real
+from typing import Any
+
+from tumble.errors import UsageError, quoted
+from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, Wishes, is_delimiter
+from tumble.units import is_unit
+
+
+def wishes_of(
+    columns: Any, unit: Any, delimiter: Any = None, decimal: Any = None, wanted: tuple[str, ...] = COLUMNS
+) -> Wishes:
+    """What a caller says about the layout of data with the `wanted` columns. Raises UsageError."""
+    if delimiter is not None and not is_delimiter(delimiter):
+        raise UsageError(f"delimiter: {quoted(delimiter)} is not a single sign that can separate columns")
+    if decimal is not None and decimal not in DECIMALS:
+        raise UsageError(f"decimal: {quoted(decimal)} is neither a point nor a comma")
+    require_unit(unit, "unit")
+    return Wishes(_names(columns, (*wanted, TEMPERATURE)), delimiter, decimal, unit, wanted)
+
+
+def _names(columns: Any, known: tuple[str, ...]) -> dict[str, str]:
+    if columns is None:
+        return {}
+    if not isinstance(columns, Mapping):
+        raise UsageError(
+            f"columns: a {type(columns).__name__} is no mapping of names, such as {{'{known[0]}': 'Name'}}"
+        )
+    for wanted, name in columns.items():
+        if wanted not in known:
+            raise UsageError(f"columns: {quoted(wanted)} is not one of {', '.join(known)}")
+        if not isinstance(name, str) or not name:
+            raise UsageError(f"columns: {quoted(name)} (for {wanted}) is no name of a column")
+    return dict(columns)
+
+
+def require_unit(unit: Any, argument: str) -> None:
+    """Raise UsageError for what is no unit; None is none, and good."""
+    if unit is not None and not is_unit(unit):
+        raise UsageError(f"{argument}: {quoted(unit)} is not a unit such as V, mV or m/s^2")
+
+
+def as_number(value: Any) -> float:
+    """NaN for what is no real number: outside every range."""
+    return float(value) if isinstance(value, Real) else math.nan
+
+
+def as_list(model: Any) -> str | None:
+    """The terms of a model, one text or several, as --model takes them; None: none. Raises UsageError."""
+    terms = [model] if isinstance(model, str) else list(model) if isinstance(model, Iterable) else [model]
+    if not all(isinstance(term, str) for term in terms):
+        raise UsageError(f"model: {quoted(model)} is neither a text nor several")
+    return ",".join(terms) or None
