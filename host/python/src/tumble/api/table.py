@@ -8,6 +8,7 @@ from typing import Any
 
 from tumble.estimators import COEFFICIENTS
 from tumble.solving.assumptions import phrase
+from tumble.units import per_g
 
 _UNKNOWN = "unknown"
 _DIGITS = 6  # of a value whose uncertainty is not known
@@ -17,11 +18,11 @@ _MOST_DECIMALS = 12
 def html_table(result: dict[str, Any]) -> str:
     """Of a document that files.documents has checked: the verdict, then a row for each of the twelve coefficients: its
     value to the second digit of its standard uncertainty, that, and the unit of both."""
-    values, per_g, volts = [*sum(result["K"], []), *result["U0"]], f"{result['unit']}/g", result["unit"]
+    values, unit = [*sum(result["K"], []), *result["U0"]], result["unit"]
     known = result["u_K"] is not None
     uncertainties = [*sum(result["u_K"], []), *result["u_U0"]] if known else [None] * len(values)
     rows = "".join(
-        _row("td", name, *_rounded(value, u), volts if name.startswith("U0") else per_g)
+        _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
         for name, value, u in zip(COEFFICIENTS, values, uncertainties)
     )
     return f"<p>{_verdict(result)}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
@@ -30,7 +31,7 @@ def html_table(result: dict[str, Any]) -> str:
 def _verdict(result: dict[str, Any]) -> str:
     if not result["pass"]:
         reason = result.get("pass_reason")
-        return html.escape("<b>FAIL</b>" if reason is None else f"FAIL: {reason}")
+        return f"<b>FAIL</b>{'' if reason is None else html.escape(f': {reason}')}"
     return f"<b>PASS</b>{html.escape(phrase(result['assumes']))}"
 
 

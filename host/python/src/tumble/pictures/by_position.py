@@ -31,7 +31,7 @@ def gravity_check(facts: Facts) -> Figure:
         _band(axes, MICRO * facts.expected.delta_g, "±2 u, declared stand")
     for bound in (limit, -limit):
         label = f"limit ±{limit:.4g} µg" if bound > 0 else None
-        axes.axhline(bound, color=BLACK, linestyle="--", label=label, gid="limit" if bound > 0 else None)
+        axes.axhline(bound, color=BLACK, linestyle="--", label=label)
     _dots(axes, delta_g, facts)
     largest = max(limit, float(np.abs(delta_g).max()))
     axes.set_ylim(-_MARGIN * largest, _MARGIN * largest)
@@ -80,20 +80,19 @@ def _expected(facts: Facts) -> tuple[Floats | None, str]:
 def _band(axes: Axes, sigma: Floats, label: str) -> None:
     """As wide as a position, from one to the next."""
     edges = np.arange(len(sigma) + 1) - 0.5
-    heights = BAND * np.append(sigma, sigma[-1])
-    axes.fill_between(
-        edges, -heights, heights, step="post", facecolor=PALE, edgecolor=GREY, linewidth=0.4, label=label, gid="band"
-    )
+    heights = BAND * sigma
+    look = {"facecolor": PALE, "edgecolor": GREY, "linewidth": 0.4}
+    axes.stairs(heights, edges, baseline=-heights, fill=True, label=label, **look)
 
 
 def _dots(axes: Axes, values: Floats, facts: Facts) -> None:
     """Full circles for what was fitted, open diamonds for what was only checked."""
     is_check, places = np.array(facts.is_check), np.arange(len(values))
     axes.vlines(places, 0.0, values, color=GREY, linewidth=0.6)
-    axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit positions", gid="fit")
+    axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit positions")
     if is_check.any():
         style = {"markerfacecolor": "white", "markeredgecolor": VERMILLION, "markeredgewidth": 1.2}
-        axes.plot(places[is_check], values[is_check], "D", label="check positions", gid="check", **style)
+        axes.plot(places[is_check], values[is_check], "D", label="check positions", **style)
 
 
 def _positions(axes: Axes, facts: Facts) -> None:

@@ -144,7 +144,7 @@ def thinned(values: Floats, most: int) -> Integers:
     if len(values) <= most:
         return np.arange(len(values))
     bounds = np.linspace(0, len(values), most // (2 * values.shape[1] + 1) + 1).astype(int)
-    kept = [bounds[:-1], [len(values) - 1]]
+    kept: list[Integers] = [bounds[:-1], np.array([len(values) - 1])]
     for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist()):
         piece = values[begin:end]
         kept += [begin + piece.argmin(axis=0), begin + piece.argmax(axis=0)]

@@ -22,7 +22,7 @@ def correlation(facts: Facts) -> Figure:
     found = correlations(np.array(facts.document["covariance"]))
     figure = blank("correlation", 150.0)
     axes = figure.subplots()
-    mesh = axes.pcolormesh(found, cmap="RdBu", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5, gid="matrix")
+    mesh = axes.pcolormesh(found, cmap="RdBu", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)
     for (i, j), value in np.ndenumerate(found):
         style = {"color": "white" if abs(value) > _DARK else "black", "fontsize": FONT_PT}
         axes.text(j + 0.5, i + 0.5, figure_of(value), ha="center", va="center", **style)

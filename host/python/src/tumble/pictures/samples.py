@@ -34,8 +34,8 @@ def samples(facts: Facts) -> Figure:
     style: dict[str, Any] = {"linestyle": "none", "marker": "."} if len(outputs) <= _FEW else {"linewidth": 0.6}
     for i, axes in enumerate(panels):
         for begin, end, _ in shown[::2]:
-            axes.axvspan(begin + 0.5, end + 0.5, color=PALE, linewidth=0, gid=f"window {begin + 1} {end}")
-        axes.plot(kept + 1, outputs[kept, i], color=BLUE, gid="outputs", **style)
+            axes.axvspan(begin + 0.5, end + 0.5, color=PALE, linewidth=0, label="_averaged")
+        axes.plot(kept + 1, outputs[kept, i], color=BLUE, label="_outputs", **style)
         axes.set_ylabel(f"u{'xyz'[i]} / {facts.unit}")
     for begin, end, label in shown:
         place = ((begin + end + 1) / 2, 1.03)

@@ -53,7 +53,7 @@ def budget(facts: Facts) -> Figure:
         title, colour, hatch = SOURCES[name]
         share = _PERCENT * np.divide(variance, total, out=np.zeros(len(total)), where=total > 0.0)
         look = {"color": colour, "hatch": hatch, "edgecolor": BLACK, "linewidth": 0.5}
-        axes.barh(places, share, 0.72, left, label=title, gid=name, **look)
+        axes.barh(places, share, 0.72, left, label=title, **look)
         left = left + share
     u = np.sqrt(total)
     for place, text in enumerate(_sizes(u, facts.unit)):

@@ -27,7 +27,7 @@ _FACES = {
 _PLATE = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none"}
 _LEVELS = 8
 _FLAT = 1e-9  # of the largest
-_MARGIN_DEG = np.array([15.0, 5.0])  # that half a label takes, at most
+_MARGIN_DEG = np.array([15.0, 5.0])  # half a label, at most
 _PALEST_TO_DARKEST = ("#FFFFFF", "#6BAED6")  # under black lines and numbers
 
 
@@ -47,7 +47,7 @@ def attitude(facts: Facts) -> Figure:
         _without_the_cut(axes.clabel(lines, fmt="{:.4g}".format, inline_spacing=2))
     azimuth, elevation = angles_deg(np.array(worst["attitude"]))
     label = f"worst: {MICRO * worst['worst_g']:.3g} µg"
-    star = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False, "gid": "worst"}
+    star = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
     axes.plot([azimuth], [elevation], "*", color=VERMILLION, label=label, linestyle="none", **star)
     for face, place in _FACES.items():
         axes.annotate(face, place, ha="center", va="center", bbox=_PLATE, annotation_clip=False)
@@ -61,10 +61,12 @@ def attitude(facts: Facts) -> Figure:
 
 
 def _without_the_cut(labels: list[Any]) -> None:
-    """Take away the labels of lines that the edges of the map would cut."""
-    corner = np.array([180.0, 90.0])
+    """Take away the labels of lines that the edges of the map would cut, or the names of the faces hide."""
+    corner, faces = np.array([180.0, 90.0]), np.array(list(_FACES.values()))
     for label in labels:
-        if (np.abs(label.get_position()) > corner - _MARGIN_DEG).any():
+        place = np.array(label.get_position())
+        hidden = (np.abs(faces - place) < _MARGIN_DEG).all(axis=1)
+        if (np.abs(place) > corner - _MARGIN_DEG).any() or hidden.any():
             label.remove()
 
 

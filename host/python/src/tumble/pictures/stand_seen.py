@@ -82,9 +82,9 @@ def _draw(axes: Axes, row: Row) -> None:
         declared = row.factor * row.declared
         if row.is_drawn_once:
             look = {"facecolor": PALE, "edgecolor": GREY, "hatch": "///", "linewidth": 0.4}
-            axes.axvspan(-BAND * declared, BAND * declared, label="declared, ±2 u", gid="declared", **look)
+            axes.axvspan(-BAND * declared, BAND * declared, label="declared, ±2 u", **look)
         else:
-            axes.axvline(declared, color=BLACK, linestyle="--", label="declared u", gid="declared")
+            axes.axvline(declared, color=BLACK, linestyle="--", label="declared u")
     several = row.augmented is not None and row.closed is not None
     for one, height, marker, colour, label in (
         (row.closed, 0.3 if several else 0.0, "o", BLUE, "seen, ±2 u"),
@@ -94,7 +94,7 @@ def _draw(axes: Axes, row: Row) -> None:
             value, u = one
             bar = None if u is None else [BAND * row.factor * u]
             look = {"fmt": marker, "color": colour, "capsize": 3.0, "label": label}
-            axes.errorbar([row.factor * value], [height], xerr=bar, gid=label, **look)
+            axes.errorbar([row.factor * value], [height], xerr=bar, **look)
     if row.is_drawn_once:
         axes.axvline(0.0, color=BLACK, linewidth=0.5)
         largest = max(abs(end) for end in axes.get_xlim())
