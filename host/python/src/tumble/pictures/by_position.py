@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def _band(axes: Axes, sigma: Floats, label: str) -> None:
     """As wide as a position, from one to the next."""
     edges = np.arange(len(sigma) + 1) - 0.5
     heights = BAND * sigma
-    look = {"facecolor": PALE, "edgecolor": GREY, "linewidth": 0.4}
+    look: dict[str, Any] = {"facecolor": PALE, "edgecolor": GREY, "linewidth": 0.4}
     axes.stairs(heights, edges, baseline=-heights, fill=True, label=label, **look)
 
 
@@ -91,7 +91,7 @@ def _dots(axes: Axes, values: Floats, facts: Facts) -> None:
     axes.vlines(places, 0.0, values, color=GREY, linewidth=0.6)
     axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit positions")
     if is_check.any():
-        style = {"markerfacecolor": "white", "markeredgecolor": VERMILLION, "markeredgewidth": 1.2}
+        style: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": VERMILLION, "markeredgewidth": 1.2}
         axes.plot(places[is_check], values[is_check], "D", label="check positions", **style)
 
 

@@ -108,6 +108,5 @@ def _facts(document: dict[str, Any], run: Recorded | None, schedule: Any, stand:
     given = None if schedule is None else schedule_of(schedule).data
     on = measured_schedule(document, given)
     declared = None if stand is None else stand_file_of(stand)
-    may_expect = declared is not None and on is not None
-    found = expected(document, on, declared) if may_expect else None
+    found = None if declared is None or on is None else expected(document, on, declared)
     return Facts(document, run, on, None if declared is None else declared.stand, found)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def correlation(facts: Facts) -> Figure:
     axes = figure.subplots()
     mesh = axes.pcolormesh(found, cmap="RdBu", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)
     for (i, j), value in np.ndenumerate(found):
-        style = {"color": "white" if abs(value) > _DARK else "black", "fontsize": FONT_PT}
+        style: dict[str, Any] = {"color": "white" if abs(value) > _DARK else "black", "fontsize": FONT_PT}
         axes.text(j + 0.5, i + 0.5, figure_of(value), ha="center", va="center", **style)
     places = np.arange(len(found)) + 0.5
     axes.set_xticks(places, COEFFICIENTS)

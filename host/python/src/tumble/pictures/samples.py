@@ -39,7 +39,12 @@ def samples(facts: Facts) -> Figure:
         axes.set_ylabel(f"u{'xyz'[i]} / {facts.unit}")
     for begin, end, label in shown:
         place = ((begin + end + 1) / 2, 1.03)
-        above = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": FONT_PT}
+        above: dict[str, Any] = {
+            "xycoords": ("data", "axes fraction"),
+            "ha": "center",
+            "va": "bottom",
+            "fontsize": FONT_PT,
+        }
         panels[0].annotate(label, place, rotation=90 if len(shown) > MOST_UPRIGHT else 0, **above)
     panels[-1].set_xlim(0.5, len(outputs) + 0.5)
     panels[-1].set_xlabel("number of the sample" if len(outputs) > len(windows) else "number of the mean")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def budget(facts: Facts) -> Figure:
             continue
         title, colour, hatch = SOURCES[name]
         share = _PERCENT * np.divide(variance, total, out=np.zeros(len(total)), where=total > 0.0)
-        look = {"color": colour, "hatch": hatch, "edgecolor": BLACK, "linewidth": 0.5}
+        look: dict[str, Any] = {"color": colour, "hatch": hatch, "edgecolor": BLACK, "linewidth": 0.5}
         axes.barh(places, share, 0.72, left, label=title, **look)
         left = left + share
     u = np.sqrt(total)

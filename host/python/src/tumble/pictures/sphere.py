@@ -47,7 +47,7 @@ def attitude(facts: Facts) -> Figure:
         _without_the_cut(axes.clabel(lines, fmt="{:.4g}".format, inline_spacing=2))
     azimuth, elevation = angles_deg(np.array(worst["attitude"]))
     label = f"worst: {MICRO * worst['worst_g']:.3g} µg"
-    star = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
+    star: dict[str, Any] = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
     axes.plot([azimuth], [elevation], "*", color=VERMILLION, label=label, linestyle="none", **star)
     for face, place in _FACES.items():
         axes.annotate(face, place, ha="center", va="center", bbox=_PLATE, annotation_clip=False)

@@ -79,12 +79,7 @@ def stand_seen(facts: Facts) -> Figure:
 
 def _draw(axes: Axes, row: Row) -> None:
     if row.declared is not None:
-        declared = row.factor * row.declared
-        if row.is_drawn_once:
-            look = {"facecolor": PALE, "edgecolor": GREY, "hatch": "///", "linewidth": 0.4}
-            axes.axvspan(-BAND * declared, BAND * declared, label="declared, ±2 u", **look)
-        else:
-            axes.axvline(declared, color=BLACK, linestyle="--", label="declared u")
+        _draw_declared(axes, row.factor * row.declared, row.is_drawn_once)
     several = row.augmented is not None and row.closed is not None
     for one, height, marker, colour, label in (
         (row.closed, 0.3 if several else 0.0, "o", BLUE, "seen, ±2 u"),
@@ -93,8 +88,7 @@ def _draw(axes: Axes, row: Row) -> None:
         if one is not None:
             value, u = one
             bar = None if u is None else [BAND * row.factor * u]
-            look = {"fmt": marker, "color": colour, "capsize": 3.0, "label": label}
-            axes.errorbar([row.factor * value], [height], xerr=bar, **look)
+            axes.errorbar([row.factor * value], [height], xerr=bar, fmt=marker, color=colour, capsize=3.0, label=label)
     if row.is_drawn_once:
         axes.axvline(0.0, color=BLACK, linewidth=0.5)
         largest = max(abs(end) for end in axes.get_xlim())
@@ -105,6 +99,14 @@ def _draw(axes: Axes, row: Row) -> None:
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
     axes.set_title(f"{row.title} / {row.unit}", fontsize="medium")
+
+
+def _draw_declared(axes: Axes, sigma: float, is_drawn_once: bool) -> None:
+    if is_drawn_once:
+        look: dict[str, Any] = {"facecolor": PALE, "edgecolor": GREY, "hatch": "///", "linewidth": 0.4}
+        axes.axvspan(-BAND * sigma, BAND * sigma, label="declared, ±2 u", **look)
+    else:
+        axes.axvline(sigma, color=BLACK, linestyle="--", label="declared u")
 
 
 def _unit_of(key: str, facts: Facts) -> tuple[str, float]:
