@@ -47,8 +47,10 @@ def test_a_result_without_a_stand():
 
 def test_means_alone_have_no_band_without_a_stand():
     drawn = tumble.solve(rows_of(force_of(PAPER) @ K.T + U0 + 1e-5)).plot()
-    assert list(drawn) == ["gravity_check", "residuals"]
-    assert not drawn["residuals"].axes[0].findobj(lambda one: "±2 u" in str(one.get_label()))
+    assert list(drawn) == ["gravity_check", "residuals", "stand_seen"]
+    for figure in drawn.values():
+        assert not figure.findobj(lambda one: "±2 u" in str(one.get_label()))
+    assert [bar.get_label() for axes in drawn["stand_seen"].axes for bar in axes.containers] == ["seen"] * 3
 
 
 @pytest.mark.parametrize(("kind", "needs"), [
@@ -194,7 +196,7 @@ def test_samples():
 def test_no_peak_of_a_long_run_is_lost():
     rows = np.repeat(rows_of(force_of(PAPER) @ K.T + U0), 3000, axis=0)
     rows[:, 2:] += np.random.default_rng(1).normal(size=(len(rows), 3)) * 3e-4
-    for row, channel, by in ((31234, 0, 0.05), (12345, 1, -0.04), (53999, 2, 0.06), (0, 2, -0.07)):
+    for row, channel, by in ((31234, 0, 5e-3), (12345, 1, -4e-3), (53999, 2, 5e-3), (0, 2, -4e-3)):
         rows[row, 2 + channel] += by
     result = tumble.solve(rows)
     for channel, axes in enumerate(result.plot(run=rows, kind="samples")["samples"].axes):

@@ -35,6 +35,7 @@ def attitude(facts: Facts) -> Figure:
     """u(|a|), ug, over all directions of the specific force on the block's axes: u^2 = g^T C g with C the covariance of
     the result and g the derivatives of |a| by the coefficients (solving.force). The worst is that of `u_norm_g`."""
     from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.ticker import MaxNLocator
 
     u = MICRO * uncertainties(facts.document, directions(_AZIMUTH_DEG[None, :], _ELEVATION_DEG[:, None]))
     worst = facts.document["u_norm_g"]
@@ -42,9 +43,11 @@ def attitude(facts: Facts) -> Figure:
     axes = figure.subplots()
     ramp = LinearSegmentedColormap.from_list("pale", _PALEST_TO_DARKEST)
     if np.ptp(u) > _FLAT * u.max():  # else there is no line to draw
-        axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, u, _LEVELS, cmap=ramp)
-        lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, u, _LEVELS, colors=BLACK, linewidths=0.6)
-        _without_the_cut(axes.clabel(lines, fmt="{:.4g}".format, inline_spacing=2))
+        squares = u**2  # a polynomial, which straight lines between the points come closer to
+        levels = MaxNLocator(_LEVELS).tick_values(u.min(), u.max()) ** 2
+        axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, cmap=ramp)
+        lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=BLACK, linewidths=0.6)
+        _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.4g}", inline_spacing=2))
     azimuth, elevation = angles_deg(np.array(worst["attitude"]))
     label = f"worst: {MICRO * worst['worst_g']:.3g} µg"
     star: dict[str, Any] = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}

@@ -82,12 +82,13 @@ def _draw(axes: Axes, row: Row) -> None:
         _draw_declared(axes, row.factor * row.declared, row.is_drawn_once)
     several = row.augmented is not None and row.closed is not None
     for one, height, marker, colour, label in (
-        (row.closed, 0.3 if several else 0.0, "o", BLUE, "seen, ±2 u"),
-        (row.augmented, -0.3 if several else 0.0, "s", VERMILLION, "seen by least squares, ±2 u"),
+        (row.closed, 0.3 if several else 0.0, "o", BLUE, "seen"),
+        (row.augmented, -0.3 if several else 0.0, "s", VERMILLION, "seen by least squares"),
     ):
         if one is not None:
             value, u = one
             bar = None if u is None else [BAND * row.factor * u]
+            label += "" if u is None else ", ±2 u"
             axes.errorbar([row.factor * value], [height], xerr=bar, fmt=marker, color=colour, capsize=3.0, label=label)
     if row.is_drawn_once:
         axes.axvline(0.0, color=BLACK, linewidth=0.5)
