@@ -60,7 +60,7 @@ def test_each_is_an_element_with_a_title(texts):
         assert root.tag == f"{SVG}svg" and root.get("role") == "img" and root.get("viewBox").startswith("0 0 48")
         titles = [one.text for one in root.iter(f"{SVG}title")]
         assert len(titles) == 1 and len(titles[0]) > 5
-        assert "1970" not in text and not re.search(r"\b20[2-9]\d-\d\d", text) and "matplotlib" not in text.lower()
+        assert "<metadata" not in text and not re.search(r"\b\d{4}-\d\d-\d\d", text)
 
 
 def test_names_are_unique_in_a_page_of_all_and_lead_somewhere(texts):
@@ -131,17 +131,16 @@ def test_as_wide_as_a_page_and_not_too_small_to_read(drawn):
 def test_nothing_is_written_over_something_else(drawn):
     """Labels of ticks, legends and titles."""
     for name, figure in drawn.items():
-        renderer = figure.canvas.get_renderer()
+        figure.draw_without_rendering()
         page = figure.bbox
-        boxes = [text.get_window_extent(renderer) for axes in figure.axes for text in
-                 [*axes.get_xticklabels(), *axes.texts, axes.xaxis.label, axes.yaxis.label] if text.get_text()]
-        boxes += [legend.get_window_extent(renderer) for legend in figure.findobj(matplotlib.legend.Legend)]
-        for box in boxes:
-            assert box.x0 >= page.x0 - 1 and box.x1 <= page.x1 + 1 and box.y1 <= page.y1 + 1, name
         for axes in figure.axes:
-            ticks = [text.get_window_extent(renderer) for text in axes.get_xticklabels() if text.get_text()]
-            inside = [box for box in ticks if page.x0 <= box.x0 and box.x1 <= page.x1]
-            assert all(a.x1 <= b.x0 + 0.5 for a, b in pairwise(inside) if a.x0 < b.x0), name
+            low, high = axes.get_xlim()
+            ticks = [text for text in axes.get_xticklabels() if low <= text.get_position()[0] <= high]
+            texts = [*ticks, *axes.texts, axes.xaxis.label, axes.yaxis.label, *figure.findobj(matplotlib.legend.Legend)]
+            for box in [text.get_window_extent() for text in texts]:
+                assert box.x0 >= page.x0 - 1 and box.x1 <= page.x1 + 1 and box.y1 <= page.y1 + 1, (name, box)
+            boxes = [text.get_window_extent() for text in ticks]
+            assert all(one.x1 < other.x0 for one, other in pairwise(boxes)), name
 
 
 def test_axes_have_units_and_no_offsets(drawn):
@@ -174,8 +173,8 @@ def test_without_a_kind_it_is_the_gravity_check(result, tmp_path):
 
 
 def test_another_suffix_is_refused(result, tmp_path):
-    with pytest.raises(UsageError, match=r"^file: '.*x\.gif' does not end in \.png, \.svg or \.pdf$"):
-        result.plot(tmp_path / "x.gif")
+    with pytest.raises(UsageError, match=r"^file: 'x\.gif' does not end in \.png, \.svg or \.pdf$"):
+        result.plot("x.gif")
     with pytest.raises(UsageError, match=r"^kind: samples needs the run \(run=\)$"):
         result.plot(tmp_path / "x.png", "samples")
     with pytest.raises(BadInput, match=r"x\.png: no such"):

@@ -147,7 +147,7 @@ def test_attitude(name):
     assert len(drawn) >= 4 and drawn[-1][0] > 0.85e6 * worst["worst_g"]
     for level, vertices in drawn:
         found = [1e6 * u_of_length(result, direction(*vertex)) for vertex in vertices]
-        assert found == pytest.approx(np.full(len(found), level), rel=0.01)
+        assert np.abs(np.array(found) - level).max() < 1e4 * worst["worst_g"]  # 1 % of the largest
     numbers = [float(text.get_text()) for text in axes.texts if text.get_text()[-1] not in "xyz"]
     assert len(numbers) > 3 and set(numbers) <= {float(f"{level:.4g}") for level, _ in drawn}
 

@@ -92,7 +92,7 @@ def figures(
     with canvas.settings():
         for name, (draw, is_known, _) in _NEEDS.items():
             if kind in (None, name) and is_known(facts):
-                drawn[name] = draw(facts)
+                drawn[name] = canvas.settled(draw(facts))
     return drawn
 
 
