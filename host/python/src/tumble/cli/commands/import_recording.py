@@ -70,6 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import plot, recipe, report
     from tumble.importing.pipeline import import_recordings
+    from tumble.pictures.canvas import require_format
 
     sources = (*arguments.recordings, arguments.stand, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
@@ -78,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     if len(set(outputs)) < len(outputs):
         raise UsageError("--out, --plot and --recipe: two of them name the same file")
     if arguments.plot is not None:
-        plot.require_format(arguments.plot)
+        require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
     signs, about_signs = _told_signs(arguments)
     settings = _settings(arguments, replayed, signs)
