@@ -9,6 +9,7 @@ from tumble.arrays import Floats, Integers
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.estimators import OPTIMAL
 from tumble.reference.estimators import fit_indices
+from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.solving import extended
 from tumble.solving.gain_record import record_of, to_bytes
@@ -40,6 +41,28 @@ def estimator_for(
     table = table_at(schedule, k, stand, samples, step)
     record = GainRecord(positions, to_bytes(record_of(table, schedule)))
     return lambda means: optimal_runs(record, means)[0]
+
+
+def brought(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    estimator: str,
+    samples: Integers,
+    step: float = 0.0,
+    terms: Terms = (),
+) -> dict[str, Floats]:
+    """What every source of error of the stand brings to the coefficients, to first order: by name as in
+    reference.uncertainty.sources, (draws, 12), one standard deviation of each draw. Arguments as of estimator_for."""
+    errors = sources(schedule, k, stand.with_step(step), samples)
+    if estimator == OPTIMAL:
+        gains, fit = table_at(schedule, k, stand, samples, step, terms).gains[:12], fit_indices(schedule)
+        return {
+            name: source.sigma[:, None] * (source.derivative[:, fit].reshape(len(source.sigma), -1) @ gains.T)
+            for name, source in errors.items()
+        }
+    linear = estimator_for(schedule, k, stand, estimator, samples, step, terms)
+    return {name: source.sigma[:, None] * linear(source.derivative) for name, source in errors.items()}
 
 
 def table_at(

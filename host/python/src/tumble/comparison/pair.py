@@ -1,0 +1,185 @@
+"""From two results to a comparison: what of them can be compared, what they share, and what a person should know."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.comparison import shared
+from tumble.comparison.calibration import Calibration
+from tumble.comparison.verdict import Found, judge
+from tumble.core import CoreSchedule
+from tumble.errors import BadInput, file_name, quoted
+from tumble.files.run_temperature import Temperatures
+from tumble.files.stand_file import StandFile
+from tumble.solving import si
+from tumble.solving.coefficients import Coefficients
+from tumble.solving.temperature import TOLERANCE_C
+from tumble.terms import POWERS, Terms
+
+ONCE, ANEW = LEVELLED = ("once", "anew")
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two results: its `name`, its `document` as files.documents has checked it, `complaints` about it, and
+    its `calibration`."""
+
+    name: str
+    document: dict[str, Any]
+    complaints: tuple[str, ...]
+    calibration: Calibration
+
+    @classmethod
+    def of(cls, name: str, document: dict[str, Any], complaints: Sequence[str] = ()) -> Side:
+        """Raises BadInput for a singular K."""
+        try:
+            found = Coefficients.of(document)
+        except ValueError as error:
+            raise BadInput(str(error), name) from None
+        covariance = found.covariance if document["covariance"] is not None else None
+        return cls(name, document, tuple(complaints), Calibration(found.values, covariance, found.terms))
+
+    @property
+    def terms(self) -> Terms:
+        """That it was solved with beside the twelve coefficients."""
+        return tuple((self.document["extended"] or {"terms": ()})["terms"])
+
+    @property
+    def temperature(self) -> Temperatures | None:
+        """Of its run; None: not told."""
+        told = self.document["temperature"]
+        return None if told is None else Temperatures(float(told["min_c"]), float(told["max_c"]), "")
+
+    @property
+    def gravity(self) -> tuple[float | None, float | None]:
+        """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
+        return si.gravity_of(self.document["environment"])
+
+    def told(self) -> shared.Told | None:
+        """None without a covariance."""
+        covariance = self.document["covariance"]
+        if covariance is None:
+            return None
+        return shared.Told(self.document, self.calibration.k, np.array(covariance), self.terms)
+
+
+@dataclass(frozen=True)
+class OneStand:
+    """The `file` of a stand that both were measured on, what it `declares`, the `schedules` that they may have been
+    measured by, and whether it was `levelled` once for both or anew."""
+
+    file: str
+    declares: StandFile
+    schedules: Sequence[CoreSchedule]
+    levelled: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """B held against A. `terms`: K2 and K3 as far as both have them; `shared`: names of the errors that were counted
+    once, None where no stand was named, or where it is not the stand of both."""
+
+    a: Side
+    b: Side
+    found: Found
+    terms: Terms
+    shared: tuple[str, ...] | None
+    one_stand: OneStand | None
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def compare(a: Side, b: Side, one_stand: OneStand | None, confidence: float) -> Comparison:
+    """Hold B against A. Raises BadInput where their units differ."""
+    units = a.document["unit"], b.document["unit"]
+    if units[0] != units[1]:
+        raise BadInput(f"outputs in {units[1]}, those of {file_name(a.name)} in {units[0]}: not compared", b.name)
+    terms = tuple(term for term in a.calibration.terms if term in b.calibration.terms)
+    ratio, u_ratio = _gravities(a, b)
+    first, second = a.calibration.reduced(terms), b.calibration.reduced(terms).at_gravity(ratio)
+    repeated = None if one_stand is None else _repeated(a, b, one_stand)
+    common = None
+    if repeated is not None:
+        common = shared.in_common(*repeated) * ratio ** second.powers[:12]
+    found = judge(first, second, common, u_ratio, confidence)
+    names = None if repeated is None else tuple(name for name in repeated[0].draws if name in repeated[1].draws)
+    warnings = [*_of_each(a, b), *_of_both(a, b)]
+    if one_stand is not None and repeated is None and found.tests is not None:
+        warnings.append(
+            f"{file_name(one_stand.file)} with a known schedule (--schedule) does not give the uncertainties of both:"
+            " nothing is counted as shared"
+        )
+    return Comparison(a, b, found, terms, names, one_stand, tuple(warnings), tuple(_notes(a, b, terms, ratio)))
+
+
+def _repeated(a: Side, b: Side, one_stand: OneStand) -> tuple[shared.Repeated, shared.Repeated] | None:
+    told = a.told(), b.told()
+    if told[0] is None or told[1] is None:
+        return None
+    once = one_stand.levelled == ONCE
+    first = shared.repeated(told[0], one_stand.declares, one_stand.schedules, once)
+    second = shared.repeated(told[1], one_stand.declares, one_stand.schedules, once)
+    return None if first is None or second is None else (first, second)
+
+
+def _gravities(a: Side, b: Side) -> tuple[float, float]:
+    """A's gravity over B's, and its relative standard uncertainty: of one place 1, and its error is in both."""
+    (of_a, u_a), (of_b, u_b) = a.gravity, b.gravity
+    if of_a is None or of_b is None or of_a == of_b:
+        return 1.0, 0.0
+    return of_a / of_b, float(np.hypot((u_a or 0.0) / of_a, (u_b or 0.0) / of_b))
+
+
+def _of_each(a: Side, b: Side) -> list[str]:
+    return [f"{file_name(side.name)}: {sentence}" for side in (a, b) for sentence in side.complaints]
+
+
+def _of_both(a: Side, b: Side) -> list[str]:
+    """Why the two may not be two calibrations of one block under one condition."""
+    found = []
+    for label, (one, other) in _labels(a, b).items():
+        if one is not None and other is not None and one != other:
+            found.append(f"{label} differs, {quoted(one)} and {quoted(other)}: not one block?")
+    if a.document.get("run_sha256") is not None and a.document["run_sha256"] == b.document.get("run_sha256"):
+        found.append("both are of one run: its errors are in both, but are counted as independent")
+    warm = a.temperature, b.temperature
+    if warm[0] is not None and warm[1] is not None:
+        apart = max(warm[0].low_c - warm[1].high_c, warm[1].low_c - warm[0].high_c)
+        if apart > TOLERANCE_C:
+            found.append(f"A at {warm[0].text}, B at {warm[1].text}: temperature alone changes a block")
+    for term in POWERS:
+        if (term in a.terms) != (term in b.terms):
+            which = "A" if term in a.terms else "B"
+            found.append(f"{term} is in the model of {which} alone: the others mean something else with it")
+    return found
+
+
+def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
+    """What names the block: its serial number, and labels of [item] that speak of one."""
+    items = a.document["item"] or {}, b.document["item"] or {}
+    named = [label for label in items[0] if "serial" in label.lower()]
+    return {
+        "serial": (a.document["serial"], b.document["serial"]),
+        **{f"item.{label}": (items[0][label], items[1].get(label)) for label in named},
+    }
+
+
+def _notes(a: Side, b: Side, terms: Terms, ratio: float) -> list[str]:
+    """What the comparison rests on, and what it leaves out."""
+    found = []
+    gravities = a.gravity[0], b.gravity[0]
+    if None in gravities:
+        found.append("Taken to be measured at one gravity: not both results tell theirs.")
+    elif ratio != 1.0:
+        sure = all(side.gravity[1] is not None for side in (a, b))
+        rest = "" if sure else ", whose uncertainty is not told and not counted"
+        found.append(f"Gravity {gravities[0]:g} and {gravities[1]:g} m/s^2: B is given in A's g{rest}.")
+    if "drift" in a.terms or "drift" in b.terms:
+        found.append("A drift is the run's and not the block's: it is not compared.")
+    if any(side.temperature is None for side in (a, b)):
+        found.append("Not both results tell their temperature.")
+    return found

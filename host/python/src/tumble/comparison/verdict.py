@@ -1,0 +1,178 @@
+"""Has the block changed, only its seat, or neither?
+
+The difference of twelve coefficients is that of nine parameters which stay when the block turns, and three angles of
+the seat. So three questions are asked, each with the p of its test:
+
+- whole: do the parameters differ, all together? Chi-squared of nine (with K2 and K3: more) degrees of freedom.
+- alone: does any one of them? The smallest p, times their number. It sees a single change sooner.
+- seat: chi-squared of the three angles, by generalised least squares of the twelve differences.
+
+After Holm, so that two calibrations of a block that nobody touched come out as different in no more cases than the
+confidence leaves. `whole` or `alone`: the block has changed, and those parameters are named that stand out by
+themselves, after Holm among them. Else `seat`: nothing but the seat has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from tumble.arrays import Flags, Floats
+from tumble.comparison.calibration import Calibration
+from tumble.comparison.statistics import Test, holm, normal_p, whitened
+
+_ROUNDING = 1e-13  # of the largest coefficient; of the parameters, which are numbers of size 1, themselves
+
+
+class Verdict(str, Enum):
+    """What two calibrations say of one block."""
+
+    UNCHANGED = "unchanged"
+    SEAT = "seat"
+    BLOCK = "block"
+    CANNOT_TELL = "cannot tell"
+
+
+@dataclass(frozen=True)
+class Differences:
+    """B less A, `size` (n,), with standard uncertainties `u` (n,), None where they are unknown."""
+
+    size: Floats
+    u: Floats | None
+
+    @property
+    def in_u(self) -> Floats | None:
+        """Sizes over u; infinite where there is no uncertainty, but a difference."""
+        if self.u is None:
+            return None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Floats = np.where(self.size == 0.0, 0.0, self.size / self.u)
+        return found
+
+
+@dataclass(frozen=True)
+class Tests:
+    """`all_twelve`: of the whole difference; `block`: of the parameters; `alone`: p of the one that stands out most,
+    times their number; `seat`: of its angles. `p_parameters`: of every parameter, after Holm among them."""
+
+    all_twelve: Test
+    block: Test
+    alone: float
+    seat: Test
+    p_parameters: Floats
+
+    @property
+    def adjusted(self) -> dict[str, float]:
+        """The p of the three questions after Holm."""
+        return dict(zip(("whole", "alone", "seat"), holm([self.block.p, self.alone, self.seat.p])))
+
+
+@dataclass(frozen=True)
+class Found:
+    """`coefficients`: (12,) and K2, K3; `parameters`: as Calibration.parameters has them; `seat` (3,): rad about x, y
+    and z of the block, by which it sits turned in B against A; `tests`: None without uncertainties."""
+
+    coefficients: Differences
+    parameters: Differences
+    seat: Differences
+    tests: Tests | None
+    confidence: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """One of the four."""
+        if self.tests is None:
+            return Verdict.CANNOT_TELL
+        p = self.tests.adjusted
+        if min(p["whole"], p["alone"]) < 1.0 - self.confidence:
+            return Verdict.BLOCK
+        return Verdict.SEAT if p["seat"] < 1.0 - self.confidence else Verdict.UNCHANGED
+
+    @property
+    def changed(self) -> Flags:
+        """Which parameters have changed (n,); none of a block that has not."""
+        if self.tests is None or self.verdict is not Verdict.BLOCK:
+            return np.zeros(len(self.parameters.size), dtype=bool)
+        found: Flags = self.tests.p_parameters < 1.0 - self.confidence
+        return found
+
+
+def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float, confidence: float) -> Found:
+    """Hold B against A, of the same terms. `shared` (12, 12): covariance of A's coefficients with B's by errors that
+    both have; None: none. `gravity`: relative standard uncertainty of the ratio of the two gravities."""
+    size, parameters = b.values - a.values, b.parameters - a.parameters
+    turned = _turned((a.k + b.k) / 2.0)
+    if a.covariance is None or b.covariance is None:
+        angles = np.linalg.lstsq(turned[:9], size[:9], rcond=None)[0]
+        return Found(*(Differences(one, None) for one in (size, parameters, _vector(angles))), None, confidence)
+    joint = _joint(a, b, shared, gravity)
+    covariance = _of(joint, -np.eye(len(size)), np.eye(len(size)))
+    of_parameters = _of(joint, -a.by_values, b.by_values)
+    rounding = np.full(len(size), _ROUNDING * float(np.abs(np.concatenate([a.values[:12], b.values[:12]])).max()))
+    twelve = whitened(covariance[:12, :12], size[:12], rounding[:12])
+    angles, u_angles, fitted = _fitted(twelve.rows @ turned, twelve.difference)
+    flat = np.full(len(parameters), _ROUNDING)
+    alone = normal_p(parameters, np.sqrt(np.diag(of_parameters) + flat**2))
+    return Found(
+        Differences(size, np.sqrt(np.diag(covariance))),
+        Differences(parameters, np.sqrt(np.maximum(np.diag(of_parameters), 0.0))),
+        Differences(_vector(angles), u_angles),
+        Tests(
+            all_twelve=twelve.test,
+            block=whitened(of_parameters, parameters, flat).test,
+            alone=min(1.0, len(alone) * float(alone.min())),
+            seat=fitted,
+            p_parameters=np.array(holm(alone.tolist())),
+        ),
+        confidence,
+    )
+
+
+def _turned(k: Floats) -> Floats:
+    """Derivatives (12, 3) of the coefficients by the angles of a turn about x, y and z: K [phi]x row by row.
+
+    With `k` halfway between K and K R this holds for a turn R of any size, phi being twice the tangent of half its
+    angle (Cayley): K R - K = (K + K R)/2 [phi]x.
+    """
+    found = np.zeros((12, 3))
+    for axis, unit in enumerate(np.eye(3)):
+        cross = np.array([[0.0, -unit[2], unit[1]], [unit[2], 0.0, -unit[0]], [-unit[1], unit[0], 0.0]])
+        found[:9, axis] = (k @ cross).ravel()
+    return found
+
+
+def _vector(angles: Floats) -> Floats:
+    """The turn (3,) in rad, of twice the tangent of half its angle."""
+    length = float(np.linalg.norm(angles))
+    return angles if length == 0.0 else angles * (2.0 * np.arctan(length / 2.0) / length)
+
+
+def _joint(a: Calibration, b: Calibration, shared: Floats | None, gravity: float) -> Floats:
+    """Covariance (2n, 2n) of A's and B's values. What the ratio of gravities is off by stands in B's."""
+    assert a.covariance is not None and b.covariance is not None  # or nothing is judged
+    count = len(a.values)
+    both = np.zeros((2 * count, 2 * count))
+    both[:count, :count] = a.covariance
+    by_gravity = gravity * a.powers * (a.values + b.values) / 2.0
+    both[count:, count:] = b.covariance + np.outer(by_gravity, by_gravity)
+    if shared is not None:
+        both[:12, count : count + 12], both[count : count + 12, :12] = shared, shared.T
+    return both
+
+
+def _of(joint: Floats, by_a: Floats, by_b: Floats) -> Floats:
+    """Covariance of what has these derivatives by A's and B's values."""
+    rows = np.concatenate([by_a, by_b], axis=1)
+    found: Floats = rows @ joint @ rows.T
+    return (found + found.T) / 2.0
+
+
+def _fitted(own: Floats, seen: Floats) -> tuple[Floats, Floats, Test]:
+    """Angles (3,), their standard uncertainties, and their test, from whitened columns (12, 3) and difference."""
+    left, singular, right = np.linalg.svd(own, full_matrices=False)
+    part = left.T @ seen
+    angles = right.T @ (part / singular)
+    u = np.sqrt(((right.T / singular) ** 2).sum(axis=1))
+    return angles, u, Test(float(part @ part), 3)
