@@ -9,7 +9,8 @@ from typing import Any
 
 from tumble.api.result import Result, load
 from tumble.api.solving import stand_file_of
-from tumble.comparison import pair, report
+from tumble.comparison import pair, report, text
+from tumble.comparison.shared import ANEW, LEVELLED, OneStand
 from tumble.core import CoreSchedule
 from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.errors import UsageError, quoted
@@ -25,7 +26,6 @@ class Comparison:
 
     def __init__(self, compared: pair.Comparison):
         self._text = to_json(report.document(compared))
-        self._shown = report.render(compared)
 
     @cached_property
     def _told(self) -> dict[str, Any]:
@@ -60,7 +60,7 @@ class Comparison:
     @property
     def text(self) -> str:
         """As `tumble compare` prints it."""
-        return self._shown
+        return text.render(self._told)
 
     def to_json(self) -> str:
         """As `tumble compare --json` prints it."""
@@ -76,15 +76,17 @@ def compare(
     *,
     stand: Stand | StandFile | str | os.PathLike[str] | None = None,
     schedule: str | os.PathLike[str] | Schedule | None = None,
-    levelled: str = pair.ANEW,
+    levelled: str = ANEW,
+    two_stands: bool = False,
     confidence: float = DEFAULT_CONFIDENCE,
 ) -> Comparison:
     """Are two calibrations of one block the same? Has the block changed, only its seat, or neither?
 
-    `a`, `b`: results or their files, of any schedule and estimator, their outputs in one unit. `stand`: what both were
-    measured on, if it was one stand: errors that return with every run on it are then counted once. `schedule`: what
-    they were measured by, where that is no built-in one. `levelled`: was the stand levelled "once" for both, or "anew"
-    before each? `confidence`, 0.5 to 0.999999: of calling a block unchanged that is.
+    `a`, `b`: results or their files, of any schedule and estimator, their outputs in one unit. `stand`: that both were
+    measured on, if it was one: errors that return with every run on it are then counted once; default: the one that
+    both declare, if they do. `schedule`: that a result was measured by which does not tell it. `levelled`: was the
+    stand levelled "once" for both, or "anew" before each? `two_stands`: they were measured on two, even if both declare
+    the same. `confidence`, 0.5 to 0.999999: that a block which has not changed is not said to have.
 
     Raises BadInput for files that cannot be used and for different units, UsageError for arguments that cannot be.
 
@@ -93,16 +95,16 @@ def compare(
     >>> tumble.compare(result, result).verdict
     'unchanged'
     """
-    if levelled not in pair.LEVELLED:
-        raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(pair.LEVELLED)}")
+    if levelled not in LEVELLED:
+        raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(LEVELLED)}")
     if not 0.5 <= confidence <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     first, second = _side(a, "A"), _side(b, "B")
     one_stand = None
     if stand is not None:
-        name = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand"
-        one_stand = pair.OneStand(name, stand_file_of(stand), _schedules(schedule), levelled)
-    return Comparison(pair.compare(first, second, one_stand, confidence))
+        name, file = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand", stand_file_of(stand)
+        one_stand = OneStand(name, file.stand, file.step_v, _schedules(schedule), levelled)
+    return Comparison(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
 
 
 def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:

@@ -5,5 +5,6 @@ statistics    tests of the difference
 verdict       neither, the seat, the block, or nobody can tell
 shared        what both share of one stand
 pair          from two results to a comparison
-report        a comparison as a document of schema tumble.comparison/1, and as text
+report        a comparison as a document of schema tumble.comparison/1
+text          that document for people
 """

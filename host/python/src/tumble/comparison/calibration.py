@@ -51,7 +51,8 @@ class Calibration:
     @property
     def parameters(self) -> Floats:
         """What does not depend on the seat (9 + 3 x terms,): the logarithms of the lengths of K's rows, so that a
-        difference is a relative one, the angles between the rows xy, xz, yz in rad, U0 over the lengths in g; K2, K3."""
+        difference is a relative one, the angles between the rows xy, xz, yz in rad, U0 over the lengths in g; K2 and
+        K3."""
         length = np.linalg.norm(self.k, axis=1)
         axis = self.k / length[:, None]
         angles = [np.arctan2(np.linalg.norm(np.cross(axis[i], axis[j])), axis[i] @ axis[j]) for i, j in PAIRS]

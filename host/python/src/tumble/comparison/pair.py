@@ -10,17 +10,17 @@ import numpy as np
 
 from tumble.comparison import shared
 from tumble.comparison.calibration import Calibration
+from tumble.comparison.shared import ANEW, OneStand
 from tumble.comparison.verdict import Found, judge
-from tumble.core import CoreSchedule
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
-from tumble.files.stand_file import StandFile
 from tumble.solving import si
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.temperature import TOLERANCE_C
 from tumble.terms import POWERS, Terms
 
-ONCE, ANEW = LEVELLED = ("once", "anew")
+_NOT_THEIRS = "with a schedule that is known (--schedule) does not give the uncertainties of both"
+_WORDS = {"alpha1": "axis tilt", "alpha2": "level"}  # of sources whose names are none
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,11 @@ class Side:
         return tuple((self.document["extended"] or {"terms": ()})["terms"])
 
     @property
+    def assumes(self) -> tuple[str, ...]:
+        """What it rests on that nobody tested."""
+        return tuple(self.document["assumes"])
+
+    @property
     def temperature(self) -> Temperatures | None:
         """Of its run; None: not told."""
         told = self.document["temperature"]
@@ -64,18 +69,7 @@ class Side:
         covariance = self.document["covariance"]
         if covariance is None:
             return None
-        return shared.Told(self.document, self.calibration.k, np.array(covariance), self.terms)
-
-
-@dataclass(frozen=True)
-class OneStand:
-    """The `file` of a stand that both were measured on, what it `declares`, the `schedules` that they may have been
-    measured by, and whether it was `levelled` once for both or anew."""
-
-    file: str
-    declares: StandFile
-    schedules: Sequence[CoreSchedule]
-    levelled: str
+        return shared.Told(self.name, self.document, self.calibration.k, np.array(covariance), self.terms)
 
 
 @dataclass(frozen=True)
@@ -92,37 +86,50 @@ class Comparison:
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
 
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """Names of what the one or the other rests on that nobody tested."""
+        return tuple(dict.fromkeys((*self.a.assumes, *self.b.assumes)))
 
-def compare(a: Side, b: Side, one_stand: OneStand | None, confidence: float) -> Comparison:
-    """Hold B against A. Raises BadInput where their units differ."""
+
+def compare(
+    a: Side, b: Side, one_stand: OneStand | None, confidence: float, two_stands: bool = False, levelled: str = ANEW
+) -> Comparison:
+    """Hold B against A. `one_stand`: that both were measured on; without it the one that both results declare counts,
+    `levelled` once for both or anew, unless there were `two_stands`. Raises BadInput where their units differ."""
     units = a.document["unit"], b.document["unit"]
     if units[0] != units[1]:
         raise BadInput(f"outputs in {units[1]}, those of {file_name(a.name)} in {units[0]}: not compared", b.name)
+    stand = one_stand if one_stand is not None or two_stands else _declared_by_both(a, b, levelled)
     terms = tuple(term for term in a.calibration.terms if term in b.calibration.terms)
     ratio, u_ratio = _gravities(a, b)
     first, second = a.calibration.reduced(terms), b.calibration.reduced(terms).at_gravity(ratio)
-    repeated = None if one_stand is None else _repeated(a, b, one_stand)
-    common = None
-    if repeated is not None:
-        common = shared.in_common(*repeated) * ratio ** second.powers[:12]
+    draws = None if stand is None else _repeated(a, b, stand)
+    common = None if draws is None else shared.in_common(*draws) * ratio ** second.powers[:12]
     found = judge(first, second, common, u_ratio, confidence)
-    names = None if repeated is None else tuple(name for name in repeated[0].draws if name in repeated[1].draws)
-    warnings = [*_of_each(a, b), *_of_both(a, b)]
-    if one_stand is not None and repeated is None and found.tests is not None:
-        warnings.append(
-            f"{file_name(one_stand.file)} with a known schedule (--schedule) does not give the uncertainties of both:"
-            " nothing is counted as shared"
-        )
-    return Comparison(a, b, found, terms, names, one_stand, tuple(warnings), tuple(_notes(a, b, terms, ratio)))
+    names = None if draws is None else tuple(draws[0])
+    warnings, notes = [*_of_each(a, b), *_of_both(a, b)], _notes(a, b, ratio)
+    if stand is not None and draws is None and found.tests is not None:
+        warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
+    if found.tests is not None:
+        notes.insert(0, _of_sharing(names, stand))
+    return Comparison(a, b, found, terms, names, stand, tuple(warnings), tuple(notes))
 
 
-def _repeated(a: Side, b: Side, one_stand: OneStand) -> tuple[shared.Repeated, shared.Repeated] | None:
+def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
+    """The stand that both results declare, by the same name and with the same numbers; None where they do not."""
+    stand = shared.stand_of(a.document, a.name)
+    if stand is None or not stand.name or stand != shared.stand_of(b.document, b.name):
+        return None
+    return OneStand(stand.name, stand, None, (), levelled)
+
+
+def _repeated(a: Side, b: Side, one_stand: OneStand) -> tuple[shared.Draws, shared.Draws] | None:
+    """What returns with every run on it, in each of the two; None where it is not the stand of both."""
     told = a.told(), b.told()
     if told[0] is None or told[1] is None:
         return None
-    once = one_stand.levelled == ONCE
-    first = shared.repeated(told[0], one_stand.declares, one_stand.schedules, once)
-    second = shared.repeated(told[1], one_stand.declares, one_stand.schedules, once)
+    first, second = shared.repeated(told[0], one_stand), shared.repeated(told[1], one_stand)
     return None if first is None or second is None else (first, second)
 
 
@@ -168,7 +175,21 @@ def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _notes(a: Side, b: Side, terms: Terms, ratio: float) -> list[str]:
+def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None) -> str:
+    """What was counted once."""
+    if names is None or one_stand is None:
+        return (
+            "Nothing is counted as shared. That is right for two stands; of one stand both have errors in common,"
+            " which cancel: the uncertainties are too large then (--stand)."
+        )
+    levelled = f"stand levelled {one_stand.levelled}"
+    if not names:
+        return f"Counted as shared: nothing, as nothing that this stand declares returns with every run ({levelled})."
+    listed = ", ".join(_WORDS.get(name, name) for name in names)
+    return f"Counted once, as both have it of one stand: {listed} ({levelled})."
+
+
+def _notes(a: Side, b: Side, ratio: float) -> list[str]:
     """What the comparison rests on, and what it leaves out."""
     found = []
     gravities = a.gravity[0], b.gravity[0]

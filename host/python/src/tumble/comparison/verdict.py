@@ -105,16 +105,17 @@ def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float,
     size, parameters = b.values - a.values, b.parameters - a.parameters
     turned = _turned((a.k + b.k) / 2.0)
     if a.covariance is None or b.covariance is None:
-        angles = np.linalg.lstsq(turned[:9], size[:9], rcond=None)[0]
-        return Found(*(Differences(one, None) for one in (size, parameters, _vector(angles))), None, confidence)
+        fitted: Floats = np.asarray(np.linalg.lstsq(turned, size[:12], rcond=None)[0], dtype=float)
+        alone = Differences(size, None), Differences(parameters, None), Differences(_vector(fitted), None)
+        return Found(*alone, None, confidence)
     joint = _joint(a, b, shared, gravity)
     covariance = _of(joint, -np.eye(len(size)), np.eye(len(size)))
     of_parameters = _of(joint, -a.by_values, b.by_values)
     rounding = np.full(len(size), _ROUNDING * float(np.abs(np.concatenate([a.values[:12], b.values[:12]])).max()))
     twelve = whitened(covariance[:12, :12], size[:12], rounding[:12])
-    angles, u_angles, fitted = _fitted(twelve.rows @ turned, twelve.difference)
+    angles, u_angles, seat = _fitted(twelve.rows @ turned, twelve.difference)
     flat = np.full(len(parameters), _ROUNDING)
-    alone = normal_p(parameters, np.sqrt(np.diag(of_parameters) + flat**2))
+    each = normal_p(parameters, np.sqrt(np.diag(of_parameters) + flat**2))
     return Found(
         Differences(size, np.sqrt(np.diag(covariance))),
         Differences(parameters, np.sqrt(np.maximum(np.diag(of_parameters), 0.0))),
@@ -122,9 +123,9 @@ def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float,
         Tests(
             all_twelve=twelve.test,
             block=whitened(of_parameters, parameters, flat).test,
-            alone=min(1.0, len(alone) * float(alone.min())),
-            seat=fitted,
-            p_parameters=np.array(holm(alone.tolist())),
+            alone=min(1.0, len(each) * float(each.min())),
+            seat=seat,
+            p_parameters=np.array(holm(each.tolist())),
         ),
         confidence,
     )

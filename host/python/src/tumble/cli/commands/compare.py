@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import Any
 
 from tumble.cli import options
 from tumble.defaults import DEFAULT_CONFIDENCE
@@ -28,17 +29,21 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser.add_argument(
         "--stand",
         metavar="FILE",
-        help="stand file (TOML) of the one stand that both were measured on: what it repeats is counted once",
+        help="stand file (TOML) of the one stand that both were measured on: errors that return with every run on it"
+        " are counted once; default: the stand that both results declare, if it is the same",
     )
     parser.add_argument(
         "--schedule",
         metavar="NAME",
-        help="schedule file (TOML) that they were measured by, where it is none of the built-in ones; with --stand",
+        help="schedule file (TOML) of a result that does not tell it and has no built-in one; with --stand",
     )
     parser.add_argument(
         "--levelled",
         choices=LEVELLED,
-        help="was the stand levelled once for both, or anew before each (default)? With --stand",
+        help="was the stand levelled once for both, or anew before each? default: anew",
+    )
+    parser.add_argument(
+        "--two-stands", action="store_true", help="they were measured on two stands that are declared alike"
     )
     parser.add_argument(
         "--confidence",
@@ -54,14 +59,19 @@ def add_to(subparsers: options.Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compare and print. Returns the exit code; raises TumbleError."""
     confidence = options.parse_confidence(arguments.confidence)
-    for option in ("schedule", "levelled"):
-        if arguments.stand is None and getattr(arguments, option) is not None:
-            raise UsageError(f"--{option} says something of the stand of both: it needs --stand FILE")
+    if arguments.schedule is not None and arguments.stand is None:
+        raise UsageError("--schedule serves to tell what the stand brings to a result: it needs --stand FILE")
+    if arguments.two_stands and (arguments.stand, arguments.levelled) != (None, None):
+        raise UsageError("--two-stands: nothing is shared then, which --stand and --levelled speak of")
 
     from tumble.api.comparing import compare
     from tumble.cli.output import warn
     from tumble.files.disk import refuse_overwriting
 
+    if arguments.plot is not None:
+        from tumble.pictures import require_format
+
+        require_format(arguments.plot, "--plot")
     refuse_overwriting(arguments.plot, arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule))
     found = compare(
         arguments.a,
@@ -69,8 +79,19 @@ def run(arguments: argparse.Namespace) -> int:
         stand=arguments.stand,
         schedule=arguments.schedule,
         levelled=arguments.levelled or "anew",
+        two_stands=arguments.two_stands,
         confidence=confidence,
     )
+    if arguments.plot is not None:
+        _draw(found.document, arguments.plot)
     warn(found.warnings)
     sys.stdout.write(found.to_json() if arguments.json else found.text)
     return EXIT_PASS if found.block_changed is False else EXIT_LIMITS_FAILED
+
+
+def _draw(document: dict[str, Any], file: str) -> None:
+    from tumble.files.disk import write_bytes
+    from tumble.pictures import written
+    from tumble.pictures.comparison import comparison
+
+    write_bytes(file, written(comparison(document), file))
