@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 _WIDTH_IN, _ROW_IN, _FRAME_IN = 6.7, 0.19, 1.1  # as wide as the text of a page of A4
@@ -52,8 +53,10 @@ def _reach(in_u: list[float | None]) -> float:
 
 def _heights(groups: list[str]) -> list[float]:
     """Of the rows, from the top down, with room between the groups."""
-    breaks = [sum(one != other for one, other in zip(groups[: i + 1], groups[1 : i + 1])) for i in range(len(groups))]
-    return [-(i + gap) for i, gap in enumerate(breaks)]
+    heights = [0.0]
+    for one, other in pairwise(groups):
+        heights.append(heights[-1] - (1.0 if one == other else 2.0))
+    return heights
 
 
 def _mark(axes: Any, height: float, row: dict[str, Any], reach: float) -> None:
@@ -93,5 +96,5 @@ def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]
 
 
 def _sized(row: dict[str, Any]) -> str:
-    u = "" if row["u"] is None else f" \u00b1 {row['u']:.2g}"
-    return f"{row['difference']:+.3g}{u} {row['unit']}"
+    u = "" if row["u"] is None else f" \u00b1 {row['u']:.3g}"
+    return f"{row['difference']:+.5g}{u} {row['unit']}"
