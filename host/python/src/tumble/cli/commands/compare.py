@@ -68,11 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.cli.output import warn
     from tumble.files.disk import refuse_overwriting
 
+    inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
+    refuse_overwriting(arguments.plot, *inputs, option="--plot")
     if arguments.plot is not None:
         from tumble.pictures import require_format
 
         require_format(arguments.plot, "--plot")
-    refuse_overwriting(arguments.plot, arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule))
     found = compare(
         arguments.a,
         arguments.b,
