@@ -76,16 +76,19 @@ DECLARED = replace(PAPER_STAND, platform=1e-4, encoder=3e-5, seat=2e-5)
 
 @pytest.fixture
 def two_results(tumble, tmp_path):
-    """Two solved runs of a block on the stand DECLARED, a.json and b.json; returns the stand file."""
+    """Two solved runs of a block on the stand DECLARED, which was levelled once: a.json and b.json. Returns the stand
+    file."""
 
     def make(schedules=("paper", "paper"), estimators=("refined", "refined")):
-        rng, file = np.random.default_rng(22), paper_stand(tmp_path)
+        rng, file, same = np.random.default_rng(22), paper_stand(tmp_path), {}
         more = "samples = 50\nplatform_rad = 1e-4\nencoder_rad = 3e-5\nseat_rad = 2e-5"
         file.write_text(file.read_text().replace("samples = 50", more))
         for name, schedule, estimator in zip("ab", schedules, estimators):
             errors = sources(SCHEDULES[schedule], NOMINAL_K, DECLARED, ones(SCHEDULES[schedule]))
-            draws = rng.standard_normal((1, sum(len(one.sigma) for one in errors.values())))
-            means = exact_outputs(SCHEDULES[schedule], NOMINAL_K, U0, errors, draws)[0]
+            drawn = {source: rng.standard_normal(len(one.sigma)) for source, one in errors.items()}
+            drawn |= {source: same.setdefault(source, drawn[source]) for source in SHARED}
+            draws = np.concatenate([*drawn.values()])
+            means = exact_outputs(SCHEDULES[schedule], NOMINAL_K, U0, errors, draws[None])[0]
             run = write_run(tmp_path / f"{name}.csv", SCHEDULES[schedule], means)
             given = "--stand", file, "--schedule", schedule, "--estimator", estimator, "--out", f"{name}.json"
             done = tumble("solve", run, *given, cwd=tmp_path)
@@ -242,10 +245,10 @@ def test_a_seat_that_has_changed_is_no_change_of_the_block(size, once, count, fr
 
 
 def test_to_count_once_is_sharper():
-    """A change that is 10 u of one stand is 3 u or so of two."""
+    """Most of all for biases, which the axis tilt moves, and for turns about y and z."""
     (one, turn), (two, turn_of_two) = nominal(RICH, True), nominal(RICH, False)
     assert (one <= two * (1 + 1e-9)).all() and one[6:].max() < 0.5 * two[6:].max()
-    assert (turn <= turn_of_two * (1 + 1e-9)).all() and turn.min() < 0.8 * turn_of_two.min()
+    assert (turn <= turn_of_two * (1 + 1e-9)).all() and (turn[1:] < 0.8 * turn_of_two[1:]).all()
 
 
 def test_errors_that_a_levelling_does_not_repeat_are_not_taken_for_shared(fresh_seed):

@@ -14,16 +14,18 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
-from tumble.core import CoreRefusal, CoreSchedule
+from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput, UsageError
+from tumble.estimators import ESTIMATORS
 from tumble.fixture.combination import repeats
 from tumble.schedule import Mounting, Position, Schedule
 from tumble.solving.many_runs import brought
-from tumble.stand import Stand
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
 ONCE, ANEW = LEVELLED = ("once", "anew")
+_LARGEST = 1e9  # of an error of a stand, as stand files have it
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
 
 
@@ -81,15 +83,15 @@ def stand_of(document: dict[str, Any], name: str) -> Stand | None:
     if told is None:
         return None
     try:
-        return Stand(
-            **{attribute: float(told[key]) for attribute, key in _KEYS.items()},
-            samples=int(told["samples"]),
-            limits=str(told["limits"]),
-            remounting=str(told["remount"]),
-            name=told["name"] or "",
-        )
-    except (KeyError, TypeError, ValueError):
-        raise BadInput("its stand is not as tumble solve writes it", name) from None
+        sizes = {attribute: float(told[key]) for attribute, key in _KEYS.items()}
+        labels = {"limits": str(told["limits"]), "remounting": str(told["remount"]), "name": str(told["name"] or "")}
+        stand = Stand(**sizes, **labels, samples=int(told["samples"]))
+        known = stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0
+        if known and all(0.0 <= size < _LARGEST for size in sizes.values()):
+            return stand
+    except (KeyError, TypeError, ValueError, OverflowError):
+        pass
+    raise BadInput("its stand is not as tumble solve writes it", name)
 
 
 _KEYS = {  # of a result's stand, by the attributes of Stand
@@ -118,7 +120,7 @@ def _schedule_of(told: Told) -> CoreSchedule | None:
             Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in found["position"]
         )
         return CoreSchedule(Schedule(mountings, positions))
-    except (KeyError, TypeError, ValueError, CoreRefusal):
+    except (KeyError, TypeError, ValueError, OverflowError, CoreRefusal):
         raise BadInput("its schedule is not as tumble solve writes it", told.name) from None
 
 
@@ -128,10 +130,12 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     try:
         means = told.document.get("means") or ()
         samples = {(one["mounting"], one["position"], one["use"]): int(one["samples"]) for one in means}
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         return None
     places = [(position.mounting, position.number, position.use) for position in schedule.positions]
-    if not samples or not samples.keys() <= set(places):
+    if not samples or not samples.keys() <= set(places) or not 0 < min(samples.values()) <= MAX_SAMPLES:
+        return None
+    if told.document["estimator"] not in ESTIMATORS:
         return None
     part = schedule.part([place in samples for place in places])
     rows = np.array([samples[place] for place in places if place in samples])
@@ -156,6 +160,7 @@ def _explains(told: Told, draws: Draws, knows_step: bool) -> bool:
         return False
     scaled = np.concatenate(list(draws.values())) / u
     left = np.linalg.eigvalsh(told.covariance / np.outer(u, u) - scaled.T @ scaled)
-    noise = told.document.get("noise") or {}
-    as_declared = knows_step and not noise.get("above_declared") and not noise.get("undithered")
+    noise = told.document.get("noise")
+    is_told = isinstance(noise, dict) and not noise.get("above_declared") and not noise.get("undithered")
+    as_declared = knows_step and is_told
     return bool(left[0] > -_AGREEMENT and (left[-1] < _AGREEMENT or not as_declared))

@@ -48,7 +48,7 @@ def whitened(covariance: Floats, difference: Floats, rounding: Floats) -> Whiten
     A direction without variance counts where the difference has more in it than rounding leaves, which no chance
     explains. Else it is no degree of freedom, and the difference is taken to be 0 there.
     """
-    size = np.sqrt(np.diag(covariance) + rounding**2)
+    size = np.sqrt(np.maximum(np.diag(covariance), 0.0) + rounding**2)
     variance, directions = np.linalg.eigh((covariance + np.diag(rounding**2)) / np.outer(size, size))
     shown = directions.T @ (difference / size)
     counts: Flags = (variance > _NONE) | (np.abs(shown) > _BEYOND)

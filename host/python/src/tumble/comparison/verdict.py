@@ -115,10 +115,10 @@ def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float,
     twelve = whitened(covariance[:12, :12], size[:12], rounding[:12])
     angles, u_angles, seat = _fitted(twelve.rows @ turned, twelve.difference)
     flat = np.full(len(parameters), _ROUNDING)
-    each = normal_p(parameters, np.sqrt(np.diag(of_parameters) + flat**2))
+    each = normal_p(parameters, np.hypot(_roots(of_parameters), flat))
     return Found(
-        Differences(size, np.sqrt(np.diag(covariance))),
-        Differences(parameters, np.sqrt(np.maximum(np.diag(of_parameters), 0.0))),
+        Differences(size, _roots(covariance)),
+        Differences(parameters, _roots(of_parameters)),
         Differences(_vector(angles), u_angles),
         Tests(
             all_twelve=twelve.test,
@@ -168,6 +168,12 @@ def _of(joint: Floats, by_a: Floats, by_b: Floats) -> Floats:
     rows = np.concatenate([by_a, by_b], axis=1)
     found: Floats = rows @ joint @ rows.T
     return (found + found.T) / 2.0
+
+
+def _roots(covariance: Floats) -> Floats:
+    """Standard uncertainties; rounding may leave less than nothing of what cancels."""
+    found: Floats = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return found
 
 
 def _fitted(own: Floats, seen: Floats) -> tuple[Floats, Floats, Test]:
