@@ -1,14 +1,17 @@
 """`tumble compare`: what it warns of, what it refuses, what scripts call, and its picture."""
 
 import json
+import re
+import shlex
 import sys
 
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, write_run
 from calibrations import U, result
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 from documents import valid
+from test_readme import shows
 
 import tumble as package
 from tumble import reference
@@ -249,3 +252,13 @@ def test_without_matplotlib_a_picture_is_skipped(files, tumble, monkeypatch, cap
 def test_its_help_fits_eighty_columns(tumble):
     done = tumble("compare", "--help", COLUMNS="80")
     assert done.returncode == 0 and max(map(len, done.stdout.splitlines())) <= 80
+
+
+@pytest.mark.slow
+def test_the_page_shows_what_is_printed(tumble, tmp_path):
+    page = (ROOT / "docs/compare.md").read_text(encoding="utf-8")
+    commands, shown = re.search(r"```console\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / "examples").symlink_to(EXAMPLES)
+    done = [tumble(*shlex.split(line)[2:], cwd=tmp_path) for line in commands.splitlines()]
+    assert [one.returncode for one in done] == [0, 0, 0]
+    assert shows(shown, done[-1].stdout)

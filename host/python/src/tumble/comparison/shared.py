@@ -83,11 +83,11 @@ def stand_of(document: dict[str, Any], name: str) -> Stand | None:
     if told is None:
         return None
     try:
-        sizes = {attribute: float(told[key]) for attribute, key in _KEYS.items()}
-        labels = {"limits": str(told["limits"]), "remounting": str(told["remount"]), "name": str(told["name"] or "")}
-        stand = Stand(**sizes, **labels, samples=int(told["samples"]))
-        known = stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0
-        if known and all(0.0 <= size < _LARGEST for size in sizes.values()):
+        keys: dict[str, Any] = {attribute: float(told[key]) for attribute, key in _KEYS.items()}
+        small = all(0.0 <= size < _LARGEST for size in keys.values())
+        keys |= {"limits": told["limits"], "remounting": told["remount"], "name": told["name"] or ""}
+        stand = Stand(**keys, samples=int(told["samples"]))
+        if small and stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0:
             return stand
     except (KeyError, TypeError, ValueError, OverflowError):
         pass

@@ -16,7 +16,7 @@ _TESTS = {"all": "all twelve", "block": "the block", "seat": "its seat"}
 
 def render(told: dict[str, Any]) -> str:
     """The whole of it."""
-    lines = ["B less A, of one block"]
+    lines = ["Two calibrations of one block: B less A"]
     lines += [line for side in "ab" for line in _wrapped(f"{side.upper()}: {_described(told[side])}", "   ")]
     lines += ["", *_table(told["parameters"], told["seat"], told["coefficients"]), ""]
     if told["tests"] is not None:
