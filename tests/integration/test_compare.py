@@ -15,6 +15,7 @@ from tumble.comparison.calibration import Calibration
 from tumble.comparison.statistics import holm, whitened
 from tumble.comparison.verdict import judge
 from tumble.distributions import chi_squared_above, chi_squared_quantile
+from tumble.rounding import rounded
 
 pytestmark = pytest.mark.python
 U0 = np.array([0.01, -0.02, 0.03])
@@ -264,3 +265,18 @@ def test_gravity_of_another_place_is_taken_out(compare):
     assert found["parameters"][0]["u"] == pytest.approx(np.hypot(relative, own), rel=1e-9)
     untold = [{**one, "environment": None} for one in pair]
     assert compare(*untold)[:2][0] == 1
+
+
+@pytest.mark.parametrize(
+    ("size", "u", "shown"),
+    [
+        (-37.4142, 19.96, ("-37", "20")),
+        (0.123456, 0.0567, ("+0.123", "0.057")),
+        (3.2e-5, 1.44e-5, ("+3.2e-05", "1.4e-05")),
+        (261376.4, 123.4, ("+261376", "123")),
+        (1.23456, None, ("+1.23", "-")),
+        (0.0, 0.0, ("+0", "0")),
+    ],
+)
+def test_a_difference_has_the_digits_that_its_uncertainty_leaves(size, u, shown):
+    assert rounded(size, u) == shown

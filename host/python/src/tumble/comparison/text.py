@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from typing import Any
 
 from tumble.comparison.verdict import Verdict
+from tumble.rounding import rounded
 from tumble.solving.assumptions import phrase
 
 _WIDTH = 80
@@ -50,23 +50,16 @@ def _described(side: dict[str, Any]) -> str:
 def _table(*parts: list[dict[str, Any]]) -> list[str]:
     """A paragraph for each part; p stands where it is known, after Holm."""
     rows: list[tuple[str, ...]] = [("", "difference", "u", "unit", "in u", "p")]
-    rows += [(_words(row["name"]), *_figures(row), row["unit"], *_judged(row)) for part in parts for row in part]
+    rows += [
+        (_words(row["name"]), *rounded(row["difference"], row["u"]), row["unit"], *_judged(row))
+        for part in parts
+        for row in part
+    ]
     widths = [max(map(len, column)) for column in zip(*rows)]
     aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
     lines = ["  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip() for row in rows]
     ends = [1 + sum(map(len, parts[:count])) for count in range(1, len(parts))]
     return [line for number, line in enumerate(lines) for line in ([""] if number in ends else []) + [line]]
-
-
-def _figures(row: dict[str, Any]) -> tuple[str, str]:
-    """Difference and u, both to the second digit of u."""
-    size, u = row["difference"], row["u"]
-    if u is None:
-        return f"{size:+.3g}", "-"
-    if row["unit"] not in ("ppm", "urad") and not row["unit"].startswith("ug"):
-        return f"{size:+.1e}", f"{u:.1e}"
-    places = max(0, 1 - math.floor(math.log10(u))) if u > 0.0 else 1
-    return f"{size:+.{places}f}", f"{u:.{places}f}"
 
 
 def _judged(row: dict[str, Any]) -> tuple[str, str]:
@@ -83,7 +76,7 @@ def _words(name: str) -> str:
 
 
 def _sized(row: dict[str, Any]) -> str:
-    size, u = _figures(row)
+    size, u = rounded(row["difference"], row["u"])
     return f"{size} +- {u} {row['unit']}" if row["u"] is not None else f"{size} {row['unit']}"
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
+from tumble.rounding import rounded
+
 _WIDTH_IN, _ROW_IN, _FRAME_IN = 6.7, 0.19, 1.1  # as wide as the text of a page of A4
 _FONT_PT = 8.0
 _BANDS = ((3.0, "#E6E6E6", "\u00b13 u"), (2.0, "#C8C8C8", "\u00b12 u"))  # the inner one over the outer one
@@ -96,5 +98,5 @@ def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]
 
 
 def _sized(row: dict[str, Any]) -> str:
-    u = "" if row["u"] is None else f" \u00b1 {row['u']:.3g}"
-    return f"{row['difference']:+.5g}{u} {row['unit']}"
+    size, u = rounded(row["difference"], row["u"])
+    return " ".join([size, *([] if row["u"] is None else ["\u00b1", u]), row["unit"]])
