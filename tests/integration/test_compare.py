@@ -254,6 +254,31 @@ def test_p_is_that_of_chi_squared(compare):
         assert found.tests.block.p == chi_squared_above(found.tests.block.chi_squared, 9)
 
 
+def test_one_parameter_that_would_explain_it_is_told(compare, tumble, tmp_path):
+    """Errors that all scale factors have in common hide the change of one in its u, but not in the three together."""
+    rng, common = np.random.default_rng(16), np.zeros(12)
+    common[[0, 4, 8]] = 2e-3
+    joint = np.diag(np.full(12, 1e-6) ** 2) + np.outer(common, common)
+    k = 2.0 * np.eye(3)
+    code, found, _ = compare(result(k, np.zeros(3), joint), result(k + np.diag([0.0, 2e-5, 0.0]), np.zeros(3), joint))
+    assert (code, found["verdict"], found["changed"]) == (1, "block", [])
+    a, b = calibration(k, np.zeros(3), joint), calibration(k + np.diag([0.0, 2e-5, 0.0]), np.zeros(3), joint)
+    both = sum(one.by_values @ joint @ one.by_values.T for one in (a, b))
+    weights, difference = np.linalg.inv(both), b.parameters - a.parameters
+    size, u = weights[1] @ difference / weights[1, 1], weights[1, 1] ** -0.5
+    left = difference - size * np.eye(9)[1]
+    told = found["explained_by"]
+    assert (told["name"], told["unit"]) == ("scale_y", "ppm")
+    assert (told["difference"], told["u"]) == pytest.approx((1e6 * size, 1e6 * u), rel=1e-5)
+    assert told["p"] == pytest.approx(chi_squared_above(float(left @ weights @ left), 8.0), abs=1e-3)
+    text = tumble("compare", "a.json", "b.json", cwd=tmp_path).stdout.rstrip().split("\n\n")[-1]
+    assert text.replace("\n", " ").endswith(
+        "no parameter by itself, but all together; scale y +10.00 +- 0.87 ppm alone would explain it."
+    )
+    moved = k + np.diag(rng.permutation([0.0, 2e-5, -3e-5]))
+    assert compare(result(k, np.zeros(3), joint), result(moved, np.zeros(3), joint))[1]["explained_by"] is None
+
+
 def test_gravity_of_another_place_is_taken_out(compare):
     here, there = {"gravity_m_s2": 9.78, "u_gravity_m_s2": 1e-5}, {"gravity_m_s2": 9.83, "u_gravity_m_s2": 2e-5}
     pair = [result(NOMINAL_K * g["gravity_m_s2"] / 9.8, U0, np.diag(U**2), environment=g) for g in (here, there)]

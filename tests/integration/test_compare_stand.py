@@ -223,7 +223,8 @@ def test_a_scale_factor_that_has_changed_is_found_as_often_as_it_can_be(size, on
     found = pairs(np.random.default_rng(fresh_seed), RICH, count, once, scaled(math.expm1(size * u)))
     block, named = share_of(found, Verdict.BLOCK), sum(bool(one.changed[0]) for one in found)
     others = sum(bool(one.changed[1:].any()) for one in found)
-    print(f"{size} u, {WORDS[once]}: {block} of {count} found, {named} named")
+    explained = sum(one.explanation is not None and one.explanation.index == 0 for one in found)
+    print(f"{size} u, {WORDS[once]}: {block} of {count} found, {named} named, {explained} explained by it")
     assert block >= binomial_range(count, seen_alone(size))[0]
     assert named <= block and others <= binomial_range(count, 0.001)[1]
     sizes = np.array([one.parameters.size[0] for one in found])

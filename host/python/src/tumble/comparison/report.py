@@ -25,6 +25,7 @@ def document(compared: Comparison) -> dict[str, Any]:
         "verdict": found.verdict.value,
         "confidence": found.confidence,
         "changed": [row["name"] for row in parameters if row["changed"]],
+        "explained_by": _explained(compared),
         "assumes": list(compared.assumes),
         "a": _side(compared.a),
         "b": _side(compared.b),
@@ -80,6 +81,19 @@ def _parameters(compared: Comparison) -> list[dict[str, Any]]:
     rows = _rows([*reduced.parameter_names], [*reduced.parameter_units], found.parameters, _MILLIONTHS)
     p = [None] * len(rows) if found.tests is None else found.tests.p_parameters.tolist()
     return [{**row, "p": one, "changed": bool(has)} for row, one, has in zip(rows, p, found.changed)]
+
+
+def _explained(compared: Comparison) -> dict[str, Any] | None:
+    one, named = compared.found.explanation, compared.a.calibration.reduced(compared.terms)
+    if one is None:
+        return None
+    return {
+        "name": named.parameter_names[one.index],
+        "difference": one.size * _MILLIONTHS,
+        "u": one.u * _MILLIONTHS,
+        "unit": named.parameter_units[one.index],
+        "p": one.p,
+    }
 
 
 def _tests(tests: Tests) -> dict[str, Any]:

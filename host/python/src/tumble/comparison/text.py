@@ -37,7 +37,11 @@ def sentence(told: dict[str, Any]) -> str:
         turned = ", ".join(f"{_sized(row)} about {row['name'][-1]}" for row in told["seat"])
         return f"ONLY THE SEAT HAS CHANGED {at}: the block sits turned by {turned}."
     shown = [f"{_words(row['name'])} {_sized(row)}" for row in told["parameters"] if row["changed"]]
-    return f"THE BLOCK HAS CHANGED {at}: {', '.join(shown) or 'no parameter by itself, but all together'}."
+    if not shown:
+        alone = told["explained_by"]
+        rest = "" if alone is None else f"; {_words(alone['name'])} {_sized(alone)} alone would explain it"
+        shown = [f"no parameter by itself, but all together{rest}"]
+    return f"THE BLOCK HAS CHANGED {at}: {', '.join(shown)}."
 
 
 def _described(side: dict[str, Any]) -> str:

@@ -9,7 +9,8 @@ the seat. So three questions are asked, each with the p of its test:
 
 After Holm, so that two calibrations of a block that nobody touched come out as different in no more cases than the
 confidence leaves. `whole` or `alone`: the block has changed, and those parameters are named that stand out by
-themselves, after Holm among them. Else `seat`: nothing but the seat has.
+themselves, after Holm among them. Parameters whose errors are alike may hide a change of one; so the one is told
+whose change alone would explain the difference, if there is one. Else `seat`: nothing but the seat has.
 """
 
 from __future__ import annotations
@@ -21,8 +22,9 @@ import numpy as np
 
 from tumble.arrays import Flags, Floats
 from tumble.comparison.calibration import Calibration
-from tumble.comparison.statistics import Test, holm, normal_p, whitened
+from tumble.comparison.statistics import Test, Whitened, holm, normal_p, whitened
 
+EXPLAINED = 0.01  # p of what an explanation leaves, at least
 _ROUNDING = 1e-13  # of the largest coefficient; of the parameters, which are numbers of size 1, themselves
 
 
@@ -53,15 +55,28 @@ class Differences:
 
 
 @dataclass(frozen=True)
+class Explanation:
+    """The one parameter, by its `index`, whose change alone comes nearest to the difference: by `size` with standard
+    uncertainty `u`, and the `p` of what that leaves, as often as chance leaves more."""
+
+    index: int
+    size: float
+    u: float
+    p: float
+
+
+@dataclass(frozen=True)
 class Tests:
     """`all_twelve`: of the whole difference; `block`: of the parameters; `alone`: p of the one that stands out most,
-    times their number; `seat`: of its angles. `p_parameters`: of every parameter, after Holm among them."""
+    times their number; `seat`: of its angles. `p_parameters`: of every parameter, after Holm among them; `nearest`:
+    what comes nearest to explaining it by one parameter."""
 
     all_twelve: Test
     block: Test
     alone: float
     seat: Test
     p_parameters: Floats
+    nearest: Explanation
 
     @property
     def adjusted(self) -> dict[str, float]:
@@ -91,6 +106,13 @@ class Found:
         return Verdict.SEAT if p["seat"] < 1.0 - self.confidence else Verdict.UNCHANGED
 
     @property
+    def explanation(self) -> Explanation | None:
+        """Of a block that has changed: the one parameter that would do; None where none does."""
+        if self.tests is None or self.verdict is not Verdict.BLOCK or self.tests.nearest.p < EXPLAINED:
+            return None
+        return self.tests.nearest
+
+    @property
     def changed(self) -> Flags:
         """Which parameters have changed (n,); none of a block that has not."""
         if self.tests is None or self.verdict is not Verdict.BLOCK:
@@ -115,6 +137,7 @@ def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float,
     twelve = whitened(covariance[:12, :12], size[:12], rounding[:12])
     angles, u_angles, seat = _fitted(twelve.rows @ turned, twelve.difference)
     flat = np.full(len(parameters), _ROUNDING)
+    block = whitened(of_parameters, parameters, flat)
     each = normal_p(parameters, np.hypot(_roots(of_parameters), flat))
     return Found(
         Differences(size, _roots(covariance)),
@@ -122,13 +145,23 @@ def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float,
         Differences(_vector(angles), u_angles),
         Tests(
             all_twelve=twelve.test,
-            block=whitened(of_parameters, parameters, flat).test,
+            block=block.test,
             alone=min(1.0, len(each) * float(each.min())),
             seat=seat,
             p_parameters=np.array(holm(each.tolist())),
+            nearest=_nearest(block),
         ),
         confidence,
     )
+
+
+def _nearest(block: Whitened) -> Explanation:
+    """By the score of each parameter: generalised least squares of the difference on it alone."""
+    length = np.linalg.norm(block.rows, axis=0)
+    scores = block.rows.T @ block.difference / length
+    best = int(np.abs(scores).argmax())
+    left = Test(max(0.0, block.test.chi_squared - float(scores[best] ** 2)), max(0, block.freedom - 1))
+    return Explanation(best, float(scores[best] / length[best]), float(1.0 / length[best]), left.p)
 
 
 def _turned(k: Floats) -> Floats:
