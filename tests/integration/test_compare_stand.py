@@ -107,7 +107,7 @@ def test_the_stand_file_tells_what_is_shared(estimators, two_results, tumble, tm
         found[levelled] = valid(done.stdout, "comparison")
         assert (done.returncode, done.stderr) == (0, "")
         assert found[levelled]["shared"] == {"stand": str(stand), "levelled": levelled, "sources": names}
-    alone = valid(tumble("compare", "a.json", "b.json", "--json", cwd=tmp_path).stdout, "comparison")
+    alone = valid(tumble("compare", "a.json", "b.json", "--json", "--two-stands", cwd=tmp_path).stdout, "comparison")
     u = [np.array([row["u"] for row in one["coefficients"]]) for one in (alone, found["anew"], found["once"])]
     assert (u[0] > u[1]).any() and (u[1] > u[2]).any() and (u[0] >= 0.999 * u[1]).all()
     assert alone["shared"] == {"stand": None, "levelled": None, "sources": None}
