@@ -121,7 +121,7 @@ def test_a_turn_is_of_the_seat_and_nothing_else(angle):
         to_turned[:9, :9], to_turned[9:, 9:] = np.kron(np.eye(3), rotation(turn).T), np.eye(3)
         a = calibration(k, u0, joint)
         b = calibration(k @ rotation(turn), u0, to_turned @ joint @ to_turned.T)
-        found = judge(a, b, None, 0.0, 0.999)
+        found = judge(a, b, 0.0, 0.999)
         assert found.verdict.value == "seat" and not found.changed.any()
         assert np.abs(found.parameters.size).max() < 1e-14 * 100
         alone = np.sqrt(np.diag(a.by_values @ joint @ a.by_values.T))
@@ -136,10 +136,9 @@ def test_b_with_a_is_a_with_b_the_other_way_round():
         size *= np.abs(k).max()
         moved = k + rng.normal(size=(3, 3)) * size, u0 + rng.normal(size=3) * size
         draws = rng.normal(size=(2, 2, 12)) * size
-        common = draws[0].T @ draws[1]
-        joint = [covariance(rng, size) + both.T @ both for both in draws]
-        pairs = calibration(k, u0, joint[0]), calibration(*moved, joint[1])
-        forth, back = judge(*pairs, common, 1e-6, 0.999), judge(*pairs[::-1], common.T, 1e-6, 0.999)
+        own = [calibration(*one, covariance(rng, size)) for one in ((k, u0), moved)]
+        pairs = [dataclasses.replace(one, in_common=both) for one, both in zip(own, draws)]
+        forth, back = judge(*pairs, 1e-6, 0.999), judge(*pairs[::-1], 1e-6, 0.999)
         for name in ("coefficients", "parameters", "seat"):
             assert getattr(forth, name).size == pytest.approx(-getattr(back, name).size, rel=1e-12)
             assert getattr(forth, name).u == pytest.approx(getattr(back, name).u, rel=1e-6)
@@ -226,8 +225,8 @@ def test_a_direction_without_variance_counts_only_where_something_is_in_it():
 def test_coefficients_without_any_uncertainty_are_compared_exactly():
     a = calibration(NOMINAL_K, U0, np.zeros((12, 12)))
     same, other = calibration(NOMINAL_K, U0, np.zeros((12, 12))), calibration(NOMINAL_K, U0 + 1e-9, np.zeros((12, 12)))
-    assert judge(a, same, None, 0.0, 0.999).verdict.value == "unchanged"
-    found = judge(a, other, None, 0.0, 0.999)
+    assert judge(a, same, 0.0, 0.999).verdict.value == "unchanged"
+    found = judge(a, other, 0.0, 0.999)
     assert found.verdict.value == "block" and np.flatnonzero(found.changed).tolist() == [6, 7, 8]
 
 
@@ -248,7 +247,7 @@ def test_p_is_that_of_chi_squared(compare):
         for i, j in ((0, 1), (0, 2), (1, 2)):
             k[i, j] = k[j, i] = each * u[0] / np.sqrt(2)
         b = calibration(k, each * u[9:], np.diag(U**2))
-        found = judge(a, b, None, 0.0, 0.999)
+        found = judge(a, b, 0.0, 0.999)
         assert found.tests.block.chi_squared == pytest.approx(factor * limit, rel=3e-4)
         assert found.verdict.value == verdict and not found.changed.any()
         assert found.tests.block.p == chi_squared_above(found.tests.block.chi_squared, 9)

@@ -27,11 +27,13 @@ _UNITS_OF_TERMS = {"k2": "ug/g^2", "k3": "ug/g^3"}
 @dataclass(frozen=True)
 class Calibration:
     """`values` (12 + 3 x terms,): K row by row, U0, then K2 and K3 as far as they are in `terms`, in the unit of the
-    outputs and g; their `covariance`, None where it is unknown."""
+    outputs and g. Their `covariance`, None where it is unknown: all of it, or without `in_common`, (draws, 12 + 3 x
+    terms): errors that the other calibration has as well, draw by draw, one standard deviation of each."""
 
     values: Floats
     covariance: Floats | None
     terms: Terms = ()
+    in_common: Floats | None = None
 
     @property
     def k(self) -> Floats:
@@ -71,13 +73,15 @@ class Calibration:
         """With these of its terms alone."""
         kept = [*range(12), *(12 + 3 * self.terms.index(term) + axis for term in terms for axis in range(3))]
         covariance = None if self.covariance is None else self.covariance[np.ix_(kept, kept)]
-        return Calibration(self.values[kept], covariance, terms)
+        in_common = None if self.in_common is None else self.in_common[:, kept]
+        return Calibration(self.values[kept], covariance, terms, in_common)
 
     def at_gravity(self, ratio: float) -> Calibration:
         """For accelerations in units of another gravity, so many times that of its own place."""
         factor = ratio**self.powers
         covariance = None if self.covariance is None else factor[:, None] * self.covariance * factor
-        return replace(self, values=self.values * factor, covariance=covariance)
+        in_common = None if self.in_common is None else self.in_common * factor
+        return replace(self, values=self.values * factor, covariance=covariance, in_common=in_common)
 
     @property
     def powers(self) -> Floats:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from tumble.arrays import Floats
 from tumble.comparison import shared
 from tumble.comparison.calibration import Calibration
 from tumble.comparison.shared import ANEW, OneStand
+from tumble.comparison.statistics import is_covariance
 from tumble.comparison.verdict import Found, judge
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
@@ -35,12 +37,14 @@ class Side:
 
     @classmethod
     def of(cls, name: str, document: dict[str, Any], complaints: Sequence[str] = ()) -> Side:
-        """Raises BadInput for a singular K."""
+        """Raises BadInput for a singular K, and for a covariance that is none."""
         try:
             found = Coefficients.of(document)
         except ValueError as error:
             raise BadInput(str(error), name) from None
-        covariance = found.covariance if document["covariance"] is not None else None
+        covariance = None if document["covariance"] is None else found.covariance
+        if covariance is not None and not is_covariance(covariance):
+            raise BadInput("its covariance is none: of some mixture of the coefficients it is negative", name)
         return cls(name, document, tuple(complaints), Calibration(found.values, covariance, found.terms))
 
     @property
@@ -64,12 +68,11 @@ class Side:
         """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
         return si.gravity_of(self.document["environment"])
 
-    def told(self) -> shared.Told | None:
-        """None without a covariance."""
-        covariance = self.document["covariance"]
-        if covariance is None:
+    def told_apart(self, one_stand: OneStand) -> shared.Apart | None:
+        """What returns with every run on the stand, and what is its own; None where it is not its stand."""
+        if self.calibration.covariance is None:
             return None
-        return shared.Told(self.name, self.document, self.calibration.k, np.array(covariance), self.terms)
+        return shared.told_apart(shared.Told(self.name, self.document, self.calibration, self.terms), one_stand)
 
 
 @dataclass(frozen=True)
@@ -102,14 +105,11 @@ def compare(
         raise BadInput(f"outputs in {units[1]}, those of {file_name(a.name)} in {units[0]}: not compared", b.name)
     stand = one_stand if one_stand is not None or two_stands else _declared_by_both(a, b, levelled)
     terms = tuple(term for term in a.calibration.terms if term in b.calibration.terms)
+    first, second, names = _with_in_common(a, b, stand)
     ratio, u_ratio = _gravities(a, b)
-    first, second = a.calibration.reduced(terms), b.calibration.reduced(terms).at_gravity(ratio)
-    draws = None if stand is None else _repeated(a, b, stand)
-    common = None if draws is None else shared.in_common(*draws) * ratio ** second.powers[:12]
-    found = judge(first, second, common, u_ratio, confidence)
-    names = None if draws is None else tuple(draws[0])
+    found = judge(first.reduced(terms), second.reduced(terms).at_gravity(ratio), u_ratio, confidence)
     warnings, notes = [*_of_each(a, b), *_of_both(a, b)], _notes(a, b, ratio)
-    if stand is not None and draws is None and found.tests is not None:
+    if stand is not None and names is None and found.tests is not None:
         warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
     if found.tests is not None:
         notes.insert(0, _of_sharing(names, stand))
@@ -124,13 +124,24 @@ def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
     return OneStand(stand.name, stand, None, (), levelled)
 
 
-def _repeated(a: Side, b: Side, one_stand: OneStand) -> tuple[shared.Draws, shared.Draws] | None:
-    """What returns with every run on it, in each of the two; None where it is not the stand of both."""
-    told = a.told(), b.told()
-    if told[0] is None or told[1] is None:
-        return None
-    first, second = shared.repeated(told[0], one_stand), shared.repeated(told[1], one_stand)
-    return None if first is None or second is None else (first, second)
+def _with_in_common(
+    a: Side, b: Side, stand: OneStand | None
+) -> tuple[Calibration, Calibration, tuple[str, ...] | None]:
+    """Both calibrations with what they have in common told apart, and the names of its sources: None where no stand is
+    that of both."""
+    first, second = (None, None) if stand is None else (a.told_apart(stand), b.told_apart(stand))
+    if first is None or second is None:
+        return a.calibration, b.calibration, None
+    names = tuple(name for name in first.returns if name in second.returns)
+    split = [
+        replace(side.calibration, covariance=apart.own, in_common=_stacked(apart, names, len(side.calibration.values)))
+        for side, apart in ((a, first), (b, second))
+    ]
+    return split[0], split[1], names
+
+
+def _stacked(apart: shared.Apart, names: tuple[str, ...], count: int) -> Floats:
+    return np.concatenate([np.zeros((0, count)), *(apart.returns[name] for name in names)])
 
 
 def _gravities(a: Side, b: Side) -> tuple[float, float]:

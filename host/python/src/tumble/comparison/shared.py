@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats
+from tumble.comparison.calibration import Calibration
 from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.estimators import ESTIMATORS
@@ -44,37 +45,39 @@ class OneStand:
 
 @dataclass(frozen=True)
 class Told:
-    """A result's own: its `name` and `document`, the coefficients `k` (3, 3) and `covariance` (12, 12), and the `terms`
-    that it was solved with, drift among them."""
+    """A result's own: its `name` and `document`, its `calibration` with K2 and K3, and the `terms` that it was solved
+    with, drift among them."""
 
     name: str
     document: dict[str, Any]
-    k: Floats
-    covariance: Floats
+    calibration: Calibration
     terms: Terms
 
 
-Draws = dict[str, Floats]  # by source: (draws, 12), one standard deviation of each
+Draws = dict[str, Floats]  # by source: (draws, 12 + 3 x terms), one standard deviation of each
 
 
-def repeated(told: Told, one_stand: OneStand) -> Draws | None:
-    """What returns with every run: by the first schedule with which the stand explains the covariance; None where none
-    does. Raises BadInput for a result whose own schedule is none."""
-    own = _schedule_of(told)
-    for schedule in one_stand.schedules if own is None else [own]:
-        found = _by_source(told, one_stand, schedule.data)
-        if found is not None and _explains(told, found, one_stand.step_v is not None):
+@dataclass(frozen=True)
+class Apart:
+    """The covariance of a calibration in two: its `own`, and what `returns` with every run."""
+
+    own: Floats
+    returns: Draws
+
+
+def told_apart(told: Told, one_stand: OneStand) -> Apart | None:
+    """By the first schedule with which the stand explains the covariance; None where none does. Raises BadInput for a
+    result whose own schedule is none."""
+    schedule = _schedule_of(told)
+    for one in one_stand.schedules if schedule is None else [schedule]:
+        found = _by_source(told, one_stand, one.data)
+        beyond = None if found is None else _beyond(told, found, one_stand.step_v is not None)
+        if found is not None and beyond is not None:
             once = one_stand.levelled == ONCE
-            return {name: draws for name, draws in found.items() if repeats(name, once)}
+            returns = {name: draws for name, draws in found.items() if repeats(name, once)}
+            own = [draws.T @ draws for name, draws in found.items() if name not in returns]
+            return Apart(sum(own, beyond), returns)
     return None
-
-
-def in_common(a: Draws, b: Draws) -> Floats:
-    """Covariance (12, 12) of A's coefficients with B's."""
-    shared = np.zeros((12, 12))
-    for name in a.keys() & b.keys():
-        shared += a[name].T @ b[name]
-    return shared
 
 
 def stand_of(document: dict[str, Any], name: str) -> Stand | None:
@@ -141,10 +144,22 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     rows = np.array([samples[place] for place in places if place in samples])
     declared = _as_solved(one_stand.stand, told.terms).in_unit(unit)
     step = (one_stand.step_v or 0.0) / volts_per(unit)
+    given = part, told.calibration.k, declared, told.document["estimator"], rows, step, told.terms
     try:
-        return brought(part, told.k, declared, told.document["estimator"], rows, step, told.terms)
+        return {name: _of_values(told, draws) for name, draws in brought(*given).items()}
     except (CoreRefusal, UsageError, np.linalg.LinAlgError):
         return None
+
+
+def _of_values(told: Told, sizes: Floats) -> Floats:
+    """What draws bring to the calibration's values, by what they bring to the coefficients and to the sizes of all
+    terms: a size is K_ii times K2. A drift is none of the values."""
+    k, found = np.diag(told.calibration.k), [sizes[:, :12]]
+    for place, term in enumerate(told.calibration.terms):
+        value = told.calibration.values[12 + 3 * place : 15 + 3 * place]
+        start = 12 + 3 * told.terms.index(term)
+        found.append((sizes[:, start : start + 3] - value * sizes[:, [0, 4, 8]]) / k)
+    return np.concatenate(found, axis=1)
 
 
 def _as_solved(stand: Stand, terms: Terms) -> Stand:
@@ -152,15 +167,20 @@ def _as_solved(stand: Stand, terms: Terms) -> Stand:
     return stand.with_sigma("drift", 0.0) if DRIFT in terms else stand
 
 
-def _explains(told: Told, draws: Draws, knows_step: bool) -> bool:
-    """Whether these draws make up the covariance that was stated, or what is left can be noise that the run showed
-    beyond the declared one, or steps of a converter that nobody tells."""
-    u = np.sqrt(np.diag(told.covariance))
+def _beyond(told: Told, draws: Draws, knows_step: bool) -> Floats | None:
+    """What the covariance that was stated has beyond these draws: noise that the run showed beyond the declared one, or
+    steps of a converter that nobody tells. None where these draws cannot make it up."""
+    stated = told.calibration.covariance
+    assert stated is not None  # as the caller has seen to
+    u = np.sqrt(np.diag(stated))
     if not (u > 0.0).all():
-        return False
+        return None
     scaled = np.concatenate(list(draws.values())) / u
-    left = np.linalg.eigvalsh(told.covariance / np.outer(u, u) - scaled.T @ scaled)
+    variance, directions = np.linalg.eigh(stated / np.outer(u, u) - scaled.T @ scaled)
     noise = told.document.get("noise")
     is_told = isinstance(noise, dict) and not noise.get("above_declared") and not noise.get("undithered")
-    as_declared = knows_step and is_told
-    return bool(left[0] > -_AGREEMENT and (left[-1] < _AGREEMENT or not as_declared))
+    if variance[0] < -_AGREEMENT or (knows_step and is_told and variance[-1] > _AGREEMENT):
+        return None
+    columns = directions * u[:, None]
+    found: Floats = (columns * np.where(variance > _AGREEMENT, variance, 0.0)) @ columns.T
+    return found

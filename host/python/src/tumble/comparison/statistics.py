@@ -11,6 +11,7 @@ from tumble.arrays import Flags, Floats
 from tumble.distributions import chi_squared_above
 
 _NONE = 1e-12  # variance of a direction, in units of the standard uncertainties: what is left of rounding
+_ASYMMETRY = 1e-6  # in the same units: more than a file of fifteen digits leaves, or of fewer
 _BEYOND = 1e-5  # of a difference in such a direction, in the same units: more than rounding
 
 
@@ -55,6 +56,13 @@ def whitened(covariance: Floats, difference: Floats, rounding: Floats) -> Whiten
     scale = np.sqrt(np.maximum(variance, _NONE))
     rows: Floats = (directions / scale).T / size
     return Whitened(rows, np.where(counts, shown / scale, 0.0), int(counts.sum()))
+
+
+def is_covariance(matrix: Floats) -> bool:
+    """Whether a matrix (n, n) is symmetric and has no direction with less variance than rounding leaves."""
+    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    scaled = matrix / np.outer(*(2 * [np.where(size > 0.0, size, 1.0)]))
+    return bool(np.abs(scaled - scaled.T).max() < _ASYMMETRY and np.linalg.eigvalsh(scaled).min() > -_ASYMMETRY)
 
 
 def normal_p(difference: Floats, u: Floats) -> Floats:

@@ -15,7 +15,7 @@ whose change alone would explain the difference, if there is one. Else `seat`: n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
@@ -121,18 +121,19 @@ class Found:
         return found
 
 
-def judge(a: Calibration, b: Calibration, shared: Floats | None, gravity: float, confidence: float) -> Found:
-    """Hold B against A, of the same terms. `shared` (12, 12): covariance of A's coefficients with B's by errors that
-    both have; None: none. `gravity`: relative standard uncertainty of the ratio of the two gravities."""
+def judge(a: Calibration, b: Calibration, gravity: float, confidence: float) -> Found:
+    """Hold B against A, of the same terms, and with the same draws in common. `gravity`: relative standard uncertainty
+    of the ratio of the two gravities."""
     size, parameters = b.values - a.values, b.parameters - a.parameters
     turned = _turned((a.k + b.k) / 2.0)
     if a.covariance is None or b.covariance is None:
         fitted: Floats = np.asarray(np.linalg.lstsq(turned, size[:12], rcond=None)[0], dtype=float)
         alone = Differences(size, None), Differences(parameters, None), Differences(_vector(fitted), None)
         return Found(*alone, None, confidence)
-    joint = _joint(a, b, shared, gravity)
-    covariance = _of(joint, -np.eye(len(size)), np.eye(len(size)))
-    of_parameters = _of(joint, -a.by_values, b.by_values)
+    by_gravity = gravity * a.powers * (a.values + b.values) / 2.0
+    moved = replace(b, covariance=b.covariance + np.outer(by_gravity, by_gravity))
+    covariance = _of_difference(a, moved, np.eye(len(size)), np.eye(len(size)))
+    of_parameters = _of_difference(a, moved, a.by_values, b.by_values)
     rounding = np.full(len(size), _ROUNDING * float(np.abs(np.concatenate([a.values[:12], b.values[:12]])).max()))
     twelve = whitened(covariance[:12, :12], size[:12], rounding[:12])
     angles, u_angles, seat = _fitted(twelve.rows @ turned, twelve.difference)
@@ -183,23 +184,14 @@ def _vector(angles: Floats) -> Floats:
     return angles if length == 0.0 else angles * (2.0 * np.arctan(length / 2.0) / length)
 
 
-def _joint(a: Calibration, b: Calibration, shared: Floats | None, gravity: float) -> Floats:
-    """Covariance (2n, 2n) of A's and B's values. What the ratio of gravities is off by stands in B's."""
+def _of_difference(a: Calibration, b: Calibration, by_a: Floats, by_b: Floats) -> Floats:
+    """Covariance of the difference of what has these derivatives by A's and B's values. What both have in common is
+    subtracted draw by draw, so that rounding leaves no variance below 0."""
     assert a.covariance is not None and b.covariance is not None  # or nothing is judged
-    count = len(a.values)
-    both = np.zeros((2 * count, 2 * count))
-    both[:count, :count] = a.covariance
-    by_gravity = gravity * a.powers * (a.values + b.values) / 2.0
-    both[count:, count:] = b.covariance + np.outer(by_gravity, by_gravity)
-    if shared is not None:
-        both[:12, count : count + 12], both[count : count + 12, :12] = shared, shared.T
-    return both
-
-
-def _of(joint: Floats, by_a: Floats, by_b: Floats) -> Floats:
-    """Covariance of what has these derivatives by A's and B's values."""
-    rows = np.concatenate([by_a, by_b], axis=1)
-    found: Floats = rows @ joint @ rows.T
+    found: Floats = by_a @ a.covariance @ by_a.T + by_b @ b.covariance @ by_b.T
+    if a.in_common is not None and b.in_common is not None:
+        left = b.in_common @ by_b.T - a.in_common @ by_a.T
+        found = found + left.T @ left
     return (found + found.T) / 2.0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from tumble import core
 from tumble.arrays import Floats, Integers
@@ -52,17 +53,28 @@ def brought(
     step: float = 0.0,
     terms: Terms = (),
 ) -> dict[str, Floats]:
-    """What every source of error of the stand brings to the coefficients, to first order: by name as in
-    reference.uncertainty.sources, (draws, 12), one standard deviation of each draw. Arguments as of estimator_for."""
-    errors = sources(schedule, k, stand.with_step(step), samples)
+    """What every source of error of the stand brings to the coefficients and the sizes of further `terms`, to first
+    order: by name as in reference.uncertainty.sources, (draws, 12 + 3 x terms), one standard deviation of each draw.
+    Arguments as of estimator_for. Raises CoreRefusal."""
+    linear: ManyRuns
     if estimator == OPTIMAL:
-        gains, fit = table_at(schedule, k, stand, samples, step, terms).gains[:12], fit_indices(schedule)
-        return {
-            name: source.sigma[:, None] * (source.derivative[:, fit].reshape(len(source.sigma), -1) @ gains.T)
-            for name, source in errors.items()
-        }
-    linear = estimator_for(schedule, k, stand, estimator, samples, step, terms)
+        gains, fit = table_at(schedule, k, stand, samples, step, terms).gains, fit_indices(schedule)
+        linear = partial(_weighted, gains, fit)
+    elif terms:
+        linear = partial(_extended, core.CoreSchedule(schedule), terms)
+    else:
+        linear = estimator_for(schedule, k, stand, estimator, samples)
+    errors = sources(schedule, k, stand.with_step(step), samples)
     return {name: source.sigma[:, None] * linear(source.derivative) for name, source in errors.items()}
+
+
+def _weighted(gains: Floats, fit: list[int], outputs: Floats) -> Floats:
+    found: Floats = outputs[:, fit].reshape(len(outputs), -1) @ gains.T
+    return found
+
+
+def _extended(schedule: core.CoreSchedule, terms: Terms, means: Floats) -> Floats:
+    return extended.estimate_runs(schedule, means, terms, None)
 
 
 def table_at(
