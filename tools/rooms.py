@@ -46,9 +46,10 @@ MAY_IMPORT = {
     "pictures": {"core", "reference", "files", "solving", "fixture"},
     "bench": {"core", "reference", "files", "solving", "fixture"},
     "importing": {"reference", "files", "pictures"},
-    "api": {"core", "files", "solving", "fixture", "pictures"},
-    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "pictures", "importing", "bench",
-            "api", DOOR},
+    "comparison": {"core", "files", "solving", "fixture"},
+    "api": {"core", "files", "solving", "fixture", "comparison", "pictures"},
+    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
+            "importing", "bench", "api", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

@@ -14,6 +14,7 @@ rooms, each of which says what it offers:
     files               run files, stand files, schedule files
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
+    comparison          two results of one block
     bench, store        simulated stands and real buses; the memory of a navigation computer
     pictures            of a result: what `Result.plot` draws
     api, cli            what scripts call; the command line
@@ -28,6 +29,7 @@ from tumble import errors as errors
 from tumble._version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from tumble.api.comparing import Comparison as Comparison, compare as compare
     from tumble.api.recording import Recording as Recording, read as read
     from tumble.api.result import Result as Result, load as load
     from tumble.api.solving import solve as solve
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BadInput",
+    "Comparison",
     "Disagreement",
     "Mounting",
     "NotInstalled",
@@ -56,6 +59,7 @@ __all__ = [
     "TumbleError",
     "UsageError",
     "__version__",
+    "compare",
     "load",
     "read",
     "read_stand",
@@ -68,10 +72,10 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'tumble' has no attribute {name!r}")
     from tumble import schedule, stand
-    from tumble.api import recording, result, solving
+    from tumble.api import comparing, recording, result, solving
     from tumble.files import stand_file
 
-    for module in (errors, schedule, stand, stand_file, recording, result, solving):
+    for module in (errors, schedule, stand, stand_file, comparing, recording, result, solving):
         if hasattr(module, name):
             return globals().setdefault(name, getattr(module, name))
     raise AttributeError(name)  # pragma: no cover

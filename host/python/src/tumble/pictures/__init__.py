@@ -1,8 +1,9 @@
-"""Pictures of a result, with matplotlib, for `Result.plot`, reports and pages.
+"""Pictures of a result, and of two results, with matplotlib, for `Result.plot`, reports and pages.
 
 figures     all that a result has what it takes for, by name; kinds: these names
 svg         a figure to stand in a page of HTML
 CAPTIONS    a sentence or two for each
+comparison  two calibrations of one block
 
 They are as wide as the text of a page of A4, and may be read without colours. matplotlib is loaded when it is used.
 
@@ -14,6 +15,7 @@ by_position   gravity check and residuals; samples: of the run; shares: the budg
 """
 
 from tumble.pictures.canvas import require, require_format, written
+from tumble.pictures.comparison import comparison
 from tumble.pictures.gallery import CAPTIONS, figures, kinds, svg
 
-__all__ = ["CAPTIONS", "figures", "kinds", "require", "require_format", "svg", "written"]
+__all__ = ["CAPTIONS", "comparison", "figures", "kinds", "require", "require_format", "svg", "written"]

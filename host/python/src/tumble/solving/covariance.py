@@ -101,6 +101,12 @@ def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, r
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
     """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
+    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in by_intrinsic(k, u0).reshape(3, 3, 12)))
+
+
+def by_intrinsic(k: Floats, u0: Floats) -> Floats:
+    """Derivatives (9, 12) of the intrinsic parameters by the coefficients: lengths of the rows, angles between them xy,
+    xz, yz, biases."""
     length = np.linalg.norm(k, axis=1)
     axis = k / length[:, None]
     by_scale, by_angle = np.zeros((2, 3, 12))
@@ -111,7 +117,7 @@ def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> Intrin
         sine = np.linalg.norm(np.cross(axis[i], axis[j]))
         for one, other in ((i, j), (j, i)):
             by_angle[place, 3 * one : 3 * one + 3] = (cosine * axis[one] - axis[other]) / (sine * length[one])
-    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in (by_scale, by_angle, by_bias(k, u0))))
+    return np.concatenate([by_scale, by_angle, by_bias(k, u0)])
 
 
 def by_bias(k: Floats, u0: Floats) -> Floats:

@@ -1,0 +1,120 @@
+"""Two results held against each other: the one way, of `tumble.compare` and of the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cached_property
+from typing import Any
+
+from tumble.api.result import Result, load
+from tumble.comparison import pair, report, text
+from tumble.comparison.shared import ANEW, LEVELLED, OneStand
+from tumble.core import CoreSchedule
+from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.errors import UsageError, quoted
+from tumble.files.documents import checked_coefficients, to_json
+from tumble.files.schedule_file import schedule_of
+from tumble.files.stand_file import StandFile, stand_file_of
+from tumble.schedule import BUILT_IN, Schedule
+from tumble.stand import Stand
+
+
+class Comparison:
+    """What `tumble.compare` found of a block that was calibrated twice. Immutable."""
+
+    def __init__(self, compared: pair.Comparison):
+        self._text = to_json(report.document(compared))
+
+    @cached_property
+    def _told(self) -> dict[str, Any]:
+        return self.document
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """All that is known: schema tumble.comparison/1, docs/compare.md explains every key. A copy."""
+        found: dict[str, Any] = json.loads(self._text)
+        return found
+
+    @property
+    def verdict(self) -> str:
+        """Of "unchanged", "seat" (only the seat has changed), "block" (the block has), "cannot tell"."""
+        return str(self._told["verdict"])
+
+    @property
+    def block_changed(self) -> bool | None:
+        """None where nobody can tell, for want of uncertainties."""
+        return None if self.verdict == "cannot tell" else self.verdict == "block"
+
+    @property
+    def changed(self) -> tuple[str, ...]:
+        """Names of the parameters of the block that have changed by themselves, such as "scale_x"."""
+        return tuple(self._told["changed"])
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the comparison may not be what it claims: sentences, as the command line prints them."""
+        return tuple(self._told["warnings"])
+
+    @property
+    def text(self) -> str:
+        """As `tumble compare` prints it."""
+        return text.render(self._told)
+
+    def to_json(self) -> str:
+        """As `tumble compare --json` prints it."""
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<tumble.Comparison {self._told['b']['file']} with {self._told['a']['file']}: {self.verdict}>"
+
+
+def compare(
+    a: Result | str | os.PathLike[str],
+    b: Result | str | os.PathLike[str],
+    *,
+    stand: Stand | StandFile | str | os.PathLike[str] | None = None,
+    schedule: str | os.PathLike[str] | Schedule | None = None,
+    levelled: str = ANEW,
+    two_stands: bool = False,
+    confidence: float = DEFAULT_CONFIDENCE,
+) -> Comparison:
+    """Are two calibrations of one block the same? Has the block changed, only its seat, or neither?
+
+    `a`, `b`: results or their files, of any schedule and estimator, their outputs in one unit. `stand`: that both were
+    measured on, if it was one: errors that return with every run on it are then counted once; default: the one that
+    both declare, if they do. `schedule`: that a result was measured by which does not tell it. `levelled`: was the
+    stand levelled "once" for both, or "anew" before each? `two_stands`: they were measured on two, even if both declare
+    the same. `confidence`, 0.5 to 0.999999: that a block which has not changed is not said to have.
+
+    Raises BadInput for files that cannot be used and for different units, UsageError for arguments that cannot be.
+
+    >>> import tumble
+    >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
+    >>> tumble.compare(result, result).verdict
+    'unchanged'
+    """
+    if levelled not in LEVELLED:
+        raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(LEVELLED)}")
+    if not 0.5 <= confidence <= 0.999999:
+        raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
+    first, second = _side(a, "A"), _side(b, "B")
+    one_stand = None
+    if stand is not None:
+        name, file = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand", stand_file_of(stand)
+        one_stand = OneStand(name, file.stand, file.step_v, _schedules(schedule), levelled)
+    return Comparison(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
+
+
+def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
+    if isinstance(given, (str, os.PathLike)):
+        name, given = os.fspath(given), load(given)
+    if not isinstance(given, Result):
+        raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
+    return pair.Side.of(name, checked_coefficients(given.to_json().encode("utf-8"), name), given.warnings)
+
+
+def _schedules(schedule: str | os.PathLike[str] | Schedule | None) -> list[CoreSchedule]:
+    """The one that was named, then all that are built in."""
+    built_in = [CoreSchedule.built_in(name) for name in BUILT_IN]
+    return built_in if schedule is None else [schedule_of(schedule), *built_in]

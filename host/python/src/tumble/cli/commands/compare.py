@@ -1,0 +1,98 @@
+"""`tumble compare`: are two calibrations of one block the same?"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from tumble.cli import options
+from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
+from tumble.schedule import file_of
+
+LEVELLED = ("once", "anew")
+
+
+def add_to(subparsers: options.Subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "compare",
+        help="two results of one block: has it changed, or only its seat?",
+        description="Hold two calibrations of one block against each other: the differences in units of their combined"
+        " uncertainty, and whether the block has changed, only the way it sits, or neither.",
+        epilog="Exit codes: 0 the block has not changed (its seat may have), 1 it has, or a result has no uncertainties"
+        " and nobody can tell, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted.",
+    )
+    parser.add_argument("a", metavar="RESULT_A.json", help="the earlier result")
+    parser.add_argument("b", metavar="RESULT_B.json", help="the later one, in the same unit")
+    parser.add_argument(
+        "--stand",
+        metavar="FILE",
+        help="stand file (TOML) of the one stand that both were measured on: errors that return with every run on it"
+        " are counted once; default: the stand that both results declare, if it is the same",
+    )
+    parser.add_argument(
+        "--schedule",
+        metavar="NAME",
+        help="schedule file (TOML) of a result that does not tell it and has no built-in one; with --stand",
+    )
+    parser.add_argument(
+        "--levelled",
+        choices=LEVELLED,
+        help="was the stand levelled once for both, or anew before each? default: anew",
+    )
+    parser.add_argument(
+        "--two-stands", action="store_true", help="they were measured on two stands that are declared alike"
+    )
+    parser.add_argument(
+        "--confidence",
+        metavar="P",
+        default=str(DEFAULT_CONFIDENCE),
+        help=f"of calling a block unchanged that is; default: {DEFAULT_CONFIDENCE}",
+    )
+    options.add_json(parser)
+    parser.add_argument("--plot", metavar="FILE", help="draw the differences: .svg, .png or .pdf; needs matplotlib")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare and print. Returns the exit code; raises TumbleError."""
+    confidence = options.parse_confidence(arguments.confidence)
+    if arguments.schedule is not None and arguments.stand is None:
+        raise UsageError("--schedule serves to tell what the stand brings to a result: it needs --stand FILE")
+    if arguments.two_stands and (arguments.stand, arguments.levelled) != (None, None):
+        raise UsageError("--two-stands: nothing is shared then, which --stand and --levelled speak of")
+
+    from tumble.api.comparing import compare
+    from tumble.cli.output import warn
+    from tumble.files.disk import refuse_overwriting
+
+    inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
+    refuse_overwriting(arguments.plot, *inputs, option="--plot")
+    if arguments.plot is not None:
+        from tumble.pictures import require_format
+
+        require_format(arguments.plot, "--plot")
+    found = compare(
+        arguments.a,
+        arguments.b,
+        stand=arguments.stand,
+        schedule=arguments.schedule,
+        levelled=arguments.levelled or "anew",
+        two_stands=arguments.two_stands,
+        confidence=confidence,
+    )
+    if arguments.plot is not None:
+        _draw(found.document, arguments.plot)
+    warn(found.warnings)
+    sys.stdout.write(found.to_json() if arguments.json else found.text)
+    return EXIT_PASS if found.block_changed is False else EXIT_LIMITS_FAILED
+
+
+def _draw(document: dict[str, Any], file: str) -> None:
+    from tumble.files.disk import write_bytes
+    from tumble.pictures import written
+    from tumble.pictures.comparison import comparison
+
+    write_bytes(file, written(comparison(document), file))

@@ -1,0 +1,217 @@
+"""From two results to a comparison: what of them can be compared, what they share, and what a person should know."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.comparison import shared
+from tumble.comparison.calibration import Calibration
+from tumble.comparison.shared import ANEW, OneStand
+from tumble.comparison.statistics import is_covariance
+from tumble.comparison.verdict import Found, judge
+from tumble.errors import BadInput, file_name, quoted
+from tumble.files.run_temperature import Temperatures
+from tumble.solving import si
+from tumble.solving.coefficients import Coefficients
+from tumble.solving.temperature import TOLERANCE_C
+from tumble.terms import POWERS, Terms
+
+_NOT_THEIRS = "with a schedule that is known (--schedule) does not give the uncertainties of both"
+_WORDS = {"alpha1": "axis tilt", "alpha2": "level"}  # of sources whose names are none
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two results: its `name`, its `document` as files.documents has checked it, `complaints` about it, and
+    its `calibration`."""
+
+    name: str
+    document: dict[str, Any]
+    complaints: tuple[str, ...]
+    calibration: Calibration
+
+    @classmethod
+    def of(cls, name: str, document: dict[str, Any], complaints: Sequence[str] = ()) -> Side:
+        """Raises BadInput for a singular K, and for a covariance that is none."""
+        try:
+            found = Coefficients.of(document)
+        except ValueError as error:
+            raise BadInput(str(error), name) from None
+        covariance = None if document["covariance"] is None else found.covariance
+        if covariance is not None and not is_covariance(covariance):
+            raise BadInput("its covariance is none: of some mixture of the coefficients it is negative", name)
+        return cls(name, document, tuple(complaints), Calibration(found.values, covariance, found.terms))
+
+    @property
+    def terms(self) -> Terms:
+        """That it was solved with beside the twelve coefficients."""
+        return tuple((self.document["extended"] or {"terms": ()})["terms"])
+
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """What it rests on that nobody tested."""
+        return tuple(self.document["assumes"])
+
+    @property
+    def temperature(self) -> Temperatures | None:
+        """Of its run; None: not told."""
+        told = self.document["temperature"]
+        return None if told is None else Temperatures(float(told["min_c"]), float(told["max_c"]), "")
+
+    @property
+    def gravity(self) -> tuple[float | None, float | None]:
+        """Where it was measured, with its standard uncertainty, m/s^2; None: not told."""
+        return si.gravity_of(self.document["environment"])
+
+    def told_apart(self, one_stand: OneStand) -> shared.Apart | None:
+        """What returns with every run on the stand, and what is its own; None where it is not its stand."""
+        if self.calibration.covariance is None:
+            return None
+        return shared.told_apart(shared.Told(self.name, self.document, self.calibration, self.terms), one_stand)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """B held against A. `terms`: K2 and K3 as far as both have them; `shared`: names of the errors that were counted
+    once, None where no stand was named, or where it is not the stand of both."""
+
+    a: Side
+    b: Side
+    found: Found
+    terms: Terms
+    shared: tuple[str, ...] | None
+    one_stand: OneStand | None
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def assumes(self) -> tuple[str, ...]:
+        """Names of what the one or the other rests on that nobody tested."""
+        return tuple(dict.fromkeys((*self.a.assumes, *self.b.assumes)))
+
+
+def compare(
+    a: Side, b: Side, one_stand: OneStand | None, confidence: float, two_stands: bool = False, levelled: str = ANEW
+) -> Comparison:
+    """Hold B against A. `one_stand`: that both were measured on; without it the one that both results declare counts,
+    `levelled` once for both or anew, unless there were `two_stands`. Raises BadInput where their units differ."""
+    units = a.document["unit"], b.document["unit"]
+    if units[0] != units[1]:
+        raise BadInput(f"outputs in {units[1]}, those of {file_name(a.name)} in {units[0]}: not compared", b.name)
+    stand = one_stand if one_stand is not None or two_stands else _declared_by_both(a, b, levelled)
+    terms = tuple(term for term in a.calibration.terms if term in b.calibration.terms)
+    first, second, names = _with_in_common(a, b, stand)
+    ratio, u_ratio = _gravities(a, b)
+    found = judge(first.reduced(terms), second.reduced(terms).at_gravity(ratio), u_ratio, confidence)
+    warnings, notes = [*_of_each(a, b), *_of_both(a, b)], _notes(a, b, ratio)
+    if stand is not None and names is None and found.tests is not None:
+        warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
+    if found.tests is not None:
+        notes.insert(0, _of_sharing(names, stand))
+    return Comparison(a, b, found, terms, names, stand, tuple(warnings), tuple(notes))
+
+
+def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
+    """The stand that both results declare, by the same name and with the same numbers; None where they do not."""
+    stand = shared.stand_of(a.document, a.name)
+    if stand is None or not stand.name or stand != shared.stand_of(b.document, b.name):
+        return None
+    return OneStand(stand.name, stand, None, (), levelled)
+
+
+def _with_in_common(
+    a: Side, b: Side, stand: OneStand | None
+) -> tuple[Calibration, Calibration, tuple[str, ...] | None]:
+    """Both calibrations with what they have in common told apart, and the names of its sources: None where no stand is
+    that of both."""
+    first, second = (None, None) if stand is None else (a.told_apart(stand), b.told_apart(stand))
+    if first is None or second is None:
+        return a.calibration, b.calibration, None
+    names = tuple(name for name in first.returns if name in second.returns)
+    split = [
+        replace(side.calibration, covariance=apart.own, in_common=_stacked(apart, names, len(side.calibration.values)))
+        for side, apart in ((a, first), (b, second))
+    ]
+    return split[0], split[1], names
+
+
+def _stacked(apart: shared.Apart, names: tuple[str, ...], count: int) -> Floats:
+    return np.concatenate([np.zeros((0, count)), *(apart.returns[name] for name in names)])
+
+
+def _gravities(a: Side, b: Side) -> tuple[float, float]:
+    """A's gravity over B's, and its relative standard uncertainty: of one place 1, and its error is in both."""
+    (of_a, u_a), (of_b, u_b) = a.gravity, b.gravity
+    if of_a is None or of_b is None or of_a == of_b:
+        return 1.0, 0.0
+    return of_a / of_b, float(np.hypot((u_a or 0.0) / of_a, (u_b or 0.0) / of_b))
+
+
+def _of_each(a: Side, b: Side) -> list[str]:
+    return [f"{file_name(side.name)}: {sentence}" for side in (a, b) for sentence in side.complaints]
+
+
+def _of_both(a: Side, b: Side) -> list[str]:
+    """Why the two may not be two calibrations of one block under one condition."""
+    found = []
+    for label, (one, other) in _labels(a, b).items():
+        if one is not None and other is not None and one != other:
+            found.append(f"{label} differs, {quoted(one)} and {quoted(other)}: not one block?")
+    if a.document.get("run_sha256") is not None and a.document["run_sha256"] == b.document.get("run_sha256"):
+        found.append("both are of one run: its errors are in both, but are counted as independent")
+    warm = a.temperature, b.temperature
+    if warm[0] is not None and warm[1] is not None:
+        apart = max(warm[0].low_c - warm[1].high_c, warm[1].low_c - warm[0].high_c)
+        if apart > TOLERANCE_C:
+            found.append(f"A at {warm[0].text}, B at {warm[1].text}: temperature alone changes a block")
+    for term in POWERS:
+        if (term in a.terms) != (term in b.terms):
+            which = "A" if term in a.terms else "B"
+            found.append(f"{term} is in the model of {which} alone: the others mean something else with it")
+    return found
+
+
+def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
+    """What names the block: its serial number, and labels of [item] that speak of one."""
+    items = a.document["item"] or {}, b.document["item"] or {}
+    named = [label for label in items[0] if "serial" in label.lower()]
+    return {
+        "serial": (a.document["serial"], b.document["serial"]),
+        **{f"item.{label}": (items[0][label], items[1].get(label)) for label in named},
+    }
+
+
+def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None) -> str:
+    """What was counted once."""
+    if names is None or one_stand is None:
+        return (
+            "Nothing is counted as shared. That is right for two stands; of one stand both have errors in common,"
+            " which cancel: the uncertainties are too large then (--stand)."
+        )
+    levelled = f"stand levelled {one_stand.levelled}"
+    if not names:
+        return f"Counted as shared: nothing, as nothing that this stand declares returns with every run ({levelled})."
+    listed = ", ".join(_WORDS.get(name, name) for name in names)
+    return f"Counted once, as both have it of one stand: {listed} ({levelled})."
+
+
+def _notes(a: Side, b: Side, ratio: float) -> list[str]:
+    """What the comparison rests on, and what it leaves out."""
+    found = []
+    gravities = a.gravity[0], b.gravity[0]
+    if None in gravities:
+        found.append("Taken to be measured at one gravity: not both results tell theirs.")
+    elif ratio != 1.0:
+        sure = all(side.gravity[1] is not None for side in (a, b))
+        rest = "" if sure else ", whose uncertainty is not told and not counted"
+        found.append(f"Gravity {gravities[0]:g} and {gravities[1]:g} m/s^2: B is given in A's g{rest}.")
+    if "drift" in a.terms or "drift" in b.terms:
+        found.append("A drift is the run's and not the block's: it is not compared.")
+    if any(side.temperature is None for side in (a, b)):
+        found.append("Not both results tell their temperature.")
+    return found

@@ -1,0 +1,186 @@
+"""What two calibrations have in common by the stand that both were measured on.
+
+A result states the covariance of all errors together. The declared stand tells them apart, and fixture.combination
+which of them return with every run; they are propagated as the solve did it, on the schedule of each result. Stand and
+schedule are not taken on trust: all sources together must give the covariance that the result states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tumble.arrays import Floats
+from tumble.comparison.calibration import Calibration
+from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
+from tumble.errors import BadInput, UsageError
+from tumble.estimators import ESTIMATORS
+from tumble.fixture.combination import repeats
+from tumble.schedule import Mounting, Position, Schedule
+from tumble.solving.many_runs import brought
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
+from tumble.terms import DRIFT, Terms
+from tumble.units import volts_per
+
+ONCE, ANEW = LEVELLED = ("once", "anew")
+_LARGEST = 1e9  # of an error of a stand, as stand files have it
+_AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
+
+
+@dataclass(frozen=True)
+class OneStand:
+    """That both results were measured on: what is declared of it, the step of the converter (None: not known), the
+    `schedules` that a result was measured by that does not tell its own, and whether it was `levelled` once for both or
+    anew. `label`: what a person calls it."""
+
+    label: str
+    stand: Stand
+    step_v: float | None
+    schedules: Sequence[CoreSchedule]
+    levelled: str
+
+
+@dataclass(frozen=True)
+class Told:
+    """A result's own: its `name` and `document`, its `calibration` with K2 and K3, and the `terms` that it was solved
+    with, drift among them."""
+
+    name: str
+    document: dict[str, Any]
+    calibration: Calibration
+    terms: Terms
+
+
+Draws = dict[str, Floats]  # by source: (draws, 12 + 3 x terms), one standard deviation of each
+
+
+@dataclass(frozen=True)
+class Apart:
+    """The covariance of a calibration in two: its `own`, and what `returns` with every run."""
+
+    own: Floats
+    returns: Draws
+
+
+def told_apart(told: Told, one_stand: OneStand) -> Apart | None:
+    """By the first schedule with which the stand explains the covariance; None where none does. Raises BadInput for a
+    result whose own schedule is none."""
+    schedule = _schedule_of(told)
+    for one in one_stand.schedules if schedule is None else [schedule]:
+        found = _by_source(told, one_stand, one.data)
+        beyond = None if found is None else _beyond(told, found, one_stand.step_v is not None)
+        if found is not None and beyond is not None:
+            once = one_stand.levelled == ONCE
+            returns = {name: draws for name, draws in found.items() if repeats(name, once)}
+            own = [draws.T @ draws for name, draws in found.items() if name not in returns]
+            return Apart(sum(own, beyond), returns)
+    return None
+
+
+def stand_of(document: dict[str, Any], name: str) -> Stand | None:
+    """That a result declares; None where it tells none. Raises BadInput."""
+    told = document.get("stand")
+    if told is None:
+        return None
+    try:
+        keys: dict[str, Any] = {attribute: float(told[key]) for attribute, key in _KEYS.items()}
+        small = all(0.0 <= size < _LARGEST for size in keys.values())
+        keys |= {"limits": told["limits"], "remounting": told["remount"], "name": told["name"] or ""}
+        stand = Stand(**keys, samples=int(told["samples"]))
+        if small and stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0:
+            return stand
+    except (KeyError, TypeError, ValueError, OverflowError):
+        pass
+    raise BadInput("its stand is not as tumble solve writes it", name)
+
+
+_KEYS = {  # of a result's stand, by the attributes of Stand
+    "axis_tilt": "axis_tilt_rad",
+    "level": "level_rad",
+    "remount": "remount_rad",
+    "angle": "angle_rad",
+    "noise": "noise_v",
+    "seat": "seat_rad",
+    "platform": "platform_rad",
+    "encoder": "encoder_rad",
+    "drift": "drift_v",
+}
+
+
+def _schedule_of(told: Told) -> CoreSchedule | None:
+    """The result's own; None where it does not tell it."""
+    found = told.document.get("schedule")
+    if found is None:
+        return None
+    try:
+        mountings = tuple(
+            Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in found["mounting"]
+        )
+        positions = tuple(
+            Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in found["position"]
+        )
+        return CoreSchedule(Schedule(mountings, positions))
+    except (KeyError, TypeError, ValueError, OverflowError, CoreRefusal):
+        raise BadInput("its schedule is not as tumble solve writes it", told.name) from None
+
+
+def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | None:
+    """None for a schedule that has other positions, or that this estimator cannot solve."""
+    unit = told.document["unit"]
+    try:
+        means = told.document.get("means") or ()
+        samples = {(one["mounting"], one["position"], one["use"]): int(one["samples"]) for one in means}
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+    places = [(position.mounting, position.number, position.use) for position in schedule.positions]
+    if not samples or not samples.keys() <= set(places) or not 0 < min(samples.values()) <= MAX_SAMPLES:
+        return None
+    if told.document["estimator"] not in ESTIMATORS:
+        return None
+    part = schedule.part([place in samples for place in places])
+    rows = np.array([samples[place] for place in places if place in samples])
+    declared = _as_solved(one_stand.stand, told.terms).in_unit(unit)
+    step = (one_stand.step_v or 0.0) / volts_per(unit)
+    given = part, told.calibration.k, declared, told.document["estimator"], rows, step, told.terms
+    try:
+        return {name: _of_values(told, draws) for name, draws in brought(*given).items()}
+    except (CoreRefusal, UsageError, np.linalg.LinAlgError):
+        return None
+
+
+def _of_values(told: Told, sizes: Floats) -> Floats:
+    """What draws bring to the calibration's values, by what they bring to the coefficients and to the sizes of all
+    terms: a size is K_ii times K2. A drift is none of the values."""
+    k, found = np.diag(told.calibration.k), [sizes[:, :12]]
+    for place, term in enumerate(told.calibration.terms):
+        value = told.calibration.values[12 + 3 * place : 15 + 3 * place]
+        start = 12 + 3 * told.terms.index(term)
+        found.append((sizes[:, start : start + 3] - value * sizes[:, [0, 4, 8]]) / k)
+    return np.concatenate(found, axis=1)
+
+
+def _as_solved(stand: Stand, terms: Terms) -> Stand:
+    """A drift that is an unknown is no error of the stand."""
+    return stand.with_sigma("drift", 0.0) if DRIFT in terms else stand
+
+
+def _beyond(told: Told, draws: Draws, knows_step: bool) -> Floats | None:
+    """What the covariance that was stated has beyond these draws: noise that the run showed beyond the declared one, or
+    steps of a converter that nobody tells. None where these draws cannot make it up."""
+    stated = told.calibration.covariance
+    assert stated is not None  # as the caller has seen to
+    u = np.sqrt(np.diag(stated))
+    if not (u > 0.0).all():
+        return None
+    scaled = np.concatenate(list(draws.values())) / u
+    variance, directions = np.linalg.eigh(stated / np.outer(u, u) - scaled.T @ scaled)
+    noise = told.document.get("noise")
+    is_told = isinstance(noise, dict) and not noise.get("above_declared") and not noise.get("undithered")
+    if variance[0] < -_AGREEMENT or (knows_step and is_told and variance[-1] > _AGREEMENT):
+        return None
+    columns = directions * u[:, None]
+    found: Floats = (columns * np.where(variance > _AGREEMENT, variance, 0.0)) @ columns.T
+    return found

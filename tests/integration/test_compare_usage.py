@@ -1,0 +1,264 @@
+"""`tumble compare`: what it warns of, what it refuses, what scripts call, and its picture."""
+
+import json
+import re
+import shlex
+import sys
+
+import numpy as np
+import pytest
+from blocks import NOMINAL_K, write_run
+from calibrations import U, result
+from conftest import EXAMPLES, ROOT
+from documents import valid
+from test_readme import shows
+
+import tumble as package
+from tumble import reference
+from tumble.cli.main import main
+from tumble.errors import BadInput, UsageError
+from tumble.files.stand_file import read_stand
+
+pytestmark = pytest.mark.python
+U0 = np.array([0.01, -0.02, 0.03])
+JOINT = np.diag(U**2)
+STAND = EXAMPLES / "paper_stand.toml"
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Write a.json and b.json, of one calibration but for these keys; returns their names."""
+
+    def write(a=None, b=None):
+        for name, more in (("a", a or {}), ("b", b or {})):
+            (tmp_path / f"{name}.json").write_text(json.dumps({**result(NOMINAL_K, U0, JOINT), **more}))
+        return "a.json", "b.json"
+
+    return write
+
+
+WARNINGS = {
+    "serial differs, 'B-17' and 'B-18': not one block?": ({"serial": "B-17"}, {"serial": "B-18"}),
+    "item.block_serial differs, 'x' and 'y': not one block?": (
+        {"item": {"block_serial": "x", "operator": "A"}},
+        {"item": {"block_serial": "y", "operator": "B"}},
+    ),
+    "A at 20 to 21 deg C, B at 23.5 deg C: temperature alone changes a block": (
+        {"temperature": {"min_c": 20.0, "max_c": 21.0, "source": "run_file"}},
+        {"temperature": {"min_c": 23.5, "max_c": 23.5, "source": "environment"}},
+    ),
+    "b.json: the gravity check FAILED: largest error 0.001 g, limit 0.0003 g": (
+        {},
+        {"verification": {"pass": False, "max_abs_delta_g_g": 1e-3, "limit_g": 3e-4}, "pass": False},
+    ),
+    "both are of one run: its errors are in both, but are counted as independent": (
+        {"run_sha256": "0" * 64},
+        {"run_sha256": "0" * 64},
+    ),
+}
+
+
+@pytest.mark.parametrize("said", WARNINGS)
+def test_it_warns_and_says_so_in_the_document(said, files, tumble, tmp_path):
+    done = tumble("compare", *files(*WARNINGS[said]), "--json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, f"tumble: warning: {said}\n")
+    assert valid(done.stdout, "comparison")["warnings"] == [said]
+
+
+SILENT = [
+    ({"serial": "B-17"}, {"serial": None}),
+    ({"item": {"serial": "x", "date": "1"}}, {"item": {"serial": "x", "date": "2"}}),
+    ({"temperature": {"min_c": 20.0, "max_c": 21.0}}, {"temperature": {"min_c": 22.0, "max_c": 23.0}}),
+]
+
+
+@pytest.mark.parametrize("pair", SILENT)
+def test_it_does_not_warn_of_what_may_well_be(pair, files, tumble, tmp_path):
+    done = tumble("compare", *files(*pair), "--json", cwd=tmp_path)
+    assert (done.returncode, done.stderr, valid(done.stdout, "comparison")["warnings"]) == (0, "", [])
+
+
+def extended(k2, terms=("k2",)):
+    """As a result of --model k2 or k2,drift has it."""
+    count = 3 * len(terms)
+    joint = np.zeros((12 + count, 12 + count))
+    joint[:12, :12], joint[12:, 12:] = JOINT, 1e-10 * np.eye(count)
+    empty = dict.fromkeys(f"{u}{key}" for u in ("", "u_") for key in ("k2_per_g", "k3_per_g2", "drift_v"))
+    found = {**empty, "terms": list(terms), "k2_per_g": k2, "u_k2_per_g": [1e-5] * 3, "covariance": joint.tolist()}
+    return {"extended": {**found, **({"drift_v": [1.0] * 3, "u_drift_v": [1e-5] * 3} if "drift" in terms else {})}}
+
+
+def test_k2_of_both_is_compared_and_a_drift_is_not(files, tumble, tmp_path):
+    pair = extended([1e-4, 0.0, 0.0]), extended([2e-4, 0.0, 0.0], ("k2", "drift"))
+    done = tumble("compare", *files(*pair), "--json", cwd=tmp_path)
+    found = valid(done.stdout, "comparison")
+    assert (done.returncode, done.stderr, found["verdict"], found["changed"]) == (1, "", "block", ["K2_x"])
+    row = found["parameters"][9]
+    assert (row["name"], row["unit"], len(found["parameters"])) == ("K2_x", "ug/g^2", 12)
+    assert (row["difference"], row["u"]) == pytest.approx((100.0, np.sqrt(2) * 10.0), rel=1e-9)
+    assert found["tests"]["block"]["dof"] == 12
+    assert "A drift is the run's and not the block's: it is not compared." in found["notes"]
+
+
+def test_k2_of_one_alone_is_told(files, tumble, tmp_path):
+    done = tumble("compare", *files({}, extended([1e-4] * 3)), "--json", cwd=tmp_path)
+    assert done.stderr == (
+        "tumble: warning: k2 is in the model of B alone: the others mean something else with it\n"
+    )
+    assert (done.returncode, len(valid(done.stdout, "comparison")["parameters"])) == (0, 9)
+
+
+REFUSED = {
+    "b.json: outputs in mV, those of a.json in V: not compared": ({"unit": "mV"}, ()),
+    "b.json: K is singular: it tells no acceleration": ({"K": [[1.0, 0.0, 0.0]] * 3}, ()),
+    "b.json: not a result of schema tumble.result/1: schema is 'tumble.plan/1'": ({"schema": "tumble.plan/1"}, ()),
+    "b.json: its stand is not as tumble solve writes it": ({"stand": {"name": "s"}}, ()),
+    "--confidence: '1' is not a number from 0.5 to 0.999999": ({}, ("--confidence", "1")),
+    "--schedule serves to tell what the stand brings to a result: it needs --stand FILE": ({}, ("--schedule", "paper")),
+    "--two-stands: nothing is shared then, which --stand and --levelled speak of": (
+        {},
+        ("--two-stands", "--levelled", "once"),
+    ),
+    "--plot: 'x.txt' does not end in .png, .svg or .pdf": ({}, ("--plot", "x.txt")),
+    "--plot: 'b.json' is an input of this command": ({}, ("--plot", "b.json")),
+    "none.toml: no such file or folder": ({}, ("--stand", "none.toml")),
+}
+
+
+@pytest.mark.parametrize("said", REFUSED)
+def test_it_refuses(said, files, refused, tmp_path):
+    more, options = REFUSED[said]
+    first = {"stand": {**declared(read_stand(str(STAND)).stand)}} if "stand" in more else {}
+    assert refused("compare", *files(first, more), *options, cwd=tmp_path) == f"tumble: {said}\n"
+
+
+def declared(stand):
+    """The stand as results repeat it."""
+    labels = {"name": stand.name, "limits": stand.limits, "remount": stand.remounting, "samples": stand.samples}
+    angles = ("axis_tilt", "level", "remount", "angle", "seat", "platform", "encoder")
+    volts = {"noise_v": stand.noise, "drift_v": stand.drift}
+    return {**labels, **{f"{angle}_rad": getattr(stand, angle) for angle in angles}, **volts}
+
+
+def schedule_document(schedule):
+    """The schedule likewise."""
+    mountings = [
+        {"number": one.number, "matrix": [list(row) for row in one.matrix], "axis_tilt_deg": one.tilt_deg}
+        for one in schedule.mountings
+    ]
+    positions = [
+        {"mounting": one.mounting, "position": one.number, "angle_deg": one.angle_deg, "use": one.use}
+        for one in schedule.positions
+    ]
+    return {"name": None, "mounting": mountings, "position": positions}
+
+
+@pytest.fixture
+def told(tmp_path):
+    """Two solved results that tell their stand and schedule: a.json, b.json."""
+    schedule = reference.paper_schedule()
+    for name, seed in (("a", 1), ("b", 2)):
+        noise = 3e-4 / 50**0.5 * np.random.default_rng(seed).standard_normal((18, 3))
+        run = write_run(tmp_path / f"{name}.csv", schedule, reference.Geometry(schedule).outputs(NOMINAL_K, U0) + noise)
+        document = package.solve(run, stand=STAND).document
+        document |= {"stand": declared(read_stand(str(STAND)).stand), "schedule": schedule_document(schedule)}
+        (tmp_path / f"{name}.json").write_text(json.dumps(document))
+    return tmp_path / "a.json", tmp_path / "b.json"
+
+
+def test_the_stand_that_both_declare_is_taken(told):
+    name, by_file = read_stand(str(STAND)).stand.name, package.compare(*told, stand=STAND, levelled="once")
+    found = package.compare(*told, levelled="once")
+    assert found.document["shared"] == {"stand": name, "levelled": "once", "sources": ["alpha1", "alpha2"]}
+    u, same = ([row["u"] for row in one.document["coefficients"]] for one in (found, by_file))
+    assert u == pytest.approx(same, rel=1e-12)
+    apart = package.compare(*told, two_stands=True).document
+    assert apart["shared"] == {"stand": None, "levelled": None, "sources": None}
+    assert apart["coefficients"][10]["u"] > 1.3 * u[10]
+    assert "nothing that this stand declares returns" in package.compare(*told).document["notes"][0]
+
+
+def test_two_stands_that_are_declared_otherwise_are_two(told):
+    document = json.loads(told[1].read_text())
+    document["stand"]["noise_v"] = 2e-4
+    told[1].write_text(json.dumps(document))
+    assert package.compare(*told, levelled="once").document["shared"]["sources"] is None
+
+
+def test_scripts_get_what_the_command_prints(told, capsys):
+    first = package.load(told[0])
+    found = package.compare(first, str(told[1]))
+    assert (found.verdict, found.block_changed, found.changed, found.warnings) == ("unchanged", False, (), ())
+    assert repr(found) == f"<tumble.Comparison {told[1]} with A: unchanged>"
+    assert main(["compare", *map(str, told), "--json"]) == 0
+    assert capsys.readouterr().out.replace(f'"file": "{told[0]}"', '"file": "A"') == found.to_json()
+    assert json.loads(found.to_json()) == found.document
+    assert main(["compare", *map(str, told)]) == 0
+    assert capsys.readouterr().out.split("\n\n", 1)[1] == found.text.split("\n\n", 1)[1]
+    assert package.compare(first, package.Result(json.dumps(result(NOMINAL_K, U0)))).block_changed is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "kind", "said"),
+    [
+        ({"levelled": "twice"}, UsageError, "levelled: 'twice' is not one of once, anew"),
+        ({"confidence": 0.2}, UsageError, "confidence: '0.2' is not a number from 0.5 to 0.999999"),
+        ({"stand": 3}, UsageError, "stand: a int is neither the path of a stand file nor a tumble.Stand"),
+        ({"stand": "none.toml"}, BadInput, "none.toml: no such file or folder"),
+        ({"b": 3}, UsageError, "B: a int is neither a tumble.Result nor the path of one"),
+    ],
+)
+def test_scripts_are_told_what_is_wrong(arguments, kind, said):
+    same = package.Result(json.dumps(result(NOMINAL_K, U0, JOINT)))
+    with pytest.raises(kind) as error:
+        package.compare(same, **{"b": same, **arguments})
+    assert str(error.value) == said
+
+
+@pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
+def test_the_picture_is_drawn(kind, files, tumble, tmp_path):
+    pytest.importorskip("matplotlib")
+    done = tumble("compare", *files({}, {"U0": [0.02, -0.02, 0.03]}), "--plot", f"p.{kind}", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (1, "")
+    start = {"svg": b"<?xml", "png": b"\x89PNG", "pdf": b"%PDF"}[kind]
+    assert (tmp_path / f"p.{kind}").read_bytes().startswith(start)
+
+
+def test_the_picture_shows_every_difference_where_it_is():
+    pytest.importorskip("matplotlib")
+    from tumble.pictures.comparison import comparison
+
+    a = package.Result(json.dumps(result(NOMINAL_K, U0, JOINT)))
+    b = package.Result(json.dumps(result(NOMINAL_K, U0 + np.array([1.0, 2e-5, 0.0]), JOINT)))
+    document = package.compare(a, b).document
+    axes = comparison(document).axes[0]
+    shown = {line.get_gid(): line for line in axes.lines if line.get_gid() in {"U0_x", "U0_y", "bias_x", "K_xx"}}
+    reach = axes.get_xlim()[1]
+    assert shown["U0_y"].get_xdata()[0] == pytest.approx(2e-5 / (1e-5 * np.sqrt(2)))
+    assert shown["U0_x"].get_xdata()[0] == reach and shown["U0_x"].get_marker() == ">"
+    assert shown["bias_x"].get_color() != shown["U0_x"].get_color() and shown["K_xx"].get_xdata()[0] == 0.0
+    unknown = package.compare(a, package.Result(json.dumps(result(NOMINAL_K, U0)))).document
+    assert not [line for line in comparison(unknown).axes[0].lines if line.get_gid() == "U0_x"]
+
+
+def test_without_matplotlib_a_picture_is_skipped(files, tumble, monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    assert main(["compare", *files(), "--plot", "p.svg"]) == 77
+    said = "tumble: --plot needs matplotlib: pip install 'tumble[plot]'\n"
+    assert capsys.readouterr() == ("", said) and not (tmp_path / "p.svg").exists()
+
+
+def test_its_help_fits_eighty_columns(tumble):
+    done = tumble("compare", "--help", COLUMNS="80")
+    assert done.returncode == 0 and max(map(len, done.stdout.splitlines())) <= 80
+
+
+@pytest.mark.slow
+def test_the_page_shows_what_is_printed(tumble, tmp_path):
+    page = (ROOT / "docs/compare.md").read_text(encoding="utf-8")
+    commands, shown = re.search(r"```console\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    (tmp_path / "examples").symlink_to(EXAMPLES)
+    done = [tumble(*shlex.split(line)[2:], cwd=tmp_path) for line in commands.splitlines()]
+    assert [one.returncode for one in done] == [0, 0, 0]
+    assert shows(shown, done[-1].stdout)
