@@ -11,8 +11,9 @@ to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -101,6 +102,11 @@ def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, r
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
     """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
+    return IntrinsicUncertainties(*_spread(by_intrinsic(k, u0), covariance).reshape(3, 3))
+
+
+def by_intrinsic(k: Floats, u0: Floats) -> Floats:
+    """Derivatives (9, 12) of these lengths, angles and biases by the coefficients."""
     length = np.linalg.norm(k, axis=1)
     axis = k / length[:, None]
     by_scale, by_angle = np.zeros((2, 3, 12))
@@ -111,7 +117,12 @@ def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> Intrin
         sine = np.linalg.norm(np.cross(axis[i], axis[j]))
         for one, other in ((i, j), (j, i)):
             by_angle[place, 3 * one : 3 * one + 3] = (cosine * axis[one] - axis[other]) / (sine * length[one])
-    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in (by_scale, by_angle, by_bias(k, u0))))
+    return np.concatenate([by_scale, by_angle, by_bias(k, u0)])
+
+
+def named(nine: Sequence[Any]) -> dict[str, Any]:
+    """What there is of each intrinsic parameter, by the names that these have in a result."""
+    return {"scale": nine[:3], "angle_rad": dict(zip(("xy", "xz", "yz"), nine[3:6])), "bias_g": nine[6:]}
 
 
 def by_bias(k: Floats, u0: Floats) -> Floats:
@@ -125,8 +136,14 @@ def by_bias(k: Floats, u0: Floats) -> Floats:
 
 def _spread(gradients: Floats, covariance: Floats) -> Floats:
     """Standard uncertainties (n,) of what has these gradients (n, 12)."""
-    spread: Floats = np.sqrt(np.maximum(((gradients @ covariance) * gradients).sum(axis=1), 0.0))
+    spread: Floats = np.sqrt(np.maximum(variances(gradients, covariance), 0.0))
     return spread
+
+
+def variances(gradients: Floats, covariance: Floats) -> Floats:
+    """Variances (n,) of the same."""
+    found: Floats = ((gradients @ covariance) * gradients).sum(axis=1)
+    return found
 
 
 def spread_attitudes(count: int) -> Floats:
