@@ -39,7 +39,8 @@ def section(text, name):
 
 def test_requirements_are_those_of_the_project():
     project = (PYTHON / "pyproject.toml").read_text()
-    for file, name in (("requirements.txt", "dependencies"), ("requirements-test.txt", "test")):
+    named = {"requirements.txt": "dependencies", "requirements-test.txt": "test", "requirements-report.txt": "report"}
+    for file, name in named.items():
         assert (PYTHON / file).read_text().split("\n")[:-1] == section(project, name)
 
 

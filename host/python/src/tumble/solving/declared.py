@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from tumble.core import built_in
-from tumble.schedule import BUILT_IN, Schedule
+from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
 from tumble.stand import Stand
 
 ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
@@ -26,8 +27,23 @@ def stand_document(stand: Stand | None) -> dict[str, Any] | None:
     if stand is None:
         return None
     errors = {key: float(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
-    labels = {"name": stand.name or None, "limits": stand.limits, "remount": stand.remounting, "samples": int(stand.samples)}
+    labels = {
+        "name": stand.name or None,
+        "limits": stand.limits,
+        "remount": stand.remounting,
+        "samples": int(stand.samples),
+    }
     return {**labels, **errors}
+
+
+def stand_of(document: Mapping[str, Any]) -> Stand | None:
+    """The declared stand of a result; None where it tells of none."""
+    told = document.get("stand")
+    if told is None:
+        return None
+    errors: dict[str, Any] = {attribute: float(told[key]) for key, attribute in ERRORS.items()}
+    labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
+    return Stand(samples=int(told["samples"]), **labels, **errors)
 
 
 def schedule_document(schedule: Schedule) -> dict[str, Any]:
@@ -52,3 +68,16 @@ def schedule_document(schedule: Schedule) -> dict[str, Any]:
             for one in schedule.positions
         ],
     }
+
+
+def schedule_of(document: Mapping[str, Any]) -> Schedule | None:
+    """The schedule of a result; None where it tells of none."""
+    told = document.get("schedule")
+    if told is None:
+        return None
+    return Schedule(
+        tuple(
+            Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in told["mounting"]
+        ),
+        tuple(Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in told["position"]),
+    )
