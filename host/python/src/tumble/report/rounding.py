@@ -56,7 +56,7 @@ def to_match(value: Decimal, uncertainty: Decimal) -> tuple[Shown, Shown]:
     spread = significant(uncertainty, DIGITS_OF_UNCERTAINTY)
     if not spread:
         return plain(value), plain(spread)
-    place = max(_place(spread), value.adjusted() - _OF_A_DOUBLE + 1)
+    place = max(_place(spread), value.adjusted() - _OF_A_DOUBLE + 1) if value else _place(spread)
     found = _to_place(value, place)
     if -_MOST_PLACES <= place <= 0:
         return Shown(_fixed(found)), Shown(_fixed(spread))
