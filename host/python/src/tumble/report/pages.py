@@ -11,7 +11,7 @@ import re
 from importlib.resources import files
 from typing import Any
 
-from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.errors import BadInput, NotInstalled, quoted
 from tumble.files.disk import read_bytes
 
 TEMPLATE = "report.html.j2"
@@ -110,7 +110,7 @@ def pdf(text: str, name: str) -> bytes:
     logging.getLogger("weasyprint").setLevel(logging.CRITICAL)  # of what it leaves out it would tell on stderr
     made: bytes = HTML(string=text, base_url="about:blank", url_fetcher=FromNowhere()).write_pdf()
     if refused:
-        raise BadInput(f"needs {quoted(refused[0])}: a report takes nothing from elsewhere", file_name(name))
+        raise BadInput(f"needs {quoted(refused[0])}: a report takes nothing from elsewhere", name)
     return made
 
 

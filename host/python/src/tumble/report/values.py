@@ -12,7 +12,7 @@ from tumble.report.source import Key, Source, pointer
 from tumble.terms import KEYS
 
 Path = tuple[Key, ...]
-_TERMS = {"k2": ("K2", "1/g"), "k3": ("K3", "1/g²"), "drift": ("drift", "")}
+_TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
     **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
     **{f"Angle {pair}": (("angle_rad", pair), "rad") for pair in ("xy", "xz", "yz")},
