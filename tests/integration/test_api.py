@@ -260,7 +260,7 @@ for name in tumble.__all__:
     getattr(tumble, name)
 result = tumble.solve(sys.argv[1], stand=sys.argv[2])
 result.apply([0, 0, 1])
-heavy = {"pandas", "polars", "pyarrow", "scipy", "shtab", "rich", "matplotlib", "cffi"}
+heavy = {"pandas", "polars", "pyarrow", "scipy", "shtab", "rich", "matplotlib", "jinja2", "cffi"}
 print(result.passed, sorted(heavy & set(sys.modules)))
 """
 

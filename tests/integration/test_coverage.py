@@ -124,6 +124,39 @@ def test_measured_and_declared_parts_together(estimator):
     assert said.startswith("95 % within k u: k = 1.96 to ") and "degrees of freedom)" in said
 
 
+def lengths_angles_and_biases(k, u0):
+    length = np.linalg.norm(k, axis=1)
+    x, y, z = k / length[:, None]
+    return np.concatenate([length, [math.acos(x @ y), math.acos(x @ z), math.acos(y @ z)], u0 / length])
+
+
+@pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
+def test_intrinsic_parameters_have_a_freedom_of_their_own(estimator):
+    """By differences of estimates: what the loud channel's means, moved one by one, do to lengths, angles, biases. The
+    declared angles drop out of an angle between axes, so it has less freedom than any coefficient."""
+    solution = solved(loud_in_x(np.random.default_rng(73)), estimator=estimator)
+    noise, means, step = solution.noise, solution.run.means, 1e-5
+
+    def moved(position, by):
+        changed = means.copy()
+        changed[position, 0] += by
+        return lengths_angles_and_biases(*estimate(paper_schedule(), changed, estimator))
+
+    gains = np.array([moved(p, step) - moved(p, -step) for p in range(POSITIONS)]) / (2.0 * step)
+    part = (gains**2 * noise.mean_variance[:, :1]).sum(axis=0)
+    found = solution.u_intrinsic
+    u = np.concatenate([found.scale, found.angles, found.bias])
+    of_x = [0, 3, 4, 6]  # scale and bias of x, its angles with y and z
+    expected = noise.measured.freedom[0] * u[of_x] ** 4 / part[of_x] ** 2
+    assert solution.coverage.intrinsic[of_x] == pytest.approx(expected, rel=1e-4)
+    assert np.isinf(np.delete(solution.coverage.intrinsic, of_x)).all()
+    assert solution.coverage.intrinsic[3] < solution.coverage.freedom[[1, 3]].min()
+    told = solution.coverage.document()
+    assert told["freedom_intrinsic"]["angle_rad"]["yz"] is None
+    assert told["freedom_intrinsic"]["angle_rad"]["xy"] == solution.coverage.intrinsic[3]
+    assert told["k_intrinsic"]["bias_g"][0] == pytest.approx(exact_t(solution.coverage.intrinsic[6]), rel=1e-8)
+
+
 def test_the_optimal_estimator_mixes_channels():
     """Its gains, by the derivative of its estimate, hold what one channel shows in coefficients of others."""
     solution = solved(loud_in_x(np.random.default_rng(74)), estimator="optimal")

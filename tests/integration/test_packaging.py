@@ -39,7 +39,8 @@ def section(text, name):
 
 def test_requirements_are_those_of_the_project():
     project = (PYTHON / "pyproject.toml").read_text()
-    for file, name in (("requirements.txt", "dependencies"), ("requirements-test.txt", "test")):
+    named = {"requirements.txt": "dependencies", "requirements-test.txt": "test", "requirements-report.txt": "report"}
+    for file, name in named.items():
         assert (PYTHON / file).read_text().split("\n")[:-1] == section(project, name)
 
 
@@ -118,7 +119,7 @@ def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
         "import sys; from tumble.cli.main import main;"
         f"command = ['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--unit', 'V'];"
         f"code = main([*command, '--out', {str(tmp_path / 'r.json')!r}]);"
-        "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi'} & set(sys.modules);"
+        "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi', 'jinja2', 'matplotlib', 'weasyprint'} & set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
@@ -228,3 +229,13 @@ def test_the_gateway_links_libmodbus_dynamically():
     done = subprocess.run(["readelf", "--dynamic", path], capture_output=True, text=True, check=True)
     assert re.search(r"\(NEEDED\).*\[libmodbus\.so\.\d+\]", done.stdout)
     assert has_libmodbus(Path(path).read_bytes())
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_wheel_has_what_reports_are_made_of(packages):
+    room = ROOT / "host/python/src/tumble/report"
+    files = sorted(path.name for path in room.iterdir() if path.suffix in (".j2", ".css"))
+    assert files == ["report.css", "report.html.j2", "tables.html.j2"]
+    for name in files:
+        assert (packages["wheel"] / "tumble/report" / name).read_bytes() == (room / name).read_bytes()

@@ -98,7 +98,7 @@ def test_the_widest_table_fits_eighty_columns(estimator, tumble, tmp_path):
 
 @pytest.mark.parametrize(
     "command",
-    ["solve", "apply", "bench", "export", "replay", "fixture check", "store dump"]
+    ["solve", "apply", "bench", "export", "report", "replay", "fixture check", "store dump"]
     + [f"plan {subject}" for subject in ("budget", "require", "optimize", "validate", "paper")],
 )
 def test_help_fits_eighty_columns(command, tumble):

@@ -16,7 +16,9 @@ rooms, each of which says what it offers:
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
     comparison          two results of one block
     bench, store        simulated stands and real buses; the memory of a navigation computer
-    pictures            of a result: what `Result.plot` draws
+    comparison          two results of one block
+    pictures            of results and comparisons
+    report              a result as a document for people
     api, cli            what scripts call; the command line
 
 Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import replace
 from functools import cached_property
@@ -44,6 +45,11 @@ class Recording:
     def is_file(self) -> bool:
         """Was it read from a file?"""
         return self._from_file
+
+    @property
+    def sha256(self) -> str | None:
+        """Of the bytes of a CSV file, in hexadecimal digits, as results have it; None for other recordings."""
+        return None if self._data is None else hashlib.sha256(self._data).hexdigest()
 
     @property
     def mounting(self) -> Integers:

@@ -21,6 +21,7 @@ from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import path_of, read_bytes, write_bytes, write_text
 from tumble.files.documents import checked_coefficients
+from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
 from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
@@ -262,6 +263,45 @@ class Result:
     def save(self, file: str | os.PathLike[str]) -> None:
         """Write `to_json()` to a file, as a whole or not at all. Raises BadInput."""
         write_text(path_of(file), self._text)
+
+    def report(
+        self,
+        file: str | os.PathLike[str],
+        *,
+        run: Any = None,
+        template: str | os.PathLike[str] | None = None,
+        logo: str | os.PathLike[str] | None = None,
+        number: str | None = None,
+    ) -> None:
+        """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
+
+        `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
+        Jinja2 in place of the own one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
+        default: one by date and content, the same for the same result.
+
+        Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
+        """
+        from tumble.report.make import kind_of
+
+        name = os.fspath(file)
+        its_template, its_logo = (None if one is None else os.fspath(one) for one in (template, logo))
+        write_bytes(name, self.reported(kind_of(name), run, its_template, its_logo, number))
+
+    def reported(
+        self,
+        kind: str,
+        run: Any = None,
+        template: str | None = None,
+        logo: str | None = None,
+        number: str | None = None,
+    ) -> bytes:
+        """What `report` writes; `kind`: "html" or "pdf"."""
+        from tumble.report.make import made
+
+        recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
+        if recording is not None and self._checked["run_sha256"] not in (None, recording.sha256 or None):
+            raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
+        return made(self.document, self._name, kind, run=recording, template=template, logo=logo, number=number)
 
 
 def load(file: str | os.PathLike[str]) -> Result:

@@ -63,6 +63,9 @@ class RunFolder:
     def _cannot_be_made(self, error: OSError) -> BadInput:
         return BadInput(f"the folder cannot be made: {reason(error)}", self.path)
 
+    def _cannot_be_written(self, error: OSError) -> BadInput:
+        return BadInput(f"cannot be written: {reason(error)}", self.path)
+
     def __enter__(self) -> RunFolder:
         try:
             with interruption.Postponed():
@@ -109,8 +112,15 @@ class RunFolder:
             if gains is not None:
                 (inputs / GAINS).write_bytes(gains)
         except OSError as error:
-            raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
+            raise self._cannot_be_written(error) from None
         return inputs / SCENARIO
+
+    def add(self, name: str, data: bytes) -> None:
+        """A file beside run.csv. Raises BadInput."""
+        try:
+            (self.stage / name).write_bytes(data)
+        except OSError as error:
+            raise self._cannot_be_written(error) from None
 
     def keep(self, unwanted: str, *, renamed: str | None = None, **texts: str) -> None:
         """Give the folder its name. The file `unwanted` goes, or is `renamed`; `texts` become files NAME.json."""
@@ -125,7 +135,7 @@ class RunFolder:
             self._publish()
             self._made = False
         except OSError as error:
-            raise BadInput(f"cannot be written: {reason(error)}", self.path) from None
+            raise self._cannot_be_written(error) from None
 
     def _publish(self) -> None:
         if not self._existed:

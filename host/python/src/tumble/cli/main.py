@@ -22,6 +22,7 @@ from tumble.cli.commands import (
     import_recording,
     plan,
     replay,
+    report,
     solve,
     store,
     uml,
@@ -30,7 +31,7 @@ from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrup
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, export, store, uml)
+_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, export, report, store, uml)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 

@@ -35,8 +35,8 @@ def read_coefficients(file: str) -> dict[str, Any]:
 
 def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     """What an export needs of a result, called `file`: estimator, unit, K, U0, u_K, u_U0 and the verdict, all checked;
-    and where it has them covariance, extended, created, tumble, serial, run_file, item, environment, fit, temperature
-    and stand_doubts, else None; assumes and assumed_for, else empty.
+    and where it has them covariance, extended, created, tumble, serial, run_file, run_sha256, item, environment,
+    fit, temperature and stand_doubts, else None; assumes and assumed_for, else empty.
 
     Raises BadInput.
     """
@@ -63,7 +63,8 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
         "limit_g": _is_uncertainty,
     }.items():
         _require(result["verification"], key, is_valid, file, "verification.")
-    optional = {"created": str, "tumble": str, "serial": str, "run_file": str, "stand_doubts": list}
+    optional: dict[str, type] = {"stand_doubts": list}
+    optional |= dict.fromkeys(("created", "tumble", "serial", "run_file", "run_sha256"), str)
     optional |= dict.fromkeys(("item", "environment", "fit"), dict)
     for key, kind in optional.items():
         _require(result, key, _null_or(kind), file, default=None)

@@ -13,7 +13,7 @@ The core computes, the numpy witness confirms, and only then is there a solution
     covariance   what the covariance of the coefficients says of what is computed from them (si: in units of the SI)
     coefficients those of a result, in g or m/s^2, with K^-1; force: what they make of outputs
     second_order what these leave out; monte_carlo: whether simulated runs confirm them (many_runs: solved at once)
-    provenance   when, by what and from what a result was made
+    provenance   when, by what and from what a result was made; declared: its stand and its schedule
     stand_seen   the stand's errors as the run shows them
     expected     what the declared stand makes one expect of a result, source by source
     assumptions  what a result rests on that nobody tested

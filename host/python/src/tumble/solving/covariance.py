@@ -11,8 +11,9 @@ to first order, and the length of that is 1 - w (dK n + dU0) with w = n K^-1.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, r
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
     """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
-    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in by_intrinsic(k, u0).reshape(3, 3, 12)))
+    return IntrinsicUncertainties(*_spread(by_intrinsic(k, u0), covariance).reshape(3, 3))
 
 
 def by_intrinsic(k: Floats, u0: Floats) -> Floats:
@@ -120,6 +121,11 @@ def by_intrinsic(k: Floats, u0: Floats) -> Floats:
     return np.concatenate([by_scale, by_angle, by_bias(k, u0)])
 
 
+def named(nine: Sequence[Any]) -> dict[str, Any]:
+    """What there is of each intrinsic parameter, by the names that these have in a result."""
+    return {"scale": nine[:3], "angle_rad": dict(zip(("xy", "xz", "yz"), nine[3:6])), "bias_g": nine[6:]}
+
+
 def by_bias(k: Floats, u0: Floats) -> Floats:
     """Derivatives (3, 12) of U0_i over the length of row i by the coefficients."""
     length, found = np.linalg.norm(k, axis=1), np.zeros((3, 12))
@@ -131,8 +137,14 @@ def by_bias(k: Floats, u0: Floats) -> Floats:
 
 def _spread(gradients: Floats, covariance: Floats) -> Floats:
     """Standard uncertainties (n,) of what has these gradients (n, 12)."""
-    spread: Floats = np.sqrt(np.maximum(((gradients @ covariance) * gradients).sum(axis=1), 0.0))
+    spread: Floats = np.sqrt(np.maximum(variances(gradients, covariance), 0.0))
     return spread
+
+
+def variances(gradients: Floats, covariance: Floats) -> Floats:
+    """Variances (n,) of the same."""
+    found: Floats = ((gradients @ covariance) * gradients).sum(axis=1)
+    return found
 
 
 def spread_attitudes(count: int) -> Floats:

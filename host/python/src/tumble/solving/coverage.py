@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tumble.arrays import Flags, Floats, Integers
 from tumble.distributions import student_quantile
+from tumble.solving.covariance import named, variances
 from tumble.solving.noise import Noise
 from tumble.stand import Stand
 
@@ -27,49 +28,66 @@ PROBABILITY = 0.95
 
 @dataclass(frozen=True)
 class Coverage:
-    """`freedom` (12,): effective degrees of freedom of the standard uncertainties of K row by row and U0; infinite
-    where nothing in them was measured in the run."""
+    """`freedom` (12,): effective degrees of freedom of the standard uncertainties of K row by row and U0; `intrinsic`
+    (9,): those of scale, angles and bias. Infinite where nothing in them was measured in the run."""
 
     freedom: Floats
+    intrinsic: Floats = field(default_factory=lambda: np.full(9, math.inf))
 
     @property
     def factors(self) -> Floats:
         """k (12,): within k u of the value the truth lies with PROBABILITY."""
-        return np.array([student_quantile(PROBABILITY, freedom) for freedom in self.freedom])
+        return _factors(self.freedom)
 
     def document(self) -> dict[str, Any]:
         """As it stands in a result: null for infinitely many."""
-        freedom = [None if math.isinf(one) else one for one in self.freedom.tolist()]
-        k = self.factors
+        freedom, k = _null_if_infinite(self.freedom), self.factors
         return {
             "probability": PROBABILITY,
             "freedom_K": [freedom[0:3], freedom[3:6], freedom[6:9]],
             "freedom_U0": freedom[9:],
             "k_K": k[:9].reshape(3, 3).tolist(),
             "k_U0": k[9:].tolist(),
+            "freedom_intrinsic": named(_null_if_infinite(self.intrinsic)),
+            "k_intrinsic": named(_factors(self.intrinsic).tolist()),
         }
 
 
+def _factors(freedom: Floats) -> Floats:
+    return np.array([student_quantile(PROBABILITY, one) for one in freedom])
+
+
+def _null_if_infinite(freedom: Floats) -> list[float | None]:
+    return [None if math.isinf(one) else one for one in freedom.tolist()]
+
+
 def coverage(
-    noise: Noise, measured: Flags, stand: Stand, samples: Integers, covariance_with: Callable[[Floats], Floats]
+    noise: Noise,
+    measured: Flags,
+    stand: Stand,
+    samples: Integers,
+    covariance_with: Callable[[Floats], Floats],
+    by_intrinsic: Floats,
 ) -> Coverage:
     """Of the uncertainties that `covariance_with` gives: from variances (positions, 3) of the means, which count where
     they are larger than those of `stand`, to a covariance of the twelve, and perhaps of more behind them.
 
     `noise` of the run; `measured` (all positions,) bool; `samples` (measured positions,) as Stand.averaged_over takes
-    them.
+    them. `by_intrinsic` (9, 12): derivatives of the intrinsic parameters by the twelve.
     """
     variance, by_samples = noise.mean_variance[measured], noise.by_samples[measured]
     declared = stand.sigma("noise") ** 2 / stand.averaged_over(samples)
     by_samples = np.where(by_samples >= declared[:, None], by_samples, 0.0)
     if noise.measured is None or not by_samples.any():
         return Coverage(np.full(12, math.inf))
-    whole, parts = np.diag(covariance_with(variance))[:12], np.zeros((3, 12))
+    gradients = np.concatenate([np.eye(12), by_intrinsic])
+    whole, parts = variances(gradients, covariance_with(variance)[:12, :12]), np.zeros((3, len(gradients)))
     for channel in np.flatnonzero(by_samples.any(axis=0)):
         once_more = variance.copy()  # a variance is linear in those of the means: what the same again adds is its part
         once_more[:, channel] += by_samples[:, channel]
-        parts[channel] = np.diag(covariance_with(once_more))[:12] - whole
-    return Coverage(effective(whole, parts, noise.measured.freedom))
+        parts[channel] = variances(gradients, covariance_with(once_more)[:12, :12]) - whole
+    freedom = effective(whole, parts, noise.measured.freedom)
+    return Coverage(freedom[:12], freedom[12:])
 
 
 def effective(variance: Floats, parts: Floats, freedom: Integers | Floats) -> Floats:

@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from tumble._version import __version__
+from tumble.core import Intrinsic
 from tumble.files.documents import RESULT
 from tumble.solving import noise, si, stand_seen, temperature
 from tumble.solving.assumptions import assumed
+from tumble.solving.covariance import IntrinsicUncertainties, named
+from tumble.solving.declared import schedule_document, stand_document
 from tumble.solving.solution import Solution, Truth
 from tumble.units import per_g, volts_per
 
@@ -34,6 +37,8 @@ def document(
         "run_file": run_file,
         "run_sha256": solution.run.sha256 or None,
         "serial": serial,
+        "stand": stand_document(solution.stand),
+        "schedule": schedule_document(solution.schedule),
         "estimator": solution.found.estimator,
         "unit": unit,
         "units": {"K": per_g(unit), "U0": unit, "u_K": per_g(unit), "u_U0": unit},
@@ -59,13 +64,9 @@ def document(
         "coverage": None if solution.coverage is None else solution.coverage.document(),
         "verification": _verification(solution),
         "stand_seen": stand_seen.document(solution.stand_seen, volts_per(unit)),
-        "intrinsic": {
-            "scale": solution.found.intrinsic.scale.tolist(),
-            "angle_rad": dict(zip(("xy", "xz", "yz"), solution.found.intrinsic.angles.tolist())),
-            "bias_g": solution.found.intrinsic.bias.tolist(),
-        },
+        "intrinsic": _intrinsic(solution.found.intrinsic),
         "si": si.document(solution.found.k, solution.found.u0, solution.covariance, environment, unit),
-        "u_intrinsic": _intrinsic_uncertainties(solution),
+        "u_intrinsic": None if solution.u_intrinsic is None else _intrinsic(solution.u_intrinsic),
         "reference": {
             "max_abs_difference_K": float(np.abs(solution.comparison.k).max()),
             "max_abs_difference_U0": float(np.abs(solution.comparison.u0).max()),
@@ -85,12 +86,8 @@ def _scatter_alone(solution: Solution) -> dict[str, Any] | None:
     return None if alone is None else {"u_K": alone.u_k.tolist(), "u_U0": alone.u_u0.tolist()}
 
 
-def _intrinsic_uncertainties(solution: Solution) -> dict[str, Any] | None:
-    u = solution.u_intrinsic
-    if u is None:
-        return None
-    angles = dict(zip(("xy", "xz", "yz"), u.angles.tolist()))
-    return {"scale": u.scale.tolist(), "angle_rad": angles, "bias_g": u.bias.tolist()}
+def _intrinsic(found: Intrinsic | IntrinsicUncertainties) -> dict[str, Any]:
+    return named([*found.scale.tolist(), *found.angles.tolist(), *found.bias.tolist()])
 
 
 def _worst_norm(solution: Solution) -> dict[str, Any] | None:

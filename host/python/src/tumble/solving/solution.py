@@ -18,7 +18,13 @@ from tumble.files.run_file import Run
 from tumble.schedule import Schedule
 from tumble.solving import extended, noise as noise_of_runs, optimal_run
 from tumble.solving.computation import Computation, DeadChannels, compute
-from tumble.solving.covariance import IntrinsicUncertainties, WorstNorm, intrinsic_uncertainties, worst_norm
+from tumble.solving.covariance import (
+    IntrinsicUncertainties,
+    WorstNorm,
+    by_intrinsic,
+    intrinsic_uncertainties,
+    worst_norm,
+)
 from tumble.solving.coverage import Coverage, coverage
 from tumble.solving.crosscheck import (
     LARGEST_MISFIT,
@@ -141,7 +147,7 @@ class Solution:
         measured, samples = self.run.measured, self.run.samples[self.run.measured]
         witness = Witness(self.measured_schedule, self.found.k, stand, samples, self.found.estimator, self.step)
         by_variance = partial(witness.covariance, terms=self.found.terms)
-        return coverage(self.noise, measured, stand, samples, by_variance)
+        return coverage(self.noise, measured, stand, samples, by_variance, by_intrinsic(self.found.k, self.found.u0))
 
     def simulated(self, runs: int, seed: int) -> Solution:
         """This solution with its `monte_carlo`; it has a declared stand. Raises UsageError."""

@@ -71,6 +71,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
     options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
+    parser.add_argument("--report", action="store_true", help="leave a report in the run folder too, report.html")
     options.add_json(parser)
     parser.set_defaults(run_command=run)
 
@@ -81,6 +82,10 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.bench import board, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
 
+    if arguments.report:
+        from tumble.report.make import HTML, require_installed
+
+        require_installed(HTML)
     bus = realbus.require_bus(arguments.bus)
     if arguments.firmware == board.FIRMWARE and arguments.interactive:
         raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
@@ -102,6 +107,8 @@ def run(arguments: argparse.Namespace) -> int:
             tell(f"run folder: {file_name(path)}")
             raise
         text = _result_text(solution, wanted, arguments, stand_file)
+        if arguments.report:
+            made.add("report.html", _report(text, made.stage / "run.csv"))
         made.keep(outcome.DOCUMENT, result=text)
     tell(f"run folder: {file_name(path)}")
     warn(complaints(solution))
@@ -240,3 +247,12 @@ def _result_text(solution: Solution, wanted: Setup, arguments: argparse.Namespac
     origin = {"seed": wanted.seed, "bus": arguments.bus, "firmware": arguments.firmware}
     assert solution.truth is not None  # it has been simulated
     return to_json({**document, **origin, "truth": result.truth(solution.truth)})
+
+
+def _report(result: str, run: Path) -> bytes:
+    from tumble.api.recording import recording_of
+    from tumble.api.result import Result
+    from tumble.files.run_layout import Wishes
+    from tumble.report.make import HTML
+
+    return Result(result).reported(HTML, recording_of(run, Wishes(unit="V")))

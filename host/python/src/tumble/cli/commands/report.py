@@ -1,0 +1,58 @@
+"""`tumble report`: a result as a document for people, HTML or PDF."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import replace
+
+from tumble.cli import layout_options
+from tumble.cli.options import Subparsers
+from tumble.errors import EXIT_PASS
+
+
+def add_to(subparsers: Subparsers) -> None:
+    """Describe the command to argparse."""
+    parser = subparsers.add_parser(
+        "report",
+        help="write a calibration report on a result: HTML or PDF",
+        description="Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
+        " needs no other, or the same as PDF.",
+        epilog="Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130"
+        " interrupted.",
+    )
+    parser.add_argument("result", metavar="RESULT.json", help="a result of tumble solve or tumble bench")
+    parser.add_argument("--out", metavar="FILE.html|.pdf", help="default: HTML on standard output")
+    parser.add_argument("--run", metavar="RUN.csv", help="the run that was solved: draws its samples too")
+    parser.add_argument("--template", metavar="FILE", help="in place of the own one, or extending it (Jinja2)")
+    parser.add_argument("--logo", metavar="FILE", help="PNG, JPEG or SVG, for the head of the first page")
+    parser.add_argument("--number", metavar="TEXT", help="of the report; default: by the result's date and content")
+    layout_options.add_layout(parser, "run file")
+    parser.set_defaults(run_command=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write. Returns the exit code; raises TumbleError."""
+    from tumble.report.make import HTML, kind_of, require_installed
+
+    kind = HTML if arguments.out is None else kind_of(arguments.out)
+    require_installed(kind)
+
+    from tumble.api.recording import recording_of
+    from tumble.api.result import load
+    from tumble.files.disk import refuse_overwriting, write_bytes
+    from tumble.files.run_layout import COLUMNS
+
+    wishes = layout_options.wishes(arguments, COLUMNS)
+    refuse_overwriting(arguments.out, arguments.result, arguments.run, arguments.template, arguments.logo)
+    result = load(arguments.result)
+    recorded = None
+    if arguments.run is not None:
+        recorded = recording_of(arguments.run, wishes if wishes.unit else replace(wishes, unit=result.unit))
+    text = result.reported(kind, recorded, arguments.template, arguments.logo, arguments.number)
+    if arguments.out is None:
+        sys.stdout.buffer.write(text)
+        sys.stdout.buffer.flush()
+    else:
+        write_bytes(arguments.out, text)
+    return EXIT_PASS

@@ -1,0 +1,107 @@
+"""What a report says, as HTML: texts escaped, numbers each with the path that it came from.
+
+Whatever has `__html__` goes into a template as it is; all else is escaped there.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Protocol, TypeAlias
+
+from tumble.report.rounding import Shown
+
+
+class Inline(Protocol):
+    """A piece of a line."""
+
+    def __html__(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of the document at `path`, times ten to the `power`, times the number at `times`; as `shown`."""
+
+    shown: Shown
+    path: str
+    times: str | None = None
+    power: int = 0
+
+    def __html__(self) -> str:
+        more = "" if self.times is None else f' data-times="{escape(self.times)}"'
+        more += f' data-power="{self.power}"' if self.power else ""
+        by_power = f" {TIMES} 10<sup>{self.shown.power}</sup>" if self.shown.power else ""
+        return f'<span class="number" data-path="{escape(self.path)}"{more}>{self.shown.digits}{by_power}</span>'
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text of the document at `path`."""
+
+    text: str
+    path: str
+
+    def __html__(self) -> str:
+        return f'<span class="told" data-path="{escape(self.path)}">{escape(readable(self.text))}</span>'
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """A text of the report's own."""
+
+    text: str
+
+    def __html__(self) -> str:
+        return escape(self.text)
+
+
+@dataclass(frozen=True)
+class Missing:
+    """What the document does not tell."""
+
+    def __html__(self) -> str:
+        return '<span class="missing">not stated</span>'
+
+
+@dataclass(frozen=True)
+class Line:
+    """Pieces in a row."""
+
+    parts: tuple[Inline, ...]
+
+    def __html__(self) -> str:
+        return "".join(part.__html__() for part in self.parts)
+
+
+@dataclass(frozen=True)
+class Table:
+    """`rows`, whose first piece names the row, under `columns`; the columns of `left` are texts."""
+
+    columns: tuple[str, ...]
+    rows: Sequence[tuple[Inline, ...]]
+    left: tuple[int, ...] = ()
+
+
+Facts: TypeAlias = "list[tuple[Inline, Inline]]"  # a name and what is said of it
+
+MISSING = Missing()
+TIMES = "\u00d7"
+NU = "\u03bd"  # degrees of freedom
+
+
+def line(*parts: Inline | str) -> Line:
+    """Pieces in a row; strings are the report's own words."""
+    return Line(tuple(Fixed(part) if isinstance(part, str) else part for part in parts))
+
+
+def joined(parts: Sequence[Inline], between: str) -> Line:
+    """Pieces in a row, with this between them."""
+    pieces = [piece for part in parts for piece in (Fixed(between), part)]
+    return Line(tuple(pieces[1:]))
+
+
+def readable(text: str) -> str:
+    """Foreign text without what no file of text may hold: control characters and halves of characters."""
+    return "".join("\ufffd" if unicodedata.category(one) in ("Cc", "Cs") and one not in "\n\t" else one for one in text)

@@ -1,0 +1,115 @@
+"""From a result's document to the bytes of a report."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from tumble.errors import BadInput, NotInstalled, TumbleError, UsageError, quoted
+from tumble.report import conformity, identity, method, pages, values
+from tumble.report.cells import Fixed, line
+from tumble.report.number import number_of, require_number
+from tumble.report.source import Source
+from tumble.solving.declared import schedule_of, stand_of
+
+HTML, PDF = "html", "pdf"
+_KINDS = {".html": HTML, ".htm": HTML, ".pdf": PDF}
+
+
+def kind_of(file: str) -> str:
+    """HTML or PDF, by the end of its name. Raises UsageError."""
+    found = _KINDS.get(os.path.splitext(file)[1].lower())
+    if found is None:
+        raise UsageError(f"--out: {quoted(file)} does not end in .html or .pdf")
+    return found
+
+
+def require_installed(kind: str) -> None:
+    """Raises NotInstalled where a package is missing."""
+    try:
+        import jinja2  # noqa: F401
+        import matplotlib  # type: ignore[import-not-found, unused-ignore] # noqa: F401
+    except ImportError as error:
+        raise NotInstalled("a report", error.name or "a package", extra=pages.EXTRA) from None
+    if kind == PDF:
+        pages.require_pdf()
+
+
+def made(
+    document: dict[str, Any],
+    name: str,
+    kind: str = HTML,
+    *,
+    run: Any = None,
+    template: str | None = None,
+    logo: str | None = None,
+    number: str | None = None,
+) -> bytes:
+    """A report on `document`, schema tumble.result/1, as files.documents has checked it; `name`: what errors call it.
+
+    `run`: the Recording that was solved, for a picture of its samples. `template`: a file of Jinja2; `logo`: a picture;
+    `number`: one that is given. Raises BadInput, UsageError, NotInstalled.
+    """
+    told = number_of(document) if number is None else require_number(number)
+    require_installed(kind)
+    source = Source(document, name)
+    found = context(source, told, None if logo is None else pages.logo(logo))
+    text = pages.html({**found, "figures": pictures(source, run)}, template)
+    return pages.pdf(text, template or name) if kind == PDF else text.encode("utf-8", "replace")
+
+
+def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
+    """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput."""
+    from markupsafe import Markup
+
+    from tumble.pictures import CAPTIONS, figures, svg
+
+    document = source.document
+    try:
+        drawn = figures(document, run, schedule_of(document), stand=stand_of(document))
+    except TumbleError:
+        raise
+    except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote
+        raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", source.name) from None
+    return [{"name": name, "svg": Markup(svg(one)), "caption": CAPTIONS[name]} for name, one in drawn.items()]
+
+
+def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
+    """What a template may say, but for `figures`. docs/report.md lists it."""
+    from markupsafe import Markup
+
+    given = values.uncertainties(source)
+    return {
+        "number": number,
+        "logo": logo,
+        "style": Markup(pages.own(pages.STYLE).replace("NUMBER", pages.css_string(number))),
+        "created": source.at("created") or "",
+        "document": source.document,
+        "verdict": conformity.verdict(source),
+        "simulated": line("seed ", source.told("seed")) if "seed" in source.document else None,
+        "findings": conformity.findings(source),
+        "rule": conformity.rule(source),
+        "positions": conformity.positions(source),
+        "explanations": conformity.explanations(source),
+        "assumptions": conformity.assumptions(source),
+        "warnings": conformity.warnings(source),
+        "parties": identity.parties(source),
+        "item": identity.item(source),
+        "dates": identity.dates(source),
+        "labels": identity.further_labels(source),
+        "traceability": identity.traceability(source),
+        "deviations": identity.deviations(source),
+        "method": method.method(source),
+        "environment": method.environment(source),
+        "declared": method.declared(source),
+        "seen": method.seen(source),
+        "uncertainties": given.about,
+        "coefficients": values.coefficients(source, given),
+        "further": values.further(source),
+        "intrinsic": values.intrinsic(source, given),
+        "worst_norm": values.worst_norm(source),
+        "data": [
+            (Fixed("Run file"), source.told("run_file")),
+            (Fixed("SHA-256 of the run file"), source.told("run_sha256")),
+        ],
+    }

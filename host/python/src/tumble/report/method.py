@@ -1,0 +1,109 @@
+"""How a result was found: method, stand, schedule, environment."""
+
+from __future__ import annotations
+
+from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, joined, line
+from tumble.report.source import Source
+from tumble.units import noise_unit
+
+_MEANING = {  # of a stand file's `limits`
+    "sigma1": "standard deviations",
+    "sigma3": "three standard deviations",
+    "uniform": "half-widths of a uniform law",
+}
+_ERRORS = {  # of a stand, by their keys; what is not declared is 0 and left out behind the first five
+    "axis_tilt_rad": "Axis not level",
+    "level_rad": "Zero of the table angle",
+    "remount_rad": "Yaw of the block, in a mounting",
+    "angle_rad": "A set table angle",
+    "noise_v": "Noise of one sample",
+    "seat_rad": "Seat not square, in a mounting",
+    "platform_rad": "Platform not square",
+    "encoder_rad": "Encoder, once and twice per turn",
+    "drift_v": "Drift over a run",
+}
+_REQUIRED = 5
+_SEEN = {
+    "alpha1_rad": "Axis tilt",
+    "alpha2_plus_alpha3_rad": "Zero of the angle, and mean yaw",
+    "alpha3_difference_rad": "Yaw of the first mounting less that of the second",
+    "alpha4_rad": "Standard deviation of a set angle",
+    "noise_v": "Standard deviation of one sample",
+}
+
+
+def method(source: Source) -> Facts:
+    """What was done with the run, and by what."""
+    difference = source.rounded(2, "reference", "max_abs_difference_K")
+    schedule = source.told("schedule", "name")
+    own = "a schedule of its own" if source.table("schedule") else MISSING
+    rows = source.told("counters", "rows")
+    places = source.told("counters", "positions")
+    model = joined([Fixed("linear, twelve coefficients"), *source.each("extended", "terms")], ", ")
+    return [
+        (Fixed("Model"), model),
+        (Fixed("Estimator"), source.told("estimator")),
+        (Fixed("Computed by"), line("tumble ", source.told("tumble"))),
+        (
+            Fixed("Confirmed by"),
+            line("a second, independent computation: K differs by ", difference, " ", unit_of_k(source)),
+        ),
+        (
+            Fixed("Schedule"),
+            line(own if schedule is MISSING else schedule, ": ", rows, " samples at ", places, " positions"),
+        ),
+        (Fixed("Unit of the outputs"), source.told("unit")),
+    ]
+
+
+def environment(source: Source) -> Facts:
+    """Where and at what temperature."""
+    low, high = source.told("temperature", "min_c"), source.told("temperature", "max_c")
+    who = {"run_file": " (measured in the run)", "environment": " (as the stand file states)"}
+    temperature = line(low, " to ", high, " °C", who.get(str(source.at("temperature", "source")), ""))
+    gravity, u = source.told("environment", "gravity_m_s2"), source.told("environment", "u_gravity_m_s2")
+    return [
+        (Fixed("Temperature of the run"), MISSING if low is MISSING else temperature),
+        (Fixed("Pressure"), _with_unit(source.told("environment", "pressure_hpa"), "hPa")),
+        (Fixed("Relative humidity"), _with_unit(source.told("environment", "humidity_percent"), "%")),
+        (Fixed("Local gravity, g"), _with_unit(gravity, "m/s²")),
+        (Fixed("Standard uncertainty of local gravity"), _with_unit(u, "m/s²")),
+    ]
+
+
+def declared(source: Source) -> tuple[Inline, Table] | None:
+    """The stand as it is declared: what its numbers are, and these; None without one."""
+    if not source.table("stand"):
+        return None
+    kind = str(source.at("stand", "limits"))
+    about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
+    rows = [
+        (Fixed(name), source.told("stand", key), Fixed(_unit(source, key)))
+        for place, (key, name) in enumerate(_ERRORS.items())
+        if place < _REQUIRED or source.decimal("stand", key)
+    ]
+    return about, Table(("Source of error", "Declared", "Unit"), rows, left=(2,))
+
+
+def seen(source: Source) -> Table:
+    """The stand as the run shows it, with standard uncertainties."""
+    rows = []
+    for key, name in _SEEN.items():
+        value, u = source.with_uncertainty(("stand_seen", key), ("stand_seen", f"u_{key}"), None)
+        if value is not MISSING:
+            rows.append((Fixed(name), value, u, Fixed(_unit(source, key))))
+    return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), rows, left=(3,))
+
+
+def unit_of_k(source: Source) -> Inline:
+    """Of the elements of K."""
+    return source.told("units", "K")
+
+
+def _with_unit(said: Inline, unit: str) -> Inline:
+    return said if said is MISSING else line(said, f" {unit}")
+
+
+def _unit(source: Source, key: str) -> str:
+    """Of an error of a stand, by the end of its key."""
+    return "rad" if key.endswith("_rad") else noise_unit(str(source.at("unit")))

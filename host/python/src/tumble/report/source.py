@@ -1,0 +1,128 @@
+"""What a report may say: the numbers and texts of a result's document, each with the path that it came from.
+
+A path is that of RFC 6901 (JSON pointer), such as /K/0/1. It goes into the HTML with what it led to, so that every
+number of a report can be held against the document.
+"""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from typing import Any, TypeAlias
+
+from tumble.errors import BadInput, quoted
+from tumble.files.documents import RESULT
+from tumble.report import rounding
+from tumble.report.cells import MISSING, Inline, Number, Text
+
+Key: TypeAlias = "str | int"
+
+
+class Source:
+    """A document, checked by `files.documents` as far as an export needs it; the rest is checked when it is asked for.
+    `name`: what errors call it. All raise BadInput for what no result has there."""
+
+    def __init__(self, document: dict[str, Any], name: str):
+        self.document = document
+        self.name = name
+
+    def at(self, *path: Key) -> Any:
+        """What is there, of whatever kind; None where nothing is."""
+        found: Any = self.document
+        for key in path:
+            if isinstance(found, dict) and isinstance(key, str):
+                found = found.get(key)
+            elif isinstance(found, list) and isinstance(key, int):
+                found = found[key] if key < len(found) else None
+            elif found is None:
+                return None
+            else:
+                raise self._wrong(path, self.document)
+        return found
+
+    def table(self, *path: Key) -> dict[str, Any]:
+        """An object; an empty one where there is none."""
+        return self._of_kind(dict, path) or {}
+
+    def array(self, *path: Key) -> list[Any]:
+        """An array; an empty one where there is none."""
+        return self._of_kind(list, path) or []
+
+    def flag(self, *path: Key) -> bool | None:
+        """True or false; None where nothing is said."""
+        found: bool | None = self._of_kind(bool, path)
+        return found
+
+    def decimal(self, *path: Key) -> Decimal | None:
+        """A number; None where there is none."""
+        found = self.at(*path)
+        if found is None:
+            return None
+        if type(found) not in (int, float) or abs(found) >= 1e300 or not math.isfinite(found):
+            raise self._wrong(path, found)
+        return rounding.exact(found)
+
+    def told(self, *path: Key) -> Inline:
+        """A text or a number as it stands there."""
+        found = self.at(*path)
+        if found is None:
+            return MISSING
+        if isinstance(found, str):
+            return Text(found, pointer(path))
+        return self._number(path, rounding.plain)
+
+    def each(self, *path: Key) -> list[Inline]:
+        """All of an array, as `told`."""
+        return [self.told(*path, i) for i in range(len(self.array(*path)))]
+
+    def rounded(self, digits: int, *path: Key) -> Inline:
+        """A number with so many significant digits."""
+        return self._number(path, lambda value: rounding.rounded(value, digits))
+
+    def to_places(self, places: int, *path: Key) -> Inline:
+        """A number with so many digits behind the point."""
+        return self._number(path, lambda value: rounding.to_places(value, places))
+
+    def millionths(self, places: int | None, *path: Key) -> Inline:
+        """A number in millionths, with so many digits behind the point; None: all."""
+        value = self.decimal(*path)
+        if value is None:
+            return MISSING
+        scaled = rounding.product(value, Decimal(10**6))
+        shown = rounding.plain(scaled) if places is None else rounding.to_places(scaled, places)
+        return Number(shown, pointer(path), power=6)
+
+    def with_uncertainty(
+        self, value: tuple[Key, ...], u: tuple[Key, ...], k: tuple[Key, ...] | None
+    ) -> tuple[Inline, Inline]:
+        """A value, and its uncertainty, u or k u, rounded alike. MISSING for what is not told."""
+        center, spread = self.decimal(*value), self.decimal(*u)
+        factor = Decimal(1) if k is None else self.decimal(*k)
+        if center is None:
+            return MISSING, MISSING
+        if spread is None or factor is None:
+            return Number(rounding.rounded(center, _DIGITS_ALONE), pointer(value)), MISSING
+        shown, by = rounding.to_match(center, rounding.product(spread, factor))
+        return Number(shown, pointer(value)), Number(by, pointer(u), times=None if k is None else pointer(k))
+
+    def _number(self, path: tuple[Key, ...], show: Any) -> Inline:
+        value = self.decimal(*path)
+        return MISSING if value is None else Number(show(value), pointer(path))
+
+    def _of_kind(self, kind: type, path: tuple[Key, ...]) -> Any:
+        found = self.at(*path)
+        if found is not None and not isinstance(found, kind):
+            raise self._wrong(path, found)
+        return found
+
+    def _wrong(self, path: tuple[Key, ...], found: Any) -> BadInput:
+        told = quoted(found) if not isinstance(found, dict) else "something else"
+        return BadInput(f"not a result of schema {RESULT}: {pointer(path)} is {told}", self.name)
+
+
+_DIGITS_ALONE = 7  # of a value whose uncertainty is not known
+
+
+def pointer(path: tuple[Key, ...]) -> str:
+    """A path as RFC 6901 writes it."""
+    return "".join("/" + str(key).replace("~", "~0").replace("/", "~1") for key in path)

@@ -1,0 +1,109 @@
+"""The results: twelve coefficients, further terms of the model, intrinsic parameters, each with its uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tumble.estimators import COEFFICIENTS
+from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, line
+from tumble.report.method import unit_of_k
+from tumble.report.rounding import Shown
+from tumble.report.source import Key, Source, pointer
+from tumble.terms import KEYS
+
+Path = tuple[Key, ...]
+_TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
+_INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
+    **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
+    **{f"Angle {pair}": (("angle_rad", pair), "rad") for pair in ("xy", "xz", "yz")},
+    **{f"Bias {axis}": (("bias_g", i), "g") for i, axis in enumerate("xyz")},
+}
+
+
+@dataclass(frozen=True)
+class Uncertainties:
+    """Where a document has them: standard ones of K and U0 beneath `table`, factors k beneath "coverage", if `has_k`.
+    `about`: what they are, to stand above the table."""
+
+    table: tuple[Key, ...]
+    has_k: bool
+    about: Inline
+
+    @property
+    def symbol(self) -> str:
+        """Of the column."""
+        return "U = k u" if self.has_k else "u (k = 1)"
+
+
+def uncertainties(source: Source) -> Uncertainties:
+    """Those of a declared stand, else those of the noise alone."""
+    table: Path = () if source.array("u_K") else ("scatter_alone",) if source.table("scatter_alone") else ()
+    has_k = bool(source.table("coverage"))
+    known = bool(source.array(*table, "u_K"))
+    if not known:
+        return Uncertainties(table, False, line("Uncertainties are not stated: no stand is declared."))
+    probability = source.told("coverage", "probability")
+    within = "U = k u is the expanded uncertainty: the value lies within U of the true one with a probability of "
+    student = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
+    what = line(within, probability, student)
+    standard = Fixed("u are standard uncertainties (k = 1); no coverage factor is stated.")
+    alone = " Of the noise of the samples alone: errors of the stand are NOT in it, for no stand is declared."
+    return Uncertainties(table, has_k, line(what if has_k else standard, alone if table else ""))
+
+
+def coefficients(source: Source, given: Uncertainties) -> Table:
+    """K row by row, and U0. A name that ends in * rests on an assumption that touches only some."""
+    rows = []
+    marked = {name for names in source.table("assumed_for").values() for name in names}
+    for place, name in enumerate(COEFFICIENTS):
+        where: Path = ("K", *divmod(place, 3)) if place < 9 else ("U0", place - 9)
+        unit = unit_of_k(source) if place < 9 else source.told("unit")
+        u, k = (*given.table, f"u_{where[0]}", *where[1:]), ("coverage", f"k_{where[0]}", *where[1:])
+        freedom = ("coverage", f"freedom_{where[0]}", *where[1:])
+        rows.append(_row(source, name + "*" * (name in marked), where, u, k, freedom, unit, given))
+    return _table(rows, given)
+
+
+def intrinsic(source: Source, given: Uncertainties) -> Table:
+    """Lengths of K's rows, angles between them, biases in g: they do not depend on how the block sits."""
+    rows = []
+    for name, (where, unit) in _INTRINSIC.items():
+        paths = ("intrinsic", *where), ("u_intrinsic", *where), ("coverage", "k_intrinsic", *where)
+        its_unit = Fixed(unit) if unit else unit_of_k(source)
+        rows.append(_row(source, name, *paths, ("coverage", "freedom_intrinsic", *where), its_unit, given))
+    return _table(rows, given)
+
+
+def further(source: Source) -> Table | None:
+    """K2, K3 and drift, with standard uncertainties; None where the model has none."""
+    terms = [term for term in _TERMS if term in source.array("extended", "terms")]
+    rows = []
+    for term in terms:
+        name, unit = _TERMS[term]
+        for i, axis in enumerate("xyz"):
+            value, u = source.with_uncertainty(("extended", KEYS[term], i), ("extended", f"u_{KEYS[term]}", i), None)
+            rows.append((Fixed(f"{name}_{axis}"), value, u, Fixed(unit) if unit else source.told("unit")))
+    return Table(("", "Value", "u (k = 1)", "Unit"), rows, left=(3,)) if rows else None
+
+
+def worst_norm(source: Source) -> Inline:
+    """Of the length of the calibrated acceleration."""
+    worst = source.rounded(2, "u_norm_g", "worst_g")
+    return MISSING if worst is MISSING else line(worst, " g")
+
+
+def _row(
+    source: Source, name: str, value: Path, u: Path, k: Path, freedom: Path, unit: Inline, given: Uncertainties
+) -> tuple[Inline, ...]:
+    shown, spread = source.with_uncertainty(value, u, k if given.has_k else None)
+    told = (Fixed(name), shown, spread, unit)
+    if not given.has_k:
+        return told
+    infinite = source.at(*freedom) is None and source.at(*freedom[:2]) is not None
+    nu = Number(Shown("∞"), pointer(freedom)) if infinite else source.rounded(3, *freedom)
+    return (*told, source.to_places(2, *k), nu)
+
+
+def _table(rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
+    head = ("", "Value", given.symbol, "Unit")
+    return Table((*head, "k", NU) if given.has_k else head, rows, left=(3,))

@@ -1,0 +1,69 @@
+"""A result repeats what it rests on: the declared stand and the schedule, with the keys and numbers of their files."""
+
+import dataclasses
+import json
+
+import pytest
+from conftest import EXAMPLES
+from documents import document_of, paper_stand, valid
+
+import tumble
+from tumble.core import built_in
+from tumble.files.schedule_file import read_schedule
+from tumble.schedule import BUILT_IN
+from tumble.solving.declared import ERRORS, schedule_document
+from tumble.stand import Stand
+
+pytestmark = pytest.mark.python
+
+
+def test_every_number_of_a_stand_is_repeated():
+    """One that Stand has and a result forgets would be an error that nobody reads of."""
+    others = {"name", "limits", "remounting", "samples"}
+    assert {*ERRORS.values()} | others == {field.name for field in dataclasses.fields(Stand)}
+
+
+@pytest.mark.parametrize("limits", ["sigma1", "sigma3", "uniform"])
+def test_a_stand_is_repeated_as_its_file_has_it(limits, tmp_path):
+    added = "seat_rad = 1e-5\nplatform_rad = 2e-5\nencoder_rad = 3e-5\nremount = \"common\""
+    file = paper_stand(tmp_path, limits=f'"{limits}"\n{added}')
+    told = tumble.solve(EXAMPLES / "paper_stand.csv", stand=file).document["stand"]
+    assert told == {**declared_keys(file), "drift_v": 0.0}
+
+
+def declared_keys(file):
+    """Of [stand], by a parser of this test's own: lines KEY = VALUE, whose values are JSON but for comments."""
+    body = file.read_text().split("[stand]")[1].split("[")[0]
+    lines = [line.split("#")[0].split("=") for line in body.splitlines() if "=" in line.split("#")[0]]
+    return {key.strip(): json.loads(value) for key, value in lines}
+
+
+def test_without_a_stand_there_is_none():
+    assert tumble.solve(EXAMPLES / "paper_stand.csv").document["stand"] is None
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_built_in_schedule_has_its_name(name):
+    assert schedule_document(built_in(name))["name"] == name
+
+
+def test_a_schedule_of_one_s_own_is_repeated_whole(tumble, tmp_path):
+    """And what is written is a schedule file's tables: read again, it is the same schedule."""
+    arguments = ["with_checks.csv", "--unit", "V", "--schedule", "with_checks.toml", "--estimator", "least_squares"]
+    told = document_of(tumble("solve", *arguments, "--json", cwd=EXAMPLES))["schedule"]
+    assert told["name"] is None and {one["use"] for one in told["position"]} == {"fit", "check"}
+    lines = []
+    for table in ("mounting", "position"):
+        for row in told[table]:
+            lines += [f"[[{table}]]", *(f"{key} = {json.dumps(value)}" for key, value in row.items())]
+    again = tmp_path / "again.toml"
+    again.write_text("\n".join(lines) + "\n")
+    assert read_schedule(str(again)).data == read_schedule(str(EXAMPLES / "with_checks.toml")).data
+
+
+def test_a_bench_run_repeats_both(tumble, tmp_path):
+    stand = EXAMPLES / "diagonal_stand.toml"
+    done = tumble("bench", "--stand", stand, "--schedule", "diagonal", "--out", tmp_path / "run", "--json")
+    result = valid(done.stdout)
+    assert result["schedule"]["name"] == "diagonal"
+    assert result["stand"]["name"] == declared_keys(stand)["name"]

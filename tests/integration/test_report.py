@@ -1,0 +1,268 @@
+"""Calibration reports: every number is the document's, rounded once; the verdict; texts are texts; nothing from elsewhere.
+
+Pictures have tests of their own: here they are two lines, but where a test says otherwise.
+"""
+
+import json
+import re
+import sys
+import types
+
+import pytest
+from conftest import EXAMPLES
+from documents import paper_stand
+from report_reader import Report, Said, Truth, plain, text_of
+
+import tumble as package
+from tumble.api.result import Result
+from tumble.errors import BadInput
+from tumble.estimators import COEFFICIENTS
+from tumble.report.number import number_of
+
+pytest.importorskip("jinja2")
+pytest.importorskip("matplotlib")
+pytestmark = pytest.mark.python
+
+LABELS = """
+[item]
+serial_number = "A-17 <b>"
+Condition = "as received & clean"
+customer = "Müller GmbH"
+"<script>alert(1)</script>" = "<script>alert(2)</script>"
+seal = 4711
+
+[environment]
+temperature_c = 21.5
+gravity_m_s2 = 9.8106
+u_gravity_m_s2 = 1e-5
+laboratory = "Lab <i>1</i>"
+gravity_traceability = "certificate G-12"
+rig = "B"
+"""
+DRAWN = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><title>T</title><path d="M0 0L9 9"/></svg>'
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """Pictures that cost nothing. What they were asked for."""
+    asked = []
+    room = types.ModuleType("tumble.pictures")
+
+    def figures(document, run=None, schedule=None, *, stand=None):
+        asked.append((document, run, schedule, stand))
+        return {"gravity_check": 1, **({"samples": 2} if run is not None else {}), "attitude": 3}
+
+    room.figures, room.svg = figures, lambda figure: DRAWN.replace("T<", f"T{figure}<")
+    room.CAPTIONS = {"gravity_check": "Errors < of gravity.", "samples": "Samples.", "attitude": "Attitudes."}
+    monkeypatch.setitem(sys.modules, "tumble.pictures", room)
+    monkeypatch.setattr(package, "pictures", room, raising=False)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    return asked
+
+
+def solve(name="paper_stand", stand=True, **more):
+    return package.solve(EXAMPLES / f"{name}.csv", stand=EXAMPLES / f"{name}.toml" if stand else None, **more)
+
+
+def labelled(folder):
+    return package.solve(EXAMPLES / "paper_stand.csv", stand=paper_stand(folder, LABELS, 'serial = "B-9"\n'))
+
+
+def misfit(folder):
+    """A run that its stand file does not explain."""
+    return package.solve(EXAMPLES / "lab_stand.csv", stand=paper_stand(folder), limit_g=1e-3)
+
+
+def coarse(folder):
+    """Uncertainties of hundreds: outputs in counts."""
+    run = folder / "counts.csv"
+    lines = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
+    body = [row.split(",") for row in lines[1:]]
+    scaled = [",".join([*row[:2], *(str(float(one) * 1e6) for one in row[2:5])]) for row in body]
+    run.write_text("\n".join(["mounting,position,ux [LSB],uy [LSB],uz [LSB]", *scaled]) + "\n")
+    stand = paper_stand(folder, noise_v=300.0, scale_v_per_g=2e6, K="[[2e6, 0, 0], [0, 2e6, 0], [0, 0, 2e6],")
+    stand.write_text(re.sub(r"(?s)\[block\.true\].*?\[accept\]", "[accept]", stand.read_text()))
+    return package.solve(run, stand=stand)
+
+
+RESULTS = {
+    "with a stand": lambda folder: solve(),
+    "without": lambda folder: solve(stand=False),
+    "failing": lambda folder: solve(limit_g=1e-6),
+    "misfit": misfit,
+    "labelled": labelled,
+    "three mountings": lambda folder: solve("three_mountings_stand", schedule="three_mountings"),
+    "checks": lambda folder: package.solve(EXAMPLES / "with_checks.csv", schedule=EXAMPLES / "with_checks.toml"),
+    "more terms": lambda folder: solve(estimator="optimal", model="k2,drift"),
+    "counts": coarse,
+}  # fmt: skip
+
+
+@pytest.fixture(params=RESULTS)
+def result(request, tmp_path, drawn):
+    """Results of all kinds."""
+    return RESULTS[request.param](tmp_path)
+
+
+def report_of(result, **options):
+    return Report(result.reported("html", **options).decode("utf-8"))
+
+
+def rounded_as_it_should(said, truth):
+    """Half to even, to the unit of the last digit that is printed."""
+    if said.text == "\u221e":
+        return truth.at(said.path) is None
+    (found, unit), exact = said.number, truth.number(said)
+    off = abs(found - exact)
+    return off < unit / 2 or (off == unit / 2 and found / unit % 2 == 0)
+
+
+def test_every_number_is_the_document_s(result):
+    report, truth = report_of(result), Truth(result.to_json())
+    numbers = [said for said in report.said if said.kind == "number"]
+    assert len(numbers) > 60
+    wrong = [said for said in numbers if not rounded_as_it_should(said, truth)]
+    assert not wrong
+    for said in report.said:
+        if said.kind == "told":
+            assert said.text == truth.at(said.path)
+
+
+def test_no_number_stands_in_a_table_without_its_path(result):
+    """But for the names of things: those that begin a row, headings, U0."""
+    for row in report_of(result).rows:
+        for part in [part for cell in row[1:] for part in cell]:
+            assert isinstance(part, Said) or not re.search(r"\d", part.replace("U0", "")), part
+
+
+def test_every_coefficient_has_its_uncertainty(result):
+    """k u, two digits at most, and the value ends where it does."""
+    report, document = report_of(result), result.document
+    alone = document["scatter_alone"]
+    prefix = "/scatter_alone" if document["u_K"] is None and alone else ""
+    for place, name in enumerate(COEFFICIENTS):
+        path = f"/K/{place // 3}/{place % 3}" if place < 9 else f"/U0/{place - 9}"
+        (row,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*") == name and len(row) > 4]
+        value, u = row[1][0], row[2][0]
+        assert value.path == path
+        if document["u_K"] is None and alone is None:
+            assert text_of(row[2]) == "not stated"
+            continue
+        table, rest = path[1:].split("/", 1)
+        assert (u.path, u.times) == (f"{prefix}/u_{table}/{rest}", f"/coverage/k_{table}/{rest}")
+        assert 1 <= u.digits <= 2 and u.number[1] == value.number[1]
+    names = [name for row in report.rows for name in [text_of(row[0])] if name.rstrip("*") in COEFFICIENTS]
+    marked = {name[:-1] for name in names if name.endswith("*")}
+    assert marked == {one for listed in document["assumed_for"].values() for one in listed}
+
+
+def test_intrinsic_parameters_likewise(drawn):
+    report, document = report_of(solve()), solve().document
+    for name, path in {"Scale y": "scale/1", "Angle xz": "angle_rad/xz", "Bias z": "bias_g/2"}.items():
+        (row,) = [row for row in report.rows if row and text_of(row[0]) == name]
+        assert row[1][0].path == f"/intrinsic/{path}"
+        assert (row[2][0].path, row[2][0].times) == (f"/u_intrinsic/{path}", f"/coverage/k_intrinsic/{path}")
+        assert row[1][0].number[1] == row[2][0].number[1]
+    u, k = document["u_intrinsic"]["bias_g"][2], document["coverage"]["k_intrinsic"]["bias_g"][2]
+    assert float(report.row("Bias z")[1]) == float(f"{k * u:.1e}")
+
+
+def test_without_a_stand_it_says_so(drawn):
+    text = plain(report_of(solve(stand=False)).text)
+    assert "errors of the stand are NOT in it, for no stand is declared" in text
+    assert "Fit to the declared standnot judged: no stand is declared" in text.replace("\n", "")
+    assert "No stand is declared." in text
+
+
+VERDICTS = {
+    "with a stand": "PASS, assuming a square seat, volts and one temperature",
+    "failing": "FAIL: the gravity check",
+    "misfit": "FAIL: the fit to the declared stand",
+    "labelled": "PASS, assuming a square seat and volts",
+    "three mountings": "PASS, assuming one temperature",
+}
+
+
+@pytest.mark.parametrize("name", VERDICTS)
+def test_the_verdict(name, tmp_path, drawn):
+    result = RESULTS[name](tmp_path)
+    text, document = plain(report_of(result).text), result.document
+    assert VERDICTS[name] in text
+    assert ("gravity" in str(document["pass_reason"])) == ("FAILED: largest |\u0394g|" in text)
+    assert ("DOES NOT FIT" in text) == (document["pass_reason"] is not None and "fit" in document["pass_reason"])
+    over = [abs(one["delta_g_g"]) > document["verification"]["limit_g"] for one in document["verification"]["delta_g_g"]]
+    places = [row for row in report_of(result).rows if len(row) == 5 and text_of(row[1]) in ("fit", "check")]
+    assert [text_of(row[4]) == "NO" for row in places] == over and len(over) == len(document["means"])
+    for warning in document["warnings"]:
+        assert plain(warning) in text
+
+
+def test_what_it_must_have(result):
+    """ISO/IEC 17025, 7.8.2 and 7.8.4: said, or said to be not stated."""
+    report, document = report_of(result), result.document
+    text = plain(report.text)
+    for name in ("Condition", "Customer", "Laboratory", "Date of the run", "Serial number", "Temperature of the run",
+                 "Traceability of local gravity", "Traceability of the table angle", "Deviations from the method"):
+        (said,) = report.row(name)
+        assert said, name
+    assert text.count(number_of(document)) == 2 and text.endswith(f"End of report {number_of(document)} ")
+    assert "Decision rule: PASS where" in text and "not an accredited certificate" in text
+    assert report.row("SHA-256 of the run file") == [document["run_sha256"] or "not stated"]
+    assert report.row("Computed by") == [f"tumble {package.__version__}"]
+    assert report.row("Result computed (UTC)") == ["2023-11-14T22:13:20Z"]
+    assert report.row("Estimator") == [document["estimator"]]
+    known = [one for one in document["assumes"] if report.row(one)]
+    assert known == document["assumes"]
+
+
+def test_labels_are_said_where_they_belong(tmp_path, drawn):
+    """And are text, whatever is in them."""
+    report = report_of(labelled(tmp_path))
+    assert report.row("Serial number") == ["B-9; A-17 <b>"]
+    assert report.row("Condition") == ["as received & clean"]
+    assert report.row("Customer") == ["Müller GmbH"]
+    assert report.row("Laboratory") == ["Lab <i>1</i>"]
+    assert report.row("Traceability of local gravity") == ["certificate G-12"]
+    assert report.row("Traceability of the table angle") == ["not stated"]
+    assert report.row("Temperature of the run") == ["21.5 to 21.5 \u00b0C (as the stand file states)"]
+    assert report.row("Local gravity, g") == ["9.8106 m/s\u00b2"]
+    assert report.row("<script>alert(1)</script>") == ["<script>alert(2)</script>"]
+    assert (report.row("seal"), report.row("rig")) == (["4711"], ["B"])
+    assert not {"script", "b", "i"} & set(report.tags)
+
+
+def test_nothing_comes_from_elsewhere(result):
+    report = report_of(result)
+    assert not {"script", "link", "iframe", "object", "embed", "base"} & set(report.tags)
+    assert not [link for link in report.links if not link.startswith(("data:", "#"))]
+    assert "url(" not in report.style and "@import" not in report.style
+    assert len(set(report.ids)) == len(report.ids)
+
+
+def test_the_same_result_gives_the_same_bytes(result):
+    assert result.reported("html") == Result(result.to_json()).reported("html")
+
+
+def test_pictures_stand_in_their_order(drawn):
+    run = package.read(EXAMPLES / "paper_stand.csv")
+    result = solve()
+    report = report_of(result, run=run)
+    assert re.findall(r"<title>T(\d)</title>", report.source) == ["1", "2", "3"]
+    assert [one for one in report.ids if one != "number"] == ["gravity_check", "samples", "attitude"]
+    assert "Figure 1. Errors < of gravity." in report.text and "Figure 3. Attitudes." in report.text
+    document, given, schedule, stand = drawn[-1]
+    assert document == result.document and given is run
+    assert (len(schedule.positions), stand.remount) == (18, 4e-4)
+    assert [one for one in report_of(result).ids if one != "number"] == ["gravity_check", "attitude"]
+
+
+def test_the_run_of_another_result_is_refused(drawn):
+    with pytest.raises(BadInput, match=r"lab_stand\.csv: is not the run of result: its SHA-256 is another"):
+        solve().reported("html", EXAMPLES / "lab_stand.csv")
+
+
+def test_a_bench_run_is_said_to_be_simulated(drawn):
+    document = solve().document
+    result = Result(json.dumps({**document, "seed": 7, "bus": "inprocess", "firmware": "host"}))
+    assert "Simulated on the bench, seed 7" in plain(report_of(result).text)
+    assert "Simulated" not in report_of(solve()).text
