@@ -38,16 +38,17 @@ MAY_IMPORT = {
     BESIDE: set(),
     "core": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
+    "drawings": set(),
     "files": {"core"},
     "store": {"files"},
     "solving": {"core", "reference", "files"},
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving"},
-    "bench": {"core", "reference", "files", "solving", "fixture"},
+    "bench": {"core", "reference", "drawings", "files", "solving", "fixture"},
     "importing": {"reference", "files"},
     "api": {"core", "files", "solving", "fixture"},
-    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "importing", "bench", "api",
-            DOOR},
+    "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "importing", "bench",
+            "api", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

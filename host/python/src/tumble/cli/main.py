@@ -13,12 +13,12 @@ from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli import completion
-from tumble.cli.commands import apply, bench, export, fixture, import_recording, plan, replay, solve, store, uml
+from tumble.cli.commands import apply, bench, draw, export, fixture, import_recording, plan, replay, solve, store, uml
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, import_recording, apply, bench, replay, plan, fixture, export, store, uml)
+_COMMANDS = (solve, import_recording, apply, bench, replay, plan, fixture, draw, export, store, uml)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 
