@@ -32,9 +32,8 @@ def angles(schedule: Schedule, mounting: int) -> str:
     page.text((_LEFT[0], 18.2), "where the mark of angle 0 goes", "middle", colour=SOFT)
     page.text((_RIGHT[0], 14.0), "the block, kept still", "middle", bold=True)
     page.text((_RIGHT[0], 18.2), "where gravity points, by position", "middle", colour=SOFT)
-    _turning_table(page, found[0], positions)
-    _turning_gravity(page, found[0], positions)
-    return page.document(_list(page, found[0], positions))
+    below = max(draw(page, found[0], positions) for draw in (_turning_table, _turning_gravity))
+    return page.document(_list(page, found[0], positions, max(_TABLE_TOP, below + 13.0)))
 
 
 def _about(mounting: Mounting, positions: list[Position]) -> str:
@@ -42,16 +41,16 @@ def _about(mounting: Mounting, positions: list[Position]) -> str:
     return " ".join(["Seen from the front, along the axis; positive is counterclockwise. Positions:", *told])
 
 
-def _turning_table(page: Page, mounting: Mounting, positions: list[Position]) -> None:
-    """The circle with the block as it sits at angle 0."""
+def _turning_table(page: Page, mounting: Mounting, positions: list[Position]) -> float:
+    """The circle with the block as it sits at angle 0. Returns the y below it."""
     page.circle(_LEFT, _RADIUS, PLATE, SOFT, 0.35)
     view = View(FRONT, _LEFT, _RADIUS / 2.1)
     _block(page, view, mounting)
     for position in positions:
         ends = [dial.on(_LEFT, radius, position.angle_deg) for radius in (_RADIUS - 2.5, _RADIUS)]
         page.line(ends, INK, 0.5, position=position.number)
-    dial.labels(page, _LEFT, _RADIUS, [(one.angle_deg, str(one.number)) for one in positions])
     dial.sense(page, _LEFT, _RADIUS - 4.0, 12.0, 42.0)
+    return dial.labels(page, _LEFT, _RADIUS, [(one.angle_deg, str(one.number)) for one in positions])
 
 
 def _block(page: Page, view: View, mounting: Mounting) -> None:
@@ -61,8 +60,9 @@ def _block(page: Page, view: View, mounting: Mounting) -> None:
     draw_axes(page, view, axes, "xyz", reach=1.1, mounting=mounting.number)
 
 
-def _turning_gravity(page: Page, mounting: Mounting, positions: list[Position]) -> None:
-    """Arrows of gravity in the plane of the picture; what a tilted axis takes out of it makes them shorter."""
+def _turning_gravity(page: Page, mounting: Mounting, positions: list[Position]) -> float:
+    """Arrows of gravity in the plane of the picture; what a tilted axis takes out of it makes them shorter. Returns the
+    y below them."""
     view = View(FRONT, _RIGHT, _RADIUS / 2.1)
     for position in positions:
         along = gravity(mounting, position.angle_deg) @ np.array(mounting.matrix)  # in h, n, v: right, away, up
@@ -73,12 +73,11 @@ def _turning_gravity(page: Page, mounting: Mounting, positions: list[Position]) 
     draw_block(page, view, axes)
     draw_axes(page, view, axes, "xyz", reach=0.95)
     marks = [(180.0 - one.angle_deg, str(one.number)) for one in positions]
-    dial.labels(page, _RIGHT, _RADIUS, marks)
+    return dial.labels(page, _RIGHT, _RADIUS, marks)
 
 
-def _list(page: Page, mounting: Mounting, positions: list[Position]) -> float:
-    """The table of positions. Returns the height of the page."""
-    y = _TABLE_TOP
+def _list(page: Page, mounting: Mounting, positions: list[Position], y: float) -> float:
+    """The table of positions, from y on. Returns the height of the page."""
     heads = zip(_COLUMNS, ("position", "angle", "use", "x", "y", "z", "up"))
     page.text(((_COLUMNS[3] + _COLUMNS[5]) / 2 - 6.0, y - LINE), "gravity on the axes, g", "middle", bold=True)
     for x, name in heads:

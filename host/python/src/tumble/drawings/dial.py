@@ -7,10 +7,10 @@ from collections.abc import Iterable
 
 from tumble.drawings.svg import INK, RED, SIZE, SOFT, Page, text_width
 
-_TOGETHER_DEG = 3.0  # marks that are nearer to each other share a label
+TOGETHER_DEG = 3.0  # marks that are nearer to each other share a label
 _GAP = 1.2  # mm, round a label
 _STEP = 0.8  # by which a label that has no room is moved outwards, mm
-_FARTHEST = 15.0
+_FARTHEST = 15.0  # beyond its place, mm
 _NEAR = 4.0  # a label farther out than this gets a line to its mark, mm
 
 Box = tuple[float, float, float, float]  # left, top, right, bottom
@@ -28,21 +28,32 @@ def on(centre: tuple[float, float], radius: float, angle_deg: float) -> tuple[fl
     return centre[0] + radius * x, centre[1] + radius * y
 
 
-def labels(page: Page, centre: tuple[float, float], radius: float, marks: Iterable[tuple[float, str]]) -> None:
-    """The names of angles (degrees, name) round a circle, where they do not run into each other."""
+def labels(
+    page: Page,
+    centre: tuple[float, float],
+    radius: float,
+    marks: Iterable[tuple[float, str]],
+    farthest: float = _FARTHEST,
+    is_left_out: bool = False,
+) -> float:
+    """The names of angles (degrees, name) round a circle, where they do not run into each other: as far out as they
+    need, up to `farthest`. `is_left_out`: what has no room then. Returns the y below all of them."""
     taken: list[Box] = []
     for angle_deg, text in _gathered(marks):
         x, y = towards(angle_deg)
         width, height = text_width(text), SIZE
         out = radius + _GAP + 0.5 * (abs(x) * width + abs(y) * height)
-        end = out + _FARTHEST
-        while any(_overlap(_box(on(centre, out, angle_deg), width, height), box) for box in taken) and out < end:
+        end = out + farthest
+        while (crowded := _meets(_box(on(centre, out, angle_deg), width, height), taken)) and out < end:
             out += _STEP
+        if crowded and is_left_out:
+            continue
         place = on(centre, out, angle_deg)
         taken.append(_box(place, width, height))
         if out - radius - 0.5 * width * abs(x) > _NEAR:
             page.line([on(centre, radius, angle_deg), on(centre, out - 2.2, angle_deg)], SOFT, 0.2)
         page.text((place[0], place[1] + 0.36 * SIZE), text, "middle", angle=f"{angle_deg:g}")
+    return max((box[3] for box in taken), default=0.0)
 
 
 def _gathered(marks: Iterable[tuple[float, str]]) -> list[tuple[float, str]]:
@@ -50,11 +61,11 @@ def _gathered(marks: Iterable[tuple[float, str]]) -> list[tuple[float, str]]:
     found: list[tuple[float, list[str]]] = []
     turns = [(round(angle % 360.0, 6) % 360.0, text) for angle, text in marks]
     for angle_deg, text in sorted(turns, key=lambda mark: mark[0]):
-        if found and angle_deg - found[-1][0] < _TOGETHER_DEG:
+        if found and angle_deg - found[-1][0] < TOGETHER_DEG:
             found[-1][1].append(text)
         else:
             found.append((angle_deg, [text]))
-    if len(found) > 1 and found[0][0] + 360.0 - found[-1][0] < _TOGETHER_DEG:
+    if len(found) > 1 and found[0][0] + 360.0 - found[-1][0] < TOGETHER_DEG:
         found[0][1].extend(found.pop()[1])
     return [(angle_deg, ", ".join(dict.fromkeys(texts))) for angle_deg, texts in found]
 
@@ -64,8 +75,8 @@ def _box(centre: tuple[float, float], width: float, height: float) -> Box:
     return x - width / 2 - _GAP / 2, y - height / 2 - 0.3, x + width / 2 + _GAP / 2, y + height / 2 + 0.3
 
 
-def _overlap(one: Box, other: Box) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+def _meets(one: Box, others: list[Box]) -> bool:
+    return any(one[0] < o[2] and o[0] < one[2] and one[1] < o[3] and o[1] < one[3] for o in others)
 
 
 def sense(page: Page, centre: tuple[float, float], radius: float, begin_deg: float, end_deg: float) -> None:

@@ -11,6 +11,7 @@ from tumble.drawings.poses import table
 from tumble.drawings.svg import BLUE, LARGE, LINE, SIZE, SOFT, WIDTH, Page, wrapped
 from tumble.drawings.views import (
     OBLIQUE,
+    REACH,
     View,
     draw_axes,
     draw_axis_in_front,
@@ -22,9 +23,9 @@ from tumble.schedule import Mounting, Schedule
 
 _MOST_COLUMNS = 3
 _MARGIN, _HEADER = 4.0, 20.0
-_SCALE = 13.5  # mm of a unit
-_PICTURE = 54.0  # height of a cell's picture, mm
-_CENTRE = (-1.0, 33.0)  # of the block in a cell: from its middle, from its top
+_SCALE = 12.5  # mm of a unit
+_PICTURE = 51.0  # height of a cell's picture, mm, at least
+_CENTRE = (0.0, 32.0)  # of the block in a cell: from its middle, from its top
 
 
 def mountings(schedule: Schedule) -> str:
@@ -36,11 +37,14 @@ def mountings(schedule: Schedule) -> str:
     y = _HEADER
     for first in range(0, len(schedule.mountings), columns):
         row = schedule.mountings[first : first + columns]
-        height = max(_PICTURE - 1.0 + LINE * len(_caption(mounting, width)) for mounting in row)
+        picture = max(_picture_height(mounting) for mounting in row)
+        height = picture - 1.0 + LINE * max(len(_caption(mounting, width)) for mounting in row)
         for column, mounting in enumerate(row):
             left = _MARGIN + column * width
             page.box((left + 0.5, y), width - 1.0, height, "#ffffff", SOFT)
             _cell(page, mounting, left, y, width)
+            for index, line in enumerate(_caption(mounting, width)):
+                page.text((left + width / 2, y + picture + index * LINE), line, "middle", SIZE)
         y += height + _MARGIN
     return page.document(y)
 
@@ -82,8 +86,14 @@ def _caption(mounting: Mounting, width: float) -> list[str]:
     return [line for one in said for line in wrapped(one, width - 10.0)]
 
 
+def _picture_height(mounting: Mounting) -> float:
+    """So that the labels of axes that come down towards one do not run into the words below, mm."""
+    tips = np.array(mounting.matrix) @ np.array(OBLIQUE)[1]
+    return max(_PICTURE, _CENTRE[1] + _SCALE * REACH * float(tips.max()) + 8.5)
+
+
 def _cell(page: Page, mounting: Mounting, left: float, top: float, width: float) -> None:
-    """One mounting: the picture, and below it the words."""
+    """The picture of one mounting."""
     middle = left + width / 2
     view = View(OBLIQUE, (middle + _CENTRE[0], top + _CENTRE[1]), _SCALE)
     axes = np.array(mounting.matrix) @ table(0.0)
@@ -93,5 +103,3 @@ def _cell(page: Page, mounting: Mounting, left: float, top: float, width: float)
         draw_block(page, view, axes)
         draw_axis_in_front(page, view)
         draw_axes(page, view, axes, "xyz")
-    for index, line in enumerate(_caption(mounting, width)):
-        page.text((middle, top + _PICTURE + index * LINE), line, "middle", SIZE)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tumble.drawings import dial
-from tumble.drawings.svg import BLUE, INK, LARGE, PLATE, PLATE_SIDE, RED, SOFT, WIDTH, Page
+from tumble.drawings.svg import BLUE, INK, LARGE, PLATE, PLATE_SIDE, SOFT, WIDTH, Page
 from tumble.drawings.views import (
     DISC,
     FRONT,
@@ -40,8 +40,8 @@ def stand(schedule: Schedule) -> str:
     page.text((_OBLIQUE.origin[0] + 6.0, 14.0), "at table angle 0", "middle", bold=True)
     page.text((_FRONT.origin[0], 14.0), "seen from the front, along +n", "middle", bold=True)
     _body(page)
-    _from_the_front(page, schedule)
-    return page.document(_notes(page, schedule))
+    lowest = _from_the_front(page, schedule)
+    return page.document(_notes(page, schedule, max(_NOTES, lowest + 6.0)))
 
 
 def _angles(schedule: Schedule) -> list[float]:
@@ -91,7 +91,8 @@ def _names(page: Page, view: View) -> None:
     page.text(view.at([0.0, DISC + THICK, RADIUS + 0.08]), "0°", "middle")
 
 
-def _from_the_front(page: Page, schedule: Schedule) -> None:
+def _from_the_front(page: Page, schedule: Schedule) -> float:
+    """The circle of the schedule's angles. Returns the y below it."""
     centre, room = _FRONT.origin, np.eye(3)
     page.circle(centre, _RADIUS, PLATE, SOFT, 0.35)
     draw_platform(page, _FRONT, HALF)
@@ -99,14 +100,22 @@ def _from_the_front(page: Page, schedule: Schedule) -> None:
     draw_axes(page, _FRONT, room, "hnv", BLUE, reach=1.3)
     for angle in _angles(schedule):
         page.line([dial.on(centre, radius, angle) for radius in (_RADIUS - 2.5, _RADIUS)], INK, 0.5, mark=f"{angle:g}")
-    dial.labels(page, centre, _RADIUS, [(angle, f"{angle:g}°") for angle in _angles(schedule)])
     dial.sense(page, centre, _RADIUS - 4.0, 12.0, 42.0)
-    page.arrow([(163.0, 42.0), (163.0, 56.0)], RED, 0.8, gravity="down")
-    page.text((163.0, 59.4), "gravity", "middle", colour=RED)
+    dial.gravity_arrow(page, (161.5, 67.0), 14.0)
+    return dial.labels(page, centre, _RADIUS, [(one, f"{one:g}°") for one in _apart(_angles(schedule))], 4.0, True)
 
 
-def _notes(page: Page, schedule: Schedule) -> float:
-    y = _NOTES
+def _apart(angles: list[float]) -> list[float]:
+    """Those that have room for a label of their own; all have their marks."""
+    kept = angles[:1]
+    for angle in angles:
+        if angle - kept[-1] >= dial.TOGETHER_DEG:
+            kept.append(angle)
+    return kept
+
+
+def _notes(page: Page, schedule: Schedule, y: float) -> float:
+    """Below the pictures, from y on. Returns the height of the page."""
     for text in (
         "h, n, v turn with the table: h across the axis, n along it towards the table, v up at angle 0.",
         "Positive angle: h rises and v tips to the left, counterclockwise as seen from the front.",

@@ -80,6 +80,7 @@ def draw_axes(
 ) -> None:
     """Arrows of three axes out of the block around the origin, each with its name: over the block where they come out
     of a face that is seen, dashed where it hides them."""
+    labels: list[Floats] = []
     for number, name in enumerate(names):
         tip, towards = view.at(reach * axes[number]), float(axes[number] @ view.eye)
         along = tip - np.array(view.origin)
@@ -94,7 +95,11 @@ def draw_axes(
                     page.line(view.path([np.zeros(3), out * axes[number]]), colour, 0.35, "0.9 0.7")
                 page.arrow([view.at(out * axes[number]), tip], colour, 0.6, tip=name)
                 beyond = _BEYOND
-            label = tip + beyond * along / np.hypot(*along)
+            along = along / np.hypot(*along)
+            while any(np.hypot(*(tip + beyond * along - label)) < LARGE for label in labels):
+                beyond += 0.5
+            label = tip + beyond * along
+            labels.append(label)
             page.circle(label, 0.55 * LARGE, "#ffffff", "none")  # so that no line runs through it
             page.text(label + np.array([0.0, 0.36 * LARGE]), name, "middle", LARGE, colour, bold=True)
 

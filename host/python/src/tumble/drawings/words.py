@@ -13,7 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.drawings.poses import AWAY, RIGHT, UP, pose
-from tumble.schedule import Mounting
+from tumble.schedule import Mounting, Schedule
 
 NEAR_DEG = 1.0
 WIDTH = 80
@@ -39,8 +39,8 @@ def direction(axis: Floats) -> str:
     if math.hypot(second, third) <= math.sin(math.radians(NEAR_DEG)):
         return name[0]
     turned, lifted = math.degrees(math.atan2(second, first)), math.degrees(math.asin(min(1.0, third)))
-    said = [f"{turned:.1f}".removesuffix(".0") + f" deg from {name[1]} towards {towards[1]}"] if turned >= 0.05 else []
-    said += [f"{lifted:.1f}".removesuffix(".0") + f" deg towards {aside[1]}"] if lifted >= 0.05 else []
+    said = [f"{_degrees(turned)} from {name[1]} towards {towards[1]}"]
+    said += [f"{_degrees(lifted)} towards {aside[1]}"] if lifted >= 0.05 else []
     return ", ".join(said)
 
 
@@ -50,21 +50,34 @@ def axes(mounting: Mounting, angle_deg: float) -> list[str]:
 
 
 def face_up(mounting: Mounting, angle_deg: float) -> str:
-    """Which face of the block is up: "face +z", or two or three that are equally so, or how far it is off."""
+    """What of the block is up: "face +z", the edge of two faces, the corner of three; and how far it is off."""
     feels = pose(mounting, angle_deg)[:, UP]
-    off_deg = math.degrees(math.acos(min(1.0, float(np.abs(feels).max()))))
-    if off_deg <= NEAR_DEG:
-        feels = np.where(np.abs(feels) < 0.5, 0.0, feels)
-    shared = np.abs(np.abs(feels) - np.abs(feels).max()) <= math.sin(math.radians(NEAR_DEG))
+    largest = float(np.abs(feels).max())
+    shared = np.abs(feels) >= largest - math.sin(math.radians(NEAR_DEG))
     names = [f"{'+' if one >= 0.0 else '-'}{axis}" for axis, one, is_shared in zip("xyz", feels, shared) if is_shared]
-    if len(names) > 1:
-        return f"the {'edge' if len(names) == 2 else 'corner'} of faces {', '.join(names[:-1])} and {names[-1]}"
-    return f"face {names[0]}" + (f", {off_deg:.1f} deg off".replace(".0 ", " ") if off_deg > NEAR_DEG else "")
+    upright = float(np.abs(feels[shared]).sum()) / math.sqrt(len(names))
+    off_deg = math.degrees(math.acos(min(1.0, upright)))
+    off = f", {_degrees(off_deg)} off" if off_deg > NEAR_DEG else ""
+    if len(names) == 1:
+        return f"face {names[0]}{off}"
+    return f"the {'edge' if len(names) == 2 else 'corner'} of faces {', '.join(names[:-1])} and {names[-1]}{off}"
+
+
+def _degrees(angle: float) -> str:
+    return f"{angle:.1f}".removesuffix(".0") + " deg"
 
 
 def line(mounting: Mounting, angle_deg: float) -> str:
     """All of it in one line, such as "x up, y towards you, z to the right; up: face +x"."""
     return f"{', '.join(axes(mounting, angle_deg))}; up: {face_up(mounting, angle_deg)}"
+
+
+def positions(schedule: Schedule, mounting: Mounting) -> list[str]:
+    """A line for each position of a mounting: its number, its table angle, and which face is up there."""
+    own = [one for one in schedule.positions if one.mounting == mounting.number]
+    rows = [(str(one.number), f"{one.angle_deg:g} deg", face_up(mounting, one.angle_deg)) for one in own]
+    wide = [max(map(len, column)) for column in zip(*rows)]
+    return [f"  position {number:>{wide[0]}}, {angle:>{wide[1]}}, up: {face}" for number, angle, face in rows]
 
 
 # On a grid of signs: columns and rows of a step in each of eight directions, from the right over up.
@@ -93,7 +106,7 @@ def sketch(mounting: Mounting, angle_deg: float) -> list[str]:
     for eighth, (length, names) in arrows.items():
         _draw_arrow(grid, eighth, length, names)
     grid[_ROWS // 2][_COLUMNS // 2] = "o"
-    said = [f"{name} in the middle, o: {where}" for name, where in ends.items()]
+    said = [f"o: {name} points {where}" for name, where in ends.items()]
     return _beside(grid, [*_told(mounting, angle_deg), *said])
 
 
