@@ -15,7 +15,7 @@ _MARGIN = 4.0
 _RADIUS = 23.0
 _LEFT, _RIGHT = (46.0, 51.0), (124.0, 51.0)  # centres of the two circles
 _TABLE_TOP = 92.0
-_COLUMNS = (20.0, 38.0, 43.0, 74.0, 90.0, 106.0, 114.0)  # number, angle, use, x, y, z, up
+_COLUMNS = (20.0, 36.0, 40.0, 70.0, 83.0, 96.0, 101.0)  # number, angle, use, x, y, z, up
 
 
 def angles(schedule: Schedule, mounting: int) -> str:
@@ -79,7 +79,7 @@ def _turning_gravity(page: Page, mounting: Mounting, positions: list[Position]) 
 def _list(page: Page, mounting: Mounting, positions: list[Position], y: float) -> float:
     """The table of positions, from y on. Returns the height of the page."""
     heads = zip(_COLUMNS, ("position", "angle", "use", "x", "y", "z", "up"))
-    page.text(((_COLUMNS[3] + _COLUMNS[5]) / 2 - 6.0, y - LINE), "gravity on the axes, g", "middle", bold=True)
+    page.text(((_COLUMNS[3] + _COLUMNS[5]) / 2 - 5.0, y - LINE), "gravity on the axes, g", "middle", bold=True)
     for x, name in heads:
         page.text((x, y), name, "start" if name in ("use", "up") else "end", bold=True)
     page.line([(_MARGIN, y + 1.4), (WIDTH - _MARGIN, y + 1.4)], SOFT, 0.25)
