@@ -38,19 +38,20 @@ MAY_IMPORT = {
     BESIDE: set(),
     "core": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
+    "drawings": set(),
     "files": {"core"},
     "store": {"files"},
     "solving": {"core", "reference", "files"},
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving"},
     "pictures": {"core", "reference", "files", "solving", "fixture"},
-    "bench": {"core", "reference", "files", "solving", "fixture"},
+    "bench": {"core", "reference", "drawings", "files", "solving", "fixture"},
     "importing": {"reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"files", "solving", "pictures"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},
-    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "comparison", "pictures",
-            "importing", "bench", "report", "api", DOOR},
+    "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
+            "pictures", "importing", "bench", "report", "api", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

@@ -23,8 +23,10 @@ PRODUCTS = (
     "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
+    "host/python/src/tumble/drawings/tables.py",
 )  # fmt: skip
-HEADERS = [path.relative_to(ROOT).as_posix() for path in (ROOT / "firmware").rglob("*.h")]
+READ = [path.relative_to(ROOT).as_posix()
+        for path in (*(ROOT / "firmware").rglob("*.h"), *(ROOT / "firmware/procedure").glob("*.c"))]
 
 
 def process(*arguments):
@@ -69,7 +71,7 @@ def tables(tmp_path):
 @pytest.fixture
 def tree(tmp_path):
     """A source tree with the products and what the generator reads."""
-    for name in {"VERSION", *PRODUCTS, *HEADERS}:
+    for name in {"VERSION", *PRODUCTS, *READ}:
         (tmp_path / "tree" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / "tree" / name)
     return tmp_path / "tree"
@@ -167,9 +169,48 @@ def test_a_missing_product_is_noticed_and_written(tree):
 
 
 def test_a_renumbered_list_makes_the_page_stale(tree):
-    change(tree / "firmware/procedure/states.h", "X(TUMBLE_STATE_IDLE", "X(TUMBLE_STATE_ASLEEP")
+    change(tree / "firmware/procedure/states.h", "X(TUMBLE_REASON_NONE", "X(TUMBLE_REASON_NO")
     done = generate("--check", "--root", tree)
     assert done.returncode == 1 and "docs/canopen.md" in done.stderr
+
+
+DRAWN = "host/python/src/tumble/drawings/tables.py"
+
+
+@pytest.mark.parametrize("file, old, new, row", [
+    ("procedure_table.c", ".done = TO(MOVE)", ".done = TO(SETTLE)", '("HOME", "SETTLE", "done", "")'),
+    ("procedure_table.c", "nothing is left to measure", "all is there", '("NEXT", "SOLVE", "other", "all is there")'),
+    ("procedure_table.c", "COMMAND_CONFIRM,", "COMMAND_CONFIRM | COMMAND_START,",
+     '("WAIT_MOUNTING", "PREFLIGHT", "START", "")'),
+    ("procedure.c", "? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_NEXT", "? TUMBLE_STATE_PREFLIGHT : TUMBLE_STATE_HOME",
+     '("WAIT_MOUNTING", "HOME", "CONFIRM", "")'),
+    ("procedure_solve.c", "    procedure->solved = true;", "    (void)fail_to_solve(procedure, TUMBLE_OK);",
+     '("PROPOSE", "FAULT", "fault", "")'),
+    ("states.h", '"homing the table"', '"looking for zero"', '"HOME": "looking for zero"'),
+])  # fmt: skip
+def test_a_changed_way_of_a_run_is_noticed_and_drawn(tree, file, old, new, row):
+    change(tree / "firmware/procedure" / file, old, new)
+    assert f"generate: {DRAWN} is not what the tables say" in generate("--check", "--root", tree).stderr
+    assert generate("--root", tree).returncode == 0
+    assert f"    {row},\n" in (tree / DRAWN).read_text() and row not in (ROOT / DRAWN).read_text()
+
+
+@pytest.mark.parametrize("file, old, new, message", [
+    ("states.h", "X(TUMBLE_STATE_IDLE", "X(TUMBLE_STATE_ASLEEP",
+     "firmware/procedure/procedure_table.c: its rows are not the states of firmware/procedure/states.h"),
+    ("procedure_table.c", ".other = TO(SETTLE), /* another attempt */", ".other = TO(SETTLE),",
+     "firmware/procedure/procedure_table.c: SETTLE: no comment says when .other is taken"),
+    ("procedure_table.c", "TO(HOME)", "TO(SAFETY)",
+     "firmware/procedure/procedure_table.c: WAIT_MOUNTING leads to SAFETY, which is no state"),
+    ("procedure.c", "go_to(procedure, TUMBLE_STATE_ABORT);", "go_to(procedure, state);",
+     "firmware/procedure/procedure.c: tumble_procedure_give_up goes where this program cannot read"),
+    ("procedure.c", "allows(procedure, COMMAND_CONFIRM)", "true",
+     "firmware/procedure/procedure.c: COMMAND_CONFIRM leads nowhere"),
+])  # fmt: skip
+def test_a_run_that_cannot_be_read_is_one_line_and_exit_2(tree, file, old, new, message):
+    change(tree / "firmware/procedure" / file, old, new)
+    done = generate("--check", "--root", tree)
+    assert (done.returncode, done.stderr) == (2, f"generate: {message}\n")
 
 
 def test_a_constant_changed_in_its_header_alone_is_noticed(tree):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from tumble.drawings import words
 from tumble.messages import tell
 from tumble.schedule import Mounting, Schedule
 
@@ -16,6 +17,8 @@ _HELP = "Enter or done: it is done; leave: do nothing; abort: stop here"
 _HELP_FAULT = (
     "Enter or done: mended, go on; leave: do nothing; abort: stop here; repeat position INDEX; repeat mounting NUMBER"
 )
+_SEATED = "At table angle 0 deg, seen from the front (the block before the table):"
+_TURNED = "At table angle {:g} deg, seen from the front (positive: counterclockwise):"
 _WIDTH = 80
 
 
@@ -78,20 +81,24 @@ class Progress:
 
     def ask(self, event: dict[str, Any]) -> str:
         """Put a question, return the answer as the program takes it."""
+        by_number = {mounting.number: mounting for mounting in self._schedule.mountings}
         if event["kind"] == "mounting":
-            mounting = next(m for m in self._schedule.mountings if m.number == event["mounting"])
-            self._put(f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}.", _HELP)
+            mounting = by_number[event["mounting"]]
+            where = f"Mount the block as mounting {mounting.number} says: {mounting_text(mounting)}."
+            turned = ["The table then turns to:", *words.positions(self._schedule, mounting)]
+            self._put(where, [_SEATED, *words.sketch(mounting, 0.0), *turned], _HELP)
         elif event["kind"] == "angle":
-            self._put(f"Turn the table to {event['angle_deg']:g} degrees.", _HELP)
+            angle_deg, number = event["angle_deg"], event["mounting"]
+            shown = [_TURNED.format(angle_deg), *words.sketch(by_number[number], angle_deg)] if number else []
+            self._put(f"Turn the table to {angle_deg:g} degrees.", shown, _HELP)
         else:
-            self._put(f"Fault: {event['sentence']}.", _HELP_FAULT)
+            self._put(f"Fault: {event['sentence']}.", [], _HELP_FAULT)
         return self.read_answer()
 
-    def _put(self, question: str, answers: str) -> None:
-        """A question and its answers, in lines that fit a terminal."""
-        for text in (question, f"[{answers}]"):
-            for line in textwrap.wrap(text, _WIDTH, subsequent_indent="  "):
-                self.say(line)
+    def _put(self, question: str, shown: list[str], answers: str) -> None:
+        """A question, what is drawn of it, and its answers, in lines that fit a terminal."""
+        for line in (*_folded(question), *shown, *_folded(f"[{answers}]")):
+            self.say(line)
 
     def read_answer(self) -> str:
         """A line of standard input; its end is an abort."""
@@ -100,6 +107,10 @@ class Progress:
         except (OSError, ValueError):  # a folder, a terminal that is gone, what is not text
             line = ""
         return "abort" if not line else line.strip() or "done"
+
+
+def _folded(text: str) -> list[str]:
+    return textwrap.wrap(text, _WIDTH, subsequent_indent="  ")
 
 
 def volts(event: dict[str, Any]) -> str:

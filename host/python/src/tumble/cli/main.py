@@ -17,6 +17,7 @@ from tumble.cli.commands import (
     apply,
     bench,
     compare,
+    draw,
     export,
     fixture,
     import_recording,
@@ -31,7 +32,7 @@ from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrup
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, export, report, store, uml)
+_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, draw, export, report, store, uml)
 _NEGATIVE = re.compile(r"-\.?\d")
 
 

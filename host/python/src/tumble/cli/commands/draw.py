@@ -1,0 +1,74 @@
+"""`tumble draw`: pictures of what one does with one's hands, and of the run and the bus, as SVG."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from tumble.cli import options
+from tumble.errors import EXIT_PASS
+from tumble.schedule import file_of
+
+if TYPE_CHECKING:
+    from tumble.schedule import Schedule
+
+_LARGEST_NUMBER = 255
+_SUBJECTS = {
+    "stand": "the stand: axis, table, gravity, where its angle begins and how it counts",
+    "mountings": "how the block sits on the table in each mounting",
+    "angles": "the table angles of a mounting's positions, and gravity on the block's axes",
+    "states": "the states of a run, and what leads from one to another",
+    "wiring": "the bus: nodes, identifiers, terminators",
+}
+_OF_A_SCHEDULE = ("stand", "mountings", "angles")
+
+
+def add_to(subparsers: options.Subparsers) -> None:
+    """Describe the command and its subjects to argparse."""
+    subjects = options.add_subjects(
+        subparsers,
+        "draw",
+        "draw the stand, mountings, angles, the run or the bus, as SVG",
+        "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 130 interrupted.",
+    )
+    for name, about in _SUBJECTS.items():
+        parser = subjects.add_parser(name, help=about, description=f"Draw {about}.")
+        if name in _OF_A_SCHEDULE:
+            options.add_schedule(parser)
+        if name == "angles":
+            parser.add_argument("--mounting", metavar="N", help="its number; default: the schedule's first")
+        parser.add_argument("--out", metavar="FILE.svg", help="default: standard output")
+        parser.set_defaults(run_command=run, subject=name)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw and write. Returns the exit code; raises TumbleError."""
+    from tumble.files.disk import refuse_overwriting, write_text
+
+    text = _drawn(arguments)
+    if arguments.out is None:
+        sys.stdout.write(text)
+    else:
+        refuse_overwriting(arguments.out, file_of(getattr(arguments, "schedule", None)))
+        write_text(arguments.out, text)
+    return EXIT_PASS
+
+
+def _drawn(arguments: argparse.Namespace) -> str:
+    from tumble import drawings
+
+    if arguments.subject not in _OF_A_SCHEDULE:
+        return drawings.states() if arguments.subject == "states" else drawings.wiring()
+    wanted = getattr(arguments, "mounting", None)
+    number = None if wanted is None else options.parse_whole(wanted, "--mounting", 1, _LARGEST_NUMBER)
+    schedule = _schedule(arguments.schedule)
+    if arguments.subject == "angles":
+        return drawings.angles(schedule, schedule.mountings[0].number if number is None else number)
+    return drawings.stand(schedule) if arguments.subject == "stand" else drawings.mountings(schedule)
+
+
+def _schedule(name: str | None) -> Schedule:
+    from tumble.files.schedule_file import read_schedule
+
+    return read_schedule(name or "paper").data

@@ -1,0 +1,218 @@
+"""The words and signs by which a person at a terminal seats the block, against poses worked out by hand and by brute
+force."""
+
+import io
+import math
+import re
+import sys
+
+import numpy as np
+import pytest
+from drawn_schedules import SCHEDULES, rotations, turned_somehow
+
+from tumble.bench.progress import Progress
+from tumble.drawings import words
+from tumble.reference import Geometry
+from tumble.schedule import Mounting, Position, Schedule
+
+pytestmark = pytest.mark.python
+
+# Where the table's axes point after each quarter turn, by hand: h rises, v tips to the left, n stays.
+QUARTERS = [
+    {"h": "to the right", "n": "away from you", "v": "up"},
+    {"h": "up", "n": "away from you", "v": "to the left"},
+    {"h": "to the left", "n": "away from you", "v": "down"},
+    {"h": "down", "n": "away from you", "v": "to the right"},
+]
+OPPOSITE = {"up": "down", "to the right": "to the left", "away from you": "towards you"}
+OPPOSITE |= {other: one for one, other in OPPOSITE.items()}
+VECTORS = {"up": (0, 0, 1), "down": (0, 0, -1), "to the right": (1, 0, 0), "to the left": (-1, 0, 0),
+           "away from you": (0, 1, 0), "towards you": (0, -1, 0)}  # fmt: skip
+SIDES = {"up": "up", "down": "down", "the right": "to the right", "the left": "to the left",
+         "the back": "away from you", "the front": "towards you"}  # fmt: skip
+LEVEL = Mounting(1, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+
+
+def by_hand(matrix, quarter):
+    """Where x, y, z of a right-angled mounting point."""
+    pointing = []
+    for row in matrix:
+        axis = int(np.flatnonzero(row)[0])
+        word = QUARTERS[quarter]["hnv"[axis]]
+        pointing.append(word if row[axis] > 0.0 else OPPOSITE[word])
+    return pointing
+
+
+def face_of(pointing):
+    """Which face has come up."""
+    return f"face {'+' if 'up' in pointing else '-'}{'xyz'[pointing.index('up' if 'up' in pointing else 'down')]}"
+
+
+@pytest.mark.parametrize("quarter", range(-5, 9))
+@pytest.mark.parametrize("matrix", [*rotations()])
+def test_right_angled_poses_have_exact_words(matrix, quarter):
+    pointing = by_hand(matrix, quarter % 4)
+    mounting = Mounting(1, matrix)
+    assert words.axes(mounting, 90.0 * quarter) == [f"{axis} {word}" for axis, word in zip("xyz", pointing)]
+    if "up" in pointing or "down" in pointing:
+        up = face_of(pointing)
+        assert words.face_up(mounting, 90.0 * quarter) == up
+        told = ", ".join(f"{axis} {word}" for axis, word in zip("xyz", pointing))
+        assert words.line(mounting, 90.0 * quarter) == f"{told}; up: {up}"
+
+
+def test_there_are_24_and_all_are_told_apart():
+    assert len({words.line(Mounting(1, matrix), 0.0) for matrix in rotations()}) == 24
+
+
+def told_vector(text):
+    """The direction that words mean, in (right, away, up)."""
+    if text in VECTORS:
+        return np.array(VECTORS[text], float)
+    said = re.fullmatch(r"([\d.]+) deg from (up|down|the \w+) towards (up|down|the \w+)(?:, ([\d.]+) deg towards "
+                        r"(up|down|the \w+))?", text)  # fmt: skip
+    turned, lifted = math.radians(float(said[1])), math.radians(float(said[4] or 0.0))
+    first, second = (np.array(VECTORS[SIDES[said[place]]], float) for place in (2, 3))
+    third = np.array(VECTORS[SIDES[said[5]]], float) if said[5] else np.zeros(3)
+    return math.cos(lifted) * (math.cos(turned) * first + math.sin(turned) * second) + math.sin(lifted) * third
+
+
+def room_axes(mounting, angle_deg):
+    """Rows x, y, z in (right, away, up), by turning the table step by step about its axis, and the axis about h."""
+    turn, tilt = math.radians(angle_deg), math.radians(mounting.tilt_deg)
+    about_axis = np.array([[math.cos(turn), 0, math.sin(turn)], [0, 1, 0], [-math.sin(turn), 0, math.cos(turn)]])
+    about_right = np.array([[1, 0, 0], [0, math.cos(tilt), math.sin(tilt)], [0, -math.sin(tilt), math.cos(tilt)]])
+    return np.array(mounting.matrix) @ about_axis @ about_right
+
+
+def apart_deg(one, other):
+    return math.degrees(2.0 * math.asin(min(1.0, np.linalg.norm(one - other) / 2.0)))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_words_of_any_pose_lead_back_to_it(seed):
+    random = np.random.default_rng(seed)
+    mounting = Mounting(1, turned_somehow(seed), random.uniform(-80.0, 80.0))
+    angle_deg = random.uniform(-3600.0, 3600.0)
+    for axis, told in zip(room_axes(mounting, angle_deg), words.axes(mounting, angle_deg)):
+        assert apart_deg(axis, told_vector(told[2:])) < (1.0 if told[2:] in VECTORS else 0.1), told
+
+
+@pytest.mark.parametrize(("angle_deg", "told"), [
+    (0.9, "z up"), (-0.9, "z up"), (1.1, "z 1.1 deg from up towards the left"), (359.1, "z up"),
+    (-1.1, "z 1.1 deg from up towards the right"), (45.0, "z 45 deg from up towards the left"),
+    (22.5, "z 22.5 deg from up towards the left"), (67.5, "z 22.5 deg from the left towards up"),
+    (225.0, "z 45 deg from down towards the right"), (90.99, "z to the left"),
+])  # fmt: skip
+def test_a_degree_makes_the_difference(angle_deg, told):
+    assert words.axes(LEVEL, angle_deg)[2] == told
+
+
+@pytest.mark.parametrize(("angle_deg", "up"), [
+    (0.0, "face +z"), (0.9, "face +z"), (10.0, "face +z, 10 deg off"), (45.0, "the edge of faces +x and +z"),
+    (135.0, "the edge of faces +x and -z"), (270.0, "face -x"), (315.0, "the edge of faces -x and +z"),
+])  # fmt: skip
+def test_what_is_up(angle_deg, up):
+    assert words.face_up(LEVEL, angle_deg) == up
+
+
+def test_a_corner_may_be_up():
+    third, half, sixth = (math.sqrt(1.0 / n) for n in (3.0, 2.0, 6.0))
+    standing = Mounting(1, ((half, sixth, third), (-half, sixth, third), (0.0, -2.0 * sixth, third)))
+    assert words.face_up(standing, 0.0) == "the corner of faces +x, +y and +z"
+
+
+@pytest.mark.parametrize("name", SCHEDULES)
+def test_what_is_up_feels_most_by_the_reference(name):
+    schedule = SCHEDULES[name]
+    for position, force in zip(schedule.positions, Geometry(schedule).force()):
+        mounting = next(one for one in schedule.mountings if one.number == position.mounting)
+        told = words.face_up(mounting, position.angle_deg)
+        faces = re.findall(r"([+-])([xyz])", told)
+        normal = np.zeros(3)
+        for sign, axis in faces:
+            normal["xyz".index(axis)] = 1.0 if sign == "+" else -1.0
+        off = re.search(r"([\d.]+) deg off", told)
+        away = apart_deg(normal / math.sqrt(len(faces)), force)
+        assert abs(away - float(off[1])) < 0.06 if off else away <= 1.0
+        assert np.abs(force).argmax() in ["xyz".index(axis) for _, axis in faces]
+
+
+# Signs.
+
+
+def places(lines):
+    """Of each letter in the drawing: columns to the right of the o and rows above it."""
+    drawn = [line[:29].ljust(29) for line in lines]
+    ((row, column),) = [(r, c) for r, line in enumerate(drawn) for c, sign in enumerate(line) if sign == "o"]
+    return {sign: (c - column, row - r) for r, line in enumerate(drawn) for c, sign in enumerate(line) if sign in "xyz"}
+
+
+@pytest.mark.parametrize("quarter", range(4))
+@pytest.mark.parametrize("matrix", [*rotations()])
+def test_the_drawing_of_a_right_angled_pose(matrix, quarter):
+    pointing = dict(zip("xyz", by_hand(matrix, quarter)))
+    lines = words.sketch(Mounting(1, matrix), 90.0 * quarter)
+    drawn = places(lines)
+    for axis, word in pointing.items():
+        right, _, up = VECTORS[word]
+        assert (right, up) == ((0, 0) if axis not in drawn else tuple(np.sign(drawn[axis])))
+        if axis not in drawn:
+            assert f"o: {axis} points {word}" in "\n".join(lines)
+    assert len(drawn) == 2
+
+
+@pytest.mark.parametrize("name", SCHEDULES)
+def test_drawings_fit_a_terminal_and_lie_along_their_axes(name):
+    schedule = SCHEDULES[name]
+    for position in schedule.positions:
+        mounting = next(one for one in schedule.mountings if one.number == position.mounting)
+        lines = words.sketch(mounting, position.angle_deg)
+        assert max(map(len, lines)) <= 80 and "\n".join(lines).isascii() and len(lines) <= 12
+        for axis, (right, up) in places(lines).items():
+            row = room_axes(mounting, position.angle_deg)["xyz".index(axis)]
+            drawn = math.degrees(math.atan2(2.0 * up if right else up, right))  # a row is as high as two columns
+            real = math.degrees(math.atan2(row[2], row[0]))
+            assert abs((drawn - real + 180.0) % 360.0 - 180.0) <= 40.0
+
+
+def asked(schedule, monkeypatch, capsys, **event):
+    """What a person is asked."""
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n"))
+    assert Progress(schedule, True)({"event": "question", **event}) == "done"
+    return capsys.readouterr().err.splitlines()
+
+
+def test_the_prompt_for_a_mounting_draws_it_and_lists_its_positions(monkeypatch, capsys):
+    paper = SCHEDULES["paper"]
+    said = asked(paper, monkeypatch, capsys, kind="mounting", mounting=2)
+    assert said[0].startswith("Mount the block as mounting 2 says: x along -h")
+    drawing = words.sketch(paper.mountings[1], 0.0)
+    assert "\n".join(drawing) in "\n".join(said) and max(map(len, said)) <= 80
+    assert "y up" in drawing[1] and said[-1] == "[Enter or done: it is done; leave: do nothing; abort: stop here]"
+    listed = [line for line in said if line.startswith("  position ")]
+    assert len(listed) == 9 and listed[1] == "  position 2,  45 deg, up: the edge of faces -x and +y"
+
+
+def test_the_prompt_for_an_angle_draws_the_block_there(monkeypatch, capsys):
+    paper = SCHEDULES["paper"]
+    said = asked(paper, monkeypatch, capsys, kind="angle", mounting=1, angle_deg=90.0)
+    assert said[:2] == ["Turn the table to 90 degrees.",
+                        "At table angle 90 deg, seen from the front (positive: counterclockwise):"]  # fmt: skip
+    assert said[2:-1] == words.sketch(paper.mountings[0], 90.0)
+    before = asked(paper, monkeypatch, capsys, kind="angle", mounting=0, angle_deg=0.0)  # homing, nothing mounted yet
+    assert len(before) == 2
+
+
+def test_a_fault_is_asked_as_it_was(monkeypatch, capsys):
+    said = asked(SCHEDULES["paper"], monkeypatch, capsys, kind="fault", mounting=1, sentence="it went wrong")
+    assert said[0] == "Fault: it went wrong." and said[1].startswith("[Enter or done: mended") and len(said) == 3
+
+
+@pytest.mark.parametrize("name", SCHEDULES)
+def test_every_prompt_fits_eighty_columns(name, monkeypatch, capsys):
+    schedule = Schedule(SCHEDULES[name].mountings, (*SCHEDULES[name].positions, Position(1, 255, -3599.975)))
+    for mounting in schedule.mountings:
+        said = asked(schedule, monkeypatch, capsys, kind="mounting", mounting=mounting.number)
+        said += asked(schedule, monkeypatch, capsys, kind="angle", mounting=mounting.number, angle_deg=-3599.975)
+        assert max(map(len, said)) <= 80
