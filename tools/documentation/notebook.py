@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""Notebooks of docs/: pages of the site, with the outputs that are stored in them; executed anew by this program.
+
+    notebook.py FILE.ipynb...     execute, and store the outputs
+"""
+
+import base64
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PICTURE = "image/png"
+TIMEOUT_S = 300
+
+
+def as_markdown(file, place):
+    """Markdown of a notebook with its stored outputs; its pictures become PLACE-1.png, ..."""
+    parts, pictures = [], 0
+    for cell in json.loads(file.read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for output in cell.get("outputs", []):
+            if is_picture(output):
+                pictures += 1
+                drawn = Path(f"{place}-{pictures}.png")
+                drawn.parent.mkdir(parents=True, exist_ok=True)
+                drawn.write_bytes(base64.b64decode("".join(output["data"][PICTURE])))
+                parts.append(f"![What these lines draw]({drawn.name})")
+            else:
+                parts.append(f"```text\n{text_of(output).rstrip()}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def is_picture(output):
+    return PICTURE in output.get("data", {})
+
+
+def text_of(output):
+    """What an output says. Raises KeyError for one that is neither text nor picture, such as an error."""
+    return "".join(output["text"] if "text" in output else output["data"]["text/plain"])
+
+
+def told(file):
+    """What the cells of a notebook have said, a text each. Pictures are left out: fonts differ between machines."""
+    cells = json.loads(file.read_text(encoding="utf-8"))["cells"]
+    return [[text_of(output) for output in cell["outputs"] if not is_picture(output)]
+            for cell in cells if cell["cell_type"] == "code"]  # fmt: skip
+
+
+def execute(file, out):
+    """Execute a notebook in the root of the repository, and write it with its outputs to `out`. Needs nbclient and
+    ipykernel. An exception in a cell is raised."""
+    import nbformat
+    from nbclient import NotebookClient
+
+    notebook = nbformat.read(file, as_version=4)
+    NotebookClient(notebook, timeout=TIMEOUT_S, resources={"metadata": {"path": str(ROOT)}}).execute()
+    for cell in notebook.cells:
+        cell.metadata.pop("execution", None)  # when each cell ran: another with every run
+    out.write_text(json.dumps(nbformat.from_dict(notebook), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        execute(Path(name), Path(name))
