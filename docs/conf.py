@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from docutils.utils.math.latex2mathml import tex2mathml
+from docutils import nodes
+from latex2mathml.converter import convert
 from sphinx.util import logging
-from sphinx.util.docutils import SphinxTranslator
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -38,25 +38,21 @@ html_copy_source = False
 html_show_copyright = False
 
 
-def show_formula(translator: SphinxTranslator, node: object) -> None:
-    """In place of MathJax, which pages would fetch. What docutils cannot convert is a warning, so the build fails."""
-    block = node.__class__.__name__ == "math_block"
+def visit_formula(translator, node):
+    """In place of MathJax, which pages would fetch. A formula that cannot be converted is a warning, and fails."""
+    block = isinstance(node, nodes.math_block)
+    source = node.astext()
     try:
-        formula = tex2mathml(node.astext(), as_block=block)
-    except (ValueError, SyntaxError) as error:
-        logging.getLogger(__name__).warning("formula %s: %s", node.astext(), error, location=node)
-        formula = translator.encode(node.astext())
+        formula = convert(source, display="block" if block else "inline")
+        fault = "a command that latex2mathml does not know" if "\\" in formula else ""
+    except Exception as error:  # its exceptions have no class in common
+        formula, fault = translator.encode(source), repr(error)
+    if fault:
+        logging.getLogger(__name__).warning("formula %s: %s", source, fault, location=node)
     translator.body.append(f'<div class="formula">{formula}</div>\n' if block else formula)
+    raise nodes.SkipNode
 
 
-def depart_formula(_translator: SphinxTranslator, _node: object) -> None:
-    """All has been said."""
-
-
-def setup(app: object) -> dict:
-    def visit(translator, node):
-        show_formula(translator, node)
-        node.children = []
-
-    app.add_html_math_renderer("mathml", (visit, depart_formula), (visit, depart_formula))
+def setup(app):
+    app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

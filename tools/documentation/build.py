@@ -1,7 +1,9 @@
 """Build the documentation site: gather its pages, let Sphinx build them with every warning an error, and check what
 came out.
 
-    build.py [OUT]     exit 1 when something is wrong, 2 for OUT that is in use, 77 without Sphinx
+    tools/site [OUT]            default: build/site/html; exit 1 when something is wrong, 2 for OUT that is in use, 77
+                                without Sphinx
+    tools/site --notebooks      execute the notebooks of docs/ and store what they say; then read what has changed
 """
 
 import importlib.util
@@ -12,28 +14,40 @@ import sys
 from pathlib import Path
 
 import built
+import notebook
 import pages
 
 ROOT = Path(__file__).resolve().parents[2]
 WORK = ROOT / "build/site"
-NEEDED = ("sphinx", "myst_parser", "furo")
+NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml", "nbclient", "nbformat", "ipykernel")
 NOT_THERE = 77
 
 
 def main(arguments):
-    if len(arguments) > 1 or any(word.startswith("-") for word in arguments):
-        print("usage: tools/site [OUT]", file=sys.stderr)
+    if arguments == ["--help"]:
+        print(__doc__.strip())
+        return 0
+    if len(arguments) > 1 or (arguments != ["--notebooks"] and any(word.startswith("-") for word in arguments)):
+        print("usage: tools/site [OUT | --notebooks]", file=sys.stderr)
         return 2
-    missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    if missing:
-        print(f"site: not installed: {', '.join(missing)} (pip install -r tools/requirements-site.txt)")
+    if missing():
+        print(f"site: not installed: {', '.join(missing())} (pip install -r tools/requirements-site.txt)")
         return NOT_THERE
+    if arguments == ["--notebooks"]:
+        for file in sorted((ROOT / "docs").rglob("*.ipynb")):
+            notebook.execute(file, file)
+        return 0
     out = Path(arguments[0]).absolute() if arguments else WORK / "html"
     if arguments and is_in_use(out):
         print(f"site: {out} holds something else than a site", file=sys.stderr)
         return 2
     shutil.rmtree(out, ignore_errors=True)
     return build(out)
+
+
+def missing():
+    """Names of packages that are needed and not installed."""
+    return [name for name in NEEDED if importlib.util.find_spec(name) is None]
 
 
 def is_in_use(folder):

@@ -7,9 +7,9 @@ from urllib.parse import unquote
 
 ELSEWHERE = re.compile(r"\s*(?:[a-z][a-z0-9+.-]*:)?//", re.IGNORECASE)
 FETCHED = {  # attributes that a browser follows by itself
-    "script": ("src",), "link": ("href",), "img": ("src", "srcset"), "source": ("src", "srcset"), "iframe": ("src",),
-    "video": ("src", "poster"), "audio": ("src",), "object": ("data",), "embed": ("src",), "image": ("href", "xlink:href"),
-    "use": ("href", "xlink:href"),
+    "script": ("src",), "link": ("href",), "img": ("src", "srcset"), "source": ("src", "srcset"),
+    "iframe": ("src",), "video": ("src", "poster"), "audio": ("src",), "object": ("data",), "embed": ("src",),
+    "image": ("href", "xlink:href"), "use": ("href", "xlink:href"),
 }  # fmt: skip
 IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?\s*((?:https?:)?//[^\"')\s]+)", re.IGNORECASE)
 
@@ -39,7 +39,8 @@ def faults(folder):
     for path, page in pages.items():
         name = path.relative_to(folder)
         found += [f"{name}: would fetch {address}" for address in page.fetches if ELSEWHERE.match(address)]
-        found += [f"{name}: leads nowhere: {link}" for link in dict.fromkeys(page.links) if not leads(link, path, pages)]
+        lost = [link for link in dict.fromkeys(page.links) if not leads(link, path, pages)]
+        found += [f"{name}: leads nowhere: {link}" for link in lost]
     for path in sorted({*folder.rglob("*.css"), *folder.rglob("*.svg")}):
         addresses = IN_STYLES.findall(path.read_text(encoding="utf-8"))
         found += [f"{path.relative_to(folder)}: would fetch {address}" for address in addresses]

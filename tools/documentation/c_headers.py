@@ -14,8 +14,8 @@ NAMED = re.compile(r"\b(\w+)(?:\[\w*\])*;")
 
 @dataclass
 class Declaration:
-    """`kind`: one of those above. `name`: "" where it has none. `text`: as it stands in the header, with the comments in
-    it."""
+    """`kind`: one of those above. `name`: "" where it has none. `text`: as it stands in the header, with its inner
+    comments."""
 
     kind: str
     name: str

@@ -1,4 +1,4 @@
-"""Pages of the C reference: a page for each header of firmware/include/tumble, with an anchor for all that has a name."""
+"""Pages of the C reference: a page for each header of firmware/include/tumble, an anchor for all that has a name."""
 
 import re
 from itertools import groupby
@@ -18,7 +18,8 @@ show them as they are. [Embed the C library](../embedding.md) says how to build 
 |---|---|
 """
 ROLES = {FUNCTION: "c:func", VARIABLE: "c:var", TYPE: "c:type", MACRO: "c:macro"}
-WORD = re.compile(r"`[^`]*`|\b(?:tumble|TUMBLE)_\w*|[\\*_\[\]<>|$#~{}^+]")
+WORD = re.compile(r"`[^`]*`|\bdocs/[\w/-]+\.md\b|\b(?:tumble|TUMBLE)_\w*|[\\*_\[\]<>|$#~{}^+]")
+ROW = re.compile(r'^ +X\((\w+),[\s\\]+"([^"]*)"\)', re.MULTILINE)  # of a list of names, each with its sentence
 HEADING = re.compile(r"---- (.*?)\.?(?: ----)?$")
 
 
@@ -27,15 +28,20 @@ def pages(root):
     texts = {path.stem: path.read_text(encoding="utf-8") for path in (root / FOLDER).glob("*.h")}
     stems = [stem for stem in ORDER if stem in texts] + sorted(set(texts) - set(ORDER))
     headers = {stem: read_header(texts[stem]) for stem in stems}
-    roles = {item.name: ROLES[item.kind] for entries in headers.values() for entry in entries
-             for item in entry.declared if item.name}  # fmt: skip
+    roles = roles_of([item for entries in headers.values() for entry in entries for item in entry.declared])
     made = {f"{INDEX}-{stem}": (f"{FOLDER}/{stem}.h", page(entries, roles)) for stem, entries in headers.items()}
     return {INDEX: (FOLDER, index(headers, roles)), **made}
 
 
+def roles_of(items):
+    """{name: how MyST refers to it} of all that is declared, and of what stands in lists of names."""
+    named = {name: "c:enumerator" for item in items for name, _ in ROW.findall(item.text)}
+    return {**named, **{item.name: ROLES[item.kind] for item in items if item.name}}
+
+
 def index(headers, roles):
     """The page that leads to the others."""
-    rows = [f"| [tumble/{stem}.h](c-{stem}.md) | {prose(' '.join(first_sentence(entries)), roles)} |"
+    rows = [f"| [tumble/{stem}.h](c-{stem}.md) | {prose(first_sentence(entries), roles)} |"
             for stem, entries in headers.items()]  # fmt: skip
     listed = [f"c-{stem}" for stem in headers]
     return INTRODUCTION + "\n".join([*rows, "", "```{toctree}", ":hidden:", "", *listed, "```", ""])
@@ -43,15 +49,18 @@ def index(headers, roles):
 
 def first_sentence(entries):
     """What the header says of itself, up to the first full stop, without its name."""
-    paragraph = " ".join(line.strip() for line in entries[0].comment).split(" - ", 1)[1]
-    return [paragraph.split(". ")[0].split(".  ")[0].removesuffix(".")[:1].upper() + paragraph.split(". ")[0][1:]]
+    paragraph = paragraphs(entries[0].comment)[0]
+    return capital(" ".join(paragraph).partition(" - ")[2].partition(". ")[0].removesuffix("."))
+
+
+def capital(text):
+    return text[:1].upper() + text[1:]
 
 
 def page(entries, roles):
     """Markdown of a header."""
     name, _, rest = entries[0].comment[0].partition(" - ")
-    first = [rest[:1].upper() + rest[1:], *entries[0].comment[1:]]
-    parts = [f"# {name}", *blocks(first, roles)]
+    parts = [f"# {name}", *blocks([capital(rest), *entries[0].comment[1:]], roles)]
     for entry in entries[1:]:
         parts += shown(entry, roles)
     return "\n\n".join(parts) + "\n"
@@ -77,22 +86,31 @@ def split_heading(lines):
     while rest and rest[0].strip() and not text.rstrip(" -").endswith("."):
         text, rest = f"{text} {rest[0]}", rest[1:]
     title, _, more = HEADING.match(text.strip())[1].partition(": ")
-    return title, [*([f"{more[:1].upper()}{more[1:]}."] if more else []), *rest]
+    return title, [*([f"{capital(more)}."] if more else []), *rest]
 
 
 def declared(items, told):
     """Declarations of one kind under one comment, and what it says."""
     kind = items[0].kind
-    code = [f"```c\n{item.text}\n```" for item in items] if kind != MACRO else [macros(items)]
+    rows = ROW.findall(items[0].text) if kind == MACRO else []
     if kind == OTHER:
-        return "\n\n".join([*told, *code])
-    signatures = [item.signature if kind in (FUNCTION, VARIABLE) else item.name for item in items]
-    body = [*told, *([] if kind in (FUNCTION, VARIABLE) else code)]
-    return "\n".join([f"``````{{c:{kind}}} {signatures[0]}", *signatures[1:], "", "\n\n".join(body), "``````"])
+        return "\n\n".join([*told, code(items)])
+    has_code = kind in (TYPE, MACRO) and not rows
+    names = [item.name if kind in (TYPE, MACRO) else item.signature for item in items]
+    body = [*told, *([code(items)] if has_code else [])]
+    return "\n\n".join([directive(kind, names, body), *(directive("enumerator", [name], [f"{capital(sentence)}."])
+                                                        for name, sentence in rows)])  # fmt: skip
 
 
-def macros(items):
-    return "```c\n" + "\n".join(item.text for item in items) + "\n```"
+def directive(kind, names, body):
+    """What Sphinx makes an anchor of, and a line of its index."""
+    return "\n".join([f"``````{{c:{kind}}} {names[0]}", *names[1:], "", "\n\n".join(body), "``````"])
+
+
+def code(items):
+    """As it stands in the header; what has bodies with an empty line between."""
+    between = "\n" if all("\n" not in item.text or item.kind == MACRO for item in items) else "\n\n"
+    return f"```c\n{between.join(item.text for item in items)}\n```"
 
 
 def blocks(lines, roles):
@@ -126,6 +144,9 @@ def prose(text, roles):
 
 
 def escaped(word, roles):
+    """One word or mark that WORD has found, as Markdown."""
+    if word.startswith("docs/"):
+        return f"[{word}](../{word.removeprefix('docs/')})"
     if word.startswith("`"):
         name = word.strip("`")
         return f"{{{roles[name]}}}{word}" if name in roles else word

@@ -1,12 +1,7 @@
-#!/usr/bin/env python3
-"""Notebooks of docs/: pages of the site, with the outputs that are stored in them; executed anew by this program.
-
-    notebook.py FILE.ipynb...     execute, and store the outputs
-"""
+"""Notebooks of docs/: as pages of the site, with the outputs that are stored in them; and executed anew."""
 
 import base64
 import json
-import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -56,11 +51,7 @@ def execute(file, out):
 
     notebook = nbformat.read(file, as_version=4)
     NotebookClient(notebook, timeout=TIMEOUT_S, resources={"metadata": {"path": str(ROOT)}}).execute()
+    notebook.metadata["language_info"] = {"name": "python"}  # without the version, which differs between machines
     for cell in notebook.cells:
-        cell.metadata.pop("execution", None)  # when each cell ran: another with every run
-    out.write_text(json.dumps(nbformat.from_dict(notebook), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    for name in sys.argv[1:]:
-        execute(Path(name), Path(name))
+        cell.metadata.pop("execution", None)  # when it ran
+    nbformat.write(notebook, out)

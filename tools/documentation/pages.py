@@ -1,9 +1,7 @@
 """The pages of the site, gathered in one folder as Sphinx wants them: those of docs/site.toml, with links that lead
 within the site, and those that are made of the command line's help, schemas, docstrings and headers."""
 
-import os
 import shutil
-from pathlib import Path
 
 import c_pages
 import command_line

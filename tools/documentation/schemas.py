@@ -33,8 +33,10 @@ def section(path, place):
 
 def table(properties, required):
     """The keys of a document; whether a document may lack one; what is allowed; what it means."""
-    rows = [f"| `{key}` | {'always' if key in required else ''} | {allowed(rule)} | {cell(rule.get('description', ''))} |"
-            for key, rule in properties.items()]  # fmt: skip
+    rows = [
+        f"| `{key}` | {'always' if key in required else ''} | {allowed(rule)} | {cell(rule.get('description', ''))} |"
+        for key, rule in properties.items()
+    ]
     return "\n".join(["| key | there | what | meaning |", "|---|---|---|---|", *rows])
 
 
