@@ -1,5 +1,6 @@
 """Sphinx, for the documentation site. tools/site builds it; which pages there are stands in site.toml."""
 
+from dataclasses import is_dataclass
 from pathlib import Path
 
 from docutils import nodes
@@ -18,11 +19,13 @@ extensions = ["myst_parser", "sphinx.ext.autodoc"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 6
 highlight_language = "none"
+smartquotes = False  # they make a dash of --json
 
 # Docstrings are plain text with `code` in single quotes.
 default_role = "literal"
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
+autodoc_type_aliases = {name: "ndarray" for name in ("Floats", "Integers")} | {"ArrayLike": "ArrayLike"}
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 c_maximum_signature_line_length = 80
@@ -53,6 +56,12 @@ def visit_formula(translator, node):
     raise nodes.SkipNode
 
 
+def hide_constructor(_app, what, _name, value, *_):
+    """Of classes that are made by a function (read, solve, load) and by nobody else: those that are no plain data."""
+    return ("", None) if what == "class" and not is_dataclass(value) else None
+
+
 def setup(app):
+    app.connect("autodoc-process-signature", hide_constructor)
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}
