@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import built
@@ -18,7 +19,7 @@ import notebook
 import pages
 
 ROOT = Path(__file__).resolve().parents[2]
-WORK = ROOT / "build/site"
+DEFAULT = ROOT / "build/site/html"
 NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml", "nbclient", "nbformat", "ipykernel")
 NOT_THERE = 77
 
@@ -37,7 +38,7 @@ def main(arguments):
         for file in sorted((ROOT / "docs").rglob("*.ipynb")):
             notebook.execute(file, file)
         return 0
-    out = Path(arguments[0]).absolute() if arguments else WORK / "html"
+    out = Path(arguments[0]).absolute() if arguments else DEFAULT
     if arguments and is_in_use(out):
         print(f"site: {out} holds something else than a site", file=sys.stderr)
         return 2
@@ -57,9 +58,10 @@ def is_in_use(folder):
 
 def build(out):
     """Build and check. Returns the exit code, and tells all that is wrong."""
-    source = WORK / "pages"
-    wrong = pages.gather(ROOT, source)
-    wrong += warnings_of(source, out)
+    with tempfile.TemporaryDirectory(prefix="site-") as work:
+        source = Path(work).resolve() / "pages"
+        wrong = pages.gather(ROOT, source)
+        wrong += warnings_of(source, out)
     wrong += built.faults(out) if out.exists() else []
     for line in wrong:
         print(line)
@@ -72,7 +74,7 @@ def warnings_of(source, out):
     """What Sphinx complains of, a line each, with the names that the pages have in the repository."""
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", "-q", "-E", "-W", "--keep-going", "-b", "html", "-c", ROOT / "docs",
-         "-d", WORK / "doctrees", source, out],
+         "-d", source.parent / "doctrees", source, out],
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
         env={**os.environ, "NO_COLOR": "1"},
     )  # fmt: skip

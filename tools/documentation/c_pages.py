@@ -67,16 +67,17 @@ def page(entries, roles):
 
 
 def shown(entry, roles):
-    """An entry: a heading, if its comment is one; what is declared, with what is said of it."""
-    lines, parts = entry.comment, []
-    if lines and lines[0].startswith("----"):
-        title, lines = split_heading(lines)
-        parts.append(f"## {title}")
-    told = blocks(lines, roles)
+    """An entry: what is declared, with what is said of it; or a heading, what is said of its section, and then what is
+    declared."""
     groups = [list(group) for _, group in groupby(entry.declared, key=lambda item: item.kind)]
+    if entry.comment and entry.comment[0].startswith("----"):
+        title, lines = split_heading(entry.comment)
+        return [f"## {title}", *blocks(lines, roles), *(declared(group, []) for group in groups)]
+    told = blocks(entry.comment, roles)
     if not groups:
-        return parts + told
-    return parts + [declared(group, told if group is groups[0] else []) for group in groups]
+        return told
+    main = next((group for group in groups if group[0].kind == FUNCTION), groups[0])
+    return [declared(group, told if group is main else []) for group in groups]
 
 
 def split_heading(lines):
@@ -86,7 +87,8 @@ def split_heading(lines):
     while rest and rest[0].strip() and not text.rstrip(" -").endswith("."):
         text, rest = f"{text} {rest[0]}", rest[1:]
     title, _, more = HEADING.match(text.strip())[1].partition(": ")
-    return title, [*([f"{capital(more)}."] if more else []), *rest]
+    end = "" if more.endswith("?") else "."
+    return title, [*([f"{capital(more)}{end}"] if more else []), *rest]
 
 
 def declared(items, told):
@@ -126,12 +128,12 @@ def blocks(lines, roles):
 
 
 def paragraphs(lines):
-    """Runs of lines that are not empty, and are all indented by four or all not."""
+    """Runs of lines that are not empty, and are all indented by four or all not. What is returned has one of its own."""
     found = []
     for line in lines:
         if not line.strip():
             found.append([])
-        elif found and found[-1] and found[-1][0].startswith("    ") == line.startswith("    "):
+        elif not line.startswith("Returns ") and found and found[-1] and found[-1][0].startswith("    ") == line.startswith("    "):
             found[-1].append(line)
         else:
             found.append([line])
