@@ -118,7 +118,7 @@ def code(items):
 def blocks(lines, roles):
     """Lines of a comment as Markdown: paragraphs and lists; what is indented by four is code or a table."""
     parts = []
-    for is_code, group in groupby(paragraphs(lines), key=lambda part: part[0].startswith("    ")):
+    for is_code, group in groupby(paragraphs(lines), key=lambda part: is_indented(part[0])):
         if is_code:
             text = "\n\n".join("\n".join(line[4:] for line in part) for part in group)
             parts.append(f"```{'c' if ';' in text else 'text'}\n{text.rstrip()}\n```")
@@ -128,16 +128,20 @@ def blocks(lines, roles):
 
 
 def paragraphs(lines):
-    """Runs of lines that are not empty, and are all indented by four or all not. What is returned has one of its own."""
-    found = []
+    """Runs of lines that are not empty, and are all code or all prose. What a function returns has a run of its own."""
+    found = [[]]
     for line in lines:
         if not line.strip():
             found.append([])
-        elif not line.startswith("Returns ") and found and found[-1] and found[-1][0].startswith("    ") == line.startswith("    "):
-            found[-1].append(line)
-        else:
+        elif found[-1] and (line.startswith("Returns ") or is_indented(line) != is_indented(found[-1][0])):
             found.append([line])
+        else:
+            found[-1].append(line)
     return [part for part in found if part]
+
+
+def is_indented(line):
+    return line.startswith("    ")
 
 
 def prose(text, roles):
