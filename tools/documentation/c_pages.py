@@ -92,7 +92,7 @@ def split_heading(lines):
 
 
 def declared(items, told):
-    """Declarations of one kind under one comment, and what it says."""
+    """Declarations of one kind under one comment, and below the last of them what it says."""
     kind = items[0].kind
     rows = ROW.findall(items[0].text) if kind == MACRO else []
     if kind == OTHER:
@@ -100,13 +100,13 @@ def declared(items, told):
     has_code = kind in (TYPE, MACRO) and not rows
     names = [item.name if kind in (TYPE, MACRO) else item.signature for item in items]
     body = [*told, *([code(items)] if has_code else [])]
-    return "\n\n".join([directive(kind, names, body), *(directive("enumerator", [name], [f"{capital(sentence)}."])
-                                                        for name, sentence in rows)])  # fmt: skip
+    parts = [directive(kind, name, body if name == names[-1] else []) for name in names]
+    return "\n\n".join([*parts, *(directive("enumerator", name, [f"{capital(told)}."]) for name, told in rows)])
 
 
-def directive(kind, names, body):
+def directive(kind, signature, body):
     """What Sphinx makes an anchor of, and a line of its index."""
-    return "\n".join([f"``````{{c:{kind}}} {names[0]}", *names[1:], "", "\n\n".join(body), "``````"])
+    return "\n".join([f"``````{{c:{kind}}} {signature}", "", "\n\n".join(body), "``````"])
 
 
 def code(items):
