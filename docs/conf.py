@@ -57,8 +57,8 @@ def visit_formula(translator, node):
 
 
 def hide_constructor(_app, what, _name, value, *_):
-    """Of classes that are made by a function (read, solve, load) and by nobody else: those that are no plain data."""
-    return ("", None) if what == "class" and not is_dataclass(value) else None
+    """Of what the package makes and no caller does, results and exceptions: all classes that are no plain data."""
+    return ("", None) if what in ("class", "exception") and not is_dataclass(value) else None
 
 
 def setup(app):
