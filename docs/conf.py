@@ -1,6 +1,7 @@
 """Sphinx, for the documentation site. tools/site builds it; which pages there are stands in site.toml."""
 
 from dataclasses import is_dataclass
+from inspect import isclass
 from pathlib import Path
 
 from docutils import nodes
@@ -56,9 +57,9 @@ def visit_formula(translator, node):
     raise nodes.SkipNode
 
 
-def hide_constructor(_app, what, _name, value, *_):
+def hide_constructor(_app, _what, _name, value, _options, signature, _returned):
     """Of what the package makes and no caller does, results and exceptions: all classes that are no plain data."""
-    return ("", None) if what in ("class", "exception") and not is_dataclass(value) else None
+    return ("", None) if signature and isclass(value) and not is_dataclass(value) else None
 
 
 def setup(app):
