@@ -849,7 +849,7 @@ void tumble_blocks_finish(tumble_blocks_t *blocks);
 tumble_status_t tumble_blocks_noise(const tumble_blocks_t *blocks, const tumble_averaging_t *averaging,
                                     const tumble_stand_record_t *stand, double v_per_count, tumble_noise_t *noise);
 
-/* ---- The quantile of chi-squared that belongs to so many one-sided `sigmas` of the normal distribution, by Wilson and
+/* ---- Chi-squared: the quantile that belongs to so many one-sided `sigmas` of the normal distribution, by Wilson and
  * Hilferty (1931): k (1 - 2/(9 k) + sigmas sqrt(2/(9 k)))^3. With 4 it is never below the true quantile, and above it by
  * 9 % (1 degree), 2.4 % (6), 0.8 % (18). `freedom` 1 or more: without freedom there is nothing to judge, and the answer
  * would not be a number.
