@@ -37,6 +37,7 @@ BESIDE, DOOR = "(beside the rooms)", "(the door)"
 MAY_IMPORT = {
     BESIDE: set(),
     "core": set(),
+    "data": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
     "files": {"core"},
     "store": {"files"},
@@ -44,7 +45,7 @@ MAY_IMPORT = {
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving"},
     "bench": {"core", "reference", "files", "solving", "fixture"},
-    "importing": {"reference", "files"},
+    "importing": {"data", "reference", "files"},
     "api": {"core", "files", "solving", "fixture"},
     "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "importing", "bench", "api",
             DOOR},

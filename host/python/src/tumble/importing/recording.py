@@ -16,6 +16,7 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
+    DEFAULT_UNIT,
     NUMBER,
     Layout,
     Wishes,
@@ -28,7 +29,9 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
-from tumble.importing import clock, novatel
+from tumble.files import can_log
+from tumble.importing import can_bus, clock, novatel
+from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -42,7 +45,8 @@ _LOST = {"", "nan", "-", "null", "none", "n/a"}
 @dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
-    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences."""
+    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences;
+    `temperature` (rows,): of the block in deg C, None where it is not read."""
 
     file: str
     outputs: Floats
@@ -53,6 +57,7 @@ class Recording:
     labels: dict[str, list[str]]
     notes: tuple[str, ...]
     data: bytes
+    temperature: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -63,9 +68,12 @@ class Timing:
     unit: str | None = None
 
 
-def read(file: str, wishes: Wishes, timing: Timing) -> Recording:
-    """Read one file. Raises BadInput with file, row and column."""
+def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Recording:
+    """Read one file. Raises BadInput with file, row and column; UsageError; NotInstalled."""
     data = read_bytes(file)
+    if (kind := can_log.kind_of(data)) is not None:
+        return _read_bus(file, data, kind, wishes, timing, bus)
+    bus.require_log()
     require_text(data, file)
     return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
 
@@ -79,6 +87,16 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
     return Recording(
         file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
     )
+
+
+def _read_bus(file: str, data: bytes, kind: str, wishes: Wishes, timing: Timing, bus: Bus) -> Recording:
+    log = can_bus.read(data, file, kind, wishes, bus)
+    told = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
+    notes = (*log.notes, *told.notes)
+    unit = log.unit or DEFAULT_UNIT
+    return Recording(
+        file, log.outputs, log.lines, unit, log.unit is not None, told, {}, notes, data, log.temperature
+    )  # fmt: skip
 
 
 def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:

@@ -155,9 +155,11 @@ def run_csv(done: Imported) -> str:
     files = ", ".join(ascii(os.path.basename(one.file))[1:-1] for one in done.recordings)
     unit = f" [{done.unit}]" if done.unit_told else ""
     timed = done.seconds is not None
+    degrees = _temperatures(done)
     lines = [
         f"# tumble import {__version__} of {files}; schedule {os.path.basename(done.settings.schedule_name)}",
-        f"mounting,position,ux{unit},uy{unit},uz{unit}{',time_s' if timed else ''},rest",
+        f"mounting,position,ux{unit},uy{unit},uz{unit}{',time_s' if timed else ''},rest"
+        + (",temperature" if degrees else ""),
     ]
     for number, (rest, position) in enumerate(zip(done.rests, done.matched.positions), 1):
         if position == NONE:
@@ -166,6 +168,13 @@ def run_csv(done: Imported) -> str:
         rows = done.outputs[rest.begin : rest.end].tolist()
         times = [""] * len(rows) if done.seconds is None else [f",{t:.6f}" for t in done.seconds[rest.begin : rest.end]]
         lines += [
-            f"{place.mounting},{place.number},{x!r},{y!r},{z!r}{time},{number}" for (x, y, z), time in zip(rows, times)
+            f"{place.mounting},{place.number},{x!r},{y!r},{z!r}{time},{number}{degree}"
+            for (x, y, z), time, degree in zip(rows, times, degrees[rest.begin : rest.end] or [""] * len(rows))
         ]
     return "\n".join(lines) + "\n"
+
+
+def _temperatures(done: Imported) -> list[str]:
+    """Of each row, the end of its line; nothing where not all recordings have them."""
+    known = [one.temperature for one in done.recordings if one.temperature is not None]
+    return [f",{degrees:.1f}" for one in known for degrees in one] if len(known) == len(done.recordings) else []
