@@ -21,8 +21,8 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput
-from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
 from tumble.files import can_log
+from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import read_bytes
 from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
 from tumble.files.run_layout import (

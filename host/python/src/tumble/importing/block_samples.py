@@ -1,7 +1,7 @@
 """The accelerometer block's samples on a CAN bus (docs/bus/README.md), of two frames each: checked, paired, counted.
 
-The receiver takes, refuses and counts frame by frame as firmware/sample/block_frames.c does; what the bytes mean is read
-off the package's DBC file, by cantools.
+The receiver takes, refuses and counts frame by frame as firmware/sample/block_frames.c does; what the bytes mean is
+read off the package's DBC file, by cantools.
 """
 
 from __future__ import annotations

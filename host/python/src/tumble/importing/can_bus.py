@@ -68,14 +68,14 @@ class Found:
 
 def read(data: bytes, file: str, kind: str, wishes: Wishes, bus: Bus) -> Found:
     """Read a log of this kind (files.can_log). Raises BadInput, UsageError, NotInstalled."""
-    try:
-        import cantools  # noqa: F401
-    except ImportError:
-        raise NotInstalled(f"{file_name(file)}: a CAN log", "cantools", extra="can") from None
     others = sorted(set(wishes.columns) - set(can_signals.OUTPUTS))
     if others:
         raise UsageError(f"--columns {others[0]}=: of a CAN log ux, uy and uz can be named")
     log = CanLog(data, file, kind)
+    try:
+        import cantools  # noqa: F401
+    except ImportError:
+        raise NotInstalled(f"{file_name(file)}: a CAN log", "cantools", extra="can") from None
     frames = _of_channel(log, file, bus.channel)
     found = _of_block(log, frames, file, wishes, bus) if bus.dbc is None else _of_dbc(log, frames, file, wishes, bus)
     notes = (f"CAN log ({kind}): {log.frames} frames", *found.notes)
@@ -216,8 +216,12 @@ def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, bus
     names = ", ".join(f"{name} {one.label}" for name, one in zip(can_signals.OUTPUTS, outputs))
     notes = [f"signals of {file_name(bus.dbc)}: {names}; {len(rows.seconds)} samples; no checksum is looked at"]
     damaged = sum(one.damaged for one in messages.values())
-    said = ((damaged, "frames that are too short"), (rows.repeated, "frames that came again"),
-            (rows.alone, "frames without those of the other messages"), (rows.lost, "samples without a number"))
+    said = (
+        (damaged, "frames that are too short"),
+        (rows.repeated, "frames that came again"),
+        (rows.alone, "frames without those of the other messages"),
+        (rows.lost, "samples without a number"),
+    )
     if any(number for number, _ in said):
         notes.append(f"left out: {', '.join(f'{number} {what}' for number, what in said if number)}")
     unit = can_signals.unit_of(outputs, bus.dbc) if wishes.unit is None else None

@@ -13,6 +13,7 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
+from tumble.files import can_log
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
@@ -29,7 +30,6 @@ from tumble.files.run_layout import (
     is_number,
     split,
 )
-from tumble.files import can_log
 from tumble.importing import can_bus, clock, novatel
 from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock
