@@ -58,7 +58,7 @@ TOLD = {"ux": "Left", "uy": "FIRST.Same", "uz": "SECOND.Same"}
 def two_messages(count=60, drop=()):
     """Of each sample an extended frame, big endian, and 2 ms later one of another message."""
     for n in range(count):
-        yield f"({n / 50:.6f}) can0 18FF1765#" + (n.to_bytes(2, "big", signed=True) * 2).hex()
+        yield f"({n / 50:.6f}) can0 18FF50E5#" + (n.to_bytes(2, "big", signed=True) * 2).hex()
         yield f"({n / 50 + 2e-3:.6f}) can0 102#" + (-n).to_bytes(2, "little", signed=True).hex()
 
 
@@ -97,7 +97,7 @@ def test_a_users_dbc_on_the_command_line(bench, other, tumble, refused, tmp_path
         (("--dbc", "none.dbc"), "none.dbc: no such file or folder"),
         (("--dbc", "prose.dbc"), "prose.dbc: not a DBC file that can be read: "),
         (("--dbc", "empty.dbc"), "empty.dbc: describes no signal of a CAN message"),
-        (("--dbc", "other.dbc"), "other.dbc: fewer than 2 good frames of ACC among "),
+        (("--dbc", "other.dbc"), "bus.log: fewer than 2 good frames of ACC among "),
         (("--dbc", "other.dbc", "--columns", "ux=AccQ"), "other.dbc: no column 'AccQ' (for ux) among 'AccX,AccY,AccZ,"),
         (("--dbc", "other.dbc", "--columns", "ux=Same"), "other.dbc: no column 'Same' (for ux) among "),
         (("--dbc", "other.dbc", "--can-id", "0x683"), "--can-id chooses a block of ours: with --dbc"),

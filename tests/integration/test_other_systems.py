@@ -27,12 +27,12 @@ def test_every_module_is_imported_and_the_examples_give_the_same(system, tmp_pat
     """Solve, apply, import, export, plan and fixture check: the same files and texts, byte by byte, as on Linux."""
     same = """
 load_package()
-there = run_all("there")
+there = run_all("folder-there")
 before = __import__("pickle").loads(open("here.pickle", "rb").read())
 assert there == before, [name for name in there if there[name] != before[name]]
 print(len(there), __import__("sys").platform)
 """
-    there("linux", "__import__('pickle').dump(run_all('first'), open('here.pickle', 'wb'))", tmp_path)
+    there("linux", "__import__('pickle').dump(run_all('folder-first'), open('here.pickle', 'wb'))", tmp_path)
     assert there(system, same, tmp_path) == f"14 {system}\n"
 
 

@@ -22,7 +22,7 @@ def run(*arguments):
 
 def run_all(folder):
     """Solve, save, apply, import, export, plan and judge; all files go into the folder, and twice, so that they replace
-    what is there. Every command must end with 0."""
+    what is there. Every command must end with 0. The name of the folder is taken out of what is found."""
     Path(folder).mkdir()
     result, data = f"{folder}/result.json", f"{folder}/data.csv"
     Path(data).write_text("t,ux,uy,uz\n0,0.1,0.2,2.0\n1,2.0,0.1,0.0\n", encoding="utf-8")

@@ -1,7 +1,7 @@
 """Python as it is on Windows or macOS, as far as that shows from within: a program for tests.
 
-    other_system.py win32|darwin STATEMENTS      runs the statements there, after the commands have run here once
-    other_system.py linux STATEMENTS             the same, and nothing is taken away
+    other_system.py win32|darwin STATEMENTS      runs the statements there; if run_all is among them, after it ran here
+    other_system.py linux STATEMENTS             runs them, and nothing is taken away
 
 Taken away is what the other system has not: modules, functions, signals and kinds of sockets. What stands for itself is
 made to behave as there: no folder can be opened as a file, no file that is open can be replaced, removed or renamed,
@@ -166,7 +166,7 @@ if __name__ == "__main__":
     from examples_in_process import run_all
 
     load_package()
-    if sys.argv[1] != "linux":
-        run_all("here")
+    if sys.argv[1] != "linux" and "run_all" in sys.argv[2]:
+        run_all("folder-here")
     become(sys.argv[1])
     exec(sys.argv[2], {"load_package": load_package, "run_all": run_all})

@@ -105,7 +105,7 @@ class _Lines(io.StringIO):
         self.number = 0
         self._lines = text.count("\n") + (not text.endswith("\n"))
 
-    def __next__(self) -> str:
+    def __next__(self) -> str:  # type: ignore[override] # as that of StringIO, whose base has bytes
         line = super().__next__()
         self.number += 1
         return line
