@@ -12,6 +12,7 @@ UTF-8). Libraries are loaded before, as they are: the package alone is loaded an
 import builtins
 import os
 import pkgutil
+import shutil
 import signal
 import socket
 import subprocess
@@ -153,6 +154,7 @@ def _hold_open_files():
         return plain_open(path, *arguments, **options)
 
     os.open = opened
+    shutil._use_fd_functions = False  # of rmtree, which opens folders where it can
 
 
 def _link(read, path):
