@@ -25,9 +25,9 @@ BO_ 256 ACC: 6 SENSOR
 BO_ 2566869221 FIRST: 4 SENSOR
  SG_ Left : 7|16@0- (0.5,1) [0|0] "mV" SENSOR
  SG_ Same : 23|16@0- (0.5,1) [0|0] "mV" SENSOR
-BO_ 258 SECOND: 2 SENSOR
+BO_ 258 SECOND: 4 SENSOR
  SG_ Same : 0|16@1- (0.5,1) [0|0] "mV" SENSOR
- SG_ Time : 0|16@1- (0.5,1) [0|0] "s" SENSOR
+ SG_ Time : 16|16@1+ (0.5,1) [0|0] "s" SENSOR
 """
 
 
@@ -59,7 +59,7 @@ def two_messages(count=60, drop=()):
     """Of each sample an extended frame, big endian, and 2 ms later one of another message."""
     for n in range(count):
         yield f"({n / 50:.6f}) can0 18FF50E5#" + (n.to_bytes(2, "big", signed=True) * 2).hex()
-        yield f"({n / 50 + 2e-3:.6f}) can0 102#" + (-n).to_bytes(2, "little", signed=True).hex()
+        yield f"({n / 50 + 2e-3:.6f}) can0 102#" + (-n).to_bytes(2, "little", signed=True).hex() + "1234"
 
 
 def test_signals_of_two_messages_are_paired_by_time(other):

@@ -277,7 +277,7 @@ def test_a_wheel_holds_the_package_its_data_and_nothing_else(packages):
     inside = contents(packages["wheel"])
     own = {f"tumble/{name}": held for name, held in contents(PYTHON / "src/tumble").items()}
     kept = {f"tumble/data/{name}": data.file(name).read_bytes() for name in data.names()}
-    assert len(kept) > 30 and {"tumble/data/examples/paper_stand.csv", "tumble/data/bus/block.dbc"} <= set(kept)
+    assert len(kept) > 25 and {"tumble/data/examples/paper_stand.csv", "tumble/data/bus/block.dbc"} <= set(kept)
     others = {name for name in inside if name not in {**own, **kept}}
     info = {f"tumble-{__version__}.dist-info/{name}"
             for name in ("METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE", "licenses/NOTICE")}
@@ -336,7 +336,7 @@ def test_the_installed_wheel_works_alone(installed, tmp_path):
     done = installed("python", "-I", "-c", IN_THE_WHEEL, str(ROOT))
     assert (done.returncode, done.stdout, done.stderr) == (0, f"{len(data.names())}\n", "")
     done = installed("tumble", "apply", "result.json", "data.csv")
-    assert done.returncode == 0 and done.stdout.splitlines()[1].endswith(",0.004449612,-0.012136044,0.986791784")
+    assert done.returncode == 0 and done.stdout.splitlines()[1].endswith(",0.004450219,-0.012136139,0.986791694")
     done = installed("tumble", "bench", "--seed", "3", "--samples", "5", "--out", tmp_path / "run")
     assert done.returncode == 0 and (tmp_path / "run/bus.log").is_file(), done.stderr
     done = installed("tumble", "import", tmp_path / "run/bus.log")
