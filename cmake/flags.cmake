@@ -1,9 +1,11 @@
 # The flags of all our C. Linking `tumble_flags` brings them.
 add_library(tumble_flags INTERFACE)
-target_compile_options(tumble_flags INTERFACE
-  -ffp-contract=off # host and target give the same bits
-  -fno-math-errno # a square root is an instruction where there is one
-  -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wvla -Werror)
+if(NOT MSVC) # which fuses no products and sums unless it is told to, and has other warnings
+  target_compile_options(tumble_flags INTERFACE
+    -ffp-contract=off # host and target give the same bits
+    -fno-math-errno # a square root is an instruction where there is one
+    -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wvla -Werror)
+endif()
 
 # For code that is not ours but runs in our process (Unity, generated bindings): instrumented, not judged.
 add_library(tumble_sanitizers INTERFACE)

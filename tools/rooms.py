@@ -37,6 +37,7 @@ BESIDE, DOOR = "(beside the rooms)", "(the door)"
 MAY_IMPORT = {
     BESIDE: set(),
     "core": set(),
+    "data": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
     "drawings": set(),
     "files": {"core"},
@@ -46,7 +47,7 @@ MAY_IMPORT = {
     "planning": {"core", "reference", "files", "solving"},
     "pictures": {"core", "reference", "files", "solving", "fixture"},
     "bench": {"core", "reference", "drawings", "files", "solving", "fixture"},
-    "importing": {"reference", "files", "pictures"},
+    "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"files", "solving", "pictures"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},

@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 import tarfile
+import venv
 import zipfile
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from _tumble_core import ffi, lib
 from bench_program import built
 from conftest import ROOT
 
-from tumble import __version__, core
+from tumble import __version__, core, data
 from tumble.cli import options
 from tumble.estimators import ESTIMATORS, LINEAR, OPTIMAL
 
@@ -51,8 +52,10 @@ def test_the_installed_program_is_what_a_checkout_runs():
     program = f"import sys; from {module} import {function}; sys.argv[1:] = ['--version']; {function}()"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, f"tumble {__version__}\n", "")
-    assert '"tumble-bench"' in re.search(r"^build.targets = .*", project, re.MULTILINE)[0]
-    assert "install(TARGETS tumble-bench RUNTIME DESTINATION tumble/bench " in (PYTHON / "CMakeLists.txt").read_text()
+    assert re.search(r"^build.targets = (.*)", project, re.MULTILINE)[1] == '["tumble_wheel"]'
+    cmake = (PYTHON / "CMakeLists.txt").read_text()
+    assert "add_dependencies(tumble_wheel tumble-bench)" in cmake
+    assert "install(TARGETS tumble-bench RUNTIME DESTINATION tumble/bench " in cmake
 
 
 def test_version(tumble):
@@ -113,13 +116,16 @@ def test_every_status_has_a_name_and_a_sentence():
     assert all(sentences) and len(set(sentences)) == len(sentences)
 
 
+OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools")
+
+
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
     """What start-up time is spent on: numpy, and nothing that only a terminal or a test needs."""
     program = (
         "import sys; from tumble.cli.main import main;"
         f"command = ['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--unit', 'V'];"
         f"code = main([*command, '--out', {str(tmp_path / 'r.json')!r}]);"
-        "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi', 'jinja2', 'matplotlib', 'weasyprint'} & set(sys.modules);"
+        f"unwanted = {{'rich', 'tomllib', 'difflib', 'pytest', 'cffi', *{OPTIONAL!r}}} & set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
@@ -133,10 +139,30 @@ def test_help_and_typing_errors_load_no_numpy():
         "for words in (['--help'], ['solve', '--help'], ['bench', '--sed', '1']):\n"
         "    try: main(words)\n"
         "    except SystemExit: pass\n"
-        "print(sorted({'numpy', '_tumble_core', 'csv', 'json'} & set(sys.modules)))"
+        f"print(sorted({{'numpy', '_tumble_core', 'csv', 'json', *{OPTIONAL!r}}} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.endswith("\n[]\n"), done.stdout
+
+
+def test_files_that_come_along_are_found_by_name():
+    names = data.names()
+    for name in ("examples/paper_stand.csv", "examples/paper_stand.toml", "schemas/tumble.result-1.schema.json",
+                 "eds/tumble_block.eds", "bus/block.dbc"):
+        assert name in names and data.file(name).is_file()
+    assert {name.partition("/")[0] for name in names} == set(data.FOLDERS)
+    assert "examples/hand_held_session.csv" not in names  # of another licence
+    for name in ("examples/none.csv", "paper_stand.csv", "../pyproject.toml", "examples/../bus/block.dbc", ""):
+        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, eds/tumble_block.eds, "
+        with pytest.raises(FileNotFoundError, match=re.escape(said)):
+            data.file(name)
+
+
+def test_the_page_on_them_shows_what_is_printed(tmp_path):
+    page = (ROOT / "docs/python.md").read_text(encoding="utf-8").partition("## What comes with it")[2]
+    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page, re.DOTALL).groups()
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == shown
 
 
 def test_the_licence_is_the_published_text():
@@ -168,21 +194,32 @@ def test_every_program_says_its_version(name):
         assert subprocess.run([path, "--version"], stdout=full, timeout=20).returncode in (2, 3)
 
 
+def build(kind, source, folder):
+    """The package of this kind that the backend makes of a project, and its file."""
+    environment = {key: value for key, value in os.environ.items() if key not in ("LD_PRELOAD", "PYTHONPATH")}
+    program = f"import scikit_build_core.build as b; b.build_{kind}({str(folder)!r})"
+    done = subprocess.run([sys.executable, "-c", program], cwd=source, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0 and "WARNING" not in done.stdout, done.stdout + done.stderr
+    return next(folder.glob("*.tar.gz" if kind == "sdist" else "*.whl"))
+
+
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory):
-    """Source package and wheel, built as by `pip wheel` and unpacked: {kind: folder}."""
+    """The source package, unpacked; and unpacked the wheel that is made of it, away from the checkout. {kind: folder};
+    `file`: the wheel."""
     if importlib.util.find_spec("scikit_build_core") is None:
         pytest.skip("scikit-build-core is not installed")
     folder = tmp_path_factory.mktemp("packages")
-    build = f"import scikit_build_core.build as b; b.build_sdist({str(folder)!r}); b.build_wheel({str(folder)!r})"
-    environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
-    done = subprocess.run([sys.executable, "-c", build], cwd=PYTHON, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    with tarfile.open(next(folder.glob("*.tar.gz"))) as archive:
+    with tarfile.open(build("sdist", PYTHON, folder)) as archive:
         archive.extractall(folder / "sdist")
-    with zipfile.ZipFile(next(folder.glob("*.whl"))) as archive:
+    source = folder / f"sdist/tumble-{__version__}"
+    files = {path for path in source.rglob("*") if path.is_file()}
+    wheel = build("wheel", source, folder)
+    for path in set(source.rglob("*")) - files:  # what the build has left there
+        assert path.is_dir() or "build" in path.relative_to(source).parts, path
+    with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder / "wheel")
-    return {"sdist": folder / f"sdist/tumble-{__version__}", "wheel": folder / "wheel"}
+    return {"sdist": source, "wheel": folder / "wheel", "file": wheel}
 
 
 METADATA = {"sdist": ("PKG-INFO", "."), "wheel": (f"tumble-{__version__}.dist-info/METADATA", "licenses")}
@@ -205,6 +242,107 @@ def test_every_package_has_licence_and_version(packages, kind):
 @pytest.mark.toolchain
 def test_a_wheel_says_that_it_is_typed(packages):
     assert (packages["wheel"] / "tumble/py.typed").is_file()
+
+
+def contents(folder, *patterns):
+    """{path: bytes} of the files in a folder, without what Python and the build leave there."""
+    paths = {path for pattern in patterns or ("*",) for path in folder.rglob(pattern) if path.is_file()}
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths
+            if not {"__pycache__", "build"} & set(path.relative_to(folder).parts)}
+
+
+COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench",
+          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus")
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_a_source_package_holds_all_that_it_is_built_from(packages):
+    """Byte by byte, and nothing of another licence."""
+    sources = packages["sdist"] / "sources"
+    for name in COPIED:
+        theirs, ours = sources / name, ROOT / name
+        assert contents(theirs) == contents(ours) if ours.is_dir() else theirs.read_bytes() == ours.read_bytes(), name
+    assert contents(packages["sdist"] / "src") == contents(PYTHON / "src")
+    assert (packages["sdist"] / "pyproject.toml").read_bytes() == (PYTHON / "pyproject.toml").read_bytes()
+    assert not [path for path in packages["sdist"].rglob("*") if "imucal" in path.name or "hand_held" in path.name]
+    expected = {"LICENSE", "NOTICE", "PKG-INFO", "pyproject.toml", "sources", "src"}
+    assert {path.name for path in packages["sdist"].iterdir()} - {"build"} == expected
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_a_wheel_holds_the_package_its_data_and_nothing_else(packages):
+    """It fits every Python from 3.10 on, and its data are those of a checkout."""
+    assert re.fullmatch(rf"tumble-{__version__}-cp310-abi3-linux_\w+\.whl", packages["file"].name)
+    inside = contents(packages["wheel"])
+    own = {f"tumble/{name}": held for name, held in contents(PYTHON / "src/tumble").items()}
+    kept = {f"tumble/data/{name}": data.file(name).read_bytes() for name in data.names()}
+    assert len(kept) > 25 and {"tumble/data/examples/paper_stand.csv", "tumble/data/bus/block.dbc"} <= set(kept)
+    others = {name for name in inside if name not in {**own, **kept}}
+    info = {f"tumble-{__version__}.dist-info/{name}"
+            for name in ("METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE", "licenses/NOTICE")}
+    assert others == {"_tumble_core.abi3.so", "tumble/bench/tumble-bench", *info}
+    assert {**own, **kept} == {name: inside[name] for name in inside if name not in others}
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_a_checkout_gives_the_same_wheel(packages, tmp_path):
+    """As `pip install ./host/python` builds it; the programs may differ, in paths that the compiler notes."""
+    with zipfile.ZipFile(build("wheel", PYTHON, tmp_path)) as archive:
+        archive.extractall(tmp_path / "wheel")
+    ours, theirs = (contents(folder) for folder in (tmp_path / "wheel", packages["wheel"]))
+    built_ones = {"_tumble_core.abi3.so", "tumble/bench/tumble-bench", f"tumble-{__version__}.dist-info/RECORD"}
+    assert set(ours) == set(theirs)
+    assert {name for name in ours if ours[name] != theirs[name]} <= built_ones
+
+
+@pytest.fixture(scope="module")
+def installed(packages, tmp_path_factory):
+    """Run a command of an environment that has the wheel and what it requires alone, away from the checkout."""
+    folder = tmp_path_factory.mktemp("environment")
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "TUMBLE", "LD_"))}
+
+    def run(name, *arguments):
+        command = [folder / "venv/bin" / name, *arguments]
+        return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+
+    venv.create(folder / "venv", with_pip=True)
+    done = run("python", "-m", "pip", "install", "--no-input", "--disable-pip-version-check", packages["file"])
+    assert done.returncode == 0, done.stderr
+    return run
+
+
+IN_THE_WHEEL = """
+import importlib.resources, json, pathlib, sys
+import tumble
+from tumble import data
+assert not [name for name in sys.path if name.startswith(sys.argv[1])], sys.path
+run, stand = (str(data.file(f"examples/paper_stand.{suffix}")) for suffix in ("csv", "toml"))
+result = tumble.solve(run, stand=stand)
+assert result.passed and (importlib.resources.files("tumble.data") / "examples/paper_stand.csv").is_file()
+assert json.loads(data.file("schemas/tumble.result-1.schema.json").read_text(encoding="utf-8"))["title"]
+result.save("result.json")
+pathlib.Path("data.csv").write_text("ux,uy,uz\\n0.0,0.0,2.0\\n", encoding="utf-8")
+pathlib.Path("run.txt").write_text(run, encoding="utf-8")
+print(len(data.names()))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.toolchain
+def test_the_installed_wheel_works_alone(installed, tmp_path):
+    assert installed("tumble", "--version").stdout == f"tumble {__version__}\n"
+    done = installed("python", "-I", "-c", IN_THE_WHEEL, str(ROOT))
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{len(data.names())}\n", "")
+    done = installed("tumble", "apply", "result.json", "data.csv")
+    assert done.returncode == 0 and done.stdout.splitlines()[1].endswith(",0.004450219,-0.012136139,0.986791694")
+    done = installed("tumble", "bench", "--seed", "3", "--samples", "5", "--out", tmp_path / "run")
+    assert done.returncode == 0 and (tmp_path / "run/bus.log").is_file(), done.stderr
+    done = installed("tumble", "import", tmp_path / "run/bus.log")
+    assert (done.returncode, done.stdout) == (77, "")
+    assert done.stderr.endswith("a CAN log needs python-can: pip install 'tumble[can]'\n")
 
 
 def has_libmodbus(binary):

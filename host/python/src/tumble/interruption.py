@@ -1,4 +1,7 @@
-"""Ctrl-C, SIGTERM and SIGHUP: the first of them ends the command in good order; more of them do not disturb that."""
+"""Ctrl-C, SIGTERM and SIGHUP: the first of them ends the command in good order; more of them do not disturb that.
+
+Windows has no SIGHUP, and ends a process that os.kill sends a signal.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import sys
 from collections.abc import Callable
 from types import FrameType
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _watched: list[int] = []
 _received: list[int] = []  # the first one
 _postponed = False
@@ -85,7 +88,11 @@ def _raise_again(unraisable: sys.UnraisableHookArgs) -> None:
     import threading
 
     def again() -> None:
-        os.kill(os.getpid(), _received.pop())
+        number = _received.pop()
+        if sys.platform == "win32":
+            signal.raise_signal(number)
+        else:
+            os.kill(os.getpid(), number)
 
     threading.Timer(0.01, again).start()
 

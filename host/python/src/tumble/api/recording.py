@@ -15,7 +15,7 @@ from tumble.api.words import told_in_python
 from tumble.arrays import Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
-from tumble.files import frames, run_file
+from tumble.files import can_log, frames, run_file
 from tumble.files.csv_rows import Refused
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import PositionIndex, Run, RunTable
@@ -165,7 +165,9 @@ def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
             return Recording(file, wishes, table=read_table_file(file))
-        return Recording(file, wishes, data=read_bytes(file))
+        data = read_bytes(file)
+        can_log.refuse(data, file)
+        return Recording(file, wishes, data=data)
     if not frames.is_table(source):
         source = _of_array(source)
     return Recording(frames.library_of(source) or "table", wishes, table=source, from_file=False)

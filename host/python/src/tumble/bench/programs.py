@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from pathlib import Path
 
-from tumble.errors import BenchFault, file_name
+from tumble.errors import BenchFault, Skipped, file_name
 
 
 def built(path: str) -> Path:
@@ -18,13 +19,15 @@ def built(path: str) -> Path:
 
 def find(name: str, folder: str) -> str:
     """Path of the program `name`: as the environment says (TUMBLE_BENCH for tumble-bench, and so on), in `folder` of
-    the build tree, or installed. Raises BenchFault."""
+    the build tree, or installed. Raises BenchFault; Skipped on a system that our programs are not made for."""
     variable = name.upper().replace("-", "_")
     if chosen := os.environ.get(variable):
         return chosen
     path = built(f"{folder}/{name}")
     beside = next((str(one) for one in (path, Path(__file__).with_name(name)) if os.access(one, os.X_OK)), None)
     found = beside or shutil.which(name)
+    if found is None and sys.platform != "linux":
+        raise Skipped(f"{name} runs on Linux alone; what else tumble does, it does on this system as well")
     if found is None:
         raise BenchFault(f"the program {name} is not built: no {file_name(path)}; {variable} may say where it is")
     return found

@@ -12,6 +12,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -63,6 +64,8 @@ sleep 10
 
 def missing() -> str | None:
     """What keeps user-mode Linux from running here, for one line to the user; None: nothing."""
+    if sys.platform != "linux":
+        return "it runs on Linux alone"
     search = f"{os.environ.get('PATH', '')}:{_PATH}"
     programs = (_KERNEL, "insmod", "ip")
     lacking = [name for name in programs if shutil.which(name, path=search) is None]

@@ -11,7 +11,6 @@ import os
 import re
 import shlex
 import sys
-import termios
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -111,6 +110,8 @@ def _mount(path: Path, link: Path) -> str:
 @contextmanager
 def _own_terminal() -> Iterator[tuple[int, os.terminal_size]]:
     """Our terminal, opened anew, as user-mode Linux changes what it is given; afterwards it is as before."""
+    import termios  # which Windows has not, where the command line is loaded, too
+
     before = termios.tcgetattr(0)
     descriptor = os.open(os.ttyname(0), os.O_RDWR | os.O_NOCTTY)
     try:

@@ -6,6 +6,7 @@ For every room from here up. A complaint is one line with file, row and column (
     run_temperature  its temperatures
     stand_file     stand files, and files of a [block] alone
     schedule_file  schedule files
+    can_log        frames in the log of a CAN bus
     toml           TOML with every key and every value checked, for files of other kinds too
     documents      JSON, and results read back
     disk           bytes of a file; files written as a whole or not at all

@@ -21,6 +21,7 @@ import numpy as np
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput
+from tumble.files import can_log
 from tumble.files.csv_rows import NotANumber, Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import read_bytes
 from tumble.files.run_blocks import NO_BLOCKS, Blocks, blocks_of
@@ -91,6 +92,7 @@ def on_schedule(run_on: Callable[[Schedule], Run], schedule: CoreSchedule) -> tu
 def read_run(file: str, schedule: Schedule, wishes: Wishes = NO_WISHES, data: bytes | None = None) -> Run:
     """Read a run file (CSV); `data`: what is in it, if that has been read. Raises BadInput."""
     data = read_bytes(file) if data is None else data
+    can_log.refuse(data, file)
     require_text(data, file)
     layout = detect(data, wishes, file)
     table = read_table(data, layout, PositionIndex(schedule), file)

@@ -15,13 +15,13 @@ from tumble.units import UNIT
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
+DEFAULT_UNIT = "V"
 DECIMALS = (".", ",")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _HEAD_BYTES = 1 << 16
 _ROWS_TO_LOOK_AT = 200
 _LONGEST_HEADER = 400
-_DEFAULT_UNIT = "V"
 _BRACKETED = re.compile(r"[\[(]([^\])]*)[\])]\s*$")
 _TOML = re.compile(r"\s*(\[\[?[\w.]+\]\]?\s*(#.*)?$|[\w.]+\s*=)")
 _ALIASES = {
@@ -158,7 +158,7 @@ def _from_header(
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
         unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
-        told = unit or _DEFAULT_UNIT, unit is not None
+        told = unit or DEFAULT_UNIT, unit is not None
         felt = temperature_column(names, wishes.columns)
         return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt)
     fields = re.split(r"[,;\t]", line)

@@ -1,6 +1,7 @@
 """From a continuous recording to a run file: rests found, matched to a schedule by the direction of gravity.
 
 recording, clock, novatel    files in, numbers out
+can_bus                      CAN logs in: the block's samples (block_samples), signals of a DBC file (can_signals)
 rests                        where the block was at rest
 attitudes                    what gravity alone says of K and of the attitude at each rest
 order, hypotheses, match     which rest is which position, and whether anything else fits as well

@@ -13,6 +13,7 @@ from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
+from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
 from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
 from tumble.importing.order import ANY, NONE
@@ -29,7 +30,7 @@ _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
 @dataclass(frozen=True)
 class Settings:
     """All that an import depends on, but for the files. `schedule`: its name or file, None: nobody says; `mountings`:
-    numbers by name."""
+    numbers by name; `bus`: of CAN logs."""
 
     schedule: str | None = None
     wishes: Wishes = NO_WISHES
@@ -37,6 +38,7 @@ class Settings:
     thresholds: Thresholds = field(default_factory=Thresholds)
     claims: Claims = field(default_factory=Claims)
     mountings: dict[str, int] = field(default_factory=dict)
+    bus: Bus = NO_BUS
 
     @property
     def schedule_name(self) -> str:
@@ -92,7 +94,7 @@ class Imported:
 
 def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settings) -> Imported:
     """All of it. Raises BadInput and UsageError."""
-    recordings = [recording.read(file, settings.wishes, settings.timing) for file in files]
+    recordings = [recording.read(file, settings.wishes, settings.timing, settings.bus) for file in files]
     recording.require_alike(recordings)
     outputs = np.concatenate([one.outputs for one in recordings])
     lengths = [len(one.outputs) for one in recordings]

@@ -5,6 +5,7 @@
 [columns]     ux, uy, uz, time, mounting, position, angle, number, temperature: names in the file
 [thresholds]  window_s, min_rest_s, window_samples, min_rest_samples, still, drift
 [mountings]   numbers by name
+[can]         dbc, identifier, channel, v_per_count: of CAN logs
 
 Rests to leave out or to take belong to one recording and are not in it.
 """
@@ -20,6 +21,7 @@ from tumble.errors import BadInput, quoted
 from tumble.files.run_layout import Wishes
 from tumble.files.toml import Table, read_toml
 from tumble.importing.attitudes import Signs
+from tumble.importing.can_bus import Bus
 from tumble.importing.clock import UNITS
 from tumble.importing.hypotheses import REPEATS, Claims
 from tumble.importing.order import ANY, SCHEDULE
@@ -33,13 +35,13 @@ _LARGEST = 1e6
 def read(file: str) -> Settings:
     """The settings of a recipe. Raises BadInput with file and row."""
     top = read_toml(file)
-    top.only("import", "layout", "columns", "thresholds", "mountings")
+    top.only("import", "layout", "columns", "thresholds", "mountings", "can")
     main = (top.table("import") or Table(file, {}, ("import",), {})).only(
         "schedule", "order", "signs", "repeats", "tolerance_deg", "rate_hz", "time_unit"
     )
     layout = (top.table("layout") or Table(file, {}, ("layout",), {})).only("delimiter", "decimal", "unit")
     columns = (top.table("columns") or Table(file, {}, ("columns",), {})).only(*COLUMNS)
-    mountings = top.table("mountings")
+    mountings, can = top.table("mountings"), top.table("can")
     tolerance = main.number("tolerance_deg", 0.01, 45.0, default=None)
     claims = Claims(
         signs=parse_signs(main.text("signs", default=None), file),
@@ -61,6 +63,17 @@ def read(file: str) -> Settings:
         thresholds=_thresholds(top.table("thresholds")),
         claims=claims if tolerance is None else replace(claims, tolerance=math.radians(tolerance)),
         mountings={} if mountings is None else {k: mountings.integer(k, 1, 255) for k in sorted(mountings.keys)},
+        bus=Bus() if can is None else _bus(can),
+    )
+
+
+def _bus(table: Table) -> Bus:
+    table.only("dbc", "identifier", "channel", "v_per_count")
+    return Bus(
+        dbc=table.text("dbc", default=None),
+        identifier=table.integer("identifier", 0, 0x7FF, default=None),
+        channel=table.text("channel", default=None),
+        v_per_count=table.number("v_per_count", 0.0, _LARGEST, default=0.0),
     )
 
 
@@ -104,6 +117,7 @@ def to_toml(settings: Settings) -> str:
         "columns": dict(wishes.columns),
         "thresholds": {one.name: getattr(settings.thresholds, one.name) for one in fields(Thresholds)},
         "mountings": {json.dumps(key): number for key, number in settings.mountings.items()},
+        "can": {key: value or None for key, value in vars(settings.bus).items()},
     }
     return "\n".join(filter(None, (_table(name, values) for name, values in tables.items())))
 

@@ -14,9 +14,11 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.csv_rows import LARGEST_OUTPUT
+from tumble.files import can_log
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (
+    DEFAULT_UNIT,
     NUMBER,
     TEMPERATURE,
     Layout,
@@ -32,7 +34,8 @@ from tumble.files.run_layout import (
 )
 from tumble.files.run_temperature import range_of, temperatures_of_rows
 from tumble.files.tables import SUFFIXES, suffix_of
-from tumble.importing import clock, novatel
+from tumble.importing import can_bus, clock, novatel
+from tumble.importing.can_bus import NO_BUS, Bus
 from tumble.importing.clock import Clock
 
 OUTPUTS = ("ux", "uy", "uz")
@@ -70,13 +73,16 @@ class Timing:
     unit: str | None = None
 
 
-def read(file: str, wishes: Wishes, timing: Timing) -> Recording:
-    """Read one file. Raises BadInput with file, row and column."""
+def read(file: str, wishes: Wishes, timing: Timing, bus: Bus = NO_BUS) -> Recording:
+    """Read one file. Raises BadInput with file, row and column; UsageError; NotInstalled."""
     if suffix_of(file) in SUFFIXES:
         raise BadInput(
             "no text: import takes CSV and RAWIMU logs, tumble solve such a file of samples at positions", file
         )
     data = read_bytes(file)
+    if (kind := can_log.kind_of(data)) is not None:
+        return _read_bus(file, data, kind, wishes, timing, bus)
+    bus.require_log()
     require_text(data, file)
     return _read_log(file, data, wishes, timing) if novatel.is_log(data) else _read_table(file, data, wishes, timing)
 
@@ -90,6 +96,16 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
     return Recording(
         file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, None, (*notes, *told.notes), data
     )
+
+
+def _read_bus(file: str, data: bytes, kind: str, wishes: Wishes, timing: Timing, bus: Bus) -> Recording:
+    log = can_bus.read(data, file, kind, wishes, bus)
+    told = _clock_of(log.seconds, "time s", replace(timing, unit=None), file)
+    notes = (*log.notes, *told.notes)
+    unit = log.unit or DEFAULT_UNIT
+    return Recording(
+        file, log.outputs, log.lines, unit, log.unit is not None, told, {}, log.temperature, notes, data
+    )  # fmt: skip
 
 
 def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recording:

@@ -15,6 +15,7 @@ from tumble.schedule import file_of
 
 if TYPE_CHECKING:
     from tumble.importing.attitudes import Signs
+    from tumble.importing.can_bus import Bus
     from tumble.importing.hypotheses import Claims
     from tumble.importing.pipeline import Settings
     from tumble.importing.rests import Thresholds
@@ -35,7 +36,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         "recordings",
         metavar="RECORDING",
         nargs="+",
-        help="CSV of a logger, or a RAWIMU log (ASCII); several are one run, in this order",
+        help="CSV of a logger, a RAWIMU log (ASCII), or a CAN log; several are one run, in this order",
     )
     options.add_schedule(parser)
     parser.add_argument("--stand", metavar="FILE", help="stand file: the sign of its scale_v_per_g is that of K")
@@ -54,6 +55,10 @@ def add_to(subparsers: options.Subparsers) -> None:
     layout = layout_options.add_layout(parser, "recordings", "ux=AccX,time=Tick")
     layout.add_argument("--time-unit", choices=("s", "ms", "us", "ns"), help="of a clock that is a number")
     layout.add_argument("--rate", metavar="HZ", help="samples a second; the file's clock is not read then")
+    bus = parser.add_argument_group("CAN logs", "candump, ASC, BLF, TRC, MF4, CSV of python-can")
+    bus.add_argument("--dbc", metavar="FILE", help="of other frames than our block's; --columns names their signals")
+    bus.add_argument("--can-id", metavar="ID", help="first identifier of the block, of several, such as 0x684")
+    bus.add_argument("--can-channel", metavar="NAME", help="interface, of several that have such frames")
     rests = parser.add_argument_group("what is a rest")
     rests.add_argument("--still", metavar="X", help="scatter in a window, at most, in units of the noise; default: 2.5")
     rests.add_argument("--drift", metavar="X", help="of block means in a window, likewise; default: 8")
@@ -72,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.importing.pipeline import import_recordings
     from tumble.pictures.canvas import require_format
 
-    sources = (*arguments.recordings, arguments.stand, file_of(arguments.schedule))
+    sources = (*arguments.recordings, arguments.stand, arguments.dbc, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
         refuse_overwriting(getattr(arguments, option), *sources, option=f"--{option}")
     outputs = [os.path.realpath(one) for one in (arguments.out, arguments.plot, arguments.recipe) if one is not None]
@@ -124,7 +129,31 @@ def _settings(arguments: argparse.Namespace, replayed: bool, signs: Signs | None
         thresholds=_thresholds(arguments, base.thresholds),
         claims=_claims(arguments, base.claims, signs or base.claims.signs),
         mountings=mountings,
+        bus=_bus(arguments, base.bus),
     )
+
+
+def _bus(arguments: argparse.Namespace, base: Bus) -> Bus:
+    identifier = base.identifier
+    if arguments.can_id is not None:
+        try:
+            identifier = int(arguments.can_id, 0)
+        except ValueError:
+            raise UsageError(f"--can-id: {quoted(arguments.can_id)} is not an identifier such as 0x683") from None
+    return replace(
+        base,
+        dbc=arguments.dbc or base.dbc,
+        identifier=identifier,
+        channel=arguments.can_channel or base.channel,
+        v_per_count=base.v_per_count if arguments.stand is None else _step_of_stand(arguments.stand),
+    )
+
+
+def _step_of_stand(file: str) -> float:
+    """Size of a count of the block's converter, V; 0 where the stand file does not tell it."""
+    from tumble.files.stand_file import read_stand
+
+    return read_stand(file).step_v
 
 
 def _thresholds(arguments: argparse.Namespace, base: Thresholds) -> Thresholds:

@@ -1,0 +1,133 @@
+"""Logs of a CAN bus, frame by frame: candump -L, Vector's ASC and BLF, PEAK's TRC, ASAM MF4, CSV of python-can.
+
+Which of them a file is, shows in its beginning, whatever its name. python-can reads them (MF4 by asammdf); it is loaded
+when there is such a file.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from tumble.errors import BadInput, NotInstalled, file_name, quoted
+from tumble.files.run_layout import decoded
+
+CANDUMP, ASC, BLF, TRC, MF4, CSV = "candump", "ASC", "BLF", "TRC", "MF4", "python-can CSV"
+_HEAD = 4096
+_BEGINNINGS = {
+    BLF: rb"LOGG",
+    MF4: rb"(MDF     |UnFinMF )4\.",
+    CSV: rb"timestamp,arbitration_id,extended,remote,error,dlc,data\s",
+    TRC: rb";(\$FILEVERSION=|#{40})",
+    ASC: rb"(?is)(//[^\n]*\n)*date [^\n]*\n(//[^\n]*\n)*base\s+(hex|dec)\b",
+    CANDUMP: rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#",
+}
+_BINARY = (BLF, MF4)
+
+
+class Frame(NamedTuple):
+    """A data frame. `seconds`: of the logger's clock; `channel`: the interface, empty if the log names none; `line`: of
+    a text, or the number of the message."""
+
+    seconds: float
+    identifier: int
+    extended: bool
+    channel: str
+    data: bytes
+    line: int
+
+
+def kind_of(data: bytes) -> str | None:
+    """What kind of CAN log this is, as it is called in messages; None: it is none."""
+    head = data[:_HEAD].removeprefix(b"\xef\xbb\xbf")
+    return next((kind for kind, beginning in _BEGINNINGS.items() if re.match(beginning, head)), None)
+
+
+def refuse(data: bytes, file: str) -> None:
+    """Raises BadInput for a CAN log, where a run file is wanted."""
+    if (kind := kind_of(data)) is not None:
+        advice = f"tumble import {file_name(file)} --out RUN.csv finds them by the rests"
+        raise BadInput(f"is a CAN log ({kind}), which has no positions: {advice}", file)
+
+
+class CanLog:
+    """The frames of a log, to be gone through once. `frames`: how many have been read; `torn`: the last line is not
+    whole, as when the logger lost its power, and was left out.
+
+    Raises BadInput with file and line, NotInstalled where a package is missing.
+    """
+
+    def __init__(self, data: bytes, file: str, kind: str):
+        self.frames = 0
+        self.torn = False
+        self._file, self._kind = file, kind
+        self._lines = None if kind in _BINARY else _Lines(decoded(data))
+        readers = _readers(file, kind)
+        try:
+            self._reader = readers[kind](io.BytesIO(data) if self._lines is None else self._lines)
+        except Exception as error:  # each reader has its own for what it does not know
+            raise self._refusal(error) from None
+
+    def __iter__(self) -> Iterator[Frame]:
+        try:
+            for number, message in enumerate(self._reader, 1):
+                if message.is_error_frame or message.is_remote_frame:
+                    continue
+                self.frames += 1
+                channel = "" if message.channel is None else str(message.channel)
+                line = number if self._lines is None else self._lines.number
+                data = bytes(message.data)
+                yield Frame(message.timestamp, message.arbitration_id, message.is_extended_id, channel, data, line)
+        except (BadInput, MemoryError):
+            raise
+        except Exception as error:  # likewise
+            if not self.frames or self._lines is None or not self._lines.at_end:
+                raise self._refusal(error) from None
+            self.torn = True
+        if getattr(self._reader, "timestamps_format", None) == "relative":
+            raise BadInput("its times count from the line before; log it with absolute timestamps", self._file)
+
+    def _refusal(self, error: Exception) -> BadInput:
+        row = None if self._lines is None or not self._lines.number else self._lines.number
+        place = f" after {self.frames} frames" if self._lines is None else ""
+        why = f": {quoted(error)}" if str(error) else ""
+        return BadInput(f"cannot be read as a CAN log ({self._kind}){place}{why}", self._file, row)
+
+
+class _Lines(io.StringIO):
+    """Text that knows how many of its lines have been read: `number`."""
+
+    def __init__(self, text: str):
+        super().__init__(text, newline=None)
+        self.number = 0
+        self._lines = text.count("\n") + (not text.endswith("\n"))
+
+    def __next__(self) -> str:  # type: ignore[override] # as that of StringIO, whose base has bytes
+        line = super().__next__()
+        self.number += 1
+        return line
+
+    @property
+    def at_end(self) -> bool:
+        """Is the line that was read last the last one?"""
+        return self.number >= self._lines
+
+
+def _readers(file: str, kind: str) -> dict[str, Any]:
+    try:
+        import can
+    except ImportError:
+        raise NotInstalled(f"{file_name(file)}: a CAN log", "python-can", extra="can") from None
+    if kind == MF4:
+        try:
+            import asammdf  # noqa: F401
+        except ImportError:
+            raise NotInstalled(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4") from None
+    logging.getLogger("can").addHandler(logging.NullHandler())  # else its remarks would stand among ours
+    return {
+        CANDUMP: can.CanutilsLogReader, ASC: can.ASCReader, BLF: can.BLFReader, TRC: can.TRCReader,
+        MF4: can.MF4Reader, CSV: can.CSVReader,
+    }  # fmt: skip

@@ -1,0 +1,202 @@
+"""Logs of a CAN bus: the log of a run of the bench becomes its run file again, in every format; others are refused."""
+
+import csv
+import os
+import re
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES
+
+can = pytest.importorskip("can", reason="python-can is not installed")
+pytest.importorskip("cantools", reason="cantools is not installed")
+
+from can_logs import DBC, V_PER_COUNT, bench, rewritten  # noqa: E402, F401
+
+from tumble.errors import BadInput  # noqa: E402
+from tumble.files import can_log  # noqa: E402
+from tumble.files.run_layout import Wishes  # noqa: E402
+from tumble.importing import can_bus  # noqa: E402
+from tumble.importing.can_bus import Bus  # noqa: E402
+
+pytestmark = pytest.mark.python
+
+KINDS = {".log": "candump", ".asc": "ASC", ".blf": "BLF", ".trc": "TRC", ".csv": "python-can CSV", ".mf4": "MF4"}
+
+
+def rows_of(file):
+    """Of a run file: [(place, outputs, temperature)], and its header."""
+    with open(file) as stream:
+        lines = [row for row in csv.reader(stream) if not row[0].startswith("#")]
+    at = lines[0].index("temperature")
+    return lines[0], [((int(r[0]), int(r[1])), tuple(map(float, r[2:5])), float(r[at])) for r in lines[1:]]
+
+
+def by_place(rows):
+    found = {}
+    for place, outputs, _ in rows:
+        found.setdefault(place, []).append(outputs)
+    return {place: np.array(outputs) for place, outputs in found.items()}
+
+
+# The bench's own log, the way back.
+
+
+@pytest.mark.parametrize("suffix", KINDS)
+def test_the_log_of_a_run_becomes_its_run_file(suffix, bench, tumble, tmp_path):
+    if suffix == ".mf4":
+        pytest.importorskip("asammdf", reason="asammdf is not installed")
+    log = bench.log if suffix == ".log" else rewritten(bench.log, tmp_path / f"bus{suffix}")
+    done = tumble("import", log, "--stand", bench.stand, "--out", tmp_path / "run.csv")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    said = " ".join(done.stdout.split())
+    frames = sum(1 for _ in can.CanutilsLogReader(str(bench.log)))
+    assert f"- CAN log ({KINDS[suffix]}): {frames} frames" in said
+    assert "left out" not in said.replace("left out: nowhere", "") and "missing" not in said
+    header, rows = rows_of(tmp_path / "run.csv")
+    assert header == ["mounting", "position", "ux [V]", "uy [V]", "uz [V]", "time_s", "rest", "temperature"]
+    _, expected = rows_of(bench.run)
+    require_nearly_the_same(rows, expected)
+
+
+def require_nearly_the_same(rows, expected):
+    """Of every position most samples that the bench has averaged, bit for bit and in their order, and beside them
+    others of the same rest: means differ by chance."""
+    found, wanted = by_place(rows), by_place(expected)
+    assert list(found) == list(wanted)
+    for place, outputs in wanted.items():
+        have = set(map(tuple, outputs.tolist()))
+        common = [tuple(row) for row in found[place].tolist() if tuple(row) in have]
+        assert len(common) > 0.6 * len(outputs), place
+        order = [tuple(row) for row in outputs.tolist()]
+        begin = order.index(common[0])
+        assert order[begin : begin + len(common)] == common, place
+        sigma = outputs.std(axis=0, ddof=1)
+        assert (np.abs(found[place].mean(axis=0) - outputs.mean(axis=0)) < 5 * sigma / np.sqrt(len(common))).all()
+    assert {temperature for _, _, temperature in rows} == {temperature for _, _, temperature in expected} == {25.0}
+
+
+def test_every_format_gives_the_same_rows(bench, tmp_path):
+    def read(file):
+        data = file.read_bytes()
+        return can_bus.read(data, str(file), can_log.kind_of(data), Wishes(), Bus())
+
+    expected = read(bench.log)
+    for suffix in (".asc", ".blf", ".trc", ".csv"):
+        found = read(rewritten(bench.log, tmp_path / f"bus{suffix}"))
+        assert np.array_equal(found.outputs, expected.outputs) and found.unit == "counts"
+        times = found.seconds - found.seconds[0] - (expected.seconds - expected.seconds[0])
+        assert np.abs(times).max() < 2e-5, suffix
+
+
+def test_without_a_converter_the_outputs_are_counts(bench, tumble, tmp_path):
+    done = tumble("import", bench.log, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0
+    assert "in counts: with converter_bits and range_v of a stand file (--stand) in V" in " ".join(done.stdout.split())
+    header, rows = rows_of(tmp_path / "run.csv")
+    assert header[2:5] == ["ux [counts]", "uy [counts]", "uz [counts]"]
+    require_nearly_the_same([(place, tuple(V_PER_COUNT * u for u in outputs), degrees)
+                             for place, outputs, degrees in rows], rows_of(bench.run)[1])
+
+
+def test_what_is_imported_can_be_solved(bench, tumble, tmp_path):
+    done = tumble("import", bench.log, "--stand", bench.stand, "--out", tmp_path / "run.csv")
+    assert done.returncode == 0
+    import tumble as package
+
+    own, again = (package.solve(str(file), stand=str(bench.stand)) for file in (bench.run, tmp_path / "run.csv"))
+    assert again.unit == "V" and again.passed and own.passed
+    assert (np.abs(own.K - again.K) < own.u_K).all() and (np.abs(own.U0 - again.U0) < own.u_U0).all()
+
+
+def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):
+    columns = ("--columns", "ux=y,uy=x,uz=z", "--signs=+++", "--stand", bench.stand)
+    data = bench.log.read_bytes()
+    plain = can_bus.read(data, "log", "candump", Wishes(), Bus())
+    turned = can_bus.read(data, "log", "candump", Wishes(columns={"ux": "y", "uy": "x", "uz": "z"}), Bus())
+    assert np.array_equal(turned.outputs, plain.outputs[:, [1, 0, 2]])
+    refused = tumble("import", bench.log, *columns)
+    assert refused.returncode == 2 and "channels y and x exchanged" in refused.stderr
+    recipe = ("--recipe", tmp_path / "bench.toml")
+    first = tumble("import", bench.log, "--stand", bench.stand, "--can-channel", "can0", "--can-id", "0x683", *recipe,
+                   "--out", tmp_path / "first.csv")
+    again = tumble("import", bench.log, *recipe, "--out", tmp_path / "again.csv")
+    assert first.returncode == again.returncode == 0, again.stderr
+    assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "again.csv").read_bytes()
+    written = (tmp_path / "bench.toml").read_text()
+    assert f'[can]\nidentifier = 1667\nchannel = "can0"\nv_per_count = {V_PER_COUNT!r}\n' in written
+
+
+@pytest.mark.parametrize("suffix", [".blf", ".trc", ".csv", ".asc"])
+def test_a_log_that_is_cut_is_read_so_far_or_refused(suffix, bench, tmp_path):
+    data = rewritten(bench.log, tmp_path / f"bus{suffix}").read_bytes()
+    whole = len(can_bus.read(data, "bus", KINDS[suffix], Wishes(), Bus()).outputs)
+    for length in (len(data) // 2, len(data) // 2 + 1, len(data) // 2 + 2, len(data) // 2 + 17):
+        try:
+            found = can_bus.read(data[:length], "bus", KINDS[suffix], Wishes(), Bus())
+        except BadInput as error:
+            assert re.match(r"bus: (row \d+: )?(cannot be read as a CAN log|no samples of the block)", str(error))
+        else:
+            assert suffix == ".blf" or 0.4 * whole < len(found.outputs) < 0.6 * whole
+
+
+def test_times_that_count_from_the_line_before_are_refused(bench, refused, tmp_path):
+    text = rewritten(bench.log, tmp_path / "bus.asc").read_text()
+    (tmp_path / "bus.asc").write_text(text.replace("timestamps absolute", "timestamps relative", 1))
+    assert refused("import", tmp_path / "bus.asc").endswith(
+        "bus.asc: its times count from the line before; log it with absolute timestamps\n"
+    )
+
+
+# Where no CAN log can be taken.
+
+
+def test_solve_and_others_say_what_to_do(bench, refused, tmp_path):
+    import tumble as package
+
+    said = (f"{bench.log}: is a CAN log (candump), which has no positions: "
+            f"tumble import {bench.log} --out RUN.csv finds them by the rests")
+    assert refused("solve", bench.log) == f"tumble: {said}\n"
+    assert refused("fixture", "check", "--stand", bench.stand, bench.log) == f"tumble: {said}\n"
+    for take in (package.read, package.solve):
+        with pytest.raises(package.BadInput) as caught:
+            take(bench.log)
+        assert str(caught.value) == said
+    blf = rewritten(bench.log, tmp_path / "bus.blf")
+    assert "is a CAN log (BLF), which has no positions" in refused("solve", blf)
+
+
+def test_options_of_can_logs_are_for_can_logs(refused):
+    for options in (("--dbc", DBC), ("--can-id", "0x683"), ("--can-channel", "can0")):
+        assert refused("import", EXAMPLES / "hand_held_session.csv", *options) == (
+            f"tumble: {options[0]} is for a CAN log, and none is given\n"
+        )
+
+
+@pytest.mark.parametrize(("package", "extra"), [("can", "can"), ("cantools", "can"), ("asammdf", "mf4")])
+def test_without_the_packages_a_line_says_what_to_install(package, extra, bench, tumble, tmp_path):
+    (tmp_path / f"{package}.py").write_text("raise ImportError('none')\n")
+    log = bench.log
+    if package == "asammdf":
+        log = tmp_path / "bus.mf4"
+        log.write_bytes(b"MDF     4.10    " + bytes(100))
+    path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    done = tumble("import", log, PYTHONPATH=path)
+    assert (done.returncode, done.stdout) == (77, "")
+    name = {"can": "python-can"}.get(package, package)
+    kind = " in MF4" if package == "asammdf" else ""
+    assert done.stderr == f"tumble: {log}: a CAN log{kind} needs {name}: pip install 'tumble[{extra}]'\n"
+
+
+def test_what_a_can_log_is_shows_in_its_beginning():
+    for text, kind in (
+        (b"(0000000000.000112) can0 701#00\n", "candump"), (b"\n (1.5) vcan0 12345678#0011 R\n", "candump"),
+        (b"date Sun Nov 22 08:00:00.000 am 2026\r\nbase hex  timestamps absolute\r\n", "ASC"),
+        (b"// made by\ndate x\nbase dec timestamps absolute\n", "ASC"), (b"LOGG\x90\0\0\0", "BLF"),
+        (b";$FILEVERSION=2.1\r\n", "TRC"), (b";" + b"#" * 74 + b"\n", "TRC"), (b"MDF     4.10    ", "MF4"),
+        (b"\xef\xbb\xbftimestamp,arbitration_id,extended,remote,error,dlc,data\r\n", "python-can CSV"),
+        (b"mounting,position,ux,uy,uz\n", None), (b"# comment\n", None), (b"", None), (b"(1) 2 3\n", None),
+        (b"%RAWIMUSA,2209,491612.254;2209,", None), (b"timestamp,ax,ay,az\n", None),
+    ):
+        assert can_log.kind_of(text) == kind, text
