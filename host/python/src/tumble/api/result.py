@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
@@ -32,14 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class Origin:
-    """What a result was solved with and does not carry: the `stand`, None where there was none, and the `schedule`."""
-
-    stand: StandFile | None
-    schedule: Schedule
-
-
 class HasColumns(Protocol):
     """A DataFrame of pandas or polars, or a table of pyarrow."""
 
@@ -60,18 +51,11 @@ class Result:
     declared. Arrays are float64 and cannot be written to.
     """
 
-    def __init__(
-        self,
-        text: str,
-        warnings: tuple[str, ...] | None = None,
-        name: str = "result",
-        origin: Origin | None = None,
-    ):
+    def __init__(self, text: str, warnings: tuple[str, ...] | None = None, name: str = "result"):
         """`text`: JSON of schema tumble.result/1; `warnings`: None for those that it shows; `name`: what errors call
-        it; `origin`: None where it is not known. Raises BadInput."""
+        it. Raises BadInput."""
         self._text = text
         self._name = name
-        self._origin = origin
         self._checked = checked_coefficients(text.encode("utf-8"), name)
         told = complaints_of_document(self._checked) if warnings is None else warnings
         self.warnings = tuple(map(in_python, told))
@@ -231,8 +215,8 @@ class Result:
         says what they show. `kind`: this one alone. `file`: write it, .png, .svg or .pdf by its name; without `kind`
         the gravity check.
 
-        `run`: what was solved, what `read` gives or takes. `stand`, `schedule`: as `solve` takes them. A result of
-        `solve` knows its own; one of `load` knows a built-in schedule, and must be told the stand.
+        `run`: what was solved, what `read` gives or takes. `stand`, `schedule`: as `solve` takes them, for a
+        result of an earlier version, which does not repeat them.
 
         Raises UsageError for a picture that lacks something, or for a run, stand or schedule that is not that of this
         result; BadInput for files that cannot be read or written; NotInstalled without matplotlib.
@@ -247,9 +231,6 @@ class Result:
         if file is not None:
             pictures.require_format(os.fspath(file), "file")
             kind = "gravity_check" if kind is None else kind
-        if self._origin is not None:
-            stand = self._origin.stand if stand is None else stand
-            schedule = self._origin.schedule if schedule is None else schedule
         recorded = None if run is None else recording_of(run)
         drawn = pictures.figures(self.document, recorded, schedule, stand=stand, kind=kind)
         if file is not None and kind is not None:

@@ -10,7 +10,7 @@ from typing import Any
 from tumble.api.arguments import as_list, as_number
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
-from tumble.api.result import Origin, Result
+from tumble.api.result import Result
 from tumble.api.words import told_in_python
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, DEFAULT_SCHEDULE, NEEDS_STAND
 from tumble.errors import UsageError, quoted
@@ -136,5 +136,4 @@ def solve(
             confidence=confidence,
             terms=parse(as_list(model), estimator),
         )
-        measured_on = Origin(found.stand_file, found.solution.schedule)
-        return Result(to_json(found.document()), tuple(found.complaints()), origin=measured_on)
+        return Result(to_json(found.document()), tuple(found.complaints()))

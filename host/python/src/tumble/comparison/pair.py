@@ -18,6 +18,7 @@ from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
 from tumble.solving import si
 from tumble.solving.coefficients import Coefficients
+from tumble.solving.declared import stand_of
 from tumble.solving.temperature import TOLERANCE_C
 from tumble.terms import POWERS, Terms
 
@@ -118,8 +119,8 @@ def compare(
 
 def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
     """The stand that both results declare, by the same name and with the same numbers; None where they do not."""
-    stand = shared.stand_of(a.document, a.name)
-    if stand is None or not stand.name or stand != shared.stand_of(b.document, b.name):
+    stand = stand_of(a.document, a.name)
+    if stand is None or not stand.name or stand != stand_of(b.document, b.name):
         return None
     return OneStand(stand.name, stand, None, (), levelled)
 

@@ -16,17 +16,17 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.comparison.calibration import Calibration
 from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
-from tumble.errors import BadInput, UsageError
+from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.combination import repeats
-from tumble.schedule import Mounting, Position, Schedule
+from tumble.schedule import Schedule
+from tumble.solving.declared import schedule_of
 from tumble.solving.many_runs import brought
-from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
+from tumble.stand import Stand
 from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
 ONCE, ANEW = LEVELLED = ("once", "anew")
-_LARGEST = 1e9  # of an error of a stand, as stand files have it
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
 
 
@@ -68,7 +68,7 @@ class Apart:
 def told_apart(told: Told, one_stand: OneStand) -> Apart | None:
     """By the first schedule with which the stand explains the covariance; None where none does. Raises BadInput for a
     result whose own schedule is none."""
-    schedule = _schedule_of(told)
+    schedule = schedule_of(told.document, told.name)
     for one in one_stand.schedules if schedule is None else [schedule]:
         found = _by_source(told, one_stand, one.data)
         beyond = None if found is None else _beyond(told, found, one_stand.step_v is not None)
@@ -78,53 +78,6 @@ def told_apart(told: Told, one_stand: OneStand) -> Apart | None:
             own = [draws.T @ draws for name, draws in found.items() if name not in returns]
             return Apart(sum(own, beyond), returns)
     return None
-
-
-def stand_of(document: dict[str, Any], name: str) -> Stand | None:
-    """That a result declares; None where it tells none. Raises BadInput."""
-    told = document.get("stand")
-    if told is None:
-        return None
-    try:
-        keys: dict[str, Any] = {attribute: float(told[key]) for attribute, key in _KEYS.items()}
-        small = all(0.0 <= size < _LARGEST for size in keys.values())
-        keys |= {"limits": told["limits"], "remounting": told["remount"], "name": told["name"] or ""}
-        stand = Stand(**keys, samples=int(told["samples"]))
-        if small and stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0:
-            return stand
-    except (KeyError, TypeError, ValueError, OverflowError):
-        pass
-    raise BadInput("its stand is not as tumble solve writes it", name)
-
-
-_KEYS = {  # of a result's stand, by the attributes of Stand
-    "axis_tilt": "axis_tilt_rad",
-    "level": "level_rad",
-    "remount": "remount_rad",
-    "angle": "angle_rad",
-    "noise": "noise_v",
-    "seat": "seat_rad",
-    "platform": "platform_rad",
-    "encoder": "encoder_rad",
-    "drift": "drift_v",
-}
-
-
-def _schedule_of(told: Told) -> CoreSchedule | None:
-    """The result's own; None where it does not tell it."""
-    found = told.document.get("schedule")
-    if found is None:
-        return None
-    try:
-        mountings = tuple(
-            Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in found["mounting"]
-        )
-        positions = tuple(
-            Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in found["position"]
-        )
-        return CoreSchedule(Schedule(mountings, positions))
-    except (KeyError, TypeError, ValueError, OverflowError, CoreRefusal):
-        raise BadInput("its schedule is not as tumble solve writes it", told.name) from None
 
 
 def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | None:

@@ -13,8 +13,8 @@ import numpy as np
 
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.csv_rows import LARGEST_OUTPUT
 from tumble.files import can_log
+from tumble.files.csv_rows import LARGEST_OUTPUT
 from tumble.files.disk import read_bytes
 from tumble.files.run_file import body_of, read_plain, require_text
 from tumble.files.run_layout import (

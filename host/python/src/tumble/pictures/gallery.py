@@ -10,6 +10,7 @@ from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
 from tumble.pictures import by_position, canvas, matrix, samples, shares, sphere, stand_seen
 from tumble.pictures.facts import Facts, Recorded
+from tumble.solving import declared
 from tumble.solving.expected import expected, measured_schedule
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ _TITLES = {
     "correlation": "Correlation of the coefficients",
     "attitude": "Uncertainty of the length of the specific force by attitude",
 }
+_RESULT = "result"
 _A_STAND = "a result that was solved with a stand"
 _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]] = {
     "gravity_check": (by_position.gravity_check, lambda facts: True, ""),
@@ -76,8 +78,8 @@ def figures(
     """The pictures of a result, by name, as far as there is what each of them needs.
 
     `document`: of schema tumble.result/1. `run`: what was solved, as `tumble.read` returns it. `schedule`, by name,
-    path or object: of the run; a built-in one is found by itself. `stand`, path or object: the declared one, which the
-    document does not carry; the budget, and what is expected, need it. `kind`: this one alone.
+    path or object, and `stand`, path or object: those that the document does not carry, as earlier versions wrote it; a
+    built-in schedule is found by itself. `kind`: this one alone.
 
     Raises UsageError for a `kind` that is none, or that lacks something, and for a run, a schedule or a stand that is
     not the result's; BadInput for files that cannot be read; NotInstalled where matplotlib is not there.
@@ -105,8 +107,11 @@ def svg(figure: Figure) -> str:
 def _facts(document: dict[str, Any], run: Recorded | None, schedule: Any, stand: Any) -> Facts:
     if run is not None:
         samples.require_same_run(document, run)
-    given = None if schedule is None else schedule_of(schedule).data
-    on = measured_schedule(document, given)
-    declared = None if stand is None else stand_file_of(stand)
-    found = None if declared is None or on is None else expected(document, on, declared)
-    return Facts(document, run, on, None if declared is None else declared.stand, found)
+    planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule_of(schedule)
+    on = measured_schedule(document, None if planned is None else planned.data)
+    known, step_v = declared.stand_of(document, _RESULT), declared.step_of(document)
+    if stand is not None:
+        given = stand_file_of(stand)
+        known, step_v = given.stand, given.step_v
+    found = None if known is None or on is None else expected(document, on, known, step_v)
+    return Facts(document, run, on, known, found)

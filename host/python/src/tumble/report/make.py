@@ -10,7 +10,6 @@ from tumble.report import conformity, identity, method, pages, values
 from tumble.report.cells import Fixed, line
 from tumble.report.number import number_of, require_number
 from tumble.report.source import Source
-from tumble.solving.declared import schedule_of, stand_of
 
 HTML, PDF = "html", "pdf"
 _KINDS = {".html": HTML, ".htm": HTML, ".pdf": PDF}
@@ -66,7 +65,7 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
 
     document = source.document
     try:
-        drawn = figures(document, run, schedule_of(document), stand=stand_of(document))
+        drawn = figures(document, run)
     except TumbleError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote

@@ -1,14 +1,20 @@
-"""What a result rests on and repeats: the stand as its file declares it, the schedule that the run was measured on."""
+"""What a result rests on and repeats: the stand as its file declares it, the schedule that the run was measured on.
+
+Results of other versions, and what other programs write, may lack them; whoever needs them says what then.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from tumble.core import built_in
+from tumble.core import CoreRefusal, CoreSchedule, built_in
+from tumble.errors import BadInput
 from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
-from tumble.stand import Stand
+from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
+_MALFORMED = (KeyError, TypeError, ValueError, OverflowError)
+_LARGEST = 1e9  # of an error of a stand, as stand files have it
 ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
     "axis_tilt_rad": "axis_tilt",
     "level_rad": "level",
@@ -36,14 +42,25 @@ def stand_document(stand: Stand | None) -> dict[str, Any] | None:
     return {**labels, **errors}
 
 
-def stand_of(document: Mapping[str, Any]) -> Stand | None:
-    """The declared stand of a result; None where it tells of none."""
-    told = document.get("stand")
-    if told is None:
+def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
+    """The declared stand of a result, which messages call `name`; None where it tells of none. Raises BadInput."""
+    if (told := document.get("stand")) is None:
         return None
-    errors: dict[str, Any] = {attribute: float(told[key]) for key, attribute in ERRORS.items()}
-    labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
-    return Stand(samples=int(told["samples"]), **labels, **errors)
+    try:
+        errors: dict[str, Any] = {attribute: float(told[key]) for key, attribute in ERRORS.items()}
+        labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
+        stand = Stand(samples=int(told["samples"]), **labels, **errors)
+        small = all(0.0 <= size < _LARGEST for size in errors.values())
+        if small and stand.limits in LIMIT_KINDS and stand.remounting in (INDEPENDENT, COMMON) and stand.samples > 0:
+            return stand
+    except _MALFORMED:
+        pass
+    raise BadInput("its stand is not as tumble solve writes it", name)
+
+
+def step_of(document: Mapping[str, Any]) -> float:
+    """Of the converter, as it was declared, in V; 0 where it is not known."""
+    return float(document.get("converter_step_v") or 0.0)
 
 
 def schedule_document(schedule: Schedule) -> dict[str, Any]:
@@ -70,14 +87,17 @@ def schedule_document(schedule: Schedule) -> dict[str, Any]:
     }
 
 
-def schedule_of(document: Mapping[str, Any]) -> Schedule | None:
-    """The schedule of a result; None where it tells of none."""
-    told = document.get("schedule")
-    if told is None:
+def schedule_of(document: Mapping[str, Any], name: str) -> CoreSchedule | None:
+    """The schedule of a result, which messages call `name`; None where it tells of none. Raises BadInput."""
+    if (told := document.get("schedule")) is None:
         return None
-    return Schedule(
-        tuple(
+    try:
+        mountings = tuple(
             Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in told["mounting"]
-        ),
-        tuple(Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in told["position"]),
-    )
+        )
+        positions = tuple(
+            Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in told["position"]
+        )
+        return CoreSchedule(Schedule(mountings, positions))
+    except (*_MALFORMED, CoreRefusal):
+        raise BadInput("its schedule is not as tumble solve writes it", name) from None

@@ -1,8 +1,8 @@
 """What the declared stand makes one expect of a result, source by source: of its coefficients, of its residuals, of its
 gravity check.
 
-A result carries neither its stand nor the angles of its positions: who asks tells both, and they are held against what
-the result does carry, its residuals and its covariance. Everything is linear. With D the derivatives of the outputs by
+A result carries its stand and its schedule, one of an earlier version neither: who asks tells both, and they are held
+against its residuals and its covariance. Everything is linear. With D the derivatives of the outputs by
 the coefficients at the ideal positions and G the gains of the estimator, errors dU of the means change
 
     the coefficients by  G dU        the residuals by  r = dU - D G dU        delta_g by  a K^-1 r
@@ -23,7 +23,6 @@ from tumble.arrays import Floats, Integers
 from tumble.core import CoreSchedule
 from tumble.errors import UsageError
 from tumble.estimators import COEFFICIENTS, OPTIMAL
-from tumble.files.stand_file import StandFile
 from tumble.reference.estimators import fit_indices
 from tumble.reference.extended import columns, linear_outputs
 from tumble.reference.uncertainty import contributions, sources
@@ -72,17 +71,17 @@ def measured_schedule(document: dict[str, Any], given: Schedule | None = None) -
     return part
 
 
-def expected(document: dict[str, Any], schedule: Schedule, declared: StandFile) -> Expected:
-    """On the schedule of the measured positions. Raises UsageError where the result has other uncertainties than the
-    `declared` stand leaves."""
+def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step_v: float) -> Expected:
+    """On the schedule of the measured positions; `step_v`: of the converter, 0 where it is not known. Raises UsageError
+    where the result has other uncertainties than the `declared` stand leaves."""
     if document["covariance"] is None:
         raise UsageError("stand: the result was solved without one")
     unit, k, estimator, terms = document["unit"], np.array(document["K"]), document["estimator"], terms_of(document)
-    step = declared.step_v / volts_per(unit)
-    stand = replace(declared.stand, drift=0.0) if DRIFT in terms else declared.stand
+    step = step_v / volts_per(unit)
+    stand = replace(declared, drift=0.0) if DRIFT in terms else declared
     stand = stand.in_unit(unit).with_step(step)
     samples = np.array([one["samples"] for one in document["means"]])
-    variance, is_told = _mean_variance(document, declared.stand.in_unit(unit), samples, step)
+    variance, is_told = _mean_variance(document, declared.in_unit(unit), samples, step)
     if estimator == OPTIMAL:  # as its weights have it
         variance = np.maximum(variance, (NOISE_FLOOR_G * np.abs(k).max()) ** 2)
     errors = sources(schedule, k, stand, samples, variance)

@@ -39,6 +39,7 @@ def document(
         "serial": serial,
         "stand": stand_document(solution.stand),
         "schedule": schedule_document(solution.schedule),
+        "converter_step_v": solution.step * volts_per(unit) or None,
         "estimator": solution.found.estimator,
         "unit": unit,
         "units": {"K": per_g(unit), "U0": unit, "u_K": per_g(unit), "u_U0": unit},
