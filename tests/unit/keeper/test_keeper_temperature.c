@@ -179,7 +179,7 @@ static void test_a_position_that_is_repeated(void)
     start_to(0);
     (void)end();
     drift(1e-6);
-    ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, 3));
+    ASSERT_STATUS(TUMBLE_OK, bench_command(&bench, TUMBLE_COMMAND_REPEAT_POSITION, POSITIONS - 1U));
     const tumble_set_t set = end();
     TEST_ASSERT_EQUAL_UINT32(2, set.sequence);
     assert_range(ever, &set);
