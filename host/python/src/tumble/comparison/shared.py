@@ -19,7 +19,7 @@ from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.combination import repeats
-from tumble.schedule import Mounting, Position, Schedule
+from tumble.schedule import CHECK, FIT, Mounting, Position, Schedule
 from tumble.solving.many_runs import brought
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 from tumble.terms import DRIFT, Terms
@@ -120,11 +120,16 @@ def _schedule_of(told: Told) -> CoreSchedule | None:
             Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in found["mounting"]
         )
         positions = tuple(
-            Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in found["position"]
+            Position(one["mounting"], one["position"], one["angle_deg"], _use(one)) for one in found["position"]
         )
         return CoreSchedule(Schedule(mountings, positions))
     except (KeyError, TypeError, ValueError, OverflowError, CoreRefusal):
         raise BadInput("its schedule is not as tumble solve writes it", told.name) from None
+
+
+def _use(position: dict[str, Any]) -> str:
+    """Raises ValueError for what is none."""
+    return (FIT, CHECK)[(FIT, CHECK).index(position["use"])]
 
 
 def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | None:
@@ -136,7 +141,7 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     places = [(position.mounting, position.number, position.use) for position in schedule.positions]
-    if not samples or not samples.keys() <= set(places) or not 0 < min(samples.values()) <= MAX_SAMPLES:
+    if not samples or not samples.keys() <= set(places) or not all(0 < one <= MAX_SAMPLES for one in samples.values()):
         return None
     if told.document["estimator"] not in ESTIMATORS:
         return None
