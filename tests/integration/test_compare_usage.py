@@ -118,7 +118,7 @@ REFUSED = {
         ("--stand", str(STAND)),
     ),
     "b.json: its covariance is none: of some mixture of the coefficients it is negative": (
-        {"covariance": (JOINT - 1.5 * np.outer(U, U)).tolist()},
+        {"covariance": (JOINT - 0.5 * np.outer(U, U)).tolist()},
         (),
     ),
     "--confidence: '1' is not a number from 0.5 to 0.999999": ({}, ("--confidence", "1")),
