@@ -12,7 +12,7 @@ from conftest import EXAMPLES
 from documents import valid
 
 from tumble.comparison.calibration import Calibration
-from tumble.comparison.statistics import holm, whitened
+from tumble.comparison.statistics import holm, is_covariance, whitened
 from tumble.comparison.verdict import judge
 from tumble.distributions import chi_squared_above, chi_squared_quantile
 from tumble.rounding import rounded
@@ -228,6 +228,15 @@ def test_coefficients_without_any_uncertainty_are_compared_exactly():
     assert judge(a, same, 0.0, 0.999).verdict.value == "unchanged"
     found = judge(a, other, 0.0, 0.999)
     assert found.verdict.value == "block" and np.flatnonzero(found.changed).tolist() == [6, 7, 8]
+
+
+def test_what_is_no_covariance():
+    joint = covariance(np.random.default_rng(17), rank=5)
+    assert is_covariance(joint) and is_covariance(np.zeros((12, 12)))
+    for place, factor in (((0, 1), 2.0), ((3, 3), -1.0), ((3, 3), 0.0), ((3, 3), 0.99)):
+        other = joint.copy()
+        other[place] *= factor
+        assert not is_covariance(other), place
 
 
 def test_holm():

@@ -113,6 +113,14 @@ REFUSED = {
     "b.json: K is singular: it tells no acceleration": ({"K": [[1.0, 0.0, 0.0]] * 3}, ()),
     "b.json: not a result of schema tumble.result/1: schema is 'tumble.plan/1'": ({"schema": "tumble.plan/1"}, ()),
     "b.json: its stand is not as tumble solve writes it": ({"stand": {"name": "s"}}, ()),
+    "b.json: its schedule is not as tumble solve writes it": (
+        {"schedule": {"name": None, "mounting": [], "position": [{"mounting": 1}]}},
+        ("--stand", str(STAND)),
+    ),
+    "b.json: its covariance is none: of some mixture of the coefficients it is negative": (
+        {"covariance": (JOINT - 0.5 * np.outer(U, U)).tolist()},
+        (),
+    ),
     "--confidence: '1' is not a number from 0.5 to 0.999999": ({}, ("--confidence", "1")),
     "--schedule serves to tell what the stand brings to a result: it needs --stand FILE": ({}, ("--schedule", "paper")),
     "--two-stands: nothing is shared then, which --stand and --levelled speak of": (

@@ -89,7 +89,7 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     places = [(position.mounting, position.number, position.use) for position in schedule.positions]
-    if not samples or not samples.keys() <= set(places) or not 0 < min(samples.values()) <= MAX_SAMPLES:
+    if not samples or not samples.keys() <= set(places) or not all(0 < one <= MAX_SAMPLES for one in samples.values()):
         return None
     if told.document["estimator"] not in ESTIMATORS:
         return None

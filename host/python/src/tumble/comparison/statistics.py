@@ -59,9 +59,12 @@ def whitened(covariance: Floats, difference: Floats, rounding: Floats) -> Whiten
 
 
 def is_covariance(matrix: Floats) -> bool:
-    """Whether a matrix (n, n) is symmetric and has no direction with less variance than rounding leaves."""
-    size = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-    scaled = matrix / np.outer(*(2 * [np.where(size > 0.0, size, 1.0)]))
+    """Whether a matrix (n, n) is symmetric, and has no direction with less variance than rounding leaves."""
+    variance = np.diag(matrix)
+    if (variance < 0.0).any() or matrix[variance == 0.0].any():
+        return False
+    size = np.sqrt(np.where(variance > 0.0, variance, 1.0))
+    scaled = matrix / np.outer(size, size)
     return bool(np.abs(scaled - scaled.T).max() < _ASYMMETRY and np.linalg.eigvalsh(scaled).min() > -_ASYMMETRY)
 
 

@@ -36,9 +36,10 @@ class Coefficients:
         """Of a result. Raises ValueError for m/s2 where its environment names no gravity, and for a singular K."""
         extended = result["extended"] or {"terms": [], "covariance": result["covariance"]}
         terms = tuple(term for term in extended["terms"] if term in POWERS)
-        values = np.array([*chain(*result["K"]), *result["U0"], *chain(*(extended[KEYS[term]] for term in terms))])
+        further = chain(*(extended[KEYS[term]] for term in terms))
+        values = np.array([*chain(*result["K"]), *result["U0"], *further], dtype=float)
         powers = np.concatenate([si.POWERS_OF_TWELVE, np.repeat([POWERS[term] - 1.0 for term in terms], 3)])
-        joint = None if extended["covariance"] is None else np.array(extended["covariance"])[: len(values)]
+        joint = None if extended["covariance"] is None else np.array(extended["covariance"], float)[: len(values)]
         joint = None if joint is None else joint[:, : len(values)]
         stated = None if result["u_K"] is None else [*chain(*result["u_K"]), *result["u_U0"]]
         if stated is not None:

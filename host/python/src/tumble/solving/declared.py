@@ -10,7 +10,7 @@ from typing import Any
 
 from tumble.core import CoreRefusal, CoreSchedule, built_in
 from tumble.errors import BadInput
-from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
+from tumble.schedule import BUILT_IN, CHECK, FIT, Mounting, Position, Schedule
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
 _MALFORMED = (KeyError, TypeError, ValueError, OverflowError)
@@ -96,8 +96,13 @@ def schedule_of(document: Mapping[str, Any], name: str) -> CoreSchedule | None:
             Mounting(one["number"], tuple(map(tuple, one["matrix"])), one["axis_tilt_deg"]) for one in told["mounting"]
         )
         positions = tuple(
-            Position(one["mounting"], one["position"], one["angle_deg"], one["use"]) for one in told["position"]
+            Position(one["mounting"], one["position"], one["angle_deg"], _use(one)) for one in told["position"]
         )
         return CoreSchedule(Schedule(mountings, positions))
     except (*_MALFORMED, CoreRefusal):
         raise BadInput("its schedule is not as tumble solve writes it", name) from None
+
+
+def _use(position: Mapping[str, Any]) -> str:
+    """Raises ValueError for what is none."""
+    return (FIT, CHECK)[(FIT, CHECK).index(position["use"])]
