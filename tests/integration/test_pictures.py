@@ -101,7 +101,7 @@ def test_another_run_is_refused():
 @pytest.mark.parametrize("name", ["paper", "three_mountings", "diagonal"])
 def test_a_built_in_schedule_is_found_by_the_residuals(name):
     _, result, _, drawn = solved(name)
-    found = pictures.figures(result.document)["residuals"]
+    found = pictures.figures(result.document, kind="residuals")["residuals"]
     for one, other in zip(found.axes, drawn["residuals"].axes):
         assert np.array_equal(dots(one), dots(other))
 

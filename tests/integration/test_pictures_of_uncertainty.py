@@ -9,6 +9,7 @@ from pictured import CASES, EVERY_ERROR, PAPER, U0, K, force_of, labelled, rows_
 
 import tumble
 from tumble import core, reference
+from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS
 
 pytestmark = pytest.mark.python
@@ -21,7 +22,8 @@ def test_the_bands_are_what_simulated_runs_leave(estimator, runs=6000):
     """Errors of every kind, on the exact geometry, solved by the core: the standard deviation of residuals and of
     delta_g is half the band, as far as so many runs tell it (4.5 sigma; for delta_g 2 % more: its second order)."""
     rng, geometry, stand = np.random.default_rng(11), reference.Geometry(PAPER), EVERY_ERROR
-    drawn = tumble.solve(rows_of(geometry.outputs(K, U0)), stand=stand, estimator=estimator).plot()
+    result = tumble.solve(rows_of(geometry.outputs(K, U0)), stand=stand, estimator=estimator)
+    drawn = {kind: result.plot(kind=kind)[kind] for kind in ("residuals", "gravity_check")}
 
     def draws(count, sigma):
         return rng.normal(size=(runs, count)) * sigma
@@ -34,11 +36,10 @@ def test_the_bands_are_what_simulated_runs_leave(estimator, runs=6000):
         seat_h=draws(2, stand.seat) + draws(1, stand.platform), seat_n=draws(2, stand.seat))
     outputs += rng.normal(size=outputs.shape) * stand.noise / np.sqrt(stand.samples)
     outputs += np.linspace(-0.5, 0.5, POINTS)[:, None] * draws(3, stand.drift)[:, None]
-    left, gravity = [], []
-    for means in outputs:
-        k, u0 = core.estimate(core.CoreSchedule(PAPER), means, estimator=estimator)
-        left.append(means - u0 - force_of(PAPER) @ k.T)
-        gravity.append(((np.linalg.solve(k, (means - u0).T) ** 2).sum(axis=0) - 1.0) / 2.0)
+    found = estimate_runs(core.CoreSchedule(PAPER), outputs, estimator)
+    k, above = found[:, :9].reshape(-1, 3, 3), outputs - found[:, None, 9:]
+    left = above - force_of(PAPER) @ np.swapaxes(k, 1, 2)
+    gravity = ((above @ np.swapaxes(np.linalg.inv(k), 1, 2)) ** 2).sum(axis=2) / 2.0 - 0.5
     chance = 4.5 / np.sqrt(2 * runs)
     for channel, axes in enumerate(drawn["residuals"].axes):
         scale = {"µV": 1e6, "mV": 1e3}[axes.get_ylabel().rpartition(" ")[2]]
@@ -98,7 +99,7 @@ def test_the_budget_is_whole_and_in_the_order_of_the_coefficients(name):
 
 def test_all_sources_have_a_place_in_the_budget():
     result = tumble.solve(rows_of(force_of(PAPER) @ K.T + U0), stand=EVERY_ERROR)
-    shares = shares_of(result.plot()["budget"])
+    shares = shares_of(result.plot(kind="budget")["budget"])
     assert list(shares) == ["axis tilt α₁", "level α₂", "yaw α₃", "set angles α₄", "noise", "seat", "platform",
                             "encoder", "drift"]
     assert all(share.max() > 0.0 for share in shares.values())
@@ -112,7 +113,7 @@ def test_the_noise_that_a_run_shows_counts_in_its_budget():
         rows[:, 2:] += rng.normal(size=(len(rows), 3)) * size
         result = tumble.solve(rows, stand=EXAMPLES / "paper_stand.toml")
         assert bool(result.document["noise"]["above_declared"]) == (size > 1e-3)
-        drawn.append(shares_of(result.plot()["budget"]))
+        drawn.append(shares_of(result.plot(kind="budget")["budget"]))
         assert sum(drawn[-1].values()) == pytest.approx(np.full(12, 100.0))
     assert (drawn[1]["noise"] > drawn[0]["noise"]).all() and drawn[1]["noise"].min() > 80.0
 
@@ -188,7 +189,7 @@ def contrast(one, other):
 def test_bars_differ_by_their_hatches():
     """Of those without a hatch, by their greys."""
     result = tumble.solve(rows_of(force_of(PAPER) @ K.T + U0), stand=EVERY_ERROR)
-    looks = [(bars[0].get_hatch(), bars[0].get_facecolor()) for bars in result.plot()["budget"].axes[0].containers]
+    looks = [(bars[0].get_hatch(), bars[0].get_facecolor()) for bars in result.plot(kind="budget")["budget"].axes[0].containers]
     assert len({hatch for hatch, _ in looks if hatch}) == sum(bool(hatch) for hatch, _ in looks) == 7
     plain = [colour for hatch, colour in looks if not hatch]
     assert len(plain) == 2 and contrast(*plain) > 1.5

@@ -44,7 +44,7 @@ def attitude(facts: Facts) -> Figure:
     ramp = LinearSegmentedColormap.from_list("pale", _PALEST_TO_DARKEST)
     if np.ptp(u) > _FLAT * u.max():  # else there is no line to draw
         squares = u**2  # a polynomial, which straight lines between the points come closer to
-        levels = np.asarray(MaxNLocator(_LEVELS).tick_values(u.min(), u.max())) ** 2
+        levels = np.square(MaxNLocator(_LEVELS).tick_values(u.min(), u.max()))
         axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, cmap=ramp)
         lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=BLACK, linewidths=0.6)
         _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.4g}", inline_spacing=2))
