@@ -119,7 +119,8 @@ def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
         "import sys; from tumble.cli.main import main;"
         f"command = ['solve', {str(ROOT / 'examples/paper_stand.csv')!r}, '--unit', 'V'];"
         f"code = main([*command, '--out', {str(tmp_path / 'r.json')!r}]);"
-        "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi', 'jinja2', 'matplotlib', 'weasyprint'} & set(sys.modules);"
+        "unwanted = {'rich', 'tomllib', 'difflib', 'pytest', 'cffi', 'jinja2', 'matplotlib', 'weasyprint'};"
+        "unwanted &= set(sys.modules);"
         "print(sorted(unwanted), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -59,19 +59,30 @@ def made(
 
 
 def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
-    """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput."""
+    """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput, UsageError."""
     from markupsafe import Markup
 
-    from tumble.pictures import CAPTIONS, figures, svg
+    from tumble.pictures import CAPTIONS, svg
 
-    document = source.document
     try:
-        drawn = figures(document, run, schedule_of(document), stand=stand_of(document))
+        drawn = _figures(source.document, run)
     except TumbleError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote
         raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", source.name) from None
     return [{"name": name, "svg": Markup(svg(one)), "caption": CAPTIONS[name]} for name, one in drawn.items()]
+
+
+def _figures(document: dict[str, Any], run: Any) -> dict[str, Any]:
+    """As many as there can be: a bench's `optimal` has weights that the document does not tell, and so other
+    uncertainties than its stand leaves a run."""
+    from tumble.pictures import figures
+
+    schedule, stand = schedule_of(document), stand_of(document)
+    try:
+        return figures(document, run, schedule, stand=stand)
+    except UsageError:
+        return figures(document, run, schedule)
 
 
 def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:

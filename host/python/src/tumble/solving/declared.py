@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tumble.core import built_in
+from tumble.files.stand_file import StandFile
 from tumble.schedule import BUILT_IN, Mounting, Position, Schedule
 from tumble.stand import Stand
 
@@ -22,8 +23,9 @@ ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
 }
 
 
-def stand_document(stand: Stand | None) -> dict[str, Any] | None:
-    """As it stands in a result: the keys and numbers of `[stand]`; None where none is declared."""
+def stand_document(stand: Stand | None, step_v: float) -> dict[str, Any] | None:
+    """As it stands in a result: the keys and numbers of `[stand]`; None where none is declared. `step_v`: of the
+    converter of its block, 0 where it is unknown."""
     if stand is None:
         return None
     errors = {key: float(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
@@ -33,17 +35,19 @@ def stand_document(stand: Stand | None) -> dict[str, Any] | None:
         "remount": stand.remounting,
         "samples": int(stand.samples),
     }
-    return {**labels, **errors}
+    return {**labels, **errors, "step_v": step_v or None}
 
 
-def stand_of(document: Mapping[str, Any]) -> Stand | None:
-    """The declared stand of a result; None where it tells of none."""
+def stand_of(document: Mapping[str, Any]) -> StandFile | None:
+    """The declared stand of a result, its block by the step of the converter alone; None where it tells of none."""
     told = document.get("stand")
     if told is None:
         return None
     errors: dict[str, Any] = {attribute: float(told[key]) for key, attribute in ERRORS.items()}
     labels = {"name": told["name"] or "", "limits": told["limits"], "remounting": told["remount"]}
-    return Stand(samples=int(told["samples"]), **labels, **errors)
+    stand = Stand(samples=int(told["samples"]), **labels, **errors)
+    block = None if told.get("step_v") is None else {"converter_bits": 1, "range_v": float(told["step_v"])}
+    return StandFile(stand, block, None, None, document.get("item"), document.get("environment"), None)
 
 
 def schedule_document(schedule: Schedule) -> dict[str, Any]:

@@ -37,7 +37,7 @@ def document(
         "run_file": run_file,
         "run_sha256": solution.run.sha256 or None,
         "serial": serial,
-        "stand": stand_document(solution.stand),
+        "stand": stand_document(solution.stand, solution.step * volts_per(unit)),
         "schedule": schedule_document(solution.schedule),
         "estimator": solution.found.estimator,
         "unit": unit,
