@@ -11,7 +11,7 @@ import tumble
 from tumble.core import built_in
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
-from tumble.solving.declared import ERRORS, schedule_document
+from tumble.solving.declared import ERRORS, schedule_document, schedule_of, stand_of
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
@@ -28,7 +28,7 @@ def test_a_stand_is_repeated_as_its_file_has_it(limits, tmp_path):
     added = "seat_rad = 1e-5\nplatform_rad = 2e-5\nencoder_rad = 3e-5\nremount = \"common\""
     file = paper_stand(tmp_path, limits=f'"{limits}"\n{added}')
     told = tumble.solve(EXAMPLES / "paper_stand.csv", stand=file).document["stand"]
-    assert told == {**declared_keys(file), "drift_v": 0.0}
+    assert told == {**declared_keys(file), "drift_v": 0.0, "step_v": None}
 
 
 def declared_keys(file):
@@ -36,6 +36,23 @@ def declared_keys(file):
     body = file.read_text().split("[stand]")[1].split("[")[0]
     lines = [line.split("#")[0].split("=") for line in body.splitlines() if "=" in line.split("#")[0]]
     return {key.strip(): json.loads(value) for key, value in lines}
+
+
+def test_the_step_of_the_converter_is_repeated(tmp_path):
+    file = paper_stand(tmp_path, block="converter_bits = 16\nrange_v = 10.0\n")
+    result = tumble.solve(EXAMPLES / "paper_stand.csv", stand=file)
+    assert result.document["stand"]["step_v"] == 10.0 / 2**15
+    found, declared = stand_of(result.document), tumble.read_stand(file)
+    assert (found.stand, found.step_v, found.item) == (declared.stand, declared.step_v, declared.item)
+
+
+@pytest.mark.parametrize("name", ["paper", "diagonal"])
+def test_stand_and_schedule_are_read_back(name):
+    file = "diagonal_stand" if name == "diagonal" else "paper_stand"
+    result = tumble.solve(EXAMPLES / f"{file}.csv", stand=EXAMPLES / f"{file}.toml", schedule=name)
+    assert schedule_of(result.document) == built_in(name)
+    assert stand_of(result.document).stand == tumble.read_stand(EXAMPLES / f"{file}.toml").stand
+    assert (stand_of({}), schedule_of({})) == (None, None)
 
 
 def test_without_a_stand_there_is_none():

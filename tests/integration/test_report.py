@@ -1,4 +1,4 @@
-"""Calibration reports: every number is the document's, rounded once; the verdict; texts are texts; nothing from elsewhere.
+"""Calibration reports: every number is the document's, rounded once; the verdict; texts are texts; one file.
 
 Pictures have tests of their own: here they are two lines, but where a test says otherwise.
 """
@@ -190,7 +190,8 @@ def test_the_verdict(name, tmp_path, drawn):
     assert VERDICTS[name] in text
     assert ("gravity" in str(document["pass_reason"])) == ("FAILED: largest |\u0394g|" in text)
     assert ("DOES NOT FIT" in text) == (document["pass_reason"] is not None and "fit" in document["pass_reason"])
-    over = [abs(one["delta_g_g"]) > document["verification"]["limit_g"] for one in document["verification"]["delta_g_g"]]
+    check = document["verification"]
+    over = [abs(one["delta_g_g"]) > check["limit_g"] for one in check["delta_g_g"]]
     places = [row for row in report_of(result).rows if len(row) == 5 and text_of(row[1]) in ("fit", "check")]
     assert [text_of(row[4]) == "NO" for row in places] == over and len(over) == len(document["means"])
     for warning in document["warnings"]:
@@ -252,7 +253,7 @@ def test_pictures_stand_in_their_order(drawn):
     assert "Figure 1. Errors < of gravity." in report.text and "Figure 3. Attitudes." in report.text
     document, given, schedule, stand = drawn[-1]
     assert document == result.document and given is run
-    assert (len(schedule.positions), stand.remount) == (18, 4e-4)
+    assert (len(schedule.positions), stand.stand.remount) == (18, 4e-4)
     assert [one for one in report_of(result).ids if one != "number"] == ["gravity_check", "attitude"]
 
 

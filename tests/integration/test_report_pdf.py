@@ -1,4 +1,4 @@
-"""Reports as PDF: A4, the number and the page on every page, the same bytes for the same result, nothing from elsewhere."""
+"""Reports as PDF: A4, number and place on every page, the same bytes for the same result, nothing from elsewhere."""
 
 import io
 import re
@@ -6,7 +6,7 @@ import re
 import pytest
 from conftest import EXAMPLES
 from report_reader import Report, plain
-from test_report import drawn as drawn, labelled, solve
+from test_report import drawn, labelled, solve  # noqa: F401 # a fixture
 
 from tumble.cli.main import main
 from tumble.errors import BadInput

@@ -39,7 +39,8 @@ class Said:
 @dataclass
 class Report(HTMLParser):
     """`said`: all elements with a path; `rows`: of all tables, each a list of cells, a cell a list of strings and Said;
-    `heads`: rows of headings; `links`: values of src and href; `tags`: of all elements; `text`: of the body without pictures and style."""
+    `heads`: rows of headings; `links`: values of src and href; `tags`: of all elements; `text`: of the body without
+    pictures and style."""
 
     source: str
     said: list = field(default_factory=list)
@@ -61,7 +62,7 @@ class Report(HTMLParser):
     def handle_starttag(self, tag, attributes):
         attributes = dict(attributes)
         self.tags.append(tag)
-        self.links += [value for name, value in attributes.items() if name in ("src", "href", "xlink:href", "action")]
+        self.links += [attributes[name] for name in ("src", "href", "xlink:href", "action") if name in attributes]
         self.ids += [attributes["id"]] if "id" in attributes else []
         if tag not in VOID:
             self._open.append(tag)

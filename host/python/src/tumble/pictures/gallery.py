@@ -10,8 +10,10 @@ from tumble.files.schedule_file import schedule_of
 from tumble.files.stand_file import stand_file_of
 from tumble.pictures import by_position, canvas, matrix, samples, shares, sphere, stand_seen
 from tumble.pictures.facts import Facts, Recorded
+from tumble.schedule import Schedule
 from tumble.solving import declared
-from tumble.solving.expected import expected, measured_schedule
+from tumble.solving.expected import Expected, expected, measured_schedule
+from tumble.stand import Stand
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -109,9 +111,18 @@ def _facts(document: dict[str, Any], run: Recorded | None, schedule: Any, stand:
         samples.require_same_run(document, run)
     planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule_of(schedule)
     on = measured_schedule(document, None if planned is None else planned.data)
-    known, step_v = declared.stand_of(document, _RESULT), declared.step_of(document)
     if stand is not None:
         given = stand_file_of(stand)
-        known, step_v = given.stand, given.step_v
-    found = None if known is None or on is None else expected(document, on, known, step_v)
-    return Facts(document, run, on, known, found)
+        found = None if on is None else expected(document, on, given.stand, given.step_v)
+        return Facts(document, run, on, given.stand, found)
+    known = declared.stand_of(document, _RESULT)
+    return Facts(document, run, on, known, None if on is None or known is None else _by_its_own(document, on, known))
+
+
+def _by_its_own(document: dict[str, Any], on: Schedule, stand: Stand) -> Expected | None:
+    """What a result's own stand makes one expect. None where the result had more to go by: `optimal` of a computer that
+    has a record of gains has other uncertainties than its stand leaves this run."""
+    try:
+        return expected(document, on, stand, declared.step_of(document))
+    except UsageError:
+        return None

@@ -87,6 +87,7 @@ class Table:
 Facts: TypeAlias = "list[tuple[Inline, Inline]]"  # a name and what is said of it
 
 MISSING = Missing()
+FIGURE_SPACE, POINT_SPACE = "\u2007", "\u2008"
 TIMES = "\u00d7"
 NU = "\u03bd"  # degrees of freedom
 
@@ -100,6 +101,22 @@ def joined(parts: Sequence[Inline], between: str) -> Line:
     """Pieces in a row, with this between them."""
     pieces = [piece for part in parts for piece in (Fixed(between), part)]
     return Line(tuple(pieces[1:]))
+
+
+def aligned(rows: Sequence[tuple[Inline, ...]], *columns: int) -> list[tuple[Inline, ...]]:
+    """Rows whose numbers in these columns, which end at the right, have their points beneath each other: blanks as wide
+    as a digit or a point stand for what they lack. Nothing moves where one has a power of ten."""
+    found = [list(row) for row in rows]
+    for column in columns:
+        digits = [cell.shown for cell in (row[column] for row in rows) if isinstance(cell, Number)]
+        longest = max((len(one.digits.partition(".")[2]) for one in digits), default=0)
+        for row in found if not any(one.power for one in digits) else []:
+            cell = row[column]
+            if isinstance(cell, Number):
+                _, point, places = cell.shown.digits.partition(".")
+                blanks = FIGURE_SPACE * (longest - len(places))
+                row[column] = line(cell, blanks if point or not longest else POINT_SPACE + blanks)
+    return [tuple(row) for row in found]
 
 
 def readable(text: str) -> str:

@@ -58,14 +58,13 @@ def made(
 
 
 def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
-    """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput."""
+    """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput, UsageError."""
     from markupsafe import Markup
 
     from tumble.pictures import CAPTIONS, figures, svg
 
-    document = source.document
     try:
-        drawn = figures(document, run)
+        drawn = figures(source.document, run)
     except TumbleError:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote

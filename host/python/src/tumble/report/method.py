@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, joined, line
+from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.source import Source
 from tumble.units import noise_unit
 
@@ -60,7 +60,9 @@ def environment(source: Source) -> Facts:
     """Where and at what temperature."""
     low, high = source.told("temperature", "min_c"), source.told("temperature", "max_c")
     who = {"run_file": " (measured in the run)", "environment": " (as the stand file states)"}
-    temperature = line(low, " to ", high, " °C", who.get(str(source.at("temperature", "source")), ""))
+    same = source.decimal("temperature", "min_c") == source.decimal("temperature", "max_c")
+    span = low if same else line(low, " to ", high)
+    temperature = line(span, " °C", who.get(str(source.at("temperature", "source")), ""))
     gravity, u = source.told("environment", "gravity_m_s2"), source.told("environment", "u_gravity_m_s2")
     return [
         (Fixed("Temperature of the run"), MISSING if low is MISSING else temperature),
@@ -92,7 +94,7 @@ def seen(source: Source) -> Table:
         value, u = source.with_uncertainty(("stand_seen", key), ("stand_seen", f"u_{key}"), None)
         if value is not MISSING:
             rows.append((Fixed(name), value, u, Fixed(_unit(source, key))))
-    return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), rows, left=(3,))
+    return Table(("As this run shows it", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,))
 
 
 def unit_of_k(source: Source) -> Inline:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tumble.estimators import COEFFICIENTS
-from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, line
+from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, aligned, line
 from tumble.report.method import unit_of_k
 from tumble.report.rounding import Shown
 from tumble.report.source import Key, Source, pointer
@@ -83,7 +83,7 @@ def further(source: Source) -> Table | None:
         for i, axis in enumerate("xyz"):
             value, u = source.with_uncertainty(("extended", KEYS[term], i), ("extended", f"u_{KEYS[term]}", i), None)
             rows.append((Fixed(f"{name}_{axis}"), value, u, Fixed(unit) if unit else source.told("unit")))
-    return Table(("", "Value", "u (k = 1)", "Unit"), rows, left=(3,)) if rows else None
+    return Table(("", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,)) if rows else None
 
 
 def worst_norm(source: Source) -> Inline:
@@ -106,4 +106,4 @@ def _row(
 
 def _table(rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
     head = ("", "Value", given.symbol, "Unit")
-    return Table((*head, "k", NU) if given.has_k else head, rows, left=(3,))
+    return Table((*head, "k", NU) if given.has_k else head, aligned(rows, 1, 2), left=(3,))

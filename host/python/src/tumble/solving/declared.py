@@ -28,8 +28,9 @@ ERRORS = {  # of a stand, by the keys of its file: attribute of Stand
 }
 
 
-def stand_document(stand: Stand | None) -> dict[str, Any] | None:
-    """As it stands in a result: the keys and numbers of `[stand]`; None where none is declared."""
+def stand_document(stand: Stand | None, step_v: float) -> dict[str, Any] | None:
+    """As it stands in a result: the keys and numbers of `[stand]`; None where none is declared. `step_v`: of the
+    converter of its block, 0 where it is unknown."""
     if stand is None:
         return None
     errors = {key: float(getattr(stand, attribute)) for key, attribute in ERRORS.items()}
@@ -39,7 +40,7 @@ def stand_document(stand: Stand | None) -> dict[str, Any] | None:
         "remount": stand.remounting,
         "samples": int(stand.samples),
     }
-    return {**labels, **errors}
+    return {**labels, **errors, "step_v": step_v or None}
 
 
 def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
@@ -59,8 +60,8 @@ def stand_of(document: Mapping[str, Any], name: str) -> Stand | None:
 
 
 def step_of(document: Mapping[str, Any]) -> float:
-    """Of the converter, as it was declared, in V; 0 where it is not known."""
-    return float(document.get("converter_step_v") or 0.0)
+    """Of the converter of its block, in V; 0 where it is not known."""
+    return float((document.get("stand") or {}).get("step_v") or 0.0)
 
 
 def schedule_document(schedule: Schedule) -> dict[str, Any]:
