@@ -32,6 +32,7 @@ BAD_STANDS = {
     "decimal comma": (*changed(STAND, "level_rad = 2e-5", "level_rad = 0,00002"), "a decimal point and no unit"),
     "unit": (*changed(STAND, "level_rad = 2e-5", "level_rad = 2e-5 rad"), "a decimal point and no unit"),
     "cut off": (STAND[: STAND.index("4e-4")], "row 7", "not valid TOML"),
+    "cut off within an array": (f"{STAND}\nmore = [1, 2\n", f"row {STAND.count(chr(10)) + 3}", "unclosed array"),
     "key twice": (*changed(STAND, "noise_v =", "axis_tilt_rad ="), "not valid TOML"),
     "too deep": (DEEP, "row 1", "not valid TOML"),
     "unknown table": (*changed(STAND, "[accept]", "[limits]"), "unknown key 'limits'"),

@@ -33,7 +33,7 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
         place = _PLACE.search(str(error))
         row, column = place.groups() if place else (text.count("\n") + 1, None)
         message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")
-        hint = _number_hint((text.splitlines() or [""])[min(int(row), text.count("\n") + 1) - 1])
+        hint = _number_hint(text.split("\n")[min(int(row), text.count("\n") + 1) - 1])
         raise BadInput(f"not valid TOML: {message.lower()}{hint}", file, int(row), column) from None
     except RecursionError:
         raise BadInput("not valid TOML: nested too deeply", file, 1) from None
