@@ -189,6 +189,15 @@ def test_without_the_packages_a_line_says_what_to_install(package, extra, bench,
     assert done.stderr == f"tumble: {log}: a CAN log{kind} needs {name}: pip install 'tumble[{extra}]'\n"
 
 
+def test_an_old_python_can_is_told(tmp_path, tumble):
+    (tmp_path / "can.py").write_text("__version__ = '4.0'\n")
+    (tmp_path / "bus.trc").write_text(";$FILEVERSION=2.1\n")
+    path = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    done = tumble("import", tmp_path / "bus.trc", PYTHONPATH=path)
+    said = f"tumble: {tmp_path}/bus.trc: a CAN log in TRC needs a newer python-can: pip install 'tumble[can]'\n"
+    assert (done.returncode, done.stdout, done.stderr) == (77, "", said)
+
+
 def test_what_a_can_log_is_shows_in_its_beginning():
     for text, kind in (
         (b"(0000000000.000112) can0 701#00\n", "candump"), (b"\n (1.5) vcan0 12345678#0011 R\n", "candump"),

@@ -26,6 +26,14 @@ _BEGINNINGS = {
     CANDUMP: rb"\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#",
 }
 _BINARY = (BLF, MF4)
+_READERS = {  # in python-can
+    CANDUMP: "CanutilsLogReader",
+    ASC: "ASCReader",
+    BLF: "BLFReader",
+    TRC: "TRCReader",
+    MF4: "MF4Reader",
+    CSV: "CSVReader",
+}
 
 
 class Frame(NamedTuple):
@@ -65,9 +73,9 @@ class CanLog:
         self.torn = False
         self._file, self._kind = file, kind
         self._lines = None if kind in _BINARY else _Lines(decoded(data))
-        readers = _readers(file, kind)
+        reader = _reader_of(file, kind)
         try:
-            self._reader = readers[kind](io.BytesIO(data) if self._lines is None else self._lines)
+            self._reader = reader(io.BytesIO(data) if self._lines is None else self._lines)
         except Exception as error:  # each reader has its own for what it does not know
             raise self._refusal(error) from None
 
@@ -116,18 +124,18 @@ class _Lines(io.StringIO):
         return self.number >= self._lines
 
 
-def _readers(file: str, kind: str) -> dict[str, Any]:
+def _reader_of(file: str, kind: str) -> Any:
+    """The class of python-can that reads such logs. Raises NotInstalled."""
     try:
         import can
     except ImportError:
         raise NotInstalled(f"{file_name(file)}: a CAN log", "python-can", extra="can") from None
+    if not hasattr(can, _READERS[kind]):
+        raise NotInstalled(f"{file_name(file)}: a CAN log in {kind}", "a newer python-can", extra="can")
     if kind == MF4:
         try:
             import asammdf  # noqa: F401
         except ImportError:
             raise NotInstalled(f"{file_name(file)}: a CAN log in MF4", "asammdf", extra="mf4") from None
     logging.getLogger("can").addHandler(logging.NullHandler())  # else its remarks would stand among ours
-    return {
-        CANDUMP: can.CanutilsLogReader, ASC: can.ASCReader, BLF: can.BLFReader, TRC: can.TRCReader,
-        MF4: can.MF4Reader, CSV: can.CSVReader,
-    }  # fmt: skip
+    return getattr(can, _READERS[kind])

@@ -30,7 +30,7 @@ def add_to(subparsers: options.Subparsers) -> None:
         help="make a run file from continuous recordings: rests found and matched to a schedule",
         description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
         " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
-        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 no matplotlib for --plot, 130 interrupted.",
+        epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted.",
     )
     parser.add_argument(
         "recordings",
