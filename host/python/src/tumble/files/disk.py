@@ -108,13 +108,15 @@ class Together:
     def put_in_place(self) -> None:
         """All of them; where one cannot be, none. Raises BadInput."""
         done: list[tuple[str, str | None]] = []
+        last = len(self._staged) - 1
         try:
-            for file, temporary, target in self._staged:
+            for place, (file, temporary, target) in enumerate(self._staged):
                 with _naming(file):
-                    before = self._keep(target) if len(self._staged) > 1 else None
+                    before = self._keep(target) if place < last else None
                     if os.path.exists(target):
                         os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
                     os.replace(temporary, target)
+                if place < last:  # with the last one all is done: nothing is taken back any more
                     done.append((target, before))
         except BaseException:
             for target, before in done:
