@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 from tumble.api.result import Result, load
-from tumble.api.solving import stand_file_of
 from tumble.comparison import pair, report, text
 from tumble.comparison.shared import ANEW, LEVELLED, OneStand
 from tumble.core import CoreSchedule
@@ -16,7 +15,7 @@ from tumble.defaults import DEFAULT_CONFIDENCE
 from tumble.errors import UsageError, quoted
 from tumble.files.documents import checked_coefficients, to_json
 from tumble.files.schedule_file import read_schedule
-from tumble.files.stand_file import StandFile
+from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import BUILT_IN, Schedule
 from tumble.stand import Stand
 

@@ -65,7 +65,7 @@ def solved(
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
     created = provenance.created()
-    stand_file = None if stand is None else stand_file_of(stand)
+    stand_file = None if stand is None else _stand_file(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
     run, planned = recording.on(_schedule(schedule, estimator))
@@ -85,7 +85,7 @@ def solved(
     return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)
 
 
-def stand_file_of(stand: Any) -> StandFile:
+def _stand_file(stand: Any) -> StandFile:
     """What is declared of a stand: by a file, by what was read of one, or by a Stand alone."""
     if isinstance(stand, StandFile):
         return stand
