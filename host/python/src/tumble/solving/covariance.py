@@ -101,12 +101,11 @@ def climbed(heights: Callable[[Floats], Floats], best: Floats, height: Floats, r
 
 def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> IntrinsicUncertainties:
     """Of the lengths of K's rows, the angles between them, and the biases over these lengths."""
-    return IntrinsicUncertainties(*(_spread(rows, covariance) for rows in by_intrinsic(k, u0).reshape(3, 3, 12)))
+    return IntrinsicUncertainties(*_spread(by_intrinsic(k, u0), covariance).reshape(3, 3))
 
 
 def by_intrinsic(k: Floats, u0: Floats) -> Floats:
-    """Derivatives (9, 12) of the intrinsic parameters by the coefficients: lengths of the rows, angles between them xy,
-    xz, yz, biases."""
+    """Derivatives (9, 12) of these lengths, angles and biases by the coefficients."""
     length = np.linalg.norm(k, axis=1)
     axis = k / length[:, None]
     by_scale, by_angle = np.zeros((2, 3, 12))
