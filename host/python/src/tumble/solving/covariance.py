@@ -106,8 +106,7 @@ def intrinsic_uncertainties(k: Floats, u0: Floats, covariance: Floats) -> Intrin
 
 
 def by_intrinsic(k: Floats, u0: Floats) -> Floats:
-    """Derivatives (9, 12) of the intrinsic parameters by the coefficients: lengths of the rows, angles between them xy,
-    xz, yz, biases."""
+    """Derivatives (9, 12) of these lengths, angles and biases by the coefficients."""
     length = np.linalg.norm(k, axis=1)
     axis = k / length[:, None]
     by_scale, by_angle = np.zeros((2, 3, 12))
