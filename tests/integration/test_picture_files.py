@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from itertools import pairwise
+from itertools import pairwise, product
 
 import matplotlib
 import numpy as np
@@ -128,9 +128,15 @@ def test_as_wide_as_a_page_and_not_too_small_to_read(drawn):
         assert not any("$" in text.get_text() for text in written), "an index would be smaller"
 
 
-def test_nothing_is_written_over_something_else(drawn):
+@pytest.fixture(scope="module")
+def with_checks():
+    """Of a run with check positions."""
+    return tumble.solve(EXAMPLES / "with_checks.csv", stand=STAND, schedule=EXAMPLES / "with_checks.toml").plot()
+
+
+def test_nothing_is_written_over_something_else(drawn, with_checks):
     """Labels of ticks, legends and titles."""
-    for name, figure in drawn.items():
+    for name, figure in [*drawn.items(), *with_checks.items()]:
         figure.draw_without_rendering()
         page = figure.bbox
         for axes in figure.axes:
@@ -138,6 +144,10 @@ def test_nothing_is_written_over_something_else(drawn):
             ticks = [text for text in axes.get_xticklabels() if low <= text.get_position()[0] <= high]
             texts = [text for text in (*ticks, *axes.texts, axes.xaxis.label, axes.yaxis.label) if text.get_text()]
             legends = figure.findobj(matplotlib.legend.Legend)
+            titles = [text for text in axes.findobj(matplotlib.text.Text)
+                      if text.get_text() and text.get_text() == axes.get_title(loc="left")]
+            for title, legend in product(titles, legends):
+                assert not title.get_window_extent().overlaps(legend.get_window_extent()), name
             for box in [artist.get_window_extent() for artist in (*texts, *legends)]:
                 assert box.x0 >= page.x0 - 1 and box.x1 <= page.x1 + 1 and box.y1 <= page.y1 + 1, (name, box)
             boxes = [text.get_window_extent() for text in ticks]

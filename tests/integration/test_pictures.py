@@ -125,7 +125,7 @@ def test_gravity_check(name):
     assert labelled(axes, "limit").get_label() == "limit ±300 µg"
     assert axes.get_title(loc="left") == "Gravity check passed"
     checked = [place for place, one in enumerate(check["delta_g_g"]) if one["use"] == "check"]
-    drawn = [line for line in axes.lines if line.get_label() == "check positions"]
+    drawn = [line for line in axes.lines if line.get_label() == "check"]
     assert [line.get_xdata().tolist() for line in drawn] == ([checked] if checked else [])
 
 

@@ -189,7 +189,8 @@ def contrast(one, other):
 def test_bars_differ_by_their_hatches():
     """Of those without a hatch, by their greys."""
     result = tumble.solve(rows_of(force_of(PAPER) @ K.T + U0), stand=EVERY_ERROR)
-    looks = [(bars[0].get_hatch(), bars[0].get_facecolor()) for bars in result.plot(kind="budget")["budget"].axes[0].containers]
+    axes = result.plot(kind="budget")["budget"].axes[0]
+    looks = [(bars[0].get_hatch(), bars[0].get_facecolor()) for bars in axes.containers]
     assert len({hatch for hatch, _ in looks if hatch}) == sum(bool(hatch) for hatch, _ in looks) == 7
     plain = [colour for hatch, colour in looks if not hatch]
     assert len(plain) == 2 and contrast(*plain) > 1.5
@@ -197,7 +198,7 @@ def test_bars_differ_by_their_hatches():
 
 def test_dots_differ_by_their_markers():
     lines = {line.get_label(): line for line in solved("checks")[3]["gravity_check"].axes[0].lines}
-    looks = [lines[name] for name in ("fit positions", "check positions")]
+    looks = [lines[name] for name in ("fit", "check")]
     assert [line.get_marker() for line in looks] == ["o", "D"]
     assert [contrast(line.get_markeredgecolor(), "white") > 3.0 for line in looks] == [True, True]
     marks = [bar.lines[0].get_marker() for bar in solved("paper")[3]["stand_seen"].axes[0].containers]
