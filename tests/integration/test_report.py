@@ -108,6 +108,12 @@ def report_of(result, **options):
     return Report(result.reported("html", **options).decode("utf-8"))
 
 
+def row_of(report, name):
+    """The cells of the one row that this begins."""
+    (found,) = [row for row in report.rows if row and text_of(row[0]).rstrip("*") == name]
+    return found
+
+
 def rounded_as_it_should(said, truth):
     """Half to even, to the unit of the last digit that is printed."""
     if said.text == "\u221e":
@@ -159,7 +165,7 @@ def test_every_coefficient_has_its_uncertainty(result):
 def test_intrinsic_parameters_likewise(drawn):
     report, document = report_of(solve()), solve().document
     for name, path in {"Scale y": "scale/1", "Angle xz": "angle_rad/xz", "Bias z": "bias_g/2"}.items():
-        (row,) = [row for row in report.rows if row and text_of(row[0]) == name]
+        row = row_of(report, name)
         assert row[1][0].path == f"/intrinsic/{path}"
         assert (row[2][0].path, row[2][0].times) == (f"/u_intrinsic/{path}", f"/coverage/k_intrinsic/{path}")
         assert row[1][0].number[1] == row[2][0].number[1]
@@ -167,7 +173,19 @@ def test_intrinsic_parameters_likewise(drawn):
     assert float(report.row("Bias z")[1]) == float(f"{k * u:.1e}")
 
 
+def test_the_points_of_numbers_are_beneath_each_other(drawn):
+    """With blanks as wide as a digit: so many characters stand behind every point of a column."""
+    source = solve().reported("html").decode()
+    (table,) = [one for one in source.split("</table>") if "K_xx" in one and "U = k u" in one]
+    for column in ("/K/", "/U0/"), ("/u_K/", "/u_U0/"):
+        begins = tuple(f'<span class="number" data-path="{one}' for one in column)
+        cells = [cell for cell in re.findall(r"<td>(.*?)</td>", table) if cell.startswith(begins)]
+        behind = {len(re.sub(r"<[^>]*>", "", cell).partition(".")[2]) for cell in cells}
+        assert len(cells) == 12 and len(behind) == 1
+
+
 def test_without_a_stand_it_says_so(drawn):
+    assert [text_of(cell) for cell in row_of(report_of(solve(stand=False)), "Angle xy")[2:]] == ["not stated", "rad"]
     text = plain(report_of(solve(stand=False)).text)
     assert "errors of the stand are NOT in it, for no stand is declared" in text
     assert "Fit to the declared standnot judged: no stand is declared" in text.replace("\n", "")
@@ -194,6 +212,8 @@ def test_the_verdict(name, tmp_path, drawn):
     over = [abs(one["delta_g_g"]) > check["limit_g"] for one in check["delta_g_g"]]
     places = [row for row in report_of(result).rows if len(row) == 5 and text_of(row[1]) in ("fit", "check")]
     assert [text_of(row[4]) == "NO" for row in places] == over and len(over) == len(document["means"])
+    worst = max(check["delta_g_g"], key=lambda one: abs(one["delta_g_g"]))
+    assert f"\u00b5g at {worst['mounting']}.{worst['position']}, limit" in text
     for warning in document["warnings"]:
         assert plain(warning) in text
 
@@ -225,7 +245,7 @@ def test_labels_are_said_where_they_belong(tmp_path, drawn):
     assert report.row("Laboratory") == ["Lab <i>1</i>"]
     assert report.row("Traceability of local gravity") == ["certificate G-12"]
     assert report.row("Traceability of the table angle") == ["not stated"]
-    assert report.row("Temperature of the run") == ["21.5 to 21.5 \u00b0C (as the stand file states)"]
+    assert report.row("Temperature of the run") == ["21.5 \u00b0C (as the stand file states)"]
     assert report.row("Local gravity, g") == ["9.8106 m/s\u00b2"]
     assert report.row("<script>alert(1)</script>") == ["<script>alert(2)</script>"]
     assert (report.row("seal"), report.row("rig")) == (["4711"], ["B"])
@@ -260,6 +280,12 @@ def test_pictures_stand_in_their_order(drawn):
 def test_the_run_of_another_result_is_refused(drawn):
     with pytest.raises(BadInput, match=r"lab_stand\.csv: is not the run of result: its SHA-256 is another"):
         solve().reported("html", EXAMPLES / "lab_stand.csv")
+
+
+def test_a_range_of_temperatures_is_told(drawn):
+    told = {"min_c": 20.25, "max_c": 23.0, "source": "run_file"}
+    result = Result(json.dumps({**solve().document, "temperature": told}))
+    assert report_of(result).row("Temperature of the run") == ["20.25 to 23 \u00b0C (measured in the run)"]
 
 
 def test_a_bench_run_is_said_to_be_simulated(drawn):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, joined, line
 from tumble.report.source import Source
 from tumble.solving.assumptions import ASSUMPTIONS, phrase
+from tumble.solving.stand_seen import NAMES
 
 _MICRO = 6
 _REASONS = {"gravity": "the gravity check", "fit": "the fit to the declared stand"}
@@ -32,12 +33,30 @@ def findings(source: Source) -> Facts:
     """The two things that are judged, and how they came out."""
     check = ("verification",)
     limit = line(source.millionths(None, *check, "limit_g"), " µg")
-    largest = line(source.millionths(_places(source), *check, "max_abs_delta_g_g"), " µg")
+    largest = line(source.millionths(_places(source), *check, "max_abs_delta_g_g"), " µg", _where(source))
     gravity = "passed" if source.flag(*check, "pass") else "FAILED"
     return [
         (Fixed("Gravity check"), line(gravity, ": largest |Δg| ", largest, ", limit ", limit)),
         (Fixed("Fit to the declared stand"), _fit(source)),
     ]
+
+
+def _where(source: Source) -> Inline:
+    """Behind the largest error, at which position it is."""
+    errors = [source.decimal("verification", "delta_g_g", i, "delta_g_g") for i in range(_count(source))]
+    known = [(abs(error), place) for place, error in enumerate(errors) if error is not None]
+    return line(" at ", _label(source, max(known)[1])) if known else Fixed("")
+
+
+def _count(source: Source) -> int:
+    """Of measured positions."""
+    return len(source.array("verification", "delta_g_g"))
+
+
+def _label(source: Source, place: int) -> Inline:
+    """Of a measured position, such as 2.7."""
+    at = ("verification", "delta_g_g", place)
+    return line(source.told(*at, "mounting"), ".", source.told(*at, "position"))
 
 
 def _fit(source: Source) -> Inline:
@@ -61,14 +80,13 @@ def positions(source: Source) -> Table:
     """Every measured position: samples, error of gravity, whether it is within the limit."""
     rows, places = [], _places(source)
     limit = source.decimal("verification", "limit_g")
-    for i in range(len(source.array("verification", "delta_g_g"))):
+    for i in range(_count(source)):
         at = ("verification", "delta_g_g", i)
-        label = line(source.told(*at, "mounting"), ".", source.told(*at, "position"))
         delta_g = source.decimal(*at, "delta_g_g")
         within = limit is None or delta_g is None or abs(delta_g) <= limit
         samples = source.told("means", i, "samples")
         shown = source.millionths(places, *at, "delta_g_g")
-        rows.append((label, source.told(*at, "use"), samples, shown, Fixed("yes" if within else "NO")))
+        rows.append((_label(source, i), source.told(*at, "use"), samples, shown, Fixed("yes" if within else "NO")))
     return Table(("Position", "Use", "Samples", "Δg in µg", "Within the limit"), rows, left=(1, 4))
 
 
@@ -103,7 +121,8 @@ def explanations(source: Source) -> Table | None:
         at = ("fit", "explanations", i)
         size, u = source.with_uncertainty((*at, "size"), (*at, "u_size"), None)
         unit, column = source.told(*at, "unit"), source.told(*at, "column")
-        name = joined(source.each(*at, "patterns"), " or ")
-        name = name if column is MISSING else line(name, " of ", column)
-        rows.append((name, size, u, unit, source.rounded(2, *at, "p")))
+        patterns = [str(name) for name in source.array(*at, "patterns")]
+        name = " or ".join(NAMES.get(pattern, pattern.replace("_", " ")) for pattern in patterns)
+        said = line(name) if column is MISSING else line(name, " of ", column)
+        rows.append((said, size, u, unit, source.rounded(2, *at, "p")))
     return Table(("The run shows", "Size", "u (k = 1)", "Unit", "p"), rows, left=(3,)) if rows else None

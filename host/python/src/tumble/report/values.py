@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tumble.estimators import COEFFICIENTS
 from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, aligned, line
@@ -12,6 +12,7 @@ from tumble.report.source import Key, Source, pointer
 from tumble.terms import KEYS
 
 Path = tuple[Key, ...]
+_MANY = 1000
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
     **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
@@ -67,6 +68,7 @@ def coefficients(source: Source, given: Uncertainties) -> Table:
 def intrinsic(source: Source, given: Uncertainties) -> Table:
     """Lengths of K's rows, angles between them, biases in g: they do not depend on how the block sits."""
     rows = []
+    given = replace(given, has_k=given.has_k and bool(source.table("u_intrinsic")))
     for name, (where, unit) in _INTRINSIC.items():
         paths = ("intrinsic", *where), ("u_intrinsic", *where), ("coverage", "k_intrinsic", *where)
         its_unit = Fixed(unit) if unit else unit_of_k(source)
@@ -99,9 +101,15 @@ def _row(
     told = (Fixed(name), shown, spread, unit)
     if not given.has_k:
         return told
-    infinite = source.at(*freedom) is None and source.at(*freedom[:2]) is not None
-    nu = Number(Shown("∞"), pointer(freedom)) if infinite else source.rounded(3, *freedom)
-    return (*told, source.to_places(2, *k), nu)
+    return (*told, source.to_places(2, *k), _freedom(source, freedom))
+
+
+def _freedom(source: Source, path: Path) -> Inline:
+    """Degrees of freedom, whole ones where they are many; null is infinitely many."""
+    if source.at(*path) is None and source.at(*path[:2]) is not None:
+        return Number(Shown("\u221e"), pointer(path))
+    found = source.decimal(*path)
+    return source.rounded(3, *path) if found is None or found < _MANY else source.to_places(0, *path)
 
 
 def _table(rows: list[tuple[Inline, ...]], given: Uncertainties) -> Table:
