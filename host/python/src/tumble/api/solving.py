@@ -66,7 +66,7 @@ def solved(
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
     created = provenance.created()
-    stand_file = None if stand is None else _stand_file(stand)
+    stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
     run, planned = recording.on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
