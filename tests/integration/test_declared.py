@@ -9,9 +9,10 @@ from documents import document_of, paper_stand, valid
 
 import tumble
 from tumble.core import built_in
+from tumble.errors import BadInput
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
-from tumble.solving.declared import ERRORS, schedule_document, schedule_of, stand_of
+from tumble.solving.declared import ERRORS, schedule_document, schedule_of, stand_of, step_of
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
@@ -42,17 +43,28 @@ def test_the_step_of_the_converter_is_repeated(tmp_path):
     file = paper_stand(tmp_path, block="converter_bits = 16\nrange_v = 10.0\n")
     result = tumble.solve(EXAMPLES / "paper_stand.csv", stand=file)
     assert result.document["stand"]["step_v"] == 10.0 / 2**15
-    found, declared = stand_of(result.document), tumble.read_stand(file)
-    assert (found.stand, found.step_v, found.item) == (declared.stand, declared.step_v, declared.item)
+    declared = tumble.read_stand(file)
+    assert (stand_of(result.document, "r"), step_of(result.document)) == (declared.stand, declared.step_v)
 
 
 @pytest.mark.parametrize("name", ["paper", "diagonal"])
 def test_stand_and_schedule_are_read_back(name):
     file = "diagonal_stand" if name == "diagonal" else "paper_stand"
     result = tumble.solve(EXAMPLES / f"{file}.csv", stand=EXAMPLES / f"{file}.toml", schedule=name)
-    assert schedule_of(result.document) == built_in(name)
-    assert stand_of(result.document).stand == tumble.read_stand(EXAMPLES / f"{file}.toml").stand
-    assert (stand_of({}), schedule_of({})) == (None, None)
+    assert schedule_of(result.document, "r").data == built_in(name)
+    assert stand_of(result.document, "r") == tumble.read_stand(EXAMPLES / f"{file}.toml").stand
+    assert (stand_of({}, "r"), schedule_of({}, "r"), step_of({})) == (None, None, 0.0)
+
+
+@pytest.mark.parametrize(("key", "changed"), [
+    ("stand", {"level_rad": -1.0}), ("stand", {"limits": "sigma2"}), ("stand", {"samples": 0}),
+    ("stand", {"noise_v": "much"}), ("schedule", {"position": [{"mounting": 1}]}), ("schedule", {"mounting": []}),
+])
+def test_what_no_solve_writes_is_refused(key, changed):
+    document = tumble.solve(EXAMPLES / "paper_stand.csv", stand=EXAMPLES / "paper_stand.toml").document
+    document[key] |= changed
+    with pytest.raises(BadInput, match=f"^r: its {key} is not as tumble solve writes it$"):
+        {"stand": stand_of, "schedule": schedule_of}[key](document, "r")
 
 
 def test_without_a_stand_there_is_none():

@@ -28,8 +28,24 @@ def test_all_pictures_in_their_order():
     ({"samples", "budget"}, {}),
     ({"budget"}, {"run": tumble.read(EXAMPLES / "paper_stand.csv")}),
 ])
-def test_a_document_alone_has_those_that_it_has_what_it_takes_for(lacks, told):
-    assert list(pictures.figures(solved("paper")[1].document, **told)) == [one for one in ALL if one not in lacks]
+def test_an_older_document_has_those_that_it_has_what_it_takes_for(lacks, told):
+    assert list(pictures.figures(older("paper"), **told)) == [one for one in ALL if one not in lacks]
+
+
+def older(name):
+    """A result that repeats neither its stand nor its schedule."""
+    return {key: value for key, value in solved(name)[1].document.items() if key not in ("stand", "schedule")}
+
+
+def test_a_document_alone_has_all_but_the_samples():
+    assert list(pictures.figures(solved("paper")[1].document)) == [one for one in ALL if one != "samples"]
+
+
+def test_what_its_stand_does_not_explain_is_left_out():
+    """A computer with a record of gains states other uncertainties than its stand leaves a run that is solved alone."""
+    document = solved("paper")[1].document
+    others = {**document, "covariance": (2.0 * np.array(document["covariance"])).tolist()}
+    assert list(pictures.figures(others)) == [one for one in ALL if one not in ("samples", "budget")]
 
 
 def test_a_result_without_a_stand():
@@ -60,7 +76,7 @@ def test_means_alone_have_no_band_without_a_stand():
 ])
 def test_a_picture_that_cannot_be_drawn_says_what_it_needs(kind, needs):
     with pytest.raises(UsageError) as told:
-        pictures.figures(solved("paper")[1].document, kind=kind)
+        pictures.figures(older("paper"), kind=kind)
     assert str(told.value) == needs
 
 
@@ -100,14 +116,15 @@ def test_another_run_is_refused():
 
 @pytest.mark.parametrize("name", ["paper", "three_mountings", "diagonal"])
 def test_a_built_in_schedule_is_found_by_the_residuals(name):
-    _, result, _, drawn = solved(name)
-    found = pictures.figures(result.document, kind="residuals")["residuals"]
+    drawn = solved(name)[3]
+    found = pictures.figures(older(name), kind="residuals")["residuals"]
     for one, other in zip(found.axes, drawn["residuals"].axes):
         assert np.array_equal(dots(one), dots(other))
 
 
 def test_a_schedule_of_the_users_is_not_guessed():
-    assert "residuals" not in pictures.figures(solved("checks")[1].document)
+    assert "residuals" not in pictures.figures(older("checks"))
+    assert "residuals" in pictures.figures(solved("checks")[1].document)
 
 
 # What is drawn.
