@@ -8,7 +8,7 @@ from matplotlib import colors
 from pictured import CASES, EVERY_ERROR, PAPER, U0, K, force_of, labelled, rows_of, shares_of, solved
 
 import tumble
-from tumble import core, reference
+from tumble import core, pictures, reference
 from tumble.core.optimal import estimate_runs
 from tumble.estimators import COEFFICIENTS
 
@@ -169,6 +169,17 @@ def u_of_length(result, a, step=1e-6):
             ends.append(np.linalg.norm(np.linalg.solve(changed[:9].reshape(3, 3), outputs - changed[9:])))
         gradient[index] = (ends[0] - ends[1]) / (2 * step)
     return float(np.sqrt(gradient @ result.covariance @ gradient))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_stand_without_errors():
+    """Nothing to share, to correlate or to draw a line of."""
+    perfect = tumble.Stand(0.0, 0.0, 0.0, 0.0, 0.0, 1, "sigma1")
+    drawn = tumble.solve(rows_of(force_of(PAPER) @ K.T + U0), stand=perfect).plot()
+    assert list(drawn) == ["gravity_check", "residuals", "stand_seen", "correlation", "attitude"]
+    assert {text.get_text() for text in drawn["correlation"].axes[0].texts} == {"?"}
+    assert not drawn["attitude"].axes[0].collections
+    assert [pictures.svg(figure)[:4] for figure in drawn.values()] == ["<svg"] * 5
 
 
 # Without colours.
