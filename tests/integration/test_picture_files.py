@@ -61,6 +61,7 @@ def test_each_is_an_element_with_a_title(texts):
         titles = [one.text for one in root.iter(f"{SVG}title")]
         assert len(titles) == 1 and len(titles[0]) > 5
         assert "<metadata" not in text and not re.search(r"\b\d{4}-\d\d-\d\d", text)
+        assert len(text) < 250_000  # characters: seven in a page are read at once
 
 
 def test_names_are_unique_in_a_page_of_all_and_lead_somewhere(texts):

@@ -30,7 +30,7 @@ def gravity_check(facts: Facts) -> Figure:
     if facts.expected is not None:
         _band(axes, MICRO * facts.expected.delta_g, "±2 u, declared stand")
     for bound in (limit, -limit):
-        label = f"limit ±{limit:.4g} µg" if bound > 0 else None
+        label = f"limit ±{limit:.9g} µg" if bound > 0 else None
         axes.axhline(bound, color=BLACK, linestyle="--", label=label)
     _dots(axes, delta_g, facts)
     largest = max(limit, float(np.abs(delta_g).max()))

@@ -51,7 +51,7 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
     "samples": (samples.samples, lambda facts: facts.run is not None, "the run (run=)"),
     "budget": (
         shares.budget,
-        lambda facts: facts.expected is not None,
+        lambda facts: facts.expected is not None and facts.expected.is_uncertain,
         "the stand and the schedule (stand=, schedule=)",
     ),
     "stand_seen": (
