@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 from report_reader import Report, plain
 from test_report import drawn, solve  # noqa: F401 # a fixture
 
@@ -18,8 +18,10 @@ import tumble as package
 from tumble.api.result import Result
 from tumble.cli.main import main
 from tumble.errors import BadInput, UsageError
+from tumble.report.make import context
 from tumble.report.number import number_of, require_number
-from tumble.report.pages import css_string
+from tumble.report.pages import css_string, own
+from tumble.report.source import Source
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -177,6 +179,17 @@ def test_a_template_may_be_one_s_own(result, tmp_path):
     document = package.load(result).document
     text = package.load(result).reported("html", template=str(template)).decode()
     assert text == f"{number_of(document)}|PASS|{document['K'][0][0]}|2"
+
+
+def test_the_page_lists_what_a_template_may_say(result, tmp_path):
+    """The blocks of the own one, and every name that is handed to it."""
+    page = (ROOT / "docs/report.md").read_text(encoding="utf-8").split("## A template of your own")[1]
+    blocks = re.findall(r"{% block (\w+) %}", own("report.html.j2"))
+    assert re.findall(r"`(\w+)`", page.split("of its blocks: ")[1].split(".")[0]) == blocks
+    table = "".join(line.split("|")[1] for line in page.splitlines() if line.startswith("| `"))
+    names = {name.split("[")[0] for name in re.findall(r"`([\w\[\]]+)`", table)}
+    source = Source(package.load(result).document, "result")
+    assert names == {*context(source, "1", None), "figures"}
 
 
 BAD_TEMPLATES = {
