@@ -132,8 +132,7 @@ def lengths_angles_and_biases(k, u0):
 
 @pytest.mark.parametrize("estimator", ["averaged", "refined", "least_squares"])
 def test_intrinsic_parameters_have_a_freedom_of_their_own(estimator):
-    """By differences of estimates: what the loud channel's means, moved one by one, do to lengths, angles, biases. The
-    declared angles drop out of an angle between axes, so it has less freedom than any coefficient."""
+    """By differences of estimates: what the loud channel's means, moved one by one, do to lengths, angles, biases."""
     solution = solved(loud_in_x(np.random.default_rng(73)), estimator=estimator)
     noise, means, step = solution.noise, solution.run.means, 1e-5
 
@@ -150,7 +149,6 @@ def test_intrinsic_parameters_have_a_freedom_of_their_own(estimator):
     expected = noise.measured.freedom[0] * u[of_x] ** 4 / part[of_x] ** 2
     assert solution.coverage.intrinsic[of_x] == pytest.approx(expected, rel=1e-4)
     assert np.isinf(np.delete(solution.coverage.intrinsic, of_x)).all()
-    assert solution.coverage.intrinsic[3] < solution.coverage.freedom[[1, 3]].min()
     told = solution.coverage.document()
     assert told["freedom_intrinsic"]["angle_rad"]["yz"] is None
     assert told["freedom_intrinsic"]["angle_rad"]["xy"] == solution.coverage.intrinsic[3]
