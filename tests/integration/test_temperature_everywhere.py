@@ -155,8 +155,8 @@ def test_a_recording_hands_its_temperature_on(tmp_path, capsys):
     run = tumble.read(tmp_path / "run.csv")
     assert run.temperature_c == (20.5, 22.0)
     head, *rows = (tmp_path / "run.csv").read_text().splitlines()[1:]
-    assert head == "mounting,position,ux,uy,uz,time_s,temperature,rest"
-    texts = [row.split(",")[6] for row in rows]
+    assert head == "mounting,position,ux,uy,uz,time_s,rest,temperature"
+    texts = [row.split(",")[7] for row in rows]
     assert [text for place, text in enumerate(texts) if place == 0 or text != texts[place - 1]] == ["20.5", "", "22.0"]
 
 

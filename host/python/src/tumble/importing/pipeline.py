@@ -77,10 +77,9 @@ class Imported:
     def temperatures_c(self) -> Floats | None:
         """Of all rows, NaN where it is not known; None where no file tells it."""
         parts = [
-            np.full(len(one.outputs), np.nan) if one.temperatures_c is None else one.temperatures_c
-            for one in self.recordings
+            np.full(len(one.outputs), np.nan) if one.temperature is None else one.temperature for one in self.recordings
         ]
-        return None if all(one.temperatures_c is None for one in self.recordings) else np.concatenate(parts)
+        return None if all(one.temperature is None for one in self.recordings) else np.concatenate(parts)
 
     def sha256(self) -> list[str]:
         """Of each file's bytes."""

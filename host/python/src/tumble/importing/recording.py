@@ -50,8 +50,8 @@ _LOST = {"", "nan", "-", "null", "none", "n/a"}
 @dataclass(frozen=True)
 class Recording:
     """One file. `outputs` (rows, 3) in `unit`, which is `unit_told` or assumed; `lines` (rows,): where each stands;
-    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `temperatures_c` (rows,): NaN
-    where it is not known, None where no row tells it; `notes`: sentences."""
+    `clock`: None where there is none; `labels`: texts of each row, by name in LABELS; `notes`: sentences;
+    `temperature` (rows,): in deg C, NaN where it is not known, None where no row tells it."""
 
     file: str
     outputs: Floats
@@ -60,9 +60,9 @@ class Recording:
     unit_told: bool
     clock: Clock | None
     labels: dict[str, list[str]]
-    temperatures_c: Floats | None
     notes: tuple[str, ...]
     data: bytes
+    temperature: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def _read_log(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recordi
         notes.append(f"left out: {log.damaged} messages that are damaged, {log.others} lines of something else")
     told = _clock_of(log.seconds, "time s", timing, file)
     return Recording(
-        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, None, (*notes, *told.notes), data
+        file, log.outputs, log.lines, wishes.unit or novatel.UNIT, True, told, {}, (*notes, *told.notes), data
     )
 
 
@@ -131,8 +131,8 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
         notes.append(f"column {quoted(names[columns['number']])} counts samples: not read")
     felt, about_temperature = _temperatures(data, layout, rows, file)
     return Recording(
-        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels, felt,
-        (*notes, *(told.notes if told else ()), *about_temperature), own,
+        file, rows.outputs, rows.lines, layout.unit, layout.unit_told, told, labels,
+        (*notes, *(told.notes if told else ()), *about_temperature), own, felt,
     )  # fmt: skip
 
 

@@ -8,7 +8,10 @@ import textwrap
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from tumble._version import __version__
+from tumble.arrays import Floats
 from tumble.files.run_layout import TEMPERATURE
 from tumble.importing.match import JOINED, LEFT_OUT, NOWHERE, OFF, REPEATED, TAKEN
 from tumble.importing.order import NONE
@@ -155,23 +158,32 @@ def run_csv(done: Imported) -> str:
     """The run file: the samples at positions, in the order in which they were measured."""
     files = ", ".join(ascii(os.path.basename(one.file))[1:-1] for one in done.recordings)
     unit = f" [{done.unit}]" if done.unit_told else ""
-    columns = [("time_s", done.seconds, "{:.6f}"), (TEMPERATURE, done.temperatures_c, "{!r}")]
-    further = [(name, values, text) for name, values, text in columns if values is not None]
-    names = [f"ux{unit}", f"uy{unit}", f"uz{unit}", *(name for name, *_ in further), "rest"]
+    columns: list[tuple[str, Floats, Callable[[float], str]]]
+    columns = [(f"u{axis}{unit}", done.outputs[:, place], repr) for place, axis in enumerate("xyz")]
+    columns += [] if done.seconds is None else [("time_s", done.seconds, "{:.6f}".format)]
+    columns += [("rest", _numbers(done), "{:.0f}".format)]
+    columns += [] if done.temperatures_c is None else [(TEMPERATURE, done.temperatures_c, _known)]
     lines = [
         f"# tumble import {__version__} of {files}; schedule {os.path.basename(done.settings.schedule_name)}",
-        ",".join(["mounting", "position", *names]),
+        ",".join(["mounting", "position", *(name for name, *_ in columns)]),
     ]
-    for number, (rest, position) in enumerate(zip(done.rests, done.matched.positions), 1):
+    for rest, position in zip(done.rests, done.matched.positions):
         if position == NONE:
             continue
-        place, part = done.schedule.positions[position], slice(rest.begin, rest.end)
-        fields = [map(repr, channel) for channel in done.outputs[part].T.tolist()]
-        fields += [map(_written(text), values[part].tolist()) for _, values, text in further]
-        lines += [f"{place.mounting},{place.number},{','.join(row)},{number}" for row in zip(*fields)]
+        place, rows = done.schedule.positions[position], slice(rest.begin, rest.end)
+        fields = [map(written, values[rows].tolist()) for _, values, written in columns]
+        lines += [f"{place.mounting},{place.number},{','.join(row)}" for row in zip(*fields)]
     return "\n".join(lines) + "\n"
 
 
-def _written(text: str) -> Callable[[float], str]:
-    """Numbers as this text; nothing for what is not known."""
-    return lambda value: "" if math.isnan(value) else text.format(value)
+def _numbers(done: Imported) -> Floats:
+    """The number of the rest that a row is in."""
+    found = np.zeros(len(done.outputs))
+    for number, rest in enumerate(done.rests, 1):
+        found[rest.begin : rest.end] = number
+    return found
+
+
+def _known(value: float) -> str:
+    """Nothing for what is not known."""
+    return "" if math.isnan(value) else repr(value)
