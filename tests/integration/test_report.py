@@ -98,10 +98,19 @@ RESULTS = {
 }  # fmt: skip
 
 
+_solved = {}  # results do not change: each is solved once
+
+
+def solved(name, folder):
+    if name not in _solved:
+        _solved[name] = RESULTS[name](folder)
+    return _solved[name]
+
+
 @pytest.fixture(params=RESULTS)
 def result(request, tmp_path, drawn):
     """Results of all kinds."""
-    return RESULTS[request.param](tmp_path)
+    return solved(request.param, tmp_path)
 
 
 def report_of(result, **options):
@@ -203,7 +212,7 @@ VERDICTS = {
 
 @pytest.mark.parametrize("name", VERDICTS)
 def test_the_verdict(name, tmp_path, drawn):
-    result = RESULTS[name](tmp_path)
+    result = solved(name, tmp_path)
     text, document = plain(report_of(result).text), result.document
     assert VERDICTS[name] in text
     assert ("gravity" in str(document["pass_reason"])) == ("FAILED: largest |\u0394g|" in text)

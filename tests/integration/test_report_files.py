@@ -113,7 +113,7 @@ def test_a_document_with_anything_wrong_in_it_is_reported_or_refused(drawn):
     """Never a fault: each leaf in turn is gone, or of another kind. Drawn at random, the same every time."""
     document, rng = solve(limit_g=1e-6).document, random.Random(20)
     paths, outcomes = [path for path in leaves(document) if path], {"reported": 0, "refused": 0}
-    for path in rng.sample(paths, 150):
+    for path in rng.sample(paths, 80):
         changed = copy.deepcopy(document)
         place = changed
         for key in path[:-1]:
@@ -124,7 +124,7 @@ def test_a_document_with_anything_wrong_in_it_is_reported_or_refused(drawn):
             outcomes["reported"] += 1
         except BadInput:
             outcomes["refused"] += 1
-    assert min(outcomes.values()) > 10, outcomes
+    assert min(outcomes.values()) > 5, outcomes
 
 
 # Numbers.
