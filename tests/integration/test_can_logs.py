@@ -55,7 +55,7 @@ def test_the_log_of_a_run_becomes_its_run_file(suffix, bench, tumble, tmp_path):
     assert f"- CAN log ({KINDS[suffix]}): {frames} frames" in said
     assert "left out" not in said.replace("left out: nowhere", "") and "missing" not in said
     header, rows = rows_of(tmp_path / "run.csv")
-    assert header == ["mounting", "position", "ux [V]", "uy [V]", "uz [V]", "time_s", "temperature", "rest"]
+    assert header == ["mounting", "position", "ux [V]", "uy [V]", "uz [V]", "time_s", "rest", "temperature"]
     _, expected = rows_of(bench.run)
     require_nearly_the_same(rows, expected)
 

@@ -104,7 +104,7 @@ def _read_bus(file: str, data: bytes, kind: str, wishes: Wishes, timing: Timing,
     notes = (*log.notes, *told.notes)
     unit = log.unit or DEFAULT_UNIT
     return Recording(
-        file, log.outputs, log.lines, unit, log.unit is not None, told, {}, log.temperature, notes, data
+        file, log.outputs, log.lines, unit, log.unit is not None, told, {}, notes, data, log.temperature
     )  # fmt: skip
 
 
