@@ -1,6 +1,7 @@
 """Pictures as files and in pages; what they need, and what they leave alone; a result in a notebook."""
 
 import html.parser
+import json
 import os
 import re
 import subprocess
@@ -194,9 +195,16 @@ def test_another_suffix_is_refused(result, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_result_from_a_file_is_told_its_stand(result, texts, tmp_path):
+def test_a_result_from_a_file_knows_its_stand(result, texts, tmp_path):
     result.save(tmp_path / "solved.json")
-    loaded = tumble.load(tmp_path / "solved.json")
+    (budget,) = tumble.load(tmp_path / "solved.json").plot(kind="budget").values()
+    assert pictures.svg(budget) == texts["budget"]
+
+
+def test_an_older_result_is_told_its_stand(result, texts, tmp_path):
+    document = {key: value for key, value in result.document.items() if key not in ("stand", "schedule")}
+    (tmp_path / "older.json").write_text(json.dumps(document))
+    loaded = tumble.load(tmp_path / "older.json")
     with pytest.raises(UsageError, match=r"^kind: budget needs the stand and the schedule"):
         loaded.plot(kind="budget")
     (budget,) = loaded.plot(kind="budget", stand=STAND).values()
