@@ -79,7 +79,8 @@ REFLECTED = "[[mounting]]\nnumber = 1\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, -1
 @pytest.mark.parametrize(("text", "said"), [
     ("[[mounting]]\nnumber = 1\nmatrix = [1, 2\n", "bad.toml: row 4: not valid TOML: unclosed array"),
     (REFLECTED, "bad.toml: row 1: [[mounting]] is refused: a mounting matrix is not a proper rotation"),
-    (REFLECTED.replace("-1]]", "1]]").replace("angle_deg = 0", "angle_deg = 1e9"), "bad.toml: row 7: [[position]] angle_deg must be -3600"),
+    (REFLECTED.replace("-1]]", "1]]").replace("angle_deg = 0", "angle_deg = 1e9"),
+     "bad.toml: row 7: [[position]] angle_deg must be -3600"),
     (REFLECTED.replace("-1]]", "1]]"), "bad.toml: these positions cannot identify K_xx"),
 ])  # fmt: skip
 @pytest.mark.parametrize("subject", ["stand", "mountings", "angles"])
