@@ -138,6 +138,14 @@ def test_what_is_up_feels_most_by_the_reference(name):
         assert np.abs(force).argmax() in ["xyz".index(axis) for _, axis in faces]
 
 
+@pytest.mark.parametrize(("tilt_deg", "raised", "away"), [(10.0, "far", 1), (-10.0, "near", -1)])
+def test_the_end_of_a_tilted_axis_that_is_raised(tilt_deg, raised, away):
+    """By the reference: y lies along the axis, leading away; it feels more than 0 where the far end is up."""
+    tilted = Mounting(1, LEVEL.matrix, tilt_deg)
+    assert words.tilt(tilted) == f"axis tilted by 10 deg, its {raised} end raised" and words.tilt(LEVEL) == ""
+    assert np.sign(Geometry(Schedule((tilted,), (Position(1, 1, 30.0),))).force()[0][1]) == away
+
+
 # Signs.
 
 

@@ -88,13 +88,9 @@ def _list(page: Page, mounting: Mounting, positions: list[Position], y: float) -
         _row(page, mounting, position, y)
     y += 2 * LINE
     said = "An axis that points up feels +1 g, the opposite of gravity."
-    if mounting.tilt_deg:
-        said += f" The axis is tilted by {abs(mounting.tilt_deg):g} deg, its {_end(mounting)} end raised."
+    if tilted := words.tilt(mounting):
+        said += f" {tilted.capitalize()}."
     return page.paragraph((_MARGIN, y), said, WIDTH - 2 * _MARGIN, SOFT)
-
-
-def _end(mounting: Mounting) -> str:
-    return "far" if mounting.tilt_deg > 0.0 else "near"
 
 
 def _row(page: Page, mounting: Mounting, position: Position, y: float) -> None:

@@ -80,9 +80,7 @@ def _on_table(mounting: Mounting) -> Mounting:
 
 def _caption(mounting: Mounting, width: float) -> list[str]:
     said = words.axes(_on_table(mounting), 0.0)
-    if mounting.tilt_deg:
-        end = "far" if mounting.tilt_deg > 0.0 else "near"
-        said.append(f"axis tilted by {abs(mounting.tilt_deg):g} deg, its {end} end raised")
+    said.append(words.tilt(mounting))
     return [line for one in said for line in wrapped(one, width - 10.0)]
 
 

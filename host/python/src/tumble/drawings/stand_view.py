@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tumble.drawings import dial
+from tumble.drawings import dial, words
 from tumble.drawings.svg import BLUE, INK, LARGE, PLATE, PLATE_SIDE, SOFT, WIDTH, Page
 from tumble.drawings.views import (
     DISC,
@@ -120,16 +120,7 @@ def _notes(page: Page, schedule: Schedule, y: float) -> float:
         "h, n, v turn with the table: h across the axis, n along it towards the table, v up at angle 0.",
         "Positive angle: h rises and v tips to the left, counterclockwise as seen from the front.",
         "Gravity points straight down. An axis that points up feels +1 g.",
-        *_tilts(schedule),
+        *(f"Mounting {one.number}: {words.tilt(one)}." for one in schedule.mountings if one.tilt_deg),
     ):
         y = page.paragraph((_MARGIN, y), text, WIDTH - 2 * _MARGIN) + 0.6
     return y
-
-
-def _tilts(schedule: Schedule) -> list[str]:
-    return [
-        f"In mounting {one.number} the axis is tilted by {abs(one.tilt_deg):g} deg,"
-        f" its {'far' if one.tilt_deg > 0.0 else 'near'} end raised."
-        for one in schedule.mountings
-        if one.tilt_deg
-    ]

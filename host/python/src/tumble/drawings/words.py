@@ -72,6 +72,12 @@ def line(mounting: Mounting, angle_deg: float) -> str:
     return f"{', '.join(axes(mounting, angle_deg))}; up: {face_up(mounting, angle_deg)}"
 
 
+def tilt(mounting: Mounting) -> str:
+    """How the axis of the stand is tilted for a mounting; empty where it is level."""
+    end = "far" if mounting.tilt_deg > 0.0 else "near"
+    return f"axis tilted by {abs(mounting.tilt_deg):g} deg, its {end} end raised" if mounting.tilt_deg else ""
+
+
 def positions(schedule: Schedule, mounting: Mounting) -> list[str]:
     """A line for each position of a mounting: its number, its table angle, and which face is up there."""
     own = [one for one in schedule.positions if one.mounting == mounting.number]
