@@ -278,10 +278,10 @@ def test_pictures_stand_in_their_order(drawn):
     result = solve()
     report = report_of(result, run=run)
     assert re.findall(r"<title>T(\d)</title>", report.source) == ["1", "2", "3"]
-    assert [one for one in report.ids if one != "number"] == ["gravity_check", "samples", "attitude"]
-    assert "Figure 1. Errors < of gravity." in report.text and "Figure 3. Attitudes." in report.text
+    assert [one for one in report.ids if one != "number"] == ["mountings", "gravity_check", "samples", "attitude"]
+    assert "Figure 2. Errors < of gravity." in report.text and "Figure 4. Attitudes." in report.text
     assert drawn[-1] == (result.document, run)
-    assert [one for one in report_of(result).ids if one != "number"] == ["gravity_check", "attitude"]
+    assert [one for one in report_of(result).ids if one != "number"] == ["mountings", "gravity_check", "attitude"]
 
 
 def test_real_pictures_stand_beside_each_other():

@@ -178,7 +178,7 @@ def test_a_template_may_be_one_s_own(result, tmp_path):
     template = written(tmp_path, "own.txt", said)
     document = package.load(result).document
     text = package.load(result).reported("html", template=str(template)).decode()
-    assert text == f"{number_of(document)}|PASS|{document['K'][0][0]}|2"
+    assert text == f"{number_of(document)}|PASS|{document['K'][0][0]}|3"
 
 
 def test_the_page_lists_what_a_template_may_say(result, tmp_path):

@@ -10,8 +10,10 @@ from tumble.report import conformity, identity, method, pages, values
 from tumble.report.cells import Fixed, line
 from tumble.report.number import number_of, require_number
 from tumble.report.source import Source
+from tumble.solving.declared import schedule_of
 
 HTML, PDF = "html", "pdf"
+_MOST_MOUNTINGS = 6
 _KINDS = {".html": HTML, ".htm": HTML, ".pdf": PDF}
 
 
@@ -69,7 +71,21 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
         raise
     except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote
         raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", source.name) from None
-    return [{"name": name, "svg": Markup(svg(one)), "caption": CAPTIONS[name]} for name, one in drawn.items()]
+    told = [(name, svg(one), CAPTIONS[name]) for name, one in drawn.items()]
+    return [
+        {"name": name, "svg": Markup(one), "caption": caption} for name, one, caption in [*_mountings(source), *told]
+    ]
+
+
+def _mountings(source: Source) -> list[tuple[str, str, str]]:
+    """How the block sat; not of a schedule with so many mountings that nobody could tell them apart."""
+    from tumble.drawings import mountings
+
+    schedule = schedule_of(source.document, source.name)
+    if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
+        return []
+    seen = "How the block sat in each mounting with the table at angle zero, seen along the stand's axis."
+    return [("mountings", mountings(schedule.data), seen)]
 
 
 def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
