@@ -15,7 +15,7 @@ from report_reader import Report, Said, Truth, plain, text_of
 
 import tumble as package
 from tumble.api.result import Result
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError
 from tumble.estimators import COEFFICIENTS
 from tumble.report.number import number_of
 
@@ -284,6 +284,19 @@ def test_pictures_stand_in_their_order(drawn):
     assert document == result.document and given is run
     assert (len(schedule.positions), stand.stand.remount) == (18, 4e-4)
     assert [one for one in report_of(result).ids if one != "number"] == ["gravity_check", "attitude"]
+
+
+def test_a_stand_that_the_pictures_refuse_costs_no_report(drawn, monkeypatch):
+    room, asked = sys.modules["tumble.pictures"], []
+
+    def refusing(document, run=None, schedule=None, *, stand=None):
+        asked.append(stand is not None)
+        if stand is not None:
+            raise UsageError("stand: not that of the result")
+        return {"attitude": 3}
+
+    monkeypatch.setattr(room, "figures", refusing)
+    assert "attitude" in report_of(solve()).ids and asked == [True, False]
 
 
 def test_the_run_of_another_result_is_refused(drawn):

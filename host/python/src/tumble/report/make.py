@@ -74,8 +74,8 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
 
 
 def _figures(document: dict[str, Any], run: Any) -> dict[str, Any]:
-    """As many as there can be: a bench's `optimal` has weights that the document does not tell, and so other
-    uncertainties than its stand leaves a run."""
+    """As many as there can be: pictures hold the stand against the uncertainties of its result. Where a document does
+    not tell all that these come from, it is drawn without."""
     from tumble.pictures import figures
 
     schedule, stand = schedule_of(document), stand_of(document)
