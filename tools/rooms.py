@@ -43,11 +43,12 @@ MAY_IMPORT = {
     "solving": {"core", "reference", "files"},
     "fixture": {"core", "reference", "solving"},
     "planning": {"core", "reference", "files", "solving"},
+    "pictures": {"core", "reference", "files", "solving", "fixture"},
     "bench": {"core", "reference", "files", "solving", "fixture"},
-    "importing": {"reference", "files"},
-    "api": {"core", "files", "solving", "fixture"},
-    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "importing", "bench", "api",
-            DOOR},
+    "importing": {"reference", "files", "pictures"},
+    "api": {"core", "files", "solving", "fixture", "pictures"},
+    "cli": {"core", "reference", "files", "store", "solving", "fixture", "planning", "pictures", "importing", "bench",
+            "api", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

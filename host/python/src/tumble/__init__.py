@@ -15,6 +15,7 @@ rooms, each of which says what it offers:
     solving             from a run to a stated result
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
     bench, store        simulated stands and real buses; the memory of a navigation computer
+    pictures            of a result: what `Result.plot` draws
     api, cli            what scripts call; the command line
 
 Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.

@@ -5,20 +5,37 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tumble.api.applying import applied
 from tumble.api.complaints import complaints_of_document
+from tumble.api.recording import recording_of
+from tumble.api.table import html_table
 from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.disk import read_bytes, write_text
+from tumble.files.disk import read_bytes, write_bytes, write_text
 from tumble.files.documents import checked_coefficients
+from tumble.files.stand_file import StandFile
+from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.force import Force
+from tumble.stand import Stand
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a result was solved with and does not carry: the `stand`, None where there was none, and the `schedule`."""
+
+    stand: StandFile | None
+    schedule: Schedule
 
 
 class HasColumns(Protocol):
@@ -41,11 +58,18 @@ class Result:
     declared. Arrays are float64 and cannot be written to.
     """
 
-    def __init__(self, text: str, warnings: tuple[str, ...] | None = None, name: str = "result"):
+    def __init__(
+        self,
+        text: str,
+        warnings: tuple[str, ...] | None = None,
+        name: str = "result",
+        origin: Origin | None = None,
+    ):
         """`text`: JSON of schema tumble.result/1; `warnings`: None for those that it shows; `name`: what errors call
-        it. Raises BadInput."""
+        it; `origin`: None where it is not known. Raises BadInput."""
         self._text = text
         self._name = name
+        self._origin = origin
         self._checked = checked_coefficients(text.encode("utf-8"), name)
         self.warnings = tuple(complaints_of_document(self._checked)) if warnings is None else warnings
         """Why the result may not be what it claims: sentences, as the command line prints them."""
@@ -103,6 +127,10 @@ class Result:
 
     def __repr__(self) -> str:
         return f"<tumble.Result {self._name}: {self.estimator}, {'PASS' if self.passed else 'FAIL'}, unit {self.unit}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the verdict, and the coefficients with their uncertainties."""
+        return html_table(self._checked)
 
     @overload
     def apply(
@@ -179,6 +207,47 @@ class Result:
             why = "no stand was declared" if self.covariance is None else "its environment has no u_gravity_m_s2"
             raise BadInput(f"no uncertainties: {why}", self._name)
         return force
+
+    def plot(
+        self,
+        file: str | os.PathLike[str] | None = None,
+        kind: str | None = None,
+        run: Any = None,
+        *,
+        stand: Stand | StandFile | str | os.PathLike[str] | None = None,
+        schedule: Schedule | str | os.PathLike[str] | None = None,
+    ) -> dict[str, Figure]:
+        """Pictures of the result, by name: figures of matplotlib, as wide as a page of A4.
+
+        "gravity_check", "residuals" (with the schedule), "samples" (with the run), "budget" (with the stand),
+        "stand_seen", "correlation" and "attitude" (of a result that was solved with a stand); tumble.pictures.CAPTIONS
+        says what they show. `kind`: this one alone. `file`: write it, .png, .svg or .pdf by its name; without `kind`
+        the gravity check.
+
+        `run`: what was solved, what `read` gives or takes. `stand`, `schedule`: as `solve` takes them. A result of
+        `solve` knows its own; one of `load` knows a built-in schedule, and must be told the stand.
+
+        Raises UsageError for a picture that lacks something, or for a run, stand or schedule that is not that of this
+        result; BadInput for files that cannot be read or written; NotInstalled without matplotlib.
+
+        >>> import tumble
+        >>> result = tumble.solve("examples/paper_stand.csv", stand="examples/paper_stand.toml")
+        >>> list(result.plot(kind="attitude"))
+        ['attitude']
+        """
+        from tumble import pictures
+
+        if file is not None:
+            pictures.require_format(os.fspath(file), "file")
+            kind = "gravity_check" if kind is None else kind
+        if self._origin is not None:
+            stand = self._origin.stand if stand is None else stand
+            schedule = self._origin.schedule if schedule is None else schedule
+        recorded = None if run is None else recording_of(run)
+        drawn = pictures.figures(self.document, recorded, schedule, stand=stand, kind=kind)
+        if file is not None and kind is not None:
+            write_bytes(os.fspath(file), pictures.written(drawn[kind], os.fspath(file)))
+        return drawn
 
     def to_json(self) -> str:
         """The result as `tumble solve --json` prints it: schema tumble.result/1."""

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
-from tumble.api.result import Result
-from tumble.core import CoreRefusal, CoreSchedule
+from tumble.api.result import Origin, Result
 from tumble.defaults import DEFAULT_CONFIDENCE, DEFAULT_ESTIMATOR, DEFAULT_LIMIT_G, DEFAULT_SCHEDULE, NEEDS_STAND
-from tumble.errors import BadInput, UsageError, quoted
+from tumble.errors import UsageError, quoted
 from tumble.estimators import ESTIMATORS, OPTIMAL
 from tumble.files import run_rows
 from tumble.files.documents import to_json
-from tumble.files.schedule_file import read_schedule, require_identifying, require_solvable
-from tumble.files.stand_file import StandFile, read_stand
+from tumble.files.schedule_file import schedule_of
+from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.schedule import Schedule
 from tumble.solving import plausibility, provenance, result
 from tumble.solving.solution import Solution, solve as solve_run
@@ -65,10 +64,10 @@ def solved(
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)
     created = provenance.created()
-    stand_file = None if stand is None else _stand_file(stand)
+    stand_file = None if stand is None else stand_file_of(stand)
     declared_g = None if stand_file is None else stand_file.delta_g_limit_g
     told_g = declared_g if limit_g is None else limit_g
-    run, planned = recording.on(_schedule(schedule, estimator))
+    run, planned = recording.on(schedule_of(DEFAULT_SCHEDULE if schedule is None else schedule, estimator))
     odd_rows = run_rows.require(run, planned.data, stand_file, recording.name)
     solution = solve_run(
         in_environment(run, None if stand_file is None else stand_file.environment),
@@ -83,36 +82,6 @@ def solved(
     )
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
     return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)
-
-
-def _stand_file(stand: Any) -> StandFile:
-    """What is declared of a stand: by a file, by what was read of one, or by a Stand alone."""
-    if isinstance(stand, StandFile):
-        return stand
-    if isinstance(stand, Stand):
-        nothing: dict[str, Any] = dict.fromkeys(field.name for field in fields(StandFile))
-        return StandFile(**{**nothing, "stand": stand})
-    if isinstance(stand, (str, os.PathLike)):
-        return read_stand(os.fspath(stand))
-    raise UsageError(f"stand: a {type(stand).__name__} is neither the path of a stand file nor a tumble.Stand")
-
-
-def _schedule(schedule: Any, estimator: str) -> CoreSchedule:
-    """By name, from a file, or as an object; with the positions that the estimator needs."""
-    if schedule is None:
-        return CoreSchedule.built_in(DEFAULT_SCHEDULE)
-    if isinstance(schedule, (str, os.PathLike)):
-        return read_schedule(os.fspath(schedule), estimator=estimator)
-    if not isinstance(schedule, Schedule):
-        kind = type(schedule).__name__
-        raise UsageError(f"schedule: a {kind} is neither a name nor the path of a schedule file nor a tumble.Schedule")
-    try:
-        core_schedule = CoreSchedule(schedule)
-    except CoreRefusal as refusal:
-        raise BadInput(f"is refused: {refusal}", "schedule") from None
-    require_identifying(core_schedule, "schedule")
-    require_solvable(core_schedule, estimator, "schedule")
-    return core_schedule
 
 
 def solve(
@@ -162,4 +131,5 @@ def solve(
         confidence=confidence,
         terms=parse(wanted or None, estimator),
     )
-    return Result(to_json(found.document()), tuple(found.complaints()))
+    measured_on = Origin(found.stand_file, found.solution.schedule)
+    return Result(to_json(found.document()), tuple(found.complaints()), origin=measured_on)

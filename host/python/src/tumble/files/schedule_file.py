@@ -6,11 +6,14 @@
 
 from __future__ import annotations
 
+import os
+from typing import Any
+
 import numpy as np
 
 from tumble.core import MAX_MOUNTINGS, MAX_POSITIONS, MAX_YAWS, CoreRefusal, CoreSchedule
 from tumble.core.optimal import estimate_runs
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError
 from tumble.estimators import HARMONIC, OPTIMAL
 from tumble.files.toml import Table, read_toml
 from tumble.messages import tell
@@ -32,6 +35,23 @@ def read_schedule(file: str, data: bytes | None = None, estimator: str | None = 
     require_solvable(core_schedule, estimator, file)
     if estimator in HARMONIC:
         _tell_of_left_out(core_schedule, estimator, file)
+    return core_schedule
+
+
+def schedule_of(schedule: Any, estimator: str | None = None) -> CoreSchedule:
+    """By name, from a file, or as an object; with the positions that an `estimator` needs. Raises BadInput,
+    UsageError."""
+    if isinstance(schedule, (str, os.PathLike)):
+        return read_schedule(os.fspath(schedule), estimator=estimator)
+    if not isinstance(schedule, Schedule):
+        kind = type(schedule).__name__
+        raise UsageError(f"schedule: a {kind} is neither a name nor the path of a schedule file nor a tumble.Schedule")
+    try:
+        core_schedule = CoreSchedule(schedule)
+    except CoreRefusal as refusal:
+        raise BadInput(f"is refused: {refusal}", "schedule") from None
+    require_identifying(core_schedule, "schedule")
+    require_solvable(core_schedule, estimator, "schedule")
     return core_schedule
 
 

@@ -14,11 +14,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import os
+from dataclasses import dataclass, fields
 from typing import Any
 
 from tumble.core import MAX_SAMPLES
-from tumble.errors import BadInput
+from tumble.errors import BadInput, UsageError
 from tumble.files.toml import Table, read_toml
 from tumble.stand import COMMON, INDEPENDENT, LIMIT_KINDS, Stand
 
@@ -82,6 +83,19 @@ def read_stand(file: str, data: bytes | None = None) -> StandFile:
         environment=None if environment is None else _environment(environment),
         delta_g_limit_g=None if accept is None else _limit(accept),
     )
+
+
+def stand_file_of(stand: Any) -> StandFile:
+    """What is declared of a stand: by a file, by what was read of one, or by a Stand alone. Raises BadInput,
+    UsageError."""
+    if isinstance(stand, StandFile):
+        return stand
+    if isinstance(stand, Stand):
+        nothing: dict[str, Any] = dict.fromkeys(field.name for field in fields(StandFile))
+        return StandFile(**{**nothing, "stand": stand})
+    if isinstance(stand, (str, os.PathLike)):
+        return read_stand(os.fspath(stand))
+    raise UsageError(f"stand: a {type(stand).__name__} is neither the path of a stand file nor a tumble.Stand")
 
 
 def converter_step_v(block: dict[str, Any]) -> float:

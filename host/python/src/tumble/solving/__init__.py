@@ -15,6 +15,7 @@ The core computes, the numpy witness confirms, and only then is there a solution
     second_order what these leave out; monte_carlo: whether simulated runs confirm them (many_runs: solved at once)
     provenance   when, by what and from what a result was made
     stand_seen   the stand's errors as the run shows them
+    expected     what the declared stand makes one expect of a result, source by source
     assumptions  what a result rests on that nobody tested
     crosscheck   core against witness; a disagreement gives no result
     result       the document that is written of a solution, schema tumble.result/1

@@ -11,7 +11,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
 from tumble.solving import extended, optimal_run
-from tumble.solving.gains import NOISE_FLOOR_G, optimal_table
+from tumble.solving.gains import NOISE_FLOOR_G, linear_gains, optimal_table
 from tumble.stand import Stand, rounding_of
 from tumble.terms import Terms
 
@@ -53,7 +53,27 @@ def extended_uncertainties(
     if estimator == OPTIMAL:
         return _of_optimal(schedule, measured, k, stand, samples, step, terms, mean_variance)
     part, variance = schedule.part(measured), None if mean_variance is None else mean_variance[measured]
-    return _of_gains(part, k, stand, samples[measured], extended.gains(part, terms), variance, 0.0)
+    gains = gains_of_run(part, k, stand, samples[measured], estimator, step, terms)
+    return _of_gains(part, k, stand, samples[measured], gains, variance, 0.0)
+
+
+def gains_of_run(
+    part: core.CoreSchedule,
+    k: Floats,
+    stand: Stand,
+    samples: Integers,
+    estimator: str,
+    step: float = 0.0,
+    terms: Terms = (),
+) -> Floats:
+    """By which an estimator finds K row by row, U0 and the sizes of further terms (12 + 3 x terms, 3 x fit positions)
+    of a run with the positions of `part` and their `samples`: those of optimal for weights made at `k`."""
+    if estimator == OPTIMAL:
+        weighting = optimal_run.Weighting(stand, samples, step)
+        averaged_over = optimal_run.samples_in_a_mean(part.data, samples > 0, weighting)
+        further = extended.fitted_columns(part, terms)
+        return optimal_table(part.data, k, stand, step, averaged_over, further).gains
+    return extended.gains(part, terms) if terms else linear_gains(part.data, estimator)
 
 
 def _of_optimal(
@@ -67,10 +87,7 @@ def _of_optimal(
     mean_variance: Floats | None,
 ) -> Floats:
     part = schedule.part(measured)
-    weighting = optimal_run.Weighting(stand, samples, step)
-    averaged_over = optimal_run.samples_in_a_mean(schedule.data, measured, weighting)
-    further = extended.fitted_columns(part, terms)
-    gains = optimal_table(part.data, k, stand, step, averaged_over, further).gains
+    gains = gains_of_run(part, k, stand, samples[measured], OPTIMAL, step, terms)
     one_sample = max(stand.sigma("noise"), rounding_of(step))
     used = replace(
         stand,

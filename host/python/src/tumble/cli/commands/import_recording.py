@@ -69,6 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.schedule_file import read_schedule
     from tumble.importing import plot, recipe, report
     from tumble.importing.pipeline import import_recordings
+    from tumble.pictures.canvas import require_format
 
     sources = (*arguments.recordings, arguments.stand, file_of(arguments.schedule))
     for option in ("out", "plot", "recipe"):
@@ -77,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     if len(set(outputs)) < len(outputs):
         raise UsageError("--out, --plot and --recipe: two of them name the same file")
     if arguments.plot is not None:
-        plot.require_format(arguments.plot)
+        require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
     settings = _settings(arguments, replayed)
     schedule = read_schedule(settings.schedule_name).data

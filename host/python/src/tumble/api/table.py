@@ -1,0 +1,46 @@
+"""A result as a small table of HTML, for notebooks."""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import Any
+
+from tumble.estimators import COEFFICIENTS
+from tumble.solving.assumptions import phrase
+from tumble.units import per_g
+
+_UNKNOWN = "unknown"
+_DIGITS = 6  # of a value whose uncertainty is not known
+_MOST_DECIMALS = 12
+
+
+def html_table(result: dict[str, Any]) -> str:
+    """Of a document that files.documents has checked: the verdict, then a row for each of the twelve coefficients: its
+    value to the second digit of its standard uncertainty, that, and the unit of both."""
+    values, unit = [*sum(result["K"], []), *result["U0"]], result["unit"]
+    known = result["u_K"] is not None
+    uncertainties = [*sum(result["u_K"], []), *result["u_U0"]] if known else [None] * len(values)
+    rows = "".join(
+        _row("td", name, *_rounded(value, u), unit if name.startswith("U0") else per_g(unit))
+        for name, value, u in zip(COEFFICIENTS, values, uncertainties)
+    )
+    return f"<p>{_verdict(result)}</p><table>{_row('th', '', 'value', 'std uncertainty', 'unit')}{rows}</table>"
+
+
+def _verdict(result: dict[str, Any]) -> str:
+    if not result["pass"]:
+        reason = result.get("pass_reason")
+        return f"<b>FAIL</b>{'' if reason is None else html.escape(f': {reason}')}"
+    return f"<b>PASS</b>{html.escape(phrase(result['assumes']))}"
+
+
+def _row(tag: str, *cells: str) -> str:
+    return f"<tr>{''.join(f'<{tag}>{html.escape(cell)}</{tag}>' for cell in cells)}</tr>"
+
+
+def _rounded(value: float, u: float | None) -> tuple[str, str]:
+    if u is None or u == 0.0:
+        return f"{value:.{_DIGITS}g}", _UNKNOWN if u is None else "0"
+    decimals = min(_MOST_DECIMALS, max(0, 1 - math.floor(math.log10(u))))
+    return f"{value:.{decimals}f}", f"{u:.1e}"

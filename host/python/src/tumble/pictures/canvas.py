@@ -1,0 +1,151 @@
+"""What all pictures share: matplotlib, where it is there; sizes and colours; files and SVG to stand in a page.
+
+matplotlib is loaded by these functions alone, never by importing this module, and its settings are changed only while a
+picture is made or written: whoever draws with it beside finds it as it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tumble.arrays import Floats, Integers
+from tumble.errors import NotInstalled, UsageError, quoted
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FORMATS = (".png", ".svg", ".pdf")
+WIDTH_MM = 170.0  # of the text of a page of A4
+FONT_PT = 8.0
+MOST_UPRIGHT = 20  # labels of positions, side by side
+_MM_PER_INCH = 25.4
+_PNG_DPI = 150
+
+# Okabe and Ito: told apart by all eyes. None tells a thing by its colour alone: markers, lines and hatches differ too.
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY, PALE = "#7F7F7F", "#E6E6E6"
+MINUS = "\N{MINUS SIGN}"
+
+_SETTINGS: dict[str, Any] = {
+    "font.family": ["DejaVu Sans"],  # comes with matplotlib
+    "font.size": FONT_PT,
+    **dict.fromkeys(("axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize"), FONT_PT),
+    "axes.titlesize": FONT_PT + 1.0,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.6,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.use_locale": False,
+    "axes.formatter.limits": (-9, 9),
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.linewidth": 0.4,
+    "grid.color": "#D0D0D0",
+    "hatch.linewidth": 0.5,
+    "lines.linewidth": 0.9,
+    "lines.markersize": 4.5,
+    "legend.frameon": False,
+    "svg.hashsalt": "tumble",
+    "svg.fonttype": "path",
+    "pdf.fonttype": 42,
+}
+_FAMILIES = {key.partition(".")[0] for key in _SETTINGS} | {"errorbar", "figure", "image", "mathtext", "patch", "path"}
+_FAMILIES |= {"contour", "savefig", "text"}
+
+
+def require(needed_for: str) -> None:
+    """Raises NotInstalled where matplotlib is not there; says what it is `needed_for`."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise NotInstalled(needed_for, "matplotlib", extra="plot") from None
+
+
+def require_format(file: str, option: str) -> None:
+    """Raises UsageError for a file that is not of FORMATS, NotInstalled where matplotlib is not there. `option`: what
+    the user calls it."""
+    if os.path.splitext(file)[1].lower() not in FORMATS:
+        raise UsageError(f"{option}: {quoted(file)} does not end in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
+    require(option)
+
+
+@contextmanager
+def settings() -> Iterator[None]:
+    """matplotlib as pictures have it, whatever the user has set; afterwards as it was."""
+    import matplotlib
+
+    default = matplotlib.rcParamsDefault
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of settings that are on their way out
+        usual = {key: default[key] for key in default if key.partition(".")[0] in _FAMILIES}
+        context = matplotlib.rc_context({**usual, **_SETTINGS})
+        context.__enter__()
+    try:
+        yield
+    finally:
+        context.__exit__(None, None, None)
+
+
+def blank(key: str, height_mm: float) -> Figure:
+    """A figure as wide as a page; `key`: its name among the pictures."""
+    from matplotlib.figure import Figure
+
+    size = (WIDTH_MM / _MM_PER_INCH, height_mm / _MM_PER_INCH)
+    figure = Figure(figsize=size, layout="constrained")
+    figure.set_label(key)
+    return figure
+
+
+def legend_above(axes: Axes, columns: int) -> None:
+    """Beside the title, at the upper right, over the axes."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=columns, borderaxespad=0.2, handlelength=1.8)
+
+
+def written(figure: Figure, file: str) -> bytes:
+    """The picture in the format that the file's name says, the same bytes every time."""
+    kind = os.path.splitext(file)[1][1:].lower()
+    no_dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    target = io.BytesIO()
+    with settings():
+        figure.savefig(target, format=kind, dpi=_PNG_DPI, metadata=no_dates)
+    return target.getvalue()
+
+
+def svg(figure: Figure, title: str) -> str:
+    """To stand in a page of HTML: no prolog, `title` as its <title>, and whatever has a name in it, its style too, is
+    the picture's own: others of the same page have other names. The same text every time."""
+    target = io.BytesIO()
+    nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    with settings():
+        figure.savefig(target, format="svg", metadata={**nothing, "Title": title})
+    text = target.getvalue().decode("utf-8")
+    text = text[text.index("<svg") :]
+    own = f"{figure.get_label() or 'figure'}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    text = re.sub(r'\bid="([^"]*)"', rf'id="{own}-\1"', text)
+    text = re.sub(r'href="#([^"]*)"', rf'href="#{own}-\1"', text)
+    text = re.sub(r"url\(#([^)]*)\)", rf"url(#{own}-\1)", text)
+    text = re.sub(r"(<style[^>]*>)\s*\*\s*\{", rf"\1#{own} *{{", text)
+    return text.replace("<svg ", f'<svg id="{own}" role="img" ', 1)
+
+
+def thinned(values: Floats, most: int) -> Integers:
+    """Indices of rows to draw of `values` (rows, channels): of about so many stretches the first row, and the lowest
+    and the highest of every channel, so that no peak is lost. All rows where they are not more."""
+    if len(values) <= most:
+        return np.arange(len(values))
+    bounds = np.linspace(0, len(values), most // (2 * values.shape[1] + 1) + 1).astype(int)
+    kept: list[Integers] = [bounds[:-1], np.array([len(values) - 1])]
+    for begin, end in zip(bounds[:-1].tolist(), bounds[1:].tolist()):
+        piece = values[begin:end]
+        kept += [begin + piece.argmin(axis=0), begin + piece.argmax(axis=0)]
+    return np.unique(np.concatenate(kept))

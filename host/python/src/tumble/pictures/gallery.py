@@ -1,0 +1,112 @@
+"""Which pictures there are of a result, and what each of them needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from tumble.errors import UsageError, quoted
+from tumble.files.schedule_file import schedule_of
+from tumble.files.stand_file import stand_file_of
+from tumble.pictures import by_position, canvas, matrix, samples, shares, sphere, stand_seen
+from tumble.pictures.facts import Facts, Recorded
+from tumble.solving.expected import expected, measured_schedule
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CAPTIONS = {
+    "gravity_check": "The length of gravity that the calibrated block shows at each position, less 1 g. It must stay"
+    " within the limit; at check positions, which were not fitted, this says most.",
+    "residuals": "What the coefficients leave of the mean outputs at each position, channel by channel. The grey"
+    " band holds 95 % of what the errors that the legend names would leave by themselves.",
+    "samples": "All samples of the run. A stretch between two shades is averaged for the position that is named above"
+    " it.",
+    "budget": "Where the uncertainty of each coefficient comes from: the shares of the stand's sources of error in its"
+    " variance.",
+    "stand_seen": "The errors of the stand as the run itself shows them, with their expanded uncertainties, beside what"
+    " is declared of the stand.",
+    "correlation": "How the errors of the twelve coefficients go together: +1 is as one, -1 is against each other, 0 is"
+    " not at all.",
+    "attitude": "The standard uncertainty of the length of the specific force that the calibrated block shows, over all"
+    " its directions on the block's axes. The star marks the worst.",
+}
+_TITLES = {
+    "gravity_check": "Gravity check",
+    "residuals": "Residuals",
+    "samples": "Samples of the run",
+    "budget": "Sources of the uncertainty",
+    "stand_seen": "The stand seen in the run",
+    "correlation": "Correlation of the coefficients",
+    "attitude": "Uncertainty of the length of the specific force by attitude",
+}
+_A_STAND = "a result that was solved with a stand"
+_NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]] = {
+    "gravity_check": (by_position.gravity_check, lambda facts: True, ""),
+    "residuals": (by_position.residuals, lambda facts: facts.schedule is not None, "the schedule (schedule=)"),
+    "samples": (samples.samples, lambda facts: facts.run is not None, "the run (run=)"),
+    "budget": (
+        shares.budget,
+        lambda facts: facts.expected is not None,
+        "the stand and the schedule (stand=, schedule=)",
+    ),
+    "stand_seen": (
+        stand_seen.stand_seen,
+        lambda facts: bool(stand_seen.rows(facts)),
+        "a run that shows something of its stand",
+    ),
+    "correlation": (matrix.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
+    "attitude": (sphere.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
+}
+
+
+def kinds() -> tuple[str, ...]:
+    """The names of all pictures, in their order."""
+    return tuple(_NEEDS)
+
+
+def figures(
+    document: dict[str, Any],
+    run: Recorded | None = None,
+    schedule: Any = None,
+    *,
+    stand: Any = None,
+    kind: str | None = None,
+) -> dict[str, Figure]:
+    """The pictures of a result, by name, as far as there is what each of them needs.
+
+    `document`: of schema tumble.result/1. `run`: what was solved, as `tumble.read` returns it. `schedule`, by name,
+    path or object: of the run; a built-in one is found by itself. `stand`, path or object: the declared one, which the
+    document does not carry; the budget, and what is expected, need it. `kind`: this one alone.
+
+    Raises UsageError for a `kind` that is none, or that lacks something, and for a run, a schedule or a stand that is
+    not the result's; BadInput for files that cannot be read; NotInstalled where matplotlib is not there.
+    """
+    if kind is not None and kind not in _NEEDS:
+        raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
+    canvas.require("a picture")
+    facts = _facts(document, run, schedule, stand)
+    if kind is not None and not _NEEDS[kind][1](facts):
+        raise UsageError(f"kind: {kind} needs {_NEEDS[kind][2]}")
+    drawn = {}
+    with canvas.settings():
+        for name, (draw, is_known, _) in _NEEDS.items():
+            if kind in (None, name) and is_known(facts):
+                drawn[name] = draw(facts)
+    return drawn
+
+
+def svg(figure: Figure) -> str:
+    """A figure of `figures` as an <svg> element to stand in a page of HTML, with a <title>: no prolog, every name in it
+    its own, so that several stand in one page. The same text every time."""
+    return canvas.svg(figure, _TITLES.get(str(figure.get_label()), "Figure"))
+
+
+def _facts(document: dict[str, Any], run: Recorded | None, schedule: Any, stand: Any) -> Facts:
+    if run is not None:
+        samples.require_same_run(document, run)
+    given = None if schedule is None else schedule_of(schedule).data
+    on = measured_schedule(document, given)
+    declared = None if stand is None else stand_file_of(stand)
+    found = None if declared is None or on is None else expected(document, on, declared)
+    return Facts(document, run, on, None if declared is None else declared.stand, found)

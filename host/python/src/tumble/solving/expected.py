@@ -1,0 +1,184 @@
+"""What the declared stand makes one expect of a result, source by source: of its coefficients, of its residuals, of its
+gravity check.
+
+A result carries neither its stand nor the angles of its positions: who asks tells both, and they are held against what
+the result does carry, its residuals and its covariance. Everything is linear. With D the derivatives of the outputs by
+the coefficients at the ideal positions and G the gains of the estimator, errors dU of the means change
+
+    the coefficients by  G dU        the residuals by  r = dU - D G dU        delta_g by  a K^-1 r
+
+with a the specific force of the position, a unit vector.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tumble import reference
+from tumble.arrays import Floats, Integers
+from tumble.core import CoreSchedule
+from tumble.errors import UsageError
+from tumble.estimators import COEFFICIENTS, OPTIMAL
+from tumble.files.stand_file import StandFile
+from tumble.reference.estimators import fit_indices
+from tumble.reference.extended import columns, linear_outputs
+from tumble.reference.uncertainty import contributions, sources
+from tumble.schedule import BUILT_IN, Schedule
+from tumble.solving.gains import NOISE_FLOOR_G
+from tumble.solving.uncertainty import gains_of_run
+from tumble.stand import Stand, rounding_of
+from tumble.terms import DRIFT, KEYS, POWERS, Terms
+from tumble.units import volts_per
+
+NOISE = "noise"
+_SAME = 1e-5  # of an uncertainty or of residuals: between the core's and numpy's optimal weights there is less
+_ROUNDED = 1e-11  # of the largest element of K
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Standard deviations in the unit of the outputs: `coefficients`, by source, each (12,), K row by row, then U0;
+    `residuals` (positions, 3); and `delta_g` (positions,), in g."""
+
+    coefficients: dict[str, Floats]
+    residuals: Floats
+    delta_g: Floats
+
+
+def residuals(document: dict[str, Any], schedule: Schedule) -> Floats:
+    """U - U0 - K a of every measured position on the ideal `schedule` of these, with further terms taken out of the
+    outputs: (positions, 3), in their unit."""
+    k, u0 = np.array(document["K"]), np.array(document["U0"])
+    left: Floats = _linear_means(document) - reference.Geometry(schedule).outputs(k, u0)
+    return left
+
+
+def measured_schedule(document: dict[str, Any], given: Schedule | None = None) -> Schedule | None:
+    """The measured positions of a result, in its order: those of a `given` schedule, else of the built-in one on which
+    the result has the residuals that it states; None where it has them on none. Raises UsageError where the given one
+    is not the result's."""
+    if given is None:
+        parts = (_part(document, reference.built_in(name)) for name in BUILT_IN)
+        return next((part for part in parts if part is not None and _has_residuals(document, part)), None)
+    part = _part(document, given)
+    if part is None:
+        raise UsageError("schedule: not that of the result, whose positions it lacks, or uses otherwise")
+    if _has_residuals(document, part) is False:
+        raise UsageError("schedule: not that of the result, whose residuals are other ones on it")
+    return part
+
+
+def expected(document: dict[str, Any], schedule: Schedule, declared: StandFile) -> Expected:
+    """On the schedule of the measured positions. Raises UsageError where the result has other uncertainties than the
+    `declared` stand leaves."""
+    if document["covariance"] is None:
+        raise UsageError("stand: the result was solved without one")
+    unit, k, estimator, terms = document["unit"], np.array(document["K"]), document["estimator"], terms_of(document)
+    step = declared.step_v / volts_per(unit)
+    stand = replace(declared.stand, drift=0.0) if DRIFT in terms else declared.stand
+    stand = stand.in_unit(unit).with_step(step)
+    samples = np.array([one["samples"] for one in document["means"]])
+    variance, is_told = _mean_variance(document, declared.stand.in_unit(unit), samples, step)
+    if estimator == OPTIMAL:  # as its weights have it
+        variance = np.maximum(variance, (NOISE_FLOOR_G * np.abs(k).max()) ** 2)
+    errors = sources(schedule, k, stand, samples, variance)
+    gains = gains_of_run(CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
+    by_gains, left, gravity = _linear(schedule, k, gains, terms)
+    coefficients = {name: u[:12] for name, u in contributions(by_gains, errors).items()}
+    stated = np.diag(np.array(document["covariance"]))
+    if not is_told:  # the noise is what the other sources leave
+        others = sum((u**2 for name, u in coefficients.items() if name != NOISE), np.zeros(12))
+        coefficients[NOISE] = np.sqrt(np.maximum(stated - others, 0.0))
+    _require_same(np.sqrt(stated), coefficients)
+    return Expected(coefficients, _together(left, errors).reshape(-1, 3), _together(gravity, errors))
+
+
+def terms_of(document: dict[str, Any]) -> Terms:
+    """The further terms of a result's model."""
+    return tuple((document.get("extended") or {"terms": []})["terms"])
+
+
+Linear = Callable[[Floats], Floats]
+
+
+def _linear(schedule: Schedule, k: Floats, gains: Floats, terms: Terms) -> tuple[Linear, Linear, Linear]:
+    """What errors of the means (draws, positions, 3) do to the coefficients, to the residuals (draws, 3 x positions),
+    to delta_g (draws, positions)."""
+    fit, force = fit_indices(schedule), reference.Geometry(schedule).force()
+    design = np.vstack([np.hstack([np.kron(np.eye(3), one), np.eye(3)]) for one in force])
+    design = np.hstack([design, columns(schedule, terms)])
+
+    def by_gains(means: Floats) -> Floats:
+        found: Floats = means[:, fit].reshape(len(means), -1) @ gains.T
+        return found
+
+    def left(means: Floats) -> Floats:
+        found: Floats = means.reshape(len(means), -1) - by_gains(means) @ design.T
+        return found
+
+    def gravity(means: Floats) -> Floats:
+        found: Floats = (left(means).reshape(means.shape) * (force @ np.linalg.inv(k))).sum(axis=2)
+        return found
+
+    return by_gains, left, gravity
+
+
+def _together(of: Linear, errors: dict[str, Any]) -> Floats:
+    found: Floats = np.sqrt(sum(one**2 for one in contributions(of, errors).values()))
+    return found
+
+
+def _part(document: dict[str, Any], schedule: Schedule) -> Schedule | None:
+    """The measured positions alone; None where the schedule lacks one of them, or has them in another order or use."""
+    measured = [(one["mounting"], one["position"], one["use"]) for one in document["means"]]
+    part = schedule.part((one.mounting, one.number, one.use) in measured for one in schedule.positions)
+    return part if [(one.mounting, one.number, one.use) for one in part.positions] == measured else None
+
+
+def _has_residuals(document: dict[str, Any], part: Schedule) -> bool | None:
+    """Whether the result's are those that it states; None where it states none."""
+    stated, k = document["verification"].get("residual_rms"), np.array(document["K"])
+    if stated is None:
+        return None
+    unknowns = 4 + len(terms_of(document))
+    found = reference.residual_rms(part, _linear_means(document), k, np.array(document["U0"]), unknowns)
+    close = _ROUNDED * float(np.abs(k).max())
+    return found is not None and bool(np.allclose(found, stated, rtol=_SAME, atol=close))
+
+
+def _linear_means(document: dict[str, Any]) -> Floats:
+    """What the outputs (positions, 3) are without the further terms: U0 + K a."""
+    means, terms = np.array([one["mean"] for one in document["means"]]), terms_of(document)
+    if not terms:
+        return means
+    k, volts = np.array(document["K"]), volts_per(document["unit"])
+    factors = {term: np.diag(k) if term in POWERS else np.ones(3) / volts for term in terms}
+    sizes = np.array([np.array(document["extended"][KEYS[term]]) * factors[term] for term in terms])
+    return linear_outputs(means, k, np.array(document["U0"]), sizes, terms)
+
+
+def _mean_variance(document: dict[str, Any], stand: Stand, samples: Integers, step: float) -> tuple[Floats, bool]:
+    """Of the means by the noise as measured (positions, 3), where it counts for more than what `stand` declares, as
+    solving.noise has it; and whether the result tells that of every single mean: that of means of unequal length it
+    tells on the average, and a step that only the samples show it does not tell."""
+    noise, over = document["noise"], stand.averaged_over(samples)[:, None]
+    exceeds, undithered = ([f"u{axis}" in noise[key] for axis in "xyz"] for key in ("above_declared", "undithered"))
+    of_means = np.zeros(3) if noise["of_means"] is None else np.array(noise["of_means"])
+    by_samples = of_means**2 / over * exceeds
+    beside = np.maximum(by_samples, stand.sigma("noise") ** 2 / over) + rounding_of(step) ** 2
+    is_told = (not any(exceeds) or len(set(samples.tolist())) == 1) and (not any(undithered) or step > 0.0)
+    return np.where(undithered, beside, by_samples), is_told
+
+
+def _require_same(stated: Floats, coefficients: dict[str, Floats]) -> None:
+    """Raise UsageError where the sources together do not leave the uncertainties that the result states."""
+    found = np.sqrt(sum(u**2 for u in coefficients.values()))
+    wrong = ~np.isclose(found, stated, rtol=_SAME, atol=0.0)
+    if wrong.any():
+        one = int(wrong.argmax())
+        has, leaves = f"the result has {stated[one]:.4g}", f"this one leaves {found[one]:.4g}"
+        raise UsageError(f"stand: not that of the result: of u({COEFFICIENTS[one]}) {has}, {leaves}")
