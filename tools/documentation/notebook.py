@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PICTURE = "image/png"
+PICTURE, TABLE = "image/png", "text/html"
 TIMEOUT_S = 300
 
 
@@ -22,6 +22,8 @@ def as_markdown(file, place):
                 drawn.parent.mkdir(parents=True, exist_ok=True)
                 drawn.write_bytes(base64.b64decode("".join(output["data"][PICTURE])))
                 parts.append(f"![What these lines draw]({drawn.name})")
+            elif TABLE in output.get("data", {}):
+                parts.append(f'<div class="result">\n{text_of(output)}\n</div>')
             else:
                 parts.append(f"```text\n{text_of(output).rstrip()}\n```")
     return "\n\n".join(parts) + "\n"
@@ -32,8 +34,8 @@ def is_picture(output):
 
 
 def text_of(output):
-    """What an output says. Raises KeyError for one that is neither text nor picture, such as an error."""
-    return "".join(output["text"] if "text" in output else output["data"]["text/plain"])
+    """What an output says, in HTML if it can. Raises KeyError for one that is neither text nor picture: an error."""
+    return "".join(output["text"] if "text" in output else output["data"].get(TABLE) or output["data"]["text/plain"])
 
 
 def told(file):
