@@ -20,7 +20,7 @@ import pages
 
 ROOT = Path(__file__).resolve().parents[2]
 DEFAULT = ROOT / "build/site/html"
-NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml", "nbclient", "nbformat", "ipykernel")
+NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml", "nbclient", "nbformat", "ipykernel", "matplotlib")
 NOT_THERE = 77
 
 
