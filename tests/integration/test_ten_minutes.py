@@ -26,11 +26,12 @@ def test_its_commands_print_what_it_shows(tumble, tmp_path):
                     subprocess.run(["head", *words], cwd=tmp_path, capture_output=True, text=True))  # fmt: skip
             assert done.returncode == 0 and "warning" not in done.stderr, command
         assert not shown or shows(shown, done.stdout), command
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").count("<svg") >= 1
 
 
 def test_its_way_is_whole():
     """From the recording to the last step; and the lines fit the page."""
     verbs = [command.split()[1] for commands, _ in STEPS for command in commands if command.startswith("./")]
-    assert verbs[:3] == ["import", "solve", "apply"]
-    assert all(shown for _, shown in STEPS) and PAGE.count("```console") == len(STEPS)
+    assert verbs == ["import", "solve", "apply", "report"]
+    assert [bool(shown) for _, shown in STEPS] == [True, True, True, True, False] and PAGE.count("```console") == len(STEPS)
     assert max(len(line) for commands, _ in BLOCKS for line in commands.splitlines()) <= 80
