@@ -1,6 +1,8 @@
 """Sphinx, for the documentation site. tools/site builds it; which pages there are stands in site.toml."""
 
+import re
 from dataclasses import is_dataclass
+from inspect import isclass
 from pathlib import Path
 
 from docutils import nodes
@@ -8,6 +10,7 @@ from latex2mathml.converter import convert
 from sphinx.util import logging
 
 ROOT = Path(__file__).resolve().parents[1]
+OPERATOR = re.compile(r"<mi>(arctan|cos|det|exp|max|min|sin|tan)</mi>")  # latex2mathml leaves no space beside them
 
 project = "Tumble"
 author = "the authors of Tumble"
@@ -52,13 +55,14 @@ def visit_formula(translator, node):
         formula, fault = translator.encode(source), repr(error)
     if fault:
         logging.getLogger(__name__).warning("formula %s: %s", source, fault, location=node)
+    formula = OPERATOR.sub(r'<mo lspace="0.17em" rspace="0.17em">\1</mo>', formula)
     translator.body.append(f'<div class="formula">{formula}</div>\n' if block else formula)
     raise nodes.SkipNode
 
 
-def hide_constructor(_app, what, _name, value, *_):
+def hide_constructor(_app, _what, _name, value, _options, signature, _returned):
     """Of what the package makes and no caller does, results and exceptions: all classes that are no plain data."""
-    return ("", None) if what in ("class", "exception") and not is_dataclass(value) else None
+    return ("", None) if signature and isclass(value) and not is_dataclass(value) else None
 
 
 def setup(app):

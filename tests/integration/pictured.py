@@ -44,7 +44,7 @@ def labelled(axes, label):
 
 def dots(axes):
     """Height by place of fit and check positions together."""
-    lines = [line for line in axes.lines if line.get_label() in ("fit positions", "check positions")]
+    lines = [line for line in axes.lines if line.get_label() in ("fit", "check")]
     places, heights = (np.concatenate([getattr(line, f"get_{one}data")() for line in lines]) for one in "xy")
     return heights[np.argsort(places)]
 

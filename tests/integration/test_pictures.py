@@ -101,7 +101,7 @@ def test_another_run_is_refused():
 @pytest.mark.parametrize("name", ["paper", "three_mountings", "diagonal"])
 def test_a_built_in_schedule_is_found_by_the_residuals(name):
     _, result, _, drawn = solved(name)
-    found = pictures.figures(result.document)["residuals"]
+    found = pictures.figures(result.document, kind="residuals")["residuals"]
     for one, other in zip(found.axes, drawn["residuals"].axes):
         assert np.array_equal(dots(one), dots(other))
 
@@ -125,7 +125,7 @@ def test_gravity_check(name):
     assert labelled(axes, "limit").get_label() == "limit ±300 µg"
     assert axes.get_title(loc="left") == "Gravity check passed"
     checked = [place for place, one in enumerate(check["delta_g_g"]) if one["use"] == "check"]
-    drawn = [line for line in axes.lines if line.get_label() == "check positions"]
+    drawn = [line for line in axes.lines if line.get_label() == "check"]
     assert [line.get_xdata().tolist() for line in drawn] == ([checked] if checked else [])
 
 

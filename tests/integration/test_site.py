@@ -112,6 +112,13 @@ class TestBuilt:
         for command in [*commands, "plan require", "fixture check"]:
             assert f"usage: tumble {command} " in text, command
 
+    def test_a_folder_with_something_else_stays(self, tmp_path):
+        (tmp_path / "mine.txt").write_text("kept")
+        done = subprocess.run([sys.executable, "tools/documentation/build.py", tmp_path], cwd=ROOT,
+                              capture_output=True, text=True)  # fmt: skip
+        assert done.returncode == 2 and done.stderr == f"site: {tmp_path} holds something else than a site\n"
+        assert (tmp_path / "mine.txt").read_text() == "kept"
+
     def test_the_notebook_says_the_same_again(self, tmp_path, monkeypatch):
         monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
         notebook.execute(NOTEBOOK, tmp_path / "again.ipynb")
@@ -130,13 +137,3 @@ def test_it_says_how_it_is_called(told):
     done = subprocess.run([sys.executable, "tools/documentation/build.py", *told.split()], cwd=ROOT,
                           capture_output=True, text=True)  # fmt: skip
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "usage: tools/site [OUT | --notebooks]\n")
-
-
-def test_a_folder_with_something_else_stays(tmp_path):
-    if build.missing():
-        pytest.skip(f"not installed: {', '.join(build.missing())}")
-    (tmp_path / "mine.txt").write_text("kept")
-    done = subprocess.run([sys.executable, "tools/documentation/build.py", tmp_path], cwd=ROOT,
-                          capture_output=True, text=True)  # fmt: skip
-    assert done.returncode == 2 and done.stderr == f"site: {tmp_path} holds something else than a site\n"
-    assert (tmp_path / "mine.txt").read_text() == "kept"

@@ -9,7 +9,6 @@ INTRODUCTION = """\
 What `--json` and `--out` write, a schema ([2020-12](https://json-schema.org/draft/2020-12/schema)) for each kind of
 document. [Files, options, exit codes](../files.md) explains the keys at length.
 """
-JUST_TYPES = {"array": "list", "object": "table", "null": "null"}
 
 
 def page(folder, place):
@@ -51,7 +50,7 @@ def allowed(rule):
     if "oneOf" in rule or "anyOf" in rule:
         return " or ".join(allowed(part) for part in rule.get("oneOf") or rule["anyOf"])
     types = rule.get("type", [])
-    return " or ".join(JUST_TYPES.get(name, name) for name in ([types] if isinstance(types, str) else types))
+    return types if isinstance(types, str) else " or ".join(types)
 
 
 def cell(text):

@@ -30,7 +30,7 @@ def gravity_check(facts: Facts) -> Figure:
     if facts.expected is not None:
         _band(axes, MICRO * facts.expected.delta_g, "±2 u, declared stand")
     for bound in (limit, -limit):
-        label = f"limit ±{limit:.4g} µg" if bound > 0 else None
+        label = f"limit ±{limit:.9g} µg" if bound > 0 else None
         axes.axhline(bound, color=BLACK, linestyle="--", label=label)
     _dots(axes, delta_g, facts)
     largest = max(limit, float(np.abs(delta_g).max()))
@@ -57,6 +57,7 @@ def residuals(facts: Facts) -> Figure:
             _band(axes, factor * sigma[:, i], label)
         axes.axhline(0.0, color=BLACK, linewidth=0.5)
         _dots(axes, factor * left[:, i], facts)
+        axes.margins(y=0.1)
         axes.set_ylabel(f"{'xyz'[i]} channel / {unit}")
     panels[0].set_title("Residuals")
     legend_above(panels[0], 3)
@@ -82,6 +83,7 @@ def _band(axes: Axes, sigma: Floats, label: str) -> None:
     edges = np.arange(len(sigma) + 1) - 0.5
     heights = BAND * sigma
     look: dict[str, Any] = {"facecolor": PALE, "edgecolor": GREY, "linewidth": 0.4}
+    axes.use_sticky_edges = False  # a margin around the band
     axes.stairs(heights, edges, baseline=-heights, fill=True, label=label, **look)
 
 
@@ -89,10 +91,10 @@ def _dots(axes: Axes, values: Floats, facts: Facts) -> None:
     """Full circles for what was fitted, open diamonds for what was only checked."""
     is_check, places = np.array(facts.is_check), np.arange(len(values))
     axes.vlines(places, 0.0, values, color=GREY, linewidth=0.6)
-    axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit positions")
+    axes.plot(places[~is_check], values[~is_check], "o", color=BLUE, label="fit")
     if is_check.any():
         style: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": VERMILLION, "markeredgewidth": 1.2}
-        axes.plot(places[is_check], values[is_check], "D", label="check positions", **style)
+        axes.plot(places[is_check], values[is_check], "D", label="check", **style)
 
 
 def _positions(axes: Axes, facts: Facts) -> None:

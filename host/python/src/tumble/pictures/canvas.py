@@ -106,6 +106,13 @@ def blank(key: str, height_mm: float) -> Figure:
     return figure
 
 
+def settled(figure: Figure) -> Figure:
+    """With everything where it is to stay: to lay a figure out once more moves it by a little."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
 def legend_above(axes: Axes, columns: int) -> None:
     """Beside the title, at the upper right, over the axes."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=columns, borderaxespad=0.2, handlelength=1.8)
@@ -125,11 +132,10 @@ def svg(figure: Figure, title: str) -> str:
     """To stand in a page of HTML: no prolog, `title` as its <title>, and whatever has a name in it, its style too, is
     the picture's own: others of the same page have other names. The same text every time."""
     target = io.BytesIO()
-    nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
     with settings():
-        figure.savefig(target, format="svg", metadata={**nothing, "Title": title})
+        figure.savefig(target, format="svg", metadata={"Title": title, "Date": None})
     text = target.getvalue().decode("utf-8")
-    text = text[text.index("<svg") :]
+    text = re.sub(r"\s*<metadata>.*?</metadata>", "", text[text.index("<svg") :], count=1, flags=re.DOTALL)
     own = f"{figure.get_label() or 'figure'}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
     text = re.sub(r'\bid="([^"]*)"', rf'id="{own}-\1"', text)
     text = re.sub(r'href="#([^"]*)"', rf'href="#{own}-\1"', text)

@@ -61,6 +61,11 @@ class Facts:
         return [index for index in range(1, len(mountings)) if mountings[index] != mountings[index - 1]]
 
 
+def three_figures(value: float) -> str:
+    """Of a size, never with an exponent for a large one."""
+    return f"{value:.0f}" if value >= 100.0 else f"{value:#.3g}"
+
+
 def small(unit: str, values: Floats) -> tuple[float, str]:
     """Factor and unit that make numbers of the largest of `values`, in the `unit` of the outputs: multiples of the volt
     have smaller ones, others stay as they are."""

@@ -47,7 +47,7 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
     "samples": (samples.samples, lambda facts: facts.run is not None, "the run (run=)"),
     "budget": (
         shares.budget,
-        lambda facts: facts.expected is not None,
+        lambda facts: facts.expected is not None and facts.expected.is_uncertain,
         "the stand and the schedule (stand=, schedule=)",
     ),
     "stand_seen": (
@@ -92,7 +92,7 @@ def figures(
     with canvas.settings():
         for name, (draw, is_known, _) in _NEEDS.items():
             if kind in (None, name) and is_known(facts):
-                drawn[name] = draw(facts)
+                drawn[name] = canvas.settled(draw(facts))
     return drawn
 
 

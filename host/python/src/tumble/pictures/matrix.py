@@ -24,7 +24,7 @@ def correlation(facts: Facts) -> Figure:
     import matplotlib
 
     found = correlations(np.array(facts.document["covariance"]))
-    figure = blank("correlation", 150.0)
+    figure = blank("correlation", 144.0)
     axes = figure.subplots()
     steps = matplotlib.colormaps["RdBu"].resampled(_COLOURS)
     mesh = axes.pcolormesh(found, cmap=steps, vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)

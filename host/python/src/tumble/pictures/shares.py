@@ -19,21 +19,21 @@ from tumble.pictures.canvas import (
     YELLOW,
     blank,
 )
-from tumble.pictures.facts import Facts, small
+from tumble.pictures.facts import Facts, small, three_figures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SOURCES = {  # of solving.expected: name for people, colour and hatch
+SOURCES = {  # of solving.expected: name for people, colour, hatch of lines (dots make large files)
     "alpha1": ("axis tilt α₁", SKY, ""),
-    "alpha2": ("level α₂", YELLOW, "...."),
+    "alpha2": ("level α₂", YELLOW, "----"),
     "alpha3": ("yaw α₃", BLUE, "////"),
     "alpha4": ("set angles α₄", ORANGE, "\\\\\\\\"),
     "noise": ("noise", "#FFFFFF", ""),
     "seat": ("seat", GREEN, "xxxx"),
-    "platform": ("platform", PURPLE, "----"),
+    "platform": ("platform", PURPLE, "++++"),
     "encoder": ("encoder", VERMILLION, "||||"),
-    "drift": ("drift", GREY, "oo"),
+    "drift": ("drift", GREY, "/"),
 }
 _PERCENT = 100.0
 
@@ -70,5 +70,4 @@ def budget(facts: Facts) -> Figure:
 def _sizes(u: np.ndarray, unit: str) -> list[str]:
     """Of K, then of U0, in one multiple of the unit."""
     factor, shown = small(unit, u)
-    figures = [f"{factor * one:#.3g}".removesuffix(".") for one in u]
-    return [f"{one} {shown}{'/g' if place < 9 else ''}" for place, one in enumerate(figures)]
+    return [f"{three_figures(factor * one)} {shown}{'/g' if place < 9 else ''}" for place, one in enumerate(u)]

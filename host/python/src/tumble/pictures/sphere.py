@@ -8,7 +8,7 @@ import numpy as np
 
 from tumble.arrays import Floats
 from tumble.pictures.canvas import BLACK, MINUS, VERMILLION, blank
-from tumble.pictures.facts import MICRO, Facts
+from tumble.pictures.facts import MICRO, Facts, three_figures
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.force import Force
 
@@ -44,12 +44,12 @@ def attitude(facts: Facts) -> Figure:
     ramp = LinearSegmentedColormap.from_list("pale", _PALEST_TO_DARKEST)
     if np.ptp(u) > _FLAT * u.max():  # else there is no line to draw
         squares = u**2  # a polynomial, which straight lines between the points come closer to
-        levels = MaxNLocator(_LEVELS).tick_values(u.min(), u.max()) ** 2
+        levels = np.square(MaxNLocator(_LEVELS).tick_values(u.min(), u.max()))
         axes.contourf(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, cmap=ramp)
         lines = axes.contour(_AZIMUTH_DEG, _ELEVATION_DEG, squares, levels, colors=BLACK, linewidths=0.6)
-        _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.4g}", inline_spacing=2))
+        _without_the_cut(axes.clabel(lines, fmt=lambda square: f"{square**0.5:.9g}", inline_spacing=2))
     azimuth, elevation = angles_deg(np.array(worst["attitude"]))
-    label = f"worst: {MICRO * worst['worst_g']:.3g} µg"
+    label = f"worst: {three_figures(MICRO * worst['worst_g'])} µg"
     star: dict[str, Any] = {"markersize": 13, "markeredgecolor": BLACK, "markeredgewidth": 0.8, "clip_on": False}
     axes.plot([azimuth], [elevation], "*", color=VERMILLION, label=label, linestyle="none", **star)
     for face, place in _FACES.items():

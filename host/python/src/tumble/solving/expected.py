@@ -48,6 +48,11 @@ class Expected:
     residuals: Floats
     delta_g: Floats
 
+    @property
+    def is_uncertain(self) -> bool:
+        """Whether any source brings anything."""
+        return any(u.any() for u in self.coefficients.values())
+
 
 def residuals(document: dict[str, Any], schedule: Schedule) -> Floats:
     """U - U0 - K a of every measured position on the ideal `schedule` of these, with further terms taken out of the

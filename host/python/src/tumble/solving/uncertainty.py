@@ -10,8 +10,9 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
-from tumble.solving import extended, optimal_run
-from tumble.solving.gains import NOISE_FLOOR_G, linear_gains, optimal_table
+from tumble.solving import extended
+from tumble.solving.gains import NOISE_FLOOR_G, linear_gains
+from tumble.solving.many_runs import table_at
 from tumble.stand import Stand, rounding_of
 from tumble.terms import Terms
 
@@ -69,10 +70,7 @@ def gains_of_run(
     """By which an estimator finds K row by row, U0 and the sizes of further terms (12 + 3 x terms, 3 x fit positions)
     of a run with the positions of `part` and their `samples`: those of optimal for weights made at `k`."""
     if estimator == OPTIMAL:
-        weighting = optimal_run.Weighting(stand, samples, step)
-        averaged_over = optimal_run.samples_in_a_mean(part.data, samples > 0, weighting)
-        further = extended.fitted_columns(part, terms)
-        return optimal_table(part.data, k, stand, step, averaged_over, further).gains
+        return table_at(part.data, k, stand, samples, step, terms).gains
     return extended.gains(part, terms) if terms else linear_gains(part.data, estimator)
 
 
