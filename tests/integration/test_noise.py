@@ -155,7 +155,7 @@ def test_the_stated_error_covers(capsys):
     """k = 2 covers 90 % at least, by the declared noise where the samples say no more, and by scatter alone."""
     rng, samples = np.random.default_rng(53), 50
     weight = np.cos(2 * np.pi * np.arange(POSITIONS) / 9)
-    for name, x in cases(rng, 1000, samples).items():
+    for name, x in cases(rng, 500, samples).items():
         error = x.mean(axis=2) @ weight / np.linalg.norm(weight)
         variance, exceeds = map(np.array, zip(*stated(x)))
         with_stand = np.where(exceeds, variance, 1.0 / samples)

@@ -10,7 +10,7 @@ from conftest import ROOT
 
 pytestmark = pytest.mark.python
 
-SYSTEMS = ("win32", "darwin")
+SYSTEMS = ("win32", pytest.param("darwin", marks=pytest.mark.toolchain))
 
 
 def there(system, statements, folder, *arguments):

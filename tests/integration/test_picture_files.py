@@ -97,6 +97,7 @@ def test_the_same_text_every_time(result, drawn, texts):
         assert pictures.svg(result.plot(kind=name, run=RUN)[name]) == texts[name]
 
 
+@pytest.mark.toolchain
 def test_in_another_process_and_what_is_loaded_there(result):
     lines = []
     for seed in ("1", "2"):

@@ -123,8 +123,9 @@ def test_a_built_in_schedule_is_found_by_the_residuals(name):
 
 
 def test_a_schedule_of_the_users_is_not_guessed():
-    assert "residuals" not in pictures.figures(older("checks"))
-    assert "residuals" in pictures.figures(solved("checks")[1].document)
+    with pytest.raises(UsageError, match=r"^kind: residuals needs the schedule"):
+        pictures.figures(older("checks"), kind="residuals")
+    assert list(pictures.figures(solved("checks")[1].document, kind="residuals")) == ["residuals"]
 
 
 # What is drawn.

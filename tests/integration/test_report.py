@@ -15,7 +15,7 @@ from report_reader import Report, Said, Truth, plain, text_of
 
 import tumble as package
 from tumble.api.result import Result
-from tumble.errors import BadInput, UsageError
+from tumble.errors import BadInput
 from tumble.estimators import COEFFICIENTS
 from tumble.report.number import number_of
 
@@ -282,28 +282,6 @@ def test_pictures_stand_in_their_order(drawn):
     assert "Figure 2. Errors < of gravity." in report.text and "Figure 4. Attitudes." in report.text
     assert drawn[-1] == (result.document, run)
     assert [one for one in report_of(result).ids if one != "number"] == ["mountings", "gravity_check", "attitude"]
-
-
-def test_real_pictures_stand_beside_each_other():
-    """Each once, in their order, and no name in one is a name in another."""
-    from tumble.pictures import kinds
-
-    report = report_of(solve(), run=package.read(EXAMPLES / "paper_stand.csv"))
-    assert [one for one in report.ids if one in kinds()] == list(kinds())
-    assert len(set(report.ids)) == len(report.ids) > 100
-
-
-def test_a_stand_that_the_pictures_refuse_costs_no_report(drawn, monkeypatch):
-    room, asked = sys.modules["tumble.pictures"], []
-
-    def refusing(document, run=None, schedule=None, *, stand=None):
-        asked.append(stand is not None)
-        if stand is not None:
-            raise UsageError("stand: not that of the result")
-        return {"attitude": 3}
-
-    monkeypatch.setattr(room, "figures", refusing)
-    assert "attitude" in report_of(solve()).ids and asked == [True, False]
 
 
 def test_the_run_of_another_result_is_refused(drawn):
