@@ -20,7 +20,7 @@ from tumble.rounding import rounded
 pytestmark = pytest.mark.python
 U0 = np.array([0.01, -0.02, 0.03])
 NAMES = [*(f"scale_{i}" for i in "xyz"), "angle_xy", "angle_xz", "angle_yz", *(f"bias_{i}" for i in "xyz")]
-AGAIN = "tumble: warning: both are of one run: its errors are in both, but are counted as independent\n"
+AGAIN = "tumble: warning: both are of one run: its noise is in both, but is counted as independent\n"
 
 
 @pytest.fixture
@@ -306,6 +306,10 @@ def test_gravity_of_another_place_is_taken_out(compare):
         (-37.4142, 19.96, ("-37", "20")),
         (0.123456, 0.0567, ("+0.123", "0.057")),
         (3.2e-5, 1.44e-5, ("+3.2e-05", "1.4e-05")),
+        (1.2345e-3, 2.3e-5, ("+1.234e-03", "2.3e-05")),
+        (-0.0234567, 4.4e-6, ("-2.34567e-02", "4.4e-06")),
+        (2.1e-6, 2.3e-5, ("+2e-06", "2.3e-05")),
+        (0.0, 2.3e-5, ("+0e+00", "2.3e-05")),
         (261376.4, 123.4, ("+261376", "123")),
         (1.23456, None, ("+1.23", "-")),
         (0.0, 0.0, ("+0", "0")),

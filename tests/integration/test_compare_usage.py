@@ -51,11 +51,21 @@ WARNINGS = {
         {},
         {"verification": {"pass": False, "max_abs_delta_g_g": 1e-3, "limit_g": 3e-4}, "pass": False},
     ),
-    "both are of one run: its errors are in both, but are counted as independent": (
+    "both are of one run: its noise is in both, but is counted as independent": (
         {"run_sha256": "0" * 64},
         {"run_sha256": "0" * 64},
     ),
 }
+
+
+def test_what_contradicts_itself_is_refused_in_python_too():
+    result = package.solve(EXAMPLES / "paper_stand.csv", stand=EXAMPLES / "paper_stand.toml")
+    with pytest.raises(UsageError, match=r"^schedule: serves to tell what the stand brings"):
+        package.compare(result, result, schedule="nosuch.toml")
+    with pytest.raises(UsageError, match=r"^two_stands: nothing is shared then"):
+        package.compare(result, result, stand=EXAMPLES / "paper_stand.toml", two_stands=True)
+    with pytest.raises(UsageError, match=r"^confidence: 'x' is not a number"):
+        package.compare(result, result, confidence="x")
 
 
 @pytest.mark.parametrize("said", WARNINGS)

@@ -261,6 +261,17 @@ def test_labels_are_said_where_they_belong(tmp_path, drawn):
     assert not {"script", "b", "i"} & set(report.tags)
 
 
+def test_a_drift_is_in_volts_whatever_the_outputs_are_in(drawn):
+    """As the document has it."""
+    run = package.read(EXAMPLES / "paper_stand.csv")
+    told = {"mounting": run.mounting, "position": run.position} | dict(zip(("ux", "uy", "uz"), 1e3 * run.outputs.T))
+    by_unit = {}
+    for unit, rows in (("V", run), ("mV", package.read(told, unit="mV"))):
+        result = package.solve(rows, stand=EXAMPLES / "paper_stand.toml", estimator="least_squares", model="drift")
+        by_unit[unit] = report_of(result).row("drift_x")
+    assert by_unit["V"] == by_unit["mV"] and by_unit["V"][-1] == "V"
+
+
 def test_nothing_comes_from_elsewhere(result):
     report = report_of(result)
     assert not {"script", "link", "iframe", "object", "embed", "base"} & set(report.tags)

@@ -251,6 +251,17 @@ def test_a_missing_package_is_named(missing, out, said, result, tmp_path, tumble
     assert done is None or (done.returncode, (tmp_path / "run").exists()) == (77, False)
 
 
+@pytest.mark.parametrize("changed", [{"augmented": "x"}, None])
+def test_a_document_that_cannot_be_drawn_is_refused(changed, tmp_path, tumble):
+    """Here with the real pictures, which look deepest."""
+    document = solve().document
+    document["stand_seen"] = None if changed is None else {**document["stand_seen"], **changed}
+    (tmp_path / "odd.json").write_text(json.dumps(document))
+    done = tumble("report", "odd.json", "--out", "odd.html", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "") and not (tmp_path / "odd.html").exists()
+    assert done.stderr.startswith("tumble: odd.json: ") and done.stderr.count("\n") == 1
+
+
 @pytest.mark.toolchain
 def test_with_its_pictures_a_report_is_one_file_and_always_the_same(tmp_path):
     """Two processes, which hash differently. Each picture once, in their order, no name in one a name in another."""

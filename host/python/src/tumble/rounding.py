@@ -12,6 +12,8 @@ def rounded(size: float, u: float | None) -> tuple[str, str]:
     if u is None or u == 0.0:
         return f"{size:+.3g}", "-" if u is None else "0"
     if u < _LEAST:
-        return f"{size:+.1e}", f"{u:.1e}"
+        finest = math.floor(math.log10(u)) - 1
+        digits = max(0, math.floor(math.log10(abs(size))) - finest) if size else 0
+        return f"{size:+.{digits}e}", f"{u:.1e}"
     places = max(0, 1 - math.floor(math.log10(u)))
     return f"{size:+.{places}f}", f"{u:.{places}f}"

@@ -7,6 +7,7 @@ import os
 from functools import cached_property
 from typing import Any
 
+from tumble.api.arguments import as_number
 from tumble.api.result import Result, load
 from tumble.comparison import pair, report, text
 from tumble.comparison.shared import ANEW, LEVELLED, OneStand
@@ -96,7 +97,11 @@ def compare(
     """
     if levelled not in LEVELLED:
         raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(LEVELLED)}")
-    if not 0.5 <= confidence <= 0.999999:
+    if schedule is not None and stand is None:
+        raise UsageError("schedule: serves to tell what the stand brings to a result, so it needs stand=")
+    if two_stands and (stand is not None or levelled != ANEW):
+        raise UsageError("two_stands: nothing is shared then, which stand= and levelled= speak of")
+    if not 0.5 <= as_number(confidence) <= 0.999999:
         raise UsageError(f"confidence: {quoted(confidence)} is not a number from 0.5 to 0.999999")
     first, second = _side(a, "A"), _side(b, "B")
     one_stand = None

@@ -164,7 +164,7 @@ def _of_both(a: Side, b: Side) -> list[str]:
         if one is not None and other is not None and one != other:
             found.append(f"{label} differs, {quoted(one)} and {quoted(other)}: not one block?")
     if a.document.get("run_sha256") is not None and a.document["run_sha256"] == b.document.get("run_sha256"):
-        found.append("both are of one run: its errors are in both, but are counted as independent")
+        found.append("both are of one run: its noise is in both, but is counted as independent")
     warm = a.temperature, b.temperature
     if warm[0] is not None and warm[1] is not None:
         apart = max(warm[0].low_c - warm[1].high_c, warm[1].low_c - warm[0].high_c)

@@ -6,6 +6,7 @@ import textwrap
 from typing import Any
 
 from tumble.comparison.verdict import Verdict
+from tumble.files.run_temperature import range_text
 from tumble.rounding import rounded
 from tumble.solving.assumptions import phrase
 
@@ -45,8 +46,7 @@ def sentence(told: dict[str, Any]) -> str:
 
 
 def _described(side: dict[str, Any]) -> str:
-    low, high = side["temperature_c"] or (None, None)
-    warm = None if low is None else f"{low:.3g} deg C" if low == high else f"{low:.3g} to {high:.3g} deg C"
+    warm = None if side["temperature_c"] is None else range_text(*side["temperature_c"])
     serial = None if side["serial"] is None else f"serial {side['serial']}"
     return ", ".join(filter(None, (side["file"], side["estimator"], serial, side["created"], warm)))
 

@@ -17,7 +17,6 @@ FOLDERS = {"examples": "examples", "schemas": "docs/schemas", "eds": "docs/eds",
 _KINDS = (".csv", ".toml", ".json", ".eds", ".dbc")
 _LEFT_OUT = ("hand_held_session.csv",)  # somebody else's, under another licence: host/python/CMakeLists.txt
 _INSTALLED = Path(__file__).parent
-_CHECKOUT = _INSTALLED.parents[4]
 
 
 def file(name: str) -> Path:
@@ -40,7 +39,7 @@ def _all(folder: str) -> list[Path]:
         return []
     place = _INSTALLED / folder
     if not place.is_dir():
-        place = _CHECKOUT / FOLDERS[folder]
+        place = _INSTALLED.parents[4] / FOLDERS[folder] if len(_INSTALLED.parents) > 4 else place
     found = place.iterdir() if place.is_dir() else ()
     return [path for path in found if path.suffix in _KINDS and path.name not in _LEFT_OUT]
 

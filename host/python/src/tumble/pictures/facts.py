@@ -63,7 +63,7 @@ class Facts:
 
 def three_figures(value: float) -> str:
     """Of a size, never with an exponent for a large one."""
-    return f"{value:.0f}" if value >= 100.0 else f"{value:#.3g}"
+    return f"{value:.0f}" if value >= 99.95 else f"{value:#.3g}"
 
 
 def small(unit: str, values: Floats) -> tuple[float, str]:

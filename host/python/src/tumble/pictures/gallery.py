@@ -23,8 +23,8 @@ CAPTIONS = {
     " within the limit; at check positions, which were not fitted, this says most.",
     "residuals": "What the coefficients leave of the mean outputs at each position, channel by channel. The grey"
     " band holds 95 % of what the errors that the legend names would leave by themselves.",
-    "samples": "All samples of the run. A stretch between two shades is averaged for the position that is named above"
-    " it.",
+    "samples": "All samples of the run. Every stretch, grey or white, is averaged for the position that is named"
+    " above it.",
     "budget": "Where the uncertainty of each coefficient comes from: the shares of the stand's sources of error in its"
     " variance.",
     "stand_seen": "The errors of the stand as the run itself shows them, with their expanded uncertainties, beside what"

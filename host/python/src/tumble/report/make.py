@@ -14,6 +14,7 @@ from tumble.solving.declared import schedule_of
 
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6
+_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
 _KINDS = {".html": HTML, ".htm": HTML, ".pdf": PDF}
 
 
@@ -69,7 +70,7 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
         drawn = figures(source.document, run)
     except TumbleError:
         raise
-    except (KeyError, TypeError, ValueError, IndexError) as error:  # of a document that something else wrote
+    except _MALFORMED as error:  # a document that something else wrote
         raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", source.name) from None
     told = [(name, svg(one), CAPTIONS[name]) for name, one in drawn.items()]
     return [
@@ -84,7 +85,7 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     schedule = schedule_of(source.document, source.name)
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
-    seen = "How the block sat in each mounting with the table at angle zero, seen along the stand's axis."
+    seen = "How the block sat in each mounting with the table at angle zero, seen from the front."
     return [("mountings", mountings(schedule.data), seen)]
 
 

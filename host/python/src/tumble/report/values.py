@@ -10,6 +10,7 @@ from tumble.report.method import unit_of_k
 from tumble.report.rounding import Shown
 from tumble.report.source import Key, Source, pointer
 from tumble.terms import KEYS
+from tumble.units import noise_unit
 
 Path = tuple[Key, ...]
 _MANY = 1000
@@ -84,7 +85,7 @@ def further(source: Source) -> Table | None:
         name, unit = _TERMS[term]
         for i, axis in enumerate("xyz"):
             value, u = source.with_uncertainty(("extended", KEYS[term], i), ("extended", f"u_{KEYS[term]}", i), None)
-            rows.append((Fixed(f"{name}_{axis}"), value, u, Fixed(unit) if unit else source.told("unit")))
+            rows.append((Fixed(f"{name}_{axis}"), value, u, Fixed(unit or noise_unit(str(source.at("unit"))))))
     return Table(("", "Value", "u (k = 1)", "Unit"), aligned(rows, 1, 2), left=(3,)) if rows else None
 
 
