@@ -18,7 +18,8 @@ from tumble.distributions import chi_squared_quantile
 from tumble.files.stand_file import read_stand
 from tumble.fixture.combination import repeats
 from tumble.reference.uncertainty import exact_outputs, sources
-from tumble.solving.many_runs import brought, estimator_for
+from tumble.solving.many_runs import estimator_for
+from tumble.solving.uncertainty import brought
 from tumble.stand import PAPER_STAND
 
 pytestmark = pytest.mark.python

@@ -6,3 +6,4 @@ DEFAULT_CONFIDENCE = 0.999  # at which a run must fit its stand
 DEFAULT_SCHEDULE = "paper"
 
 NEEDS_STAND = "--estimator optimal weighs the means by the stand's errors: it needs --stand FILE"
+ONCE, ANEW = LEVELLED = ("once", "anew")  # when a stand was levelled: for all runs, before each of them

@@ -10,9 +10,9 @@ from typing import Any
 from tumble.api.arguments import as_number
 from tumble.api.result import Result, load
 from tumble.comparison import pair, report, text
-from tumble.comparison.shared import ANEW, LEVELLED, OneStand
+from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule
-from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import UsageError, quoted
 from tumble.files.documents import checked_coefficients, to_json
 from tumble.files.schedule_file import schedule_of

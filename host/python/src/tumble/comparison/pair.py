@@ -11,9 +11,10 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.comparison import shared
 from tumble.comparison.calibration import Calibration
-from tumble.comparison.shared import ANEW, OneStand
+from tumble.comparison.shared import OneStand
 from tumble.comparison.statistics import is_covariance
 from tumble.comparison.verdict import Found, judge
+from tumble.defaults import ANEW
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
 from tumble.solving import si

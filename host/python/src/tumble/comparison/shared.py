@@ -16,17 +16,17 @@ import numpy as np
 from tumble.arrays import Floats
 from tumble.comparison.calibration import Calibration
 from tumble.core import MAX_SAMPLES, CoreRefusal, CoreSchedule
+from tumble.defaults import ONCE
 from tumble.errors import UsageError
 from tumble.estimators import ESTIMATORS
 from tumble.fixture.combination import repeats
 from tumble.schedule import Schedule
 from tumble.solving.declared import schedule_of
-from tumble.solving.many_runs import brought
+from tumble.solving.uncertainty import brought
 from tumble.stand import Stand
 from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
-ONCE, ANEW = LEVELLED = ("once", "anew")
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
 
 

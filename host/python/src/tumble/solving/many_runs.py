@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 from tumble import core
 from tumble.arrays import Floats, Integers
 from tumble.core.optimal import GainRecord, estimate_runs, optimal_runs
 from tumble.estimators import OPTIMAL
 from tumble.reference.estimators import fit_indices
-from tumble.reference.uncertainty import sources
 from tumble.schedule import Schedule
 from tumble.solving import extended
 from tumble.solving.gain_record import record_of, to_bytes
@@ -42,39 +40,6 @@ def estimator_for(
     table = table_at(schedule, k, stand, samples, step)
     record = GainRecord(positions, to_bytes(record_of(table, schedule)))
     return lambda means: optimal_runs(record, means)[0]
-
-
-def brought(
-    schedule: Schedule,
-    k: Floats,
-    stand: Stand,
-    estimator: str,
-    samples: Integers,
-    step: float = 0.0,
-    terms: Terms = (),
-) -> dict[str, Floats]:
-    """What every source of error of the stand brings to the coefficients and the sizes of further `terms`, to first
-    order: by name as in reference.uncertainty.sources, (draws, 12 + 3 x terms), one standard deviation of each draw.
-    Arguments as of estimator_for. Raises CoreRefusal."""
-    linear: ManyRuns
-    if estimator == OPTIMAL:
-        gains, fit = table_at(schedule, k, stand, samples, step, terms).gains, fit_indices(schedule)
-        linear = partial(_weighted, gains, fit)
-    elif terms:
-        linear = partial(_extended, core.CoreSchedule(schedule), terms)
-    else:
-        linear = estimator_for(schedule, k, stand, estimator, samples)
-    errors = sources(schedule, k, stand.with_step(step), samples)
-    return {name: source.sigma[:, None] * linear(source.derivative) for name, source in errors.items()}
-
-
-def _weighted(gains: Floats, fit: list[int], outputs: Floats) -> Floats:
-    found: Floats = outputs[:, fit].reshape(len(outputs), -1) @ gains.T
-    return found
-
-
-def _extended(schedule: core.CoreSchedule, terms: Terms, means: Floats) -> Floats:
-    return extended.estimate_runs(schedule, means, terms, None)
 
 
 def table_at(

@@ -10,6 +10,9 @@ from tumble import core
 from tumble.arrays import Flags, Floats, Integers
 from tumble.core.uncertainty import uncertainties, uncertainties_of_gains
 from tumble.estimators import OPTIMAL
+from tumble.reference.estimators import fit_indices
+from tumble.reference.uncertainty import sources
+from tumble.schedule import Schedule
 from tumble.solving import extended
 from tumble.solving.gains import NOISE_FLOOR_G, linear_gains
 from tumble.solving.many_runs import table_at
@@ -72,6 +75,26 @@ def gains_of_run(
     if estimator == OPTIMAL:
         return table_at(part.data, k, stand, samples, step, terms).gains
     return extended.gains(part, terms) if terms else linear_gains(part.data, estimator)
+
+
+def brought(
+    schedule: Schedule,
+    k: Floats,
+    stand: Stand,
+    estimator: str,
+    samples: Integers,
+    step: float = 0.0,
+    terms: Terms = (),
+) -> dict[str, Floats]:
+    """What every source of error of the stand brings to the coefficients and the sizes of further `terms`, to first
+    order: by name as in reference.uncertainty.sources, (draws, 12 + 3 x terms), one standard deviation of each draw.
+    Arguments as of gains_of_run. Raises CoreRefusal."""
+    gains = gains_of_run(core.CoreSchedule(schedule), k, stand, samples, estimator, step, terms)
+    fit, errors = fit_indices(schedule), sources(schedule, k, stand.with_step(step), samples)
+    return {
+        name: source.sigma[:, None] * (source.derivative[:, fit].reshape(len(source.derivative), -1) @ gains.T)
+        for name, source in errors.items()
+    }
 
 
 def _of_optimal(

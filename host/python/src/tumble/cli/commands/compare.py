@@ -7,11 +7,9 @@ import sys
 from typing import Any
 
 from tumble.cli import options
-from tumble.defaults import DEFAULT_CONFIDENCE
+from tumble.defaults import ANEW, DEFAULT_CONFIDENCE, LEVELLED
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, UsageError
 from tumble.schedule import file_of
-
-LEVELLED = ("once", "anew")
 
 
 def add_to(subparsers: options.Subparsers) -> None:
@@ -79,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.b,
         stand=arguments.stand,
         schedule=arguments.schedule,
-        levelled=arguments.levelled or "anew",
+        levelled=arguments.levelled or ANEW,
         two_stands=arguments.two_stands,
         confidence=confidence,
     )

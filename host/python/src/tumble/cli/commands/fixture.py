@@ -17,7 +17,7 @@ from tumble.cli.options import (
     parse_limit,
     parse_number,
 )
-from tumble.defaults import DEFAULT_LIMIT_G
+from tumble.defaults import ANEW, DEFAULT_LIMIT_G, LEVELLED, ONCE
 from tumble.errors import EXIT_LIMITS_FAILED, EXIT_PASS, BadInput, UsageError, file_name, quoted
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from tumble.fixture.combination import Combination
     from tumble.fixture.judge import Limits, RunView
 
-LEVELLED = ("once", "anew")
 AGAINST = ("declared", "needed")
 DEFAULT_CONFIDENCE = 0.95
 
@@ -95,7 +94,7 @@ def check(arguments: argparse.Namespace) -> int:
         against=arguments.against,
         limit_g=limit_g,
         confidence=confidence,
-        levelled="once" if once else "anew",
+        levelled=ONCE if once else ANEW,
         combined=combined,
         warnings=warnings,
     )
@@ -137,7 +136,7 @@ def _combined(
     def combined(once: bool) -> Combination:
         return combine([view.solution for view in views], once, confidence, step_v)
 
-    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == "once"
+    once = levelled_once(views) if arguments.levelled is None else arguments.levelled == ONCE
     if len(views) == 1:
         return once, None
     found = combined(once)
