@@ -261,6 +261,15 @@ def test_labels_are_said_where_they_belong(tmp_path, drawn):
     assert not {"script", "b", "i"} & set(report.tags)
 
 
+def test_labels_of_the_environment_are_not_the_blocks(drawn):
+    document = solve().document
+    document["environment"] = {"serial": "THERMO-7", "model": "chamber", "operator": "N. N."}
+    report = report_of(Result(json.dumps({**document, "item": {"serial": "A-17"}})))
+    assert report.row("Serial number") == ["A-17"] and report.row("Type") == ["not stated"]
+    assert (report.row("serial"), report.row("model")) == (["THERMO-7"], ["chamber"])
+    assert report.row("Measured by") == ["N. N."]
+
+
 def test_a_drift_is_in_volts_whatever_the_outputs_are_in(drawn):
     """As the document has it."""
     run = package.read(EXAMPLES / "paper_stand.csv")

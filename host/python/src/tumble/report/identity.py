@@ -13,7 +13,8 @@ from tumble.report.source import Source
 
 Names: TypeAlias = "dict[str, tuple[str, ...]]"
 
-TABLES = ("item", "environment")
+OF_THE_ITEM: tuple[str, ...] = ("item",)  # a serial number of the environment is that of a thermometer
+TABLES: tuple[str, ...] = (*OF_THE_ITEM, "environment")
 _SERIAL = "Serial number"
 PARTIES: Names = {
     "Customer": ("customer",),
@@ -52,10 +53,10 @@ def parties(source: Source) -> Facts:
 
 def item(source: Source) -> Facts:
     """What was calibrated, its condition. The serial number is that of [block], and what the labels say beside it."""
-    serial, labelled = source.at("serial"), _labels(source, ITEM[_SERIAL])
+    serial, labelled = source.at("serial"), _labels(source, ITEM[_SERIAL], OF_THE_ITEM)
     others = [source.told(*path) for path in labelled if source.at(*path) != serial]
     both = _listed([*([] if serial is None else [source.told("serial")]), *others])
-    return [(name, both if name == Fixed(_SERIAL) else said) for name, said in _facts(source, ITEM)]
+    return [(name, both if name == Fixed(_SERIAL) else said) for name, said in _facts(source, ITEM, OF_THE_ITEM)]
 
 
 def dates(source: Source) -> Facts:
@@ -75,25 +76,27 @@ def deviations(source: Source) -> Facts:
 
 def further_labels(source: Source) -> Facts:
     """Those of no other section, by their own names."""
-    sections = (PARTIES, ITEM, DATES, TRACEABILITY, DEVIATIONS)
-    known = {key for names in sections for keys in names.values() for key in keys}
+    sections = [(names, TABLES) for names in (PARTIES, DATES, TRACEABILITY, DEVIATIONS)]
+    sections.append((ITEM, OF_THE_ITEM))
+    known = {(table, key) for names, tables in sections for table in tables for keys in names.values() for key in keys}
     return [
         (Fixed(key), source.told(table, key))
         for table in TABLES
         for key in source.table(table)
-        if _plain(key) not in known and (table, key) not in _NUMBERS
+        if (table, _plain(key)) not in known and (table, key) not in _NUMBERS
     ]
 
 
-def _facts(source: Source, names: Names) -> Facts:
+def _facts(source: Source, names: Names, tables: tuple[str, ...] = TABLES) -> Facts:
     return [
-        (Fixed(name), _listed([source.told(*path) for path in _labels(source, keys)])) for name, keys in names.items()
+        (Fixed(name), _listed([source.told(*path) for path in _labels(source, keys, tables)]))
+        for name, keys in names.items()
     ]
 
 
-def _labels(source: Source, keys: tuple[str, ...]) -> list[tuple[str, str]]:
+def _labels(source: Source, keys: tuple[str, ...], tables: tuple[str, ...]) -> list[tuple[str, str]]:
     """Where labels of these names are, by table and key: the first name first, and of each [item] first."""
-    return [(table, key) for wanted in keys for table in TABLES for key in source.table(table) if _plain(key) == wanted]
+    return [(table, key) for wanted in keys for table in tables for key in source.table(table) if _plain(key) == wanted]
 
 
 def _listed(said: list[Inline]) -> Inline:
