@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import pytest
 from bench_program import HASTY_STAND
@@ -180,17 +181,33 @@ def test_the_board_calibrates_the_simulated_stand(tumble, tmp_path):
 @pytest.mark.real_time
 def test_an_interrupt_stops_the_table(tmp_path):
     need_bus()
-    (tmp_path / "stand.toml").write_text(HASTY_STAND + FEW_FRAMES)
-    command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--firmware", "zcu102", "--out", "run"]
-    command += ["--stand", "stand.toml", "--samples", "100"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=tmp_path, env=dict(os.environ))
-    try:
+    with interrupted_run(tmp_path) as process:
         assert "mounting 1: position 1" in process.stderr.readline()
         time.sleep(2.0)
+
+
+@pytest.mark.slow
+@pytest.mark.real_time
+def test_an_interrupt_before_the_board_has_booted(tmp_path):
+    """There is no stand yet, whose document tells that it is at rest."""
+    need_bus()
+    with interrupted_run(tmp_path):
+        time.sleep(2.0)
+
+
+@contextmanager
+def interrupted_run(folder):
+    """A calibration by the board, which is interrupted in the end, and must say what becomes of the table."""
+    (folder / "stand.toml").write_text(HASTY_STAND + FEW_FRAMES)
+    command = [sys.executable, "-m", "tumble", "bench", "--bus", "uml", "--firmware", "zcu102", "--out", "run"]
+    command += ["--stand", "stand.toml", "--samples", "100"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder, env=dict(os.environ))
+    try:
+        yield process
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=60)
     finally:
         process.kill()
     assert process.returncode == 130, complaint
     assert "the table is at rest" in complaint
-    assert not (tmp_path / "run").exists()
+    assert not (folder / "run").exists()

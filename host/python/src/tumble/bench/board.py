@@ -147,12 +147,16 @@ def _judged(folder: Path, stage: Path, scenario: Path, interrupted: bool) -> pro
     board = _json(folder / "board.json")
     if board is None:
         raise BenchFault(f"nothing is known of the board: {_text(folder / 'console.err')[-200:] or 'it says nothing'}")
-    if stand is None:
+    began = (folder / "stand.json").exists()  # the stand is started when the board has booted
+    if interrupted and not began:
+        return program.Ended(-signal.SIGTERM, "", interrupted)
+    if began and stand is None:
         complaint = _text(folder / "stand.err") or board["end"]
         raise BenchFault(f"tumble-stand ended without a document: {complaint}")
     if board["end"] not in ("done", "failed", "stopped"):
         serial = (_text(folder / "serial.log").splitlines() or [_text(folder / "board.err")])[-1]
         raise BenchFault(f"{board['end']}; its last words: {ascii(serial)[1:-1]}")
+    assert stand is not None  # without it no run comes so far
     ours = _replayed(folder, stage, scenario)
     if board["end"] == "done":
         _require_same_bits(ours, board["numbers"])

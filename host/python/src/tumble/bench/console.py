@@ -128,8 +128,9 @@ class Console:
         """To its end. Returns the document."""
         document: dict[str, Any] = {"numbers": None, "counters": {}}
         try:
-            self._start()
+            self._start_board()
             self._wait_for_boot()
+            self._spawn("stand", self._job["stand"], "stand.json", "stand.err")
             self._begin()
             self._follow()
             document = self._read()
@@ -144,16 +145,17 @@ class Console:
         with open(self._folder / out, "w") as stdout, open(self._folder / err, "w") as stderr:
             self._processes[name] = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
 
-    def _start(self) -> None:
+    def _start_board(self) -> None:
+        """On a bus that is silent: an emulator keeps what it hears while it starts, seconds of it, and then fills the
+        board's receive queue at once."""
         self._spawn("candump", ["candump", "-L", self._job["interface"]], "bus.log")
         time.sleep(0.3)  # it listens
-        self._spawn("stand", self._job["stand"], "stand.json", "stand.err")
         self._spawn("board", self._job["board"], "serial.log", "board.err")
 
     def _look(self) -> None:
-        for name in ("board", "stand", "candump"):
-            if self._processes[name].poll() is not None:
-                raise Ended(f"{name} ended by itself ({self._processes[name].returncode})")
+        for name, process in self._processes.items():
+            if process.poll() is not None:
+                raise Ended(f"{name} ended by itself ({process.returncode})")
         if (self._folder / "stop").exists():
             self._abort()
             raise Ended("stopped")
