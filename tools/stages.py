@@ -102,10 +102,17 @@ def sanitized(full):
 
 
 def sanitizer_environment():
-    """What makes an ordinary interpreter run an instrumented module. CPython leaks by design, so leaks are off."""
-    library = subprocess.run(["cc", "-print-file-name=libasan.so"], check=True, capture_output=True, text=True)
-    return {"PYTHONPATH": paths("sanitizers"), "TUMBLE_PRESET": "sanitizers", "LD_PRELOAD": library.stdout.strip(),
+    """What makes an ordinary interpreter run an instrumented module. CPython leaks by design, so leaks are off. The
+    sanitizer looks for C++'s exceptions when it starts, and other modules throw some (matplotlib's fonts do)."""
+    libraries = " ".join(library(name) for name in ("libasan.so", "libstdc++.so.6"))
+    return {"PYTHONPATH": paths("sanitizers"), "TUMBLE_PRESET": "sanitizers", "LD_PRELOAD": libraries,
             "ASAN_OPTIONS": "detect_leaks=0", "UBSAN_OPTIONS": "print_stacktrace=1"}
+
+
+def library(name):
+    """Where the compiler's own is."""
+    command = ["cc", f"-print-file-name={name}"]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
 
 def built_to_budget(log, preset, board):
