@@ -2,6 +2,7 @@
 And the dump."""
 
 import importlib.util
+import itertools
 import re
 import shutil
 import subprocess
@@ -10,7 +11,7 @@ import zlib
 from pathlib import Path
 
 import pytest
-from c_compiler import compiled
+from c_compiler import compiled, firmware_sources
 from documents import document_of
 from hypothesis import given, strategies as st
 
@@ -20,7 +21,6 @@ from tumble.store.image import read_image
 
 ROOT = Path(__file__).resolve().parents[2]
 GOLDEN = ROOT / "tests" / "golden"
-STORE = ("set_record", "record", "nv_writer", "regions", "log", "history_entry", "checkpoint")
 
 _spec = importlib.util.spec_from_file_location("golden_make", GOLDEN / "make.py")
 golden = importlib.util.module_from_spec(_spec)
@@ -31,8 +31,7 @@ CASES = dict(golden.cases())
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory):
     """A function: kind and bytes of a record in, what the firmware reads of it and writes out."""
-    core = ("arith", "count", "crc32")
-    sources = [f"firmware/sets/{name}.c" for name in STORE] + [f"firmware/core/{name}.c" for name in core]
+    sources = [name for name in firmware_sources() if name.startswith(("firmware/core/", "firmware/sets/"))]
     program = compiled(tmp_path_factory.mktemp("codec") / "store_codec", "-Itests/lib",
                        "tests/integration/store_codec_harness.c", "tests/lib/flash.c", *sources)
 
@@ -59,7 +58,7 @@ def expected_fields(case):
         lengths = {"u_k": 9, "u_u0": 3, "check": 3, "temperature_range_c": 2}
         numbers = {name: [0.0] * lengths.get(name, 1) if value is None else value for name, value in numbers.items()}
     if case["kind"] == "position":
-        numbers["temperature_range_c"] = numbers["temperature_range_c"] or [-64.0, 63.5]  # all that a sample can tell
+        numbers["temperature_range_c"] = numbers["temperature_range_c"] or []
     return numbers
 
 
@@ -168,6 +167,46 @@ def test_a_wrong_field_under_a_right_checksum_is_refused_by_both(firmware, chang
         codec.decode_set(record)
     assert firmware("set", record)[0] != 0
     assert codec.decode_set(with_a_seal(whole)).temperature_range_c == [-13.0, -11.5]
+
+
+RANGES = {  # deg C, by how many half degrees they are off the cold end and off the warm one
+    (2, 1): [-63.0, 63.0],
+    (128, 127): [0.0, 0.0],
+    (254, 1): [63.0, 63.0],
+    (2, 253): [-63.0, -63.0],
+    (0, 0): None,
+    (0, 87): None,  # at an end the block may have been beyond it; the cold one is two values wide
+    (1, 87): None,
+    (0, 255): None,
+    (168, 0): None,
+    (255, 0): None,
+    (128, 128): None,  # the least above the largest
+    (255, 255): None,  # no sample yet
+}
+
+
+@pytest.mark.parametrize(("margins", "range_c"), RANGES.items())
+def test_a_range_that_touches_an_end_is_unknown_to_both(firmware, margins, range_c):
+    fingerprint = CASES["position"]["numbers"]["fingerprint"]
+    record = a_position(margins, fingerprint)
+    status, fields, written = firmware("position", record, fingerprint)
+    assert (status, written) == (0, record)
+    assert [float.fromhex(text) for text in fields["temperature_range_c"]] == (range_c or [])
+    assert codec.decode_position(record, fingerprint).temperature_range_c == range_c
+
+
+def test_the_ends_of_both_readers_are_the_same(firmware):
+    for cold, warm in itertools.product((0, 1, 2, 3, 127, 128, 254, 255), repeat=2):
+        record = a_position((cold, warm), 5)
+        told = [float.fromhex(text) for text in firmware("position", record, 5)[1]["temperature_range_c"]]
+        assert (codec.decode_position(record, 5).temperature_range_c or []) == told, (cold, warm)
+
+
+def a_position(margins, fingerprint):
+    """The golden one as an entry of this run with these margins."""
+    record = bytearray((GOLDEN / "position.bin").read_bytes()[:-4])
+    record[44:46] = margins
+    return bytes(record) + zlib.crc32(record, zlib.crc32(fingerprint.to_bytes(4, "little"))).to_bytes(4, "little")
 
 
 @pytest.mark.parametrize(("range_c", "kept_c"), [([20.1, 20.4], [20.0, 20.5]), ([-20.4, -20.1], [-20.5, -20.0]),
