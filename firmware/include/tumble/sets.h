@@ -152,7 +152,7 @@ enum {
 #define TUMBLE_SET_OTHER_RULES                                                                                         \
     0x0040U /* judged, committed or accepted under other rules than the board's, or with the
                                         * service level open, when they could be changed */
-#define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples that went into the means */
+#define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples averaged, also for means given up */
 #define TUMBLE_SET_FLAGS 0x00FFU
 
 typedef struct {
