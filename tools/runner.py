@@ -188,7 +188,7 @@ def run_stage(stage, log_folder, missing, timeout_s):
 
 
 def without_middle(told, most):
-    """So many characters of its begin and of its end: what was asserted stands behind what the test had to say of it."""
+    """So many characters of its begin and its end: what was asserted stands behind what the test had to say of it."""
     if len(told) <= most:
         return told
     half = most // 2
