@@ -73,7 +73,8 @@ class Solution:
     stand; `stated`: the uncertainties, None without a declared stand; `scatter_alone`: without one, those that the
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
-    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any.
+    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
+    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them.
     """
 
     schedule: Schedule
@@ -91,6 +92,7 @@ class Solution:
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
+    is_out_of_order: bool = False
 
     @property
     def u_k(self) -> Floats | None:
