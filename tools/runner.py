@@ -3,6 +3,7 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from xml.etree import ElementTree
 
 SKIPPED = 77  # exit status of a command that could not do its check
 TAIL_LINES = 40
+TAIL_CHARACTERS = 200  # of each
 BROKEN_CHARACTERS = 2000  # of why a test failed
 
 
@@ -74,7 +76,7 @@ class Log:
         return self.path.read_text(encoding="utf-8", errors="replace")
 
     def tail(self):
-        return "\n".join("    " + line for line in self.text().splitlines()[-TAIL_LINES:])
+        return "\n".join("    " + line[:TAIL_CHARACTERS] for line in self.text().splitlines()[-TAIL_LINES:])
 
 
 def gate(log, *commands, env=None):
@@ -114,13 +116,19 @@ def read_junit(report):
         failure = next((found for kind in ("failure", "error") if (found := case.find(kind)) is not None), None)
         if failure is not None:
             outcome.failed += 1
-            outcome.broken.append(f"{name}: {failure.get('message', 'no reason given')}")
+            outcome.broken.append(f"{name}: {what_failed(failure)}")
         elif skip is not None:
             outcome.skipped += 1
             outcome.reasons[skip.get("message", "no reason given")] += 1
         else:
             outcome.passed += 1
     return outcome
+
+
+def what_failed(failure):
+    """What pytest marks with E in its account of a failure. The message beside it is cut: it may lack the assertion."""
+    marked = [line[1:] for line in (failure.text or "").splitlines() if re.match(r"E(\s|$)", line)]
+    return textwrap.dedent("\n".join(marked)).strip() or failure.get("message", "no reason given")
 
 
 def ctest(log, directory):
@@ -155,7 +163,7 @@ def run_stages(stages, log_folder, missing=None, timeout_s=1800):
     for stage in stages:
         add_up(total, stage, *run_stage(stage, log_folder, missing, timeout_s))
     for told in total.broken:
-        print(f"\nFAILED: {told[:BROKEN_CHARACTERS]}")
+        print(f"\nFAILED: {without_middle(told, BROKEN_CHARACTERS)}")
     print(f"\n{total.passed} passed, {total.failed} failed, {total.skipped} skipped")
     return 0 if total.verdict == "passed" else 1
 
@@ -177,6 +185,14 @@ def run_stage(stage, log_folder, missing, timeout_s):
     lacking = [f"{need} is not installed ({missing[need]})" for need in stage.needs if need in missing]
     outcome = skipped(lacking[0]) if lacking else stage.run(log)
     return outcome, time.monotonic() - begin, log
+
+
+def without_middle(told, most):
+    """So many characters of its begin and its end: what was asserted stands behind what the test had to say of it."""
+    if len(told) <= most:
+        return told
+    half = most // 2
+    return f"{told[:half]}\n[... {len(told) - 2 * half} characters ...]\n{told[-half:]}"
 
 
 def shortened(told):

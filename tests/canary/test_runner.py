@@ -52,6 +52,16 @@ def test_the_tests_that_failed_are_named_at_the_end(tmp_path, capsys):
     assert re.search(r"\nFAILED: canary: test_b: AssertionError: planted\nassert 1 == 2\n\n4 passed", text)
 
 
+def test_what_was_asserted_is_shown_however_much_was_said_of_it(tmp_path, capsys):
+    """A test that has the output of a program to tell, before what it wanted of it; and lines without an end."""
+    said = "print('z' * 9000)\n    assert left == 17, 'first ' + 'chatter ' * 900 + 'last'"
+    _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, f"def test_a():\n    left = 16\n    {said}\n"))
+    told = text.partition("\nFAILED: ")[2]
+    assert told.startswith("canary: test_a: AssertionError: first chatter ") and " characters ...]\n" in told
+    assert "last\nassert 16 == 17\n" in told and len(told) < 2200
+    assert max(map(len, text.partition("\nFAILED: ")[0].splitlines())) <= 4 + runner.TAIL_CHARACTERS
+
+
 def test_a_skipped_test_gives_its_reason(tmp_path, capsys):
     _, text = outcome_of(tmp_path, capsys, pytest_stage(tmp_path, SKIPPING))
     assert "SKIPPED: no moon tonight" in text

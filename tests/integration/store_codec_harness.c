@@ -1,5 +1,6 @@
 /* store_codec_harness.c - one record from stdin, decoded by the firmware: its numbers on stdout, a line each, doubles in
- * hexadecimal; then the same record as the firmware writes it, in hexadecimal digits.
+ * hexadecimal; then the same record as the firmware writes it, in hexadecimal digits. The temperature range of a
+ * position is that of the set of a run which ends with it; it has no numbers where it is not known.
  *
  *     store_codec set|entry|run|position [FINGERPRINT]
  */
@@ -98,6 +99,27 @@ static int settle(void)
     return (int)status;
 }
 
+/* The range that a run with these margins gives its set. */
+static void print_range(tumble_margins_t margins)
+{
+    static const tumble_coefficients_t coefficients;
+    static const tumble_gravity_check_t check;
+    static tumble_averaging_t averaging;
+    static tumble_misfit_work_t misfit;
+    static tumble_sets_t sets;
+    const tumble_sets_run_t run = {.schedule = &tumble_schedule_paper, .averaging = &averaging};
+    const tumble_sets_owner_t owner = {.run = &run, .misfit = &misfit};
+    const tumble_sets_config_t config = {.serial = ""};
+    const tumble_finished_run_t finished = {.coefficients = &coefficients, .check = &check};
+    sets.run = &run;
+    sets.owner = &owner;
+    sets.config = &config;
+    sets.checkpoint.margins = margins;
+    tumble_sets_run_done(&sets, &finished);
+    const double range_c[] = {sets.set.temperature_min_half_c / 2.0, sets.set.temperature_max_half_c / 2.0};
+    print_doubles("temperature_range_c", range_c, ((sets.set.flags & TUMBLE_SET_HAS_TEMPERATURE_RANGE) != 0U) ? 2 : 0);
+}
+
 /* Through the memory: begun and appended by the firmware, then the given bytes in their place, read by it. */
 static int print_checkpoint(uint32_t fingerprint, bool position)
 {
@@ -123,8 +145,7 @@ static int print_checkpoint(uint32_t fingerprint, bool position)
     (void)printf("index %u\nsamples %" PRIu32 "\nsums %" PRId64 " %" PRId64 " %" PRId64 "\n", index, average.samples,
                  average.sum_counts[0], average.sum_counts[1], average.sum_counts[2]);
     print_floats("scatter", average.scatter_counts, 3);
-    const double range_c[] = {-64.0 + checkpoint.margins.cold / 2.0, 63.5 - checkpoint.margins.warm / 2.0};
-    print_doubles("temperature_range_c", range_c, 2);
+    print_range(checkpoint.margins);
     if (tumble_checkpoint_append(&checkpoint, index, &average) != TUMBLE_OK || settle() != 0) {
         return 1;
     }

@@ -13,6 +13,7 @@ from tumble.errors import BadInput
 from tumble.files.schedule_file import read_schedule
 from tumble.schedule import BUILT_IN
 from tumble.solving.declared import ERRORS, schedule_document, schedule_of, stand_of, step_of
+from tumble.solving.expected import expected
 from tumble.stand import Stand
 
 pytestmark = pytest.mark.python
@@ -45,6 +46,19 @@ def test_the_step_of_the_converter_is_repeated(tmp_path):
     assert result.document["stand"]["step_v"] == 10.0 / 2**15
     declared = tumble.read_stand(file)
     assert (stand_of(result.document, "r"), step_of(result.document)) == (declared.stand, declared.step_v)
+
+
+@pytest.mark.parametrize("estimator", ["least_squares", "optimal"])
+def test_a_drift_that_is_solved_for_is_repeated_as_well(estimator, tmp_path):
+    """The solve has it as an unknown; a comparison still knows the stand of both, and each budget is of its model."""
+    file = paper_stand(tmp_path, limits='"sigma1"\ndrift_v = 2e-3')
+    told = [tumble.solve(EXAMPLES / "paper_stand.csv", stand=file, estimator=estimator, model=terms)
+            for terms in ((), "drift")]
+    assert [one.document["stand"]["drift_v"] for one in told] == [2e-3, 2e-3]
+    assert told[0].document["stand"] == told[1].document["stand"]
+    assert tumble.compare(*told, levelled="once").document["shared"]["sources"] == ["alpha1", "alpha2"]
+    budgets = [expected(one.document, built_in("paper"), stand_of(one.document, "r"), 0.0) for one in told]
+    assert ["drift" in budget.coefficients for budget in budgets] == [True, False]
 
 
 @pytest.mark.parametrize("name", ["paper", "diagonal"])

@@ -40,9 +40,17 @@ def section(text, name):
 
 def test_requirements_are_those_of_the_project():
     project = (PYTHON / "pyproject.toml").read_text()
-    named = {"requirements.txt": "dependencies", "requirements-test.txt": "test", "requirements-report.txt": "report"}
+    named = {"requirements.txt": "dependencies", "requirements-test.txt": "test"}
+    named |= {f"requirements-{name}.txt": name for name in ("plot", "report")}
     for file, name in named.items():
-        assert (PYTHON / file).read_text().split("\n")[:-1] == section(project, name)
+        assert required(PYTHON / file) == section(project, name)
+
+
+def required(file):
+    """The lines of a file of requirements, with those of the files that it names."""
+    lines = file.read_text().split("\n")[:-1]
+    return [one for line in lines
+            for one in (required(file.with_name(line[3:])) if line.startswith("-r ") else [line])]
 
 
 def test_the_installed_program_is_what_a_checkout_runs():

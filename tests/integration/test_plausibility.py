@@ -9,6 +9,7 @@ import pytest
 from blocks import write_run
 from conftest import EXAMPLES
 
+import tumble as tumble_package
 from tumble.core import paper_schedule
 from tumble.files.run_file import Run
 from tumble.files.stand_file import StandFile
@@ -212,3 +213,34 @@ def test_without_a_stand_the_command_warns(tumble, tmp_path):
     done = tumble("solve", write_run(tmp_path / "run.csv", schedule, means[:, [0, 2, 1]]))
     assert done.returncode == 0
     assert "tumble: warning: channel uy measures along z: K_yz = 2.01 V/g" in done.stderr
+    verdict = done.stdout.partition("\nPASS, assuming ")[2]
+    assert " nothing exchanged or reversed, " in " ".join(verdict.split()) and max(map(len, verdict.splitlines())) <= 80
+
+
+ODD = {
+    "nothing": (same, False),
+    "all reversed": (lambda means: -means, False),
+    "exchanged": (lambda means: means[:, [0, 2, 1]], True),
+    "reversed": (lambda means: means * [1, -1, 1], True),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+@pytest.mark.parametrize("stand", [None, "stand", "block"])
+def test_a_pass_says_that_it_assumes_the_order(name, stand, tmp_path):
+    """Where K looks exchanged and no block is declared to be so: not with the truth of such a block, nor in a proper
+    run. The text, the result and a table of it have it, with the coefficients: all."""
+    change, is_odd = ODD[name]
+    means = change(Geometry(PAPER).outputs(2.0 * AXES + 0.01, np.array([0.1, 0.2, 0.3])))
+    k = change((2.0 * AXES + 0.01).T).T
+    text = (EXAMPLES / "paper_stand.toml").read_text().partition("[block")[0]
+    rows = ", ".join(str(row) for row in k.tolist())
+    block = "[block]\nscale_v_per_g = 2.0\nmisalignment_rad = 0.02\n"
+    true = f"[block.true]\nK = [{rows}]\nU0 = [0.1, 0.2, 0.3]\n"
+    (tmp_path / "stand.toml").write_text(text + (block + true if stand == "block" else ""))
+    run = write_run(tmp_path / "run.csv", PAPER, means)
+    found = tumble_package.solve(run, stand=None if stand is None else tmp_path / "stand.toml")
+    expected = is_odd and stand != "block"
+    assert found.passed and ("order" in found.assumes) == expected == bool(found.warnings)
+    assert ("order", []) in found.document["assumed_for"].items() or not expected
+    assert ("nothing exchanged or reversed" in found._repr_html_()) == expected

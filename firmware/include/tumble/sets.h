@@ -152,7 +152,7 @@ enum {
 #define TUMBLE_SET_OTHER_RULES                                                                                         \
     0x0040U /* judged, committed or accepted under other rules than the board's, or with the
                                         * service level open, when they could be changed */
-#define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples that went into the means */
+#define TUMBLE_SET_HAS_TEMPERATURE_RANGE 0x0080U /* of all samples averaged, also for means given up */
 #define TUMBLE_SET_FLAGS 0x00FFU
 
 typedef struct {
@@ -451,8 +451,9 @@ tumble_status_t tumble_trend_fit(const tumble_trend_sums_t *sums, tumble_trend_t
 #define TUMBLE_CHECKPOINT_CELLS ((2U * TUMBLE_STORE_MIN_SECTOR) / TUMBLE_CHECKPOINT_BYTES) /* the first is the header */
 
 /* The range of a run's temperatures, by its margins to the ends of what a sample can tell, in half degrees: none is below
- * -64 degrees C plus `cold`, none above 63.5 degrees C less `warm`. {UINT8_MAX, UINT8_MAX}: there was none yet. {0, 0}: it
- * is not known, and so it is in entries of earlier versions. Of two ranges the smaller margins are those of both. */
+ * -64 degrees C plus `cold`, none above 63.5 degrees C less `warm`. {UINT8_MAX, UINT8_MAX}: there was none yet. With
+ * `cold` 0 or 1 or `warm` 0 it touches an end and is not known; entries of earlier versions have {0, 0}. Of two ranges the
+ * smaller margins are those of both. */
 typedef struct {
     uint8_t cold;
     uint8_t warm;

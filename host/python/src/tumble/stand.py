@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.terms import DRIFT, Terms
 from tumble.units import volts_per
 
 INDEPENDENT = "independent"
@@ -62,6 +63,10 @@ class Stand:
         """This stand with its noise and drift in the unit of a run's outputs."""
         volts = volts_per(unit)
         return replace(self, noise=self.noise / volts, drift=self.drift / volts)
+
+    def beside(self, terms: Terms) -> Stand:
+        """This stand without what further `terms` of a model have as unknowns, whatever its size: its drift."""
+        return replace(self, drift=0.0) if DRIFT in terms else self
 
     def with_step(self, step: float) -> Stand:
         """This stand with the noise that one sample really has: no less than a converter of this `step` (0: unknown),

@@ -84,6 +84,7 @@ def solved(
         confidence=confidence,
         terms=terms,
     )
+    solution = plausibility.marked(solution, stand_file)
     odd = (*odd_rows, *plausibility.require(solution, stand_file, recording.name))
     odd += () if contradiction is None else (contradiction,)
     return Solved(solution, stand_file, odd, created, os.path.basename(recording.name) if recording.is_file else None)

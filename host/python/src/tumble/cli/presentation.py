@@ -271,7 +271,7 @@ def beware(solution: Solution) -> list[str]:
 
 
 def verdict(solution: Solution) -> str:
-    """Pass or fail and why, in one line."""
+    """Pass or fail and why, in one line if it fits."""
     worst = solution.worst_position
     error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
     rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
@@ -284,4 +284,4 @@ def verdict(solution: Solution) -> str:
     place = f" at {solution.schedule.positions[worst].label}"
     for known in ("; numpy agrees", f", limit {solution.limit_g:g} g", place):  # as the tables show
         line = line if len(line) <= _COLUMNS else line.removesuffix(known)
-    return line
+    return textwrap.fill(line, _COLUMNS)

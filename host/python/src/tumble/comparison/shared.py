@@ -24,7 +24,7 @@ from tumble.schedule import Schedule
 from tumble.solving.declared import schedule_of
 from tumble.solving.uncertainty import brought
 from tumble.stand import Stand
-from tumble.terms import DRIFT, Terms
+from tumble.terms import Terms
 from tumble.units import volts_per
 
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
@@ -95,7 +95,7 @@ def _by_source(told: Told, one_stand: OneStand, schedule: Schedule) -> Draws | N
         return None
     part = schedule.part([place in samples for place in places])
     rows = np.array([samples[place] for place in places if place in samples])
-    declared = _as_solved(one_stand.stand, told.terms).in_unit(unit)
+    declared = one_stand.stand.beside(told.terms).in_unit(unit)
     step = (one_stand.step_v or 0.0) / volts_per(unit)
     given = part, told.calibration.k, declared, told.document["estimator"], rows, step, told.terms
     try:
@@ -113,11 +113,6 @@ def _of_values(told: Told, sizes: Floats) -> Floats:
         start = 12 + 3 * told.terms.index(term)
         found.append((sizes[:, start : start + 3] - value * sizes[:, [0, 4, 8]]) / k)
     return np.concatenate(found, axis=1)
-
-
-def _as_solved(stand: Stand, terms: Terms) -> Stand:
-    """A drift that is an unknown is no error of the stand."""
-    return stand.with_sigma("drift", 0.0) if DRIFT in terms else stand
 
 
 def _beyond(told: Told, draws: Draws, knows_step: bool) -> Floats | None:

@@ -76,9 +76,14 @@ def _on_rounding(solution: Solution) -> Coefficients | None:
     return () if solution.noise.undithered.any() else None
 
 
+def _in_order(solution: Solution) -> Coefficients | None:
+    return () if solution.is_out_of_order else None
+
+
 ASSUMPTIONS: Mapping[str, Assumption] = {
     "seat": Assumption("a square seat", "no position shows the block's tilt against the axis", _on_a_square_seat),
     "linear": Assumption("linearity", "the positions do not show all higher orders of the block", _on_a_linear_block),
+    "order": Assumption("nothing exchanged or reversed", "no [block] says that its axes are such", _in_order),
     "unit": Assumption("volts", "the run file names no unit (--unit)", _in_volts),
     "white_noise": Assumption("white noise", "too few samples at a position to test it", _on_white_noise),
     "undithered": Assumption("independent rounding errors", "all samples of a position round alike", _on_rounding),

@@ -13,7 +13,7 @@ with a the specific force of the position, a unit vector.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from tumble.schedule import BUILT_IN, Schedule
 from tumble.solving.gains import NOISE_FLOOR_G
 from tumble.solving.uncertainty import gains_of_run
 from tumble.stand import Stand, rounding_of
-from tumble.terms import DRIFT, KEYS, POWERS, Terms
+from tumble.terms import KEYS, POWERS, Terms
 from tumble.units import volts_per
 
 NOISE = "noise"
@@ -83,8 +83,7 @@ def expected(document: dict[str, Any], schedule: Schedule, declared: Stand, step
         raise UsageError("stand: the result was solved without one")
     unit, k, estimator, terms = document["unit"], np.array(document["K"]), document["estimator"], terms_of(document)
     step = step_v / volts_per(unit)
-    stand = replace(declared, drift=0.0) if DRIFT in terms else declared
-    stand = stand.in_unit(unit).with_step(step)
+    stand = declared.beside(terms).in_unit(unit).with_step(step)
     samples = np.array([one["samples"] for one in document["means"]])
     variance, is_told = _mean_variance(document, declared.in_unit(unit), samples, step)
     if estimator == OPTIMAL:  # as its weights have it

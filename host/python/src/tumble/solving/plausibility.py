@@ -84,6 +84,12 @@ def require(solution: Solution, stand_file: StandFile | None, file: str) -> tupl
     return found.warnings
 
 
+def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
+    """This solution, which tells whether its K is out of order for all that is declared of the block."""
+    is_declared = stand_file is not None and stand_file.block is not None
+    return replace(solution, is_out_of_order=not is_declared and bool(_structure(solution)))
+
+
 def confirms_volts(solution: Solution, stand_file: StandFile | None) -> bool:
     """Does the declared block, which is in volts, show that the outputs are? K then is the declared one."""
     declared = stand_file is not None and stand_file.block is not None

@@ -42,7 +42,7 @@ from tumble.solving.second_order import SecondOrder, second_order
 from tumble.solving.stand_seen import ANGLES, StandSeen, look
 from tumble.solving.stated import Propagation, Stated, Witness
 from tumble.stand import Stand
-from tumble.terms import DRIFT, Terms
+from tumble.terms import Terms
 from tumble.units import volts_per
 
 
@@ -73,7 +73,8 @@ class Solution:
     stand; `stated`: the uncertainties, None without a declared stand; `scatter_alone`: without one, those that the
     noise of the samples leaves if the stand has no errors at all, None where it is not known; `truth`: None for a run
     that was measured; `step`: of the converter, in the unit of the run, 0: unknown; `monte_carlo`: None where nobody
-    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any.
+    asked for it; `further`: terms of the model beside the twelve coefficients, None where nobody asked for any;
+    `is_out_of_order`: axes or signs of K are those of an exchange or reversal, and no block is declared to have them.
     """
 
     schedule: Schedule
@@ -91,6 +92,7 @@ class Solution:
     step: float = 0.0
     monte_carlo: MonteCarlo | None = None
     further: Further | None = None
+    is_out_of_order: bool = False
 
     @property
     def u_k(self) -> Floats | None:
@@ -114,9 +116,10 @@ class Solution:
 
     @property
     def declared(self) -> Stand:
-        """The declared stand, in the unit of the run; for whoever knows that there is one."""
+        """What is declared of the errors beside the unknowns, in the unit of the run; for whoever knows that there is a
+        stand."""
         assert self.stand is not None
-        return self.stand.in_unit(self.run.unit)
+        return self.stand.beside(self.found.terms).in_unit(self.run.unit)
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -215,9 +218,8 @@ def solve(
     Raises BadInput where the core refuses the run, Disagreement where the witness does not confirm the core.
     """
     step = step_v / volts_per(run.unit)
-    if stand is not None and DRIFT in terms:
-        stand = replace(stand, drift=0.0)  # it is an unknown, whatever its size
-    declared = None if stand is None else stand.in_unit(run.unit).with_step(step)
+    in_unit = None if stand is None else stand.beside(terms).in_unit(run.unit)
+    declared = None if in_unit is None else in_unit.with_step(step)
     core_schedule = schedule or core.CoreSchedule.built_in("paper")
     weighting = None
     if estimator == OPTIMAL:
@@ -233,7 +235,7 @@ def solve(
     except (DeadChannels, NotSolvable) as error:
         raise BadInput(str(error), file) from None
     means, samples, scatter = run.means[run.measured], run.samples[run.measured], run.scatter[run.measured]
-    noisy = noise_of_runs.look(run, None if stand is None else stand.in_unit(run.unit), step)
+    noisy = noise_of_runs.look(run, in_unit, step)
     variance = noisy.mean_variance[run.measured]
     model = None if declared is None else _whole_model(core_schedule, witnessed, run, declared, noisy, found)
     optimal = None

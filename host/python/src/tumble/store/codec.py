@@ -84,7 +84,7 @@ class Position:
     samples: int
     sums: list[int]
     scatter: list[float]
-    temperature_range_c: list[float] | None = None  # of the run so far
+    temperature_range_c: list[float] | None = None  # of the run so far; None also where it touches an end
 
 
 def _sealed(bytes_: bytes, before: int = 0) -> bytes:
@@ -262,8 +262,15 @@ def decode_position(bytes_: bytes, fingerprint: int) -> Position:
         raise NotARecord("there is no position")
     _check_seal(bytes_, _seed(fingerprint))
     _, index, samples, *numbers, cold, warm = _POSITION.unpack(bytes_[:-4])
-    range_c = [COLDEST_C + cold / 2, WARMEST_C - warm / 2] if cold or warm else None
-    return Position(index, samples, numbers[:3], numbers[3:], range_c)
+    return Position(index, samples, numbers[:3], numbers[3:], _range_c(cold, warm))
+
+
+def _range_c(cold: int, warm: int) -> list[float] | None:
+    """The range that is so many half degrees off the coldest and off the warmest that a sample can tell, as the
+    firmware has it. None at an end, beyond which the block may have been: the cold one is two values wide, for a block
+    whose values are as many below 0 as above ends at -63.5 deg C."""
+    low_c, high_c = COLDEST_C + cold / 2, WARMEST_C - warm / 2
+    return [low_c, high_c] if cold > 1 and warm > 0 and low_c <= high_c else None
 
 
 def _seed(fingerprint: int) -> int:

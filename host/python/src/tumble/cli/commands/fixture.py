@@ -171,6 +171,7 @@ def _views(
         about_temperature = filter(None, (contradicted(run, stand_file.environment), spanned(run)))
         run = in_environment(run, stand_file.environment)
         solution = solve(run, core_schedule, arguments.estimator, limit_g, stand_file.stand, file, stand_file.step_v)
+        solution = plausibility.marked(solution, stand_file)
         odd = (*odd_rows, *plausibility.require(solution, stand_file, file), *plausibility.unchecked(solution))
         odd += tuple(about_temperature)
         warnings += [f"{file_name(file)}: {sentence}" for sentence in odd]
