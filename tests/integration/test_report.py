@@ -196,9 +196,23 @@ def test_the_points_of_numbers_are_beneath_each_other(drawn):
 def test_without_a_stand_it_says_so(drawn):
     assert [text_of(cell) for cell in row_of(report_of(solve(stand=False)), "Angle xy")[2:]] == ["not stated", "rad"]
     text = plain(report_of(solve(stand=False)).text)
-    assert "errors of the stand are NOT in it, for no stand is declared" in text
+    assert "noise by itself moves a value by at most U with a probability of 0.95" in text
+    assert "U contains the noise of the samples only: no stand is declared, so that its errors are NOT in U" in text
+    assert "For faces laid by hand the real uncertainty can be over 100 times larger" in text
+    assert "of the true one with a probability" not in text
     assert "Fit to the declared standnot judged: no stand is declared" in text.replace("\n", "")
     assert "No stand is declared." in text
+
+
+def test_a_claim_on_the_true_value_takes_a_stand(drawn):
+    document = solve().document
+    text = plain(report_of(solve()).text)
+    assert "the value lies within U of the true one with a probability of 0.95" in text and "noise of" not in text
+    lacks_k = Result(json.dumps({**document, "coverage": None, "u_K": None, "u_U0": None, "covariance": None,
+                                 "scatter_alone": {"u_K": document["u_K"], "u_U0": document["u_U0"]}}))  # fmt: skip
+    text = plain(report_of(lacks_k).text)
+    assert "u (k = 1) are standard deviations. u contains the noise of the samples only" in text
+    assert "the true one with" not in text and "uncertainty can be over 100 times larger" in text
 
 
 VERDICTS = {

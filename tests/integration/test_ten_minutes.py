@@ -1,9 +1,11 @@
 """The first page of the site, docs/ten-minutes.md: its commands run one after the other, and print what it shows."""
 
+import json
 import re
 import shlex
 import subprocess
 
+import numpy as np
 import pytest
 from conftest import ROOT
 from test_readme import shows
@@ -34,3 +36,24 @@ def test_its_way_is_whole():
     assert verbs == ["import", "solve", "apply", "report"]
     assert [bool(shown) for _, shown in STEPS] == [True] * 4 + [False] and PAGE.count("```console") == len(STEPS)
     assert max(len(line) for commands, _ in BLOCKS for line in commands.splitlines()) <= 80
+
+
+HANDS = "[stand]\nsamples = 100\nnoise_v = 0.0143\n" + "".join(
+    f"{one}_rad = 4e-3\n" for one in ("axis_tilt", "level", "remount", "angle", "seat")
+)
+
+
+def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
+    """As its text, `solve` and reports say of u without a stand file: what 4 mrad an angle make of it."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    (tmp_path / "hands.toml").write_text(HANDS + 'limits = "sigma1"\n')
+    (words, solving) = ([shlex.split(one)[1:] for one in STEPS[step][0]][0] for step in (1, 2))
+    assert tumble(*words, cwd=tmp_path).returncode == 0
+    alone, hands = (
+        json.loads(tumble(*solving, "--json", *stand, cwd=tmp_path).stdout)
+        for stand in ((), ("--stand", "hands.toml"))
+    )
+    ratio = np.array(hands["u_K"]) / np.array(alone["scatter_alone"]["u_K"])
+    across = ratio[~np.eye(3, dtype=bool)]
+    assert f"{across.min():.0f} to {across.max():.0f} times larger" in " ".join(PAGE.split())
+    assert across.max() > 100

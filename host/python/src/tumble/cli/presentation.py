@@ -28,7 +28,10 @@ _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_ALONE = ("", "value", "unit", "u, scatter alone", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 _HINT = "For uncertainties, describe the stand: --stand FILE"
-_HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
+_HINT_ALONE = (
+    "u contains noise only. For faces laid by hand the real uncertainty can be over",
+    "100 times larger. To include errors of the stand, describe it: --stand FILE",
+)
 BAR_WIDTH = 36
 _COLUMNS = 80
 _UNKNOWN = "unknown"
@@ -115,18 +118,19 @@ def notes(solution: Solution) -> list[str]:
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT] if solution.coverage is None else [_HINT_ALONE, _expanded(solution.coverage)]
+        return [_HINT] if solution.coverage is None else [*_HINT_ALONE, _expanded(solution.coverage, "of the noise ")]
     told = noise_notice(solution)
     lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
     return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
 
 
-def _expanded(coverage: Coverage) -> str:
-    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest."""
+def _expanded(coverage: Coverage, of: str = "") -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest. `of`: what u
+    holds, where that is not all."""
     k, freedom = coverage.factors, coverage.freedom
     least = int(freedom.argmin())
     low, high = f"{k.min():.2f}", f"{k.max():.2f}"
-    line = f"{PROBABILITY * 100:.0f} % within k u: k = {high if low == high else f'{low} to {high}'}"
+    line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
     if math.isinf(freedom[least]):
         return line
     whose = "" if low == high else f"{COEFFICIENTS[least]}: "

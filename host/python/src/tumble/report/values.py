@@ -14,6 +14,7 @@ from tumble.units import noise_unit
 
 Path = tuple[Key, ...]
 _MANY = 1000
+_STUDENT = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
     **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
@@ -44,13 +45,25 @@ def uncertainties(source: Source) -> Uncertainties:
     known = bool(source.array(*table, "u_K"))
     if not known:
         return Uncertainties(table, False, line("Uncertainties are not stated: no stand is declared."))
+    if table:
+        return Uncertainties(table, has_k, _of_noise(source, has_k))
     probability = source.told("coverage", "probability")
     within = "U = k u is the expanded uncertainty: the value lies within U of the true one with a probability of "
-    student = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
-    what = line(within, probability, student)
     standard = Fixed("u are standard uncertainties (k = 1); no coverage factor is stated.")
-    alone = " Of the noise of the samples alone: errors of the stand are NOT in it, for no stand is declared."
-    return Uncertainties(table, has_k, line(what if has_k else standard, alone if table else ""))
+    return Uncertainties(table, has_k, line(within, probability, _STUDENT) if has_k else standard)
+
+
+def _of_noise(source: Source, has_k: bool) -> Inline:
+    """What uncertainties by noise alone say, and what they do not: nothing is claimed of the true value."""
+    probability = source.told("coverage", "probability")
+    moved = line("U = k u: noise by itself moves a value by at most U with a probability of ", probability, _STUDENT)
+    symbol = "U" if has_k else "u"
+    only = (
+        f" {symbol} contains the noise of the samples only: no stand is declared, so that its errors are NOT in"
+        f" {symbol}, and {symbol} does not say how near a value is to the true one. For faces laid by hand the real"
+        " uncertainty can be over 100 times larger."
+    )
+    return line(moved if has_k else "u (k = 1) are standard deviations.", only)
 
 
 def coefficients(source: Source, given: Uncertainties) -> Table:
