@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.api.complaints import complaint, consequence, noise_notice
+from tumble.api.complaints import complaint, consequence, named, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
@@ -275,17 +275,32 @@ def beware(solution: Solution) -> list[str]:
 
 
 def verdict(solution: Solution) -> str:
-    """Pass or fail and why, in one line."""
+    """Pass or fail and why, in one line. Where something explains a failure, it is named, and not the position with the
+    largest error: an error at one position makes others look wrong."""
     worst = solution.worst_position
-    error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
-    rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
+    size = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g"
+    limit = f"limit {solution.limit_g:g} g"
+    rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
+    best = explained_best(solution)
     if "fit" in solution.failures:
-        return f"FAIL: does not fit; gravity error {rest}"
+        return _short(f"FAIL: does not fit{best}; gravity error {size if best else rest}", f", {limit}" if best else "")
     if not solution.passed:
-        return f"FAIL: largest gravity error {rest}"
+        return f"FAIL: gravity error {size}, {limit}{best}" if best else f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
     place = f" at {solution.schedule.positions[worst].label}"
     for known in ("; numpy agrees", f", limit {solution.limit_g:g} g", place):  # as the tables show
         line = line if len(line) <= _COLUMNS else line.removesuffix(known)
     return line
+
+
+def explained_best(solution: Solution) -> str:
+    """What explains the run best, to stand behind a failure; empty where nothing does."""
+    if solution.fit is None or not solution.fit.explanations:
+        return ""
+    return f", explained best by {named(solution.fit.explanations[0])}"
+
+
+def _short(line: str, more: str) -> str:
+    """The line with more, where both fit a terminal."""
+    return line + more if len(line + more) <= _COLUMNS else line
