@@ -16,7 +16,7 @@ from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.coverage import PROBABILITY, Coverage
+from tumble.solving.coverage import NEARLY_INFINITE, PROBABILITY, Coverage
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
@@ -131,7 +131,7 @@ def _expanded(coverage: Coverage, of: str = "") -> str:
     least = int(freedom.argmin())
     low, high = f"{k.min():.2f}", f"{k.max():.2f}"
     line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
-    if math.isinf(freedom[least]):
+    if freedom[least] > NEARLY_INFINITE:
         return line
     whose = "" if low == high else f"{COEFFICIENTS[least]}: "
     return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
