@@ -47,7 +47,7 @@ def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
     """As its text, `solve` and reports say of u without a stand file: what 4 mrad an angle make of it."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     (tmp_path / "hands.toml").write_text(HANDS + 'limits = "sigma1"\n')
-    (words, solving) = ([shlex.split(one)[1:] for one in STEPS[step][0]][0] for step in (1, 2))
+    words, solving = (shlex.split(STEPS[step][0][0])[1:] for step in (1, 2))
     assert tumble(*words, cwd=tmp_path).returncode == 0
     alone, hands = (
         json.loads(tumble(*solving, "--json", *stand, cwd=tmp_path).stdout)
