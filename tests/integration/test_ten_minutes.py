@@ -57,3 +57,14 @@ def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
     across = ratio[~np.eye(3, dtype=bool)]
     assert f"{across.min():.0f} to {across.max():.0f} times larger" in " ".join(PAGE.split())
     assert across.max() > 100
+
+
+def test_rests_at_no_position_are_hatched(tumble, tmp_path):
+    """Told apart in grey too: seven of the recording's rests, in three channels each; six are placed."""
+    pytest.importorskip("matplotlib")
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    words = shlex.split(STEPS[1][0][0])[1:]
+    assert tumble(*words, "--plot", "rests.svg", cwd=tmp_path).returncode == 0
+    drawn = (tmp_path / "rests.svg").read_text(encoding="utf-8")
+    (pattern,) = re.findall(r'<pattern id="(\w+)"', drawn)
+    assert drawn.count(f"url(#{pattern})") == 7 * 3

@@ -27,7 +27,7 @@ def picture(done: Imported, file: str) -> bytes:
     kept = thinned(done.outputs, _MOST_POINTS)
     unit = f" [{done.unit}]" if done.unit_told else ""
     for axis, channel, name in zip(axes, done.outputs.T, ("ux", "uy", "uz")):
-        axis.plot(rows[kept], channel[kept], linewidth=0.6, color="tab:gray")
+        axis.plot(rows[kept], channel[kept], linewidth=0.6, color="black")
         axis.set_ylabel(name + unit)
         for rest, position, state in zip(done.rests, done.matched.positions, done.matched.states):
             if position == NONE and state not in (NOWHERE, OFF, REPEATED):
