@@ -13,6 +13,7 @@ from documents import valid
 from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 from tumble import reference
+from tumble.cli import presentation
 from tumble.files.run_file import Run
 from tumble.solving.solution import solve
 
@@ -60,6 +61,12 @@ def test_the_last_line_names_the_culprit(tumble, tmp_path):
             "FAIL: does not fit, explained best by position of 1.4 x; gravity error "
         )
         assert len(last) <= 80 and " at " not in last
+
+
+def test_the_last_line_fits_a_terminal():
+    longest = "FAIL: does not fit, explained best by seat of mounting 2, theta_h"
+    assert presentation._as_fits(longest, "; gravity error 0.00069 g", ", limit 0.0003 g") == longest
+    assert presentation._as_fits("F", "; 1", ", 2") == "F; 1, 2"
 
 
 def test_a_failure_of_gravity_alone_has_its_place_where_nothing_explains_it(tumble):

@@ -283,9 +283,12 @@ def verdict(solution: Solution) -> str:
     rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
     best = explained_best(solution)
     if "fit" in solution.failures:
-        return _short(f"FAIL: does not fit{best}; gravity error {size if best else rest}", f", {limit}" if best else "")
+        if best:
+            return _as_fits(f"FAIL: does not fit{best}", f"; gravity error {size}", f", {limit}")
+        return f"FAIL: does not fit; gravity error {rest}"
     if not solution.passed:
-        return f"FAIL: gravity error {size}, {limit}{best}" if best else f"FAIL: largest gravity error {rest}"
+        found = _as_fits(f"FAIL: gravity error {size}{best}", f"; {limit}")
+        return found if best else f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
     place = f" at {solution.schedule.positions[worst].label}"
@@ -301,6 +304,10 @@ def explained_best(solution: Solution) -> str:
     return f", explained best by {named(solution.fit.explanations[0])}"
 
 
-def _short(line: str, more: str) -> str:
-    """The line with more, where both fit a terminal."""
-    return line + more if len(line + more) <= _COLUMNS else line
+def _as_fits(line: str, *more: str) -> str:
+    """The line, and as much more in this order as fits a terminal."""
+    for part in more:
+        if len(line + part) > _COLUMNS:
+            break
+        line += part
+    return line
