@@ -75,9 +75,15 @@ def test_scatter_alone_has_the_freedom_of_its_samples(estimator, samples):
     solution = solved(noisy_run(np.random.default_rng(71), samples), None, estimator=estimator)
     assert solution.coverage.freedom == pytest.approx(np.full(12, POSITIONS * (samples - 1.0)), rel=1e-6)
     k = exact_t(POSITIONS * (samples - 1))
-    assert presentation.uncertainty_notes(solution)[-1] == (
-        f"95 % within k u: k = {k:.2f} ({POSITIONS * (samples - 1)} degrees of freedom)"
-    )
+    only, advice, expanded = presentation.uncertainty_notes(solution)
+    assert only == "u contains noise only. For faces laid by hand the real uncertainty can be over"
+    assert advice == "100 times larger. To include errors of the stand, describe it: --stand FILE"
+    assert expanded == f"95 % of the noise within k u: k = {k:.2f} ({POSITIONS * (samples - 1)} degrees of freedom)"
+
+
+def test_freedom_beyond_a_million_is_not_told():
+    few, many = (presentation._expanded(Coverage(np.full(12, freedom))) for freedom in (1e6, 392471701697.0))
+    assert few == "95 % within k u: k = 1.96 (1e+06 degrees of freedom)" and many == "95 % within k u: k = 1.96"
 
 
 def test_further_terms_of_the_model_have_the_same_freedom():

@@ -167,6 +167,16 @@ def test_residuals(name):
         assert dots(axes) == pytest.approx(scale * left[:, channel], abs=scale * 1e-12)
 
 
+def test_a_caption_speaks_of_a_declaration_where_there_is_one():
+    document = {"stand": {"noise_v": 1.0}}
+    assert [("declared" in pictures.caption("stand_seen", one)) for one in (document, {"stand": None}, {})] == [
+        True,
+        False,
+        False,
+    ]
+    assert all(pictures.caption(name, document) == pictures.CAPTIONS[name] for name in ALL)
+
+
 def test_stand_seen():
     result, axes = solved("paper")[1], solved("paper")[3]["stand_seen"].axes
     seen = result.document["stand_seen"]

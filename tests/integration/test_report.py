@@ -48,12 +48,13 @@ def drawn(monkeypatch):
     asked = []
     room = types.ModuleType("tumble.pictures")
 
-    def figures(document, run=None):
+    def figures(document, run=None, name="result"):
         asked.append((document, run))
         return {"gravity_check": 1, **({"samples": 2} if run is not None else {}), "attitude": 3}
 
     room.figures, room.svg = figures, lambda figure: DRAWN.replace("T<", f"T{figure}<")
-    room.CAPTIONS = {"gravity_check": "Errors < of gravity.", "samples": "Samples.", "attitude": "Attitudes."}
+    captions = {"gravity_check": "Errors < of gravity.", "samples": "Samples.", "attitude": "Attitudes."}
+    room.caption = lambda name, document: captions[name]
     monkeypatch.setitem(sys.modules, "tumble.pictures", room)
     monkeypatch.setattr(package, "pictures", room, raising=False)
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
@@ -126,7 +127,7 @@ def row_of(report, name):
 def rounded_as_it_should(said, truth):
     """Half to even, to the unit of the last digit that is printed."""
     if said.text == "\u221e":
-        return truth.at(said.path) is None
+        return truth.at(said.path) is None or truth.at(said.path) > 10**6
     (found, unit), exact = said.number, truth.number(said)
     off = abs(found - exact)
     return off < unit / 2 or (off == unit / 2 and found / unit % 2 == 0)
@@ -169,6 +170,7 @@ def test_every_coefficient_has_its_uncertainty(result):
     names = [name for row in report.rows for name in [text_of(row[0])] if name.rstrip("*") in COEFFICIENTS]
     marked = {name[:-1] for name in names if name.endswith("*")}
     assert marked == {one for listed in document["assumed_for"].values() for one in listed}
+    assert ("What ends in *" in plain(report.text)) == bool(marked)
 
 
 def test_intrinsic_parameters_likewise(drawn):
@@ -193,12 +195,33 @@ def test_the_points_of_numbers_are_beneath_each_other(drawn):
         assert len(cells) == 12 and len(behind) == 1
 
 
+def test_freedom_beyond_a_million_is_infinite(drawn):
+    document = solve().document
+    document["coverage"]["freedom_U0"] = [392471701697.0, 1e6, None]
+    rows = [row_of(report_of(Result(json.dumps(document))), f"U0_{one}") for one in "xyz"]
+    assert [text_of(row[-1]) for row in rows] == ["\u221e", "1000000", "\u221e"]
+
+
 def test_without_a_stand_it_says_so(drawn):
-    assert [text_of(cell) for cell in row_of(report_of(solve(stand=False)), "Angle xy")[2:]] == ["not stated", "rad"]
+    assert len(row_of(report_of(solve(stand=False)), "Angle xy")) == 3  # name, value, unit
     text = plain(report_of(solve(stand=False)).text)
-    assert "errors of the stand are NOT in it, for no stand is declared" in text
+    assert "noise by itself moves a value by at most U with a probability of 0.95" in text
+    assert "U contains the noise of the samples only: no stand is declared, so that its errors are NOT in U" in text
+    assert "For faces laid by hand the real uncertainty can be over 100 times larger" in text
+    assert "of the true one with a probability" not in text
     assert "Fit to the declared standnot judged: no stand is declared" in text.replace("\n", "")
     assert "No stand is declared." in text
+
+
+def test_a_claim_on_the_true_value_takes_a_stand(drawn):
+    document = solve().document
+    text = plain(report_of(solve()).text)
+    assert "the value lies within U of the true one with a probability of 0.95" in text and "noise of" not in text
+    lacks_k = Result(json.dumps({**document, "coverage": None, "u_K": None, "u_U0": None, "covariance": None,
+                                 "scatter_alone": {"u_K": document["u_K"], "u_U0": document["u_U0"]}}))  # fmt: skip
+    text = plain(report_of(lacks_k).text)
+    assert "u (k = 1) are standard deviations. u contains the noise of the samples only" in text
+    assert "the true one with" not in text and "uncertainty can be over 100 times larger" in text
 
 
 VERDICTS = {
@@ -227,6 +250,16 @@ def test_the_verdict(name, tmp_path, drawn):
         assert plain(warning) in text
 
 
+def test_warnings_stand_in_the_box_with_the_verdict(drawn):
+    """A PASS of exchanged columns is none to trust."""
+    odd = "columns ux and uy look exchanged <all>"
+    shown = report_of(Result(json.dumps({**solve().document, "warnings": [odd, "another"]}))).source
+    box = shown[shown.index('<section class="verdict pass">') : shown.index("</section>")]
+    assert "<strong>Warning:</strong> " in box and "exchanged &lt;all&gt;" in box and "another" in box
+    calm = report_of(Result(json.dumps({**solve().document, "warnings": []}))).source
+    assert "Warning:" not in calm[: calm.index("</section>")]
+
+
 def test_what_it_must_have(result):
     """ISO/IEC 17025, 7.8.2 and 7.8.4: said, or said to be not stated."""
     report, document = report_of(result), result.document
@@ -243,6 +276,17 @@ def test_what_it_must_have(result):
     assert report.row("Estimator") == [document["estimator"]]
     known = [one for one in document["assumes"] if report.row(one)]
     assert known == document["assumes"]
+
+
+def test_what_is_not_stated_is_a_sentence_of_each_section(drawn):
+    """And no row of a table."""
+    source = report_of(solve()).source
+    assert "<td><span class=\"missing\">" not in source.split("<h2>Item")[1].split("</section>")[0]
+    first, second = re.findall(r'<p class="unsaid">(.*?)</p>', source, re.DOTALL)
+    names = [re.findall("<span>(.*?)</span>", one) for one in (first, second)]
+    assert {"Condition", "Customer", "Laboratory", "Date of the run"} < set(names[0])
+    assert {"Deviations from the method", "Local gravity, g", "Traceability of the table angle"} < set(names[1])
+    assert all(plain(one).startswith("Not stated: <span>") and one.strip().endswith(".") for one in (first, second))
 
 
 def test_labels_are_said_where_they_belong(tmp_path, drawn):
@@ -302,6 +346,16 @@ def test_pictures_stand_in_their_order(drawn):
     assert "Figure 2. Errors < of gravity." in report.text and "Figure 4. Attitudes." in report.text
     assert drawn[-1] == (result.document, run)
     assert [one for one in report_of(result).ids if one != "number"] == ["mountings", "gravity_check", "attitude"]
+
+
+def test_a_table_is_no_fact_where_no_stand_is_declared(drawn):
+    """Faces may have been laid by hand."""
+    shown = [plain(report_of(solve(stand=stand)).text) for stand in (True, False)]
+    assert ["How the block sat in each mounting with the table at angle zero" in one for one in shown] == [True, False]
+    assert ["A block that was laid by hand had the same faces up, without a table." in one for one in shown] == [
+        False,
+        True,
+    ]
 
 
 def test_the_run_of_another_result_is_refused(drawn):

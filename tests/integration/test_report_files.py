@@ -73,6 +73,13 @@ def test_the_layout_of_the_run_may_be_told(drawn, tmp_path):
     assert drawn[-1][1].unit == "V" and len(drawn[-1][1]) == 900
 
 
+@pytest.mark.parametrize("option", ["--columns=ux=AccX", "--delimiter=;", "--decimal=,", "--unit=V"])
+def test_the_layout_of_no_run_is_refused(option, refused, result, tmp_path):
+    line = refused("report", result, option, "--out", tmp_path / "r.html")
+    name = option.partition("=")[0]
+    assert line == f"tumble: {name} says how the run file is laid out: it needs --run RUN.csv\n"
+
+
 @pytest.mark.parametrize("name", ["report.doc", "report", "report.html.gz", ".pdf"])
 def test_another_ending_is_refused(name, refused, result, tmp_path):
     line = refused("report", result, "--out", tmp_path / name)
@@ -157,6 +164,32 @@ def test_other_numbers_are_refused(number):
         require_number(number)
 
 
+def test_a_script_is_told_of_its_arguments(result, tmp_path):
+    """Not of options, which it does not have."""
+    calls = {
+        r"^number: a int is not a text of 1 to 64 characters on one line$": {"number": 12},
+        r"^file: '.*' does not end in \.html or \.pdf$": {"file": tmp_path / "r.doc"},
+        r"^a int is not the path of a file$": {"template": 7},
+    }
+    for said, arguments in calls.items():
+        with pytest.raises(UsageError, match=said):
+            package.load(result).report(**{"file": tmp_path / "r.html", **arguments})
+    with pytest.raises(UsageError, match=r"^a int is not the path of a file$"):
+        package.load(result).plot(12)
+
+
+def test_a_run_without_a_hash_is_told_by_its_means(tmp_path):
+    """A table has no bytes to hash: with the real pictures, which hold its means against those of the result."""
+    run = package.read(EXAMPLES / "paper_stand.csv")
+    table = {"mounting": run.mounting, "position": run.position, **dict(zip(("ux", "uy", "uz"), run.outputs.T))}
+    found = solve()
+    found.report(tmp_path / "r.html", run=table)
+    assert 'id="samples"' in (tmp_path / "r.html").read_text(encoding="utf-8")
+    with pytest.raises(UsageError, match=r"run: not that of the result, which has another mean at position 1\.1"):
+        found.report(tmp_path / "other.html", run={**table, "ux": table["ux"] + 1e-3})
+    assert not (tmp_path / "other.html").exists()
+
+
 # Templates and logos.
 
 
@@ -171,6 +204,19 @@ def test_a_template_may_extend_the_own_one(result, tmp_path):
     report = Report(package.load(result).reported("html", template=str(template)).decode())
     assert "Ours" in report.text and "refined <b>" in plain(report.text) and "Customer" not in report.text
     assert len([row for row in report.rows if row and row[0] == ["K_xx"]]) == 2
+
+
+@pytest.mark.parametrize("extended", ["report.html.j2", "tumble/report.html.j2"])
+def test_a_template_may_have_the_name_of_the_own_one(extended, result, tmp_path, monkeypatch):
+    """It extends ours, and not itself without end. Rows of errors are its own."""
+    monkeypatch.chdir(tmp_path)
+    text = f'{{% extends "{extended}" %}}\n{{% block title %}}House{{% endblock %}}\n'
+    written(tmp_path, "report.html.j2", text)
+    report = Report(package.load(result).reported("html", template="report.html.j2").decode())
+    assert "House" in report.text and report.text.count("Statement of conformity") == 1
+    written(tmp_path, "report.html.j2", text.replace("House", "{{ 1 / 0 }}"))
+    with pytest.raises(BadInput, match=r"^report\.html\.j2: row 2: not a template of a report: 'ZeroDivisionError"):
+        package.load(result).reported("html", template="report.html.j2")
 
 
 def test_a_template_may_be_one_s_own(result, tmp_path):
@@ -260,6 +306,19 @@ def test_a_document_that_cannot_be_drawn_is_refused(changed, tmp_path, tumble):
     done = tumble("report", "odd.json", "--out", "odd.html", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "") and not (tmp_path / "odd.html").exists()
     assert done.stderr.startswith("tumble: odd.json: ") and done.stderr.count("\n") == 1
+    with pytest.raises(BadInput, match="cannot be drawn: ") as told:
+        package.load(tmp_path / "odd.json").plot()
+    assert done.stderr == f"tumble: {told.value}\n".replace(f"{tmp_path}{os.sep}", "")
+
+
+@pytest.mark.parametrize("key", ["means", "stand_seen", "noise"])
+@pytest.mark.parametrize("odd", ["x", 1e200, [None]])
+def test_pictures_of_a_damaged_document_are_refused_as_its_report_is(key, odd):
+    """Also where the look at numbers meets what is none."""
+    document = {**solve(stand=False).document, key: odd}
+    for ask in (Result.plot, lambda result: result.reported("html")):
+        with pytest.raises(BadInput, match=r"^result: "):
+            ask(Result(json.dumps(document)))
 
 
 @pytest.mark.toolchain

@@ -1,6 +1,7 @@
 """Reports as PDF: A4, number and place on every page, the same bytes for the same result, nothing from elsewhere."""
 
 import io
+import json
 import re
 
 import pytest
@@ -8,6 +9,7 @@ from conftest import EXAMPLES
 from report_reader import Report, plain
 from test_report import drawn, labelled, solve  # noqa: F401 # a fixture
 
+from tumble.api.result import Result
 from tumble.cli.main import main
 from tumble.errors import BadInput
 from tumble.report.number import number_of
@@ -41,6 +43,14 @@ def test_every_page_has_the_number_and_its_place(drawn):
     assert f"End of report {number_of(result.document)}" in texts[-1]
     assert reader.metadata.title == f"Calibration report {number_of(result.document)}"
     assert reader.metadata.creation_date.isoformat() == "2023-11-14T22:13:20+00:00"
+
+
+@pytest.mark.parametrize("lines", range(24, 48, 3))
+def test_the_statement_of_conformity_is_not_parted_from_its_table(lines, drawn):
+    """Wherever on a page it comes to stand."""
+    result = Result(json.dumps({**solve().document, "item": {f"label {i}": "told" for i in range(lines)}}))
+    (page,) = [text for text in pages_of(result.reported("pdf")) if "Statement of conformity" in text]
+    assert "Decision rule: PASS where" in page and "Position Use Samples" in page and "1.1 fit" in page
 
 
 def test_a_number_of_one_s_own_is_on_every_page(drawn):

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from documents import valid
 from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
 from tumble import reference
+from tumble.cli import presentation
 from tumble.files.run_file import Run
 from tumble.solving.solution import solve
 
@@ -41,7 +43,35 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert beware.startswith("Beware: the run does not fit the stand file: ")
     assert " ".join(beware.split()).endswith("The uncertainties above are too small.")
     assert max(map(len, beware.splitlines())) <= 80
-    assert verdict.startswith("FAIL: does not fit; gravity error ") and len(verdict) <= 81
+    assert verdict.startswith("FAIL: does not fit, explained best by noise; gravity error ")
+    assert len(verdict) <= 81
+
+
+def test_the_last_line_names_the_culprit(tumble, tmp_path):
+    """One position is off in one channel, which moves the errors of others too."""
+    header, *rows = (EXAMPLES / "paper_stand.csv").read_text().splitlines()
+    parted = [row.split(",") for row in rows]
+    for row in parted:
+        row[2] = str(float(row[2]) + (2e-3 if row[:2] == ["1", "4"] else 0.0))
+    (tmp_path / "run.csv").write_text("\n".join([header, *map(",".join, parted)]) + "\n")
+    for limit in ("1e-2", "1e-6"):
+        done = tumble("solve", tmp_path / "run.csv", "--stand", EXAMPLES / "paper_stand.toml", "--limit", limit)
+        last = done.stdout.splitlines()[-1]
+        assert done.returncode == 1 and last.startswith(
+            "FAIL: does not fit, explained best by position of 1.4 x; gravity error "
+        )
+        assert len(last) <= 80 and " at " not in last
+
+
+def test_the_last_line_fits_a_terminal():
+    longest = "FAIL: does not fit, explained best by seat of mounting 2, theta_h"
+    assert presentation._as_fits(longest, "; gravity error 0.00069 g", ", limit 0.0003 g") == longest
+    assert presentation._as_fits("F", "; 1", ", 2") == "F; 1, 2"
+
+
+def test_a_failure_of_gravity_alone_has_its_place_where_nothing_explains_it(tumble):
+    done = tumble("solve", "paper_stand.csv", "--stand", "paper_stand.toml", "--limit", "1e-6", cwd=EXAMPLES)
+    assert re.match(r"FAIL: largest gravity error \S+ g at \d\.\d, limit 1e-06 g", done.stdout.splitlines()[-1])
 
 
 @pytest.mark.parametrize("name", ["paper", "angle", "lab"])

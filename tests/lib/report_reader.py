@@ -49,12 +49,13 @@ class Report(HTMLParser):
     links: list = field(default_factory=list)
     tags: list = field(default_factory=list)
     ids: list = field(default_factory=list)
+    unsaid: list = field(default_factory=list)
     text: str = ""
     style: str = ""
 
     def __post_init__(self):
         super().__init__(convert_charrefs=True)
-        self._open, self._said, self._cell, self._row = [], None, None, []
+        self._open, self._said, self._cell, self._row, self._lists = [], None, None, [], False
         self.feed(self.source)
         self.close()
         assert not self._open, self._open
@@ -72,6 +73,7 @@ class Report(HTMLParser):
             self.said.append(self._said)
             if self._cell is not None:
                 self._cell.append(self._said)
+        self._lists = attributes.get("class") == "unsaid" or (self._lists and tag == "span")
         if tag == "tr":
             self._row = []
             (self.heads if "thead" in self._open else self.rows).append(self._row)
@@ -98,13 +100,17 @@ class Report(HTMLParser):
         if "svg" in self._open or "style" in self._open or "title" in self._open:
             return
         self.text += data
+        if self._lists and self._open[-1] == "span":
+            self.unsaid.append(data)
         if self._said is not None:
             self._said.text += f"^{data}" if self._open[-1] == "sup" else data
         elif self._cell is not None:
             self._cell.append(data)
 
     def row(self, name):
-        """The one row whose first cell says this, as texts."""
+        """The one row whose first cell says this, as texts; what is listed as not stated has no row."""
+        if name in self.unsaid:
+            return ["not stated"]
         (found,) = [row for row in self.rows if row and text_of(row[0]).rstrip("*") == name]
         return [text_of(cell) for cell in found[1:]]
 

@@ -73,6 +73,12 @@ def _explained(solution: Solution, explanation: Explanation) -> str:
     return " or ".join([said, *(NAMES.get(other, other) for other in others)])
 
 
+def named(explanation: Explanation) -> str:
+    """Its likeliest pattern without sizes, such as "position of 2.5 x" or "axis tilt"."""
+    name = explanation.patterns[0]
+    return NAMES.get(name, name) + (f" of {explanation.column}" if explanation.column else "")
+
+
 def consequence(solution: Solution) -> str:
     """What a run that does not fit means for its uncertainties: more noise, where samples show it, is in them."""
     causes = () if solution.fit is None else [one.patterns[0] for one in solution.fit.explanations]

@@ -228,13 +228,15 @@ class Result:
         """
         from tumble import pictures
 
-        if file is not None:
-            pictures.require_format(os.fspath(file), "file")
-            kind = "gravity_check" if kind is None else kind
-        recorded = None if run is None else recording_of(run)
-        drawn = pictures.figures(self.document, recorded, schedule, stand=stand, kind=kind)
-        if file is not None and kind is not None:
-            write_bytes(os.fspath(file), pictures.written(drawn[kind], os.fspath(file)))
+        with told_in_python():
+            path = None if file is None else path_of(file)
+            if path is not None:
+                pictures.require_format(path, "file")
+                kind = "gravity_check" if kind is None else kind
+            recorded = None if run is None else recording_of(run)
+            drawn = pictures.figures(self.document, recorded, schedule, stand=stand, kind=kind, name=self._name)
+            if path is not None and kind is not None:
+                write_bytes(path, pictures.written(drawn[kind], path))
         return drawn
 
     def to_json(self) -> str:
@@ -264,9 +266,10 @@ class Result:
         """
         from tumble.report.make import kind_of
 
-        name = os.fspath(file)
-        its_template, its_logo = (None if one is None else os.fspath(one) for one in (template, logo))
-        write_bytes(name, self.reported(kind_of(name), run, its_template, its_logo, number))
+        with told_in_python():
+            name = path_of(file)
+            its_template, its_logo = (None if one is None else path_of(one) for one in (template, logo))
+            write_bytes(name, self.reported(kind_of(name, "file"), run, its_template, its_logo, number))
 
     def reported(
         self,
@@ -280,7 +283,8 @@ class Result:
         from tumble.report.make import made
 
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
-        if recording is not None and self._checked["run_sha256"] not in (None, recording.sha256 or None):
+        hashes = {self._checked["run_sha256"], None if recording is None else recording.sha256} - {None}
+        if recording is not None and len(hashes) > 1:  # what has no hash is told by its means, when it is drawn
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
         return made(self.document, self._name, kind, run=recording, template=template, logo=logo, number=number)
 

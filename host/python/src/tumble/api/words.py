@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 from tumble.errors import BadInput, TumbleError
 
-_NAMES = "columns|decimal|delimiter|estimator|model|schedule|stand|unit"
+_NAMES = "columns|decimal|delimiter|estimator|logo|model|number|run|schedule|stand|template|unit"
 _COLUMNS = re.compile(r"--columns (\w+=[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
 _WITH_VALUES = (
     (re.compile(r"--(estimator|model) (\w+(?:,\w+)*)"), r'\1="\2"'),

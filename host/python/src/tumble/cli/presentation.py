@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tumble.api.complaints import complaint, consequence, noise_notice
+from tumble.api.complaints import complaint, consequence, named, noise_notice
 from tumble.arrays import Floats
 from tumble.cli import propagated
 from tumble.estimators import COEFFICIENTS, HARMONIC
@@ -16,7 +16,7 @@ from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.coverage import PROBABILITY, Coverage
+from tumble.solving.coverage import NEARLY_INFINITE, PROBABILITY, Coverage
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
@@ -28,7 +28,10 @@ _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_ALONE = ("", "value", "unit", "u, scatter alone", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 _HINT = "For uncertainties, describe the stand: --stand FILE"
-_HINT_ALONE = "u from scatter alone, without errors of the stand; for these: --stand FILE"
+_HINT_ALONE = (
+    "u contains noise only. For faces laid by hand the real uncertainty can be over",
+    "100 times larger. To include errors of the stand, describe it: --stand FILE",
+)
 BAR_WIDTH = 36
 _COLUMNS = 80
 _UNKNOWN = "unknown"
@@ -115,19 +118,20 @@ def notes(solution: Solution) -> list[str]:
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT] if solution.coverage is None else [_HINT_ALONE, _expanded(solution.coverage)]
+        return [_HINT] if solution.coverage is None else [*_HINT_ALONE, _expanded(solution.coverage, "of the noise ")]
     told = noise_notice(solution)
     lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
     return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
 
 
-def _expanded(coverage: Coverage) -> str:
-    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest."""
+def _expanded(coverage: Coverage, of: str = "") -> str:
+    """By what factor u is to be multiplied, and where they differ, of which coefficient it is largest. `of`: what u
+    holds, where that is not all."""
     k, freedom = coverage.factors, coverage.freedom
     least = int(freedom.argmin())
     low, high = f"{k.min():.2f}", f"{k.max():.2f}"
-    line = f"{PROBABILITY * 100:.0f} % within k u: k = {high if low == high else f'{low} to {high}'}"
-    if math.isinf(freedom[least]):
+    line = f"{PROBABILITY * 100:.0f} % {of}within k u: k = {high if low == high else f'{low} to {high}'}"
+    if freedom[least] > NEARLY_INFINITE:
         return line
     whose = "" if low == high else f"{COEFFICIENTS[least]}: "
     return f"{line} ({whose}{freedom[least]:.3g} degrees of freedom)"
@@ -271,17 +275,39 @@ def beware(solution: Solution) -> list[str]:
 
 
 def verdict(solution: Solution) -> str:
-    """Pass or fail and why, in one line if it fits."""
+    """Pass or fail and why, in one line if it fits. Where something explains a failure, it is named, and not the
+    position with the largest error: an error at one position makes others look wrong."""
     worst = solution.worst_position
-    error = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g at {solution.schedule.positions[worst].label}"
-    rest = f"{error}, limit {solution.limit_g:g} g; numpy agrees"
+    size = f"{abs(solution.found.gravity.delta_g[worst]):.2g} g"
+    limit = f"limit {solution.limit_g:g} g"
+    rest = f"{size} at {solution.schedule.positions[worst].label}, {limit}; numpy agrees"
+    best = explained_best(solution)
     if "fit" in solution.failures:
+        if best:
+            return _as_fits(f"FAIL: does not fit{best}", f"; gravity error {size}", f", {limit}")
         return f"FAIL: does not fit; gravity error {rest}"
     if not solution.passed:
-        return f"FAIL: largest gravity error {rest}"
+        found = _as_fits(f"FAIL: gravity error {size}{best}", f"; {limit}")
+        return found if best else f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
     place = f" at {solution.schedule.positions[worst].label}"
     for known in ("; numpy agrees", f", limit {solution.limit_g:g} g", place):  # as the tables show
         line = line if len(line) <= _COLUMNS else line.removesuffix(known)
     return textwrap.fill(line, _COLUMNS)
+
+
+def explained_best(solution: Solution) -> str:
+    """What explains the run best, to stand behind a failure; empty where nothing does."""
+    if solution.fit is None or not solution.fit.explanations:
+        return ""
+    return f", explained best by {named(solution.fit.explanations[0])}"
+
+
+def _as_fits(line: str, *more: str) -> str:
+    """The line, and as much more in this order as fits a terminal."""
+    for part in more:
+        if len(line + part) > _COLUMNS:
+            break
+        line += part
+    return line

@@ -1,4 +1,5 @@
-"""A recording as a picture: the outputs over time, rests in colour, with the number of the position of each."""
+"""A recording as a picture: the outputs over time, rests in colour (hatched: at no position), with the number of the
+position of each."""
 
 from __future__ import annotations
 
@@ -12,7 +13,8 @@ from tumble.importing.pipeline import Imported
 from tumble.pictures.canvas import thinned, written
 
 _MOST_POINTS = 20000
-_PLACED, _NOT_PLACED = "tab:green", "tab:orange"
+_PLACED: dict[str, Any] = {"facecolor": "#8FD0B8"}
+_NOT_PLACED: dict[str, Any] = {"facecolor": "#FFF1D6", "edgecolor": "#B07000", "hatch": "///"}  # told apart in grey too
 
 
 def picture(done: Imported, file: str) -> bytes:
@@ -25,13 +27,13 @@ def picture(done: Imported, file: str) -> bytes:
     kept = thinned(done.outputs, _MOST_POINTS)
     unit = f" [{done.unit}]" if done.unit_told else ""
     for axis, channel, name in zip(axes, done.outputs.T, ("ux", "uy", "uz")):
-        axis.plot(rows[kept], channel[kept], linewidth=0.6, color="tab:gray")
+        axis.plot(rows[kept], channel[kept], linewidth=0.6, color="black")
         axis.set_ylabel(name + unit)
         for rest, position, state in zip(done.rests, done.matched.positions, done.matched.states):
             if position == NONE and state not in (NOWHERE, OFF, REPEATED):
                 continue
-            colour = _NOT_PLACED if position == NONE else _PLACED
-            axis.axvspan(rows[rest.begin], rows[rest.end - 1], color=colour, alpha=0.35, linewidth=0)
+            look = _NOT_PLACED if position == NONE else _PLACED
+            axis.axvspan(rows[rest.begin], rows[rest.end - 1], linewidth=0, **look)
     for number, (rest, position) in enumerate(zip(done.rests, done.matched.positions), 1):
         label = f"({number})" if position == NONE else done.schedule.positions[position].label
         middle = (rows[rest.begin] + rows[rest.end - 1]) / 2

@@ -2,7 +2,7 @@
 
 figures     all that a result has what it takes for, by name; kinds: these names
 svg         a figure to stand in a page of HTML
-CAPTIONS    a sentence or two for each
+CAPTIONS    a sentence or two for each; caption: for that of a document
 comparison  two calibrations of one block
 
 They are as wide as the text of a page of A4, and may be read without colours. matplotlib is loaded when it is used.
@@ -16,6 +16,6 @@ by_position   gravity check and residuals; samples: of the run; shares: the budg
 
 from tumble.pictures.canvas import require, require_format, written
 from tumble.pictures.comparison import comparison
-from tumble.pictures.gallery import CAPTIONS, figures, kinds, svg
+from tumble.pictures.gallery import CAPTIONS, caption, figures, kinds, svg
 
-__all__ = ["CAPTIONS", "comparison", "figures", "kinds", "require", "require_format", "svg", "written"]
+__all__ = ["CAPTIONS", "caption", "comparison", "figures", "kinds", "require", "require_format", "svg", "written"]

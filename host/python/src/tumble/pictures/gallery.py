@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tumble.errors import UsageError, quoted
+from tumble.core import CoreSchedule
+from tumble.errors import BadInput, TumbleError, UsageError, quoted
 from tumble.files.schedule_file import schedule_of
-from tumble.files.stand_file import stand_file_of
+from tumble.files.stand_file import StandFile, stand_file_of
 from tumble.pictures import by_position, canvas, matrix, samples, shares, sphere, stand_seen
 from tumble.pictures.facts import Facts, Recorded
 from tumble.schedule import Schedule
@@ -18,6 +19,7 @@ from tumble.stand import Stand
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_SEEN = "The errors of the stand as the run itself shows them, with their expanded uncertainties"
 CAPTIONS = {
     "gravity_check": "The length of gravity that the calibrated block shows at each position, less 1 g. It must stay"
     " within the limit; at check positions, which were not fitted, this says most.",
@@ -27,8 +29,7 @@ CAPTIONS = {
     " above it.",
     "budget": "Where the uncertainty of each coefficient comes from: the shares of the stand's sources of error in its"
     " variance.",
-    "stand_seen": "The errors of the stand as the run itself shows them, with their expanded uncertainties, beside what"
-    " is declared of the stand.",
+    "stand_seen": f"{_SEEN}, beside what is declared of the stand.",
     "correlation": "How the errors of the twelve coefficients go together: +1 is as one, -1 is against each other, 0 is"
     " not at all.",
     "attitude": "The standard uncertainty of the length of the specific force that the calibrated block shows, over all"
@@ -44,6 +45,7 @@ _TITLES = {
     "attitude": "Uncertainty of the length of the specific force by attitude",
 }
 _RESULT = "result"
+_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
 _A_STAND = "a result that was solved with a stand"
 _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]] = {
     "gravity_check": (by_position.gravity_check, lambda facts: True, ""),
@@ -76,20 +78,31 @@ def figures(
     *,
     stand: Any = None,
     kind: str | None = None,
+    name: str = "result",
 ) -> dict[str, Figure]:
     """The pictures of a result, by name, as far as there is what each of them needs.
 
     `document`: of schema tumble.result/1. `run`: what was solved, as `tumble.read` returns it. `schedule`, by name,
     path or object, and `stand`, path or object: those that the document does not carry, as earlier versions wrote it; a
-    built-in schedule is found by itself. `kind`: this one alone.
+    built-in schedule is found by itself. `kind`: this one alone. `name`: what errors call the document.
 
     Raises UsageError for a `kind` that is none, or that lacks something, and for a run, a schedule or a stand that is
-    not the result's; BadInput for files that cannot be read; NotInstalled where matplotlib is not there.
+    not the result's; BadInput for files that cannot be read, and for a document that cannot be drawn; NotInstalled
+    where matplotlib is not there.
     """
     if kind is not None and kind not in _NEEDS:
         raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
     canvas.require("a picture")
-    facts = _facts(document, run, schedule, stand)
+    given = None if schedule is None else schedule_of(schedule), None if stand is None else stand_file_of(stand)
+    try:
+        return _drawn(_facts(document, run, *given), kind)
+    except TumbleError:
+        raise
+    except _MALFORMED as error:  # a document that something else wrote
+        raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", name) from None
+
+
+def _drawn(facts: Facts, kind: str | None) -> dict[str, Figure]:
     if kind is not None and not _NEEDS[kind][1](facts):
         raise UsageError(f"kind: {kind} needs {_NEEDS[kind][2]}")
     drawn = {}
@@ -100,19 +113,25 @@ def figures(
     return drawn
 
 
+def caption(name: str, document: dict[str, Any]) -> str:
+    """A sentence or two for a picture of this document: of what is declared only where anything is."""
+    return CAPTIONS[name] if document.get("stand") or name != "stand_seen" else f"{_SEEN}."
+
+
 def svg(figure: Figure) -> str:
     """A figure of `figures` as an <svg> element to stand in a page of HTML, with a <title>: no prolog, every name in it
     its own, so that several stand in one page. The same text every time."""
     return canvas.svg(figure, _TITLES.get(str(figure.get_label()), "Figure"))
 
 
-def _facts(document: dict[str, Any], run: Recorded | None, schedule: Any, stand: Any) -> Facts:
+def _facts(
+    document: dict[str, Any], run: Recorded | None, schedule: CoreSchedule | None, given: StandFile | None
+) -> Facts:
     if run is not None:
         samples.require_same_run(document, run)
-    planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule_of(schedule)
+    planned = declared.schedule_of(document, _RESULT) if schedule is None else schedule
     on = measured_schedule(document, None if planned is None else planned.data)
-    if stand is not None:
-        given = stand_file_of(stand)
+    if given is not None:
         found = None if on is None else expected(document, on, given.stand, given.step_v)
         return Facts(document, run, on, given.stand, found)
     known = declared.stand_of(document, _RESULT)

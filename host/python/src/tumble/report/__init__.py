@@ -8,5 +8,5 @@
     number       a report's own number
     pages        the template (report.html.j2, report.css) filled in, and turned into PDF
 
-The document is the truth: a report computes nothing but k times u, and rounds.
+The JSON result is authoritative: a report computes nothing but k times u, and rounds.
 """

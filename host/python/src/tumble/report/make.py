@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from tumble.errors import BadInput, NotInstalled, TumbleError, UsageError, quoted
+from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.report import conformity, identity, method, pages, values
 from tumble.report.cells import Fixed, line
 from tumble.report.number import number_of, require_number
@@ -14,15 +14,19 @@ from tumble.solving.declared import schedule_of
 
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6
-_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
+_ON_A_TABLE = "How the block sat in each mounting with the table at angle zero, seen from the front."
+_PERHAPS_BY_HAND = (
+    "The mountings of the schedule on a rotary table at angle zero, seen from the front. A block that was laid by hand"
+    " had the same faces up, without a table."
+)
 _KINDS = {".html": HTML, ".htm": HTML, ".pdf": PDF}
 
 
-def kind_of(file: str) -> str:
-    """HTML or PDF, by the end of its name. Raises UsageError."""
+def kind_of(file: str, option: str = "--out") -> str:
+    """HTML or PDF, by the end of its name; `option`: what the user calls it. Raises UsageError."""
     found = _KINDS.get(os.path.splitext(file)[1].lower())
     if found is None:
-        raise UsageError(f"--out: {quoted(file)} does not end in .html or .pdf")
+        raise UsageError(f"{option}: {quoted(file)} does not end in .html or .pdf")
     return found
 
 
@@ -64,18 +68,11 @@ def pictures(source: Source, run: Any) -> list[dict[str, Any]]:
     """Of a document and perhaps its run: `name`, `svg` and `caption` of each. Raises BadInput, UsageError."""
     from markupsafe import Markup
 
-    from tumble.pictures import CAPTIONS, figures, svg
+    from tumble.pictures import caption, figures, svg
 
-    try:
-        drawn = figures(source.document, run)
-    except TumbleError:
-        raise
-    except _MALFORMED as error:  # a document that something else wrote
-        raise BadInput(f"cannot be drawn: {quoted(repr(error), 60)}", source.name) from None
-    told = [(name, svg(one), CAPTIONS[name]) for name, one in drawn.items()]
-    return [
-        {"name": name, "svg": Markup(one), "caption": caption} for name, one, caption in [*_mountings(source), *told]
-    ]
+    drawn = figures(source.document, run, name=source.name)
+    told = [(name, svg(one), caption(name, source.document)) for name, one in drawn.items()]
+    return [{"name": name, "svg": Markup(one), "caption": words} for name, one, words in [*_mountings(source), *told]]
 
 
 def _mountings(source: Source) -> list[tuple[str, str, str]]:
@@ -85,8 +82,8 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     schedule = schedule_of(source.document, source.name)
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
-    seen = "How the block sat in each mounting with the table at angle zero, seen from the front."
-    return [("mountings", mountings(schedule.data), seen)]
+    words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
+    return [("mountings", mountings(schedule.data), words)]
 
 
 def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
@@ -120,6 +117,7 @@ def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
         "seen": method.seen(source),
         "uncertainties": given.about,
         "coefficients": values.coefficients(source, given),
+        "starred": values.starred(source),
         "further": values.further(source),
         "intrinsic": values.intrinsic(source, given),
         "worst_norm": values.worst_norm(source),

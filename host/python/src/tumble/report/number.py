@@ -15,15 +15,16 @@ _UNDATED = "undated"
 
 def number_of(document: dict[str, Any]) -> str:
     """Such as T-20261123-9f3a1c77b2d4: the date of the result, the beginning of the SHA-256 of its content, whatever
-    blanks its file has. The same result has the same number, and no other has it."""
+    blanks its file has. The same result has the same number, and practically no other has it."""
     content = json.dumps(document, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     created = document.get("created")
     date = created[:10].replace("-", "") if isinstance(created, str) else _UNDATED
     return f"T-{date}-{hashlib.sha256(content.encode('ascii')).hexdigest()[:_DIGITS]}"
 
 
-def require_number(text: str) -> str:
+def require_number(text: object) -> str:
     """A number of the user's own. Raises UsageError."""
-    if not 1 <= len(text.strip()) <= LONGEST or not text.isprintable():
-        raise UsageError(f"--number: {quoted(text)} is not a text of 1 to {LONGEST} characters on one line")
+    if not isinstance(text, str) or not 1 <= len(text.strip()) <= LONGEST or not text.isprintable():
+        said = quoted(text) if isinstance(text, str) else f"a {type(text).__name__}"
+        raise UsageError(f"--number: {said} is not a text of 1 to {LONGEST} characters on one line")
     return text.strip()

@@ -13,10 +13,13 @@ from typing import Any
 
 from tumble.errors import BadInput, NotInstalled, quoted
 from tumble.files.disk import read_bytes
+from tumble.report.cells import MISSING
 
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"
 STYLE = "report.css"
+_OWN = "tumble"  # folder of the templates of this room
+_GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
 EXTRA = "report"
 _LARGEST_LOGO = 2_000_000
 _PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -29,26 +32,28 @@ def own(name: str) -> str:
 
 
 def html(context: dict[str, Any], template: str | None) -> str:
-    """`template`: a file of the user's own, which may extend report.html.j2; None: that one. Raises BadInput for one
-    that cannot be used."""
+    """`template`: a file of the user's own, which may extend report.html.j2, also called tumble/report.html.j2;
+    None: that one. Raises BadInput for one that cannot be used."""
     from jinja2 import FunctionLoader, StrictUndefined, TemplateSyntaxError
     from jinja2.sandbox import SandboxedEnvironment
 
-    texts = {name: own(name) for name in (TEMPLATE, TABLES)}
+    texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES)}
+    texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES)}
     if template is not None:
-        texts[template] = _text(template)
+        texts[_GIVEN] = (_text(template), template, None)
     environment = SandboxedEnvironment(
-        loader=FunctionLoader(lambda name: (texts[name], name, None) if name in texts else None),
+        loader=FunctionLoader(texts.get),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.tests["missing"] = lambda said: said is MISSING
     if template is None:
         return environment.get_template(TEMPLATE).render(context)
     try:
-        return environment.get_template(template).render(context)
+        return environment.get_template(_GIVEN).render(context)
     except TemplateSyntaxError as error:
         raise BadInput(f"not a template: {quoted(error.message, 80)}", template, error.lineno) from None
     except Exception as error:  # whatever it computes

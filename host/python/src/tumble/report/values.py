@@ -9,11 +9,13 @@ from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, align
 from tumble.report.method import unit_of_k
 from tumble.report.rounding import Shown
 from tumble.report.source import Key, Source, pointer
+from tumble.solving.coverage import NEARLY_INFINITE
 from tumble.terms import KEYS
 from tumble.units import noise_unit
 
 Path = tuple[Key, ...]
 _MANY = 1000
+_STUDENT = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
 _TERMS = {"k2": ("K2", "g\u207b¹"), "k3": ("K3", "g\u207b²"), "drift": ("drift", "")}
 _INTRINSIC: dict[str, tuple[tuple[Key, ...], str]] = {  # name: path within its tables, unit; "": that of K
     **{f"Scale {axis}": (("scale", i), "") for i, axis in enumerate("xyz")},
@@ -44,19 +46,31 @@ def uncertainties(source: Source) -> Uncertainties:
     known = bool(source.array(*table, "u_K"))
     if not known:
         return Uncertainties(table, False, line("Uncertainties are not stated: no stand is declared."))
+    if table:
+        return Uncertainties(table, has_k, _of_noise(source, has_k))
     probability = source.told("coverage", "probability")
     within = "U = k u is the expanded uncertainty: the value lies within U of the true one with a probability of "
-    student = f". k is Student's t for {NU} effective degrees of freedom (Welch and Satterthwaite)."
-    what = line(within, probability, student)
     standard = Fixed("u are standard uncertainties (k = 1); no coverage factor is stated.")
-    alone = " Of the noise of the samples alone: errors of the stand are NOT in it, for no stand is declared."
-    return Uncertainties(table, has_k, line(what if has_k else standard, alone if table else ""))
+    return Uncertainties(table, has_k, line(within, probability, _STUDENT) if has_k else standard)
+
+
+def _of_noise(source: Source, has_k: bool) -> Inline:
+    """What uncertainties by noise alone say, and what they do not: nothing is claimed of the true value."""
+    probability = source.told("coverage", "probability")
+    moved = line("U = k u: noise by itself moves a value by at most U with a probability of ", probability, _STUDENT)
+    symbol = "U" if has_k else "u"
+    only = (
+        f" {symbol} contains the noise of the samples only: no stand is declared, so that its errors are NOT in"
+        f" {symbol}, and {symbol} does not say how near a value is to the true one. For faces laid by hand the real"
+        " uncertainty can be over 100 times larger."
+    )
+    return line(moved if has_k else "u (k = 1) are standard deviations.", only)
 
 
 def coefficients(source: Source, given: Uncertainties) -> Table:
     """K row by row, and U0. A name that ends in * rests on an assumption that touches only some."""
     rows = []
-    marked = {name for names in source.table("assumed_for").values() for name in names}
+    marked = starred(source)
     for place, name in enumerate(COEFFICIENTS):
         where: Path = ("K", *divmod(place, 3)) if place < 9 else ("U0", place - 9)
         unit = unit_of_k(source) if place < 9 else source.told("unit")
@@ -64,6 +78,11 @@ def coefficients(source: Source, given: Uncertainties) -> Table:
         freedom = ("coverage", f"freedom_{where[0]}", *where[1:])
         rows.append(_row(source, name + "*" * (name in marked), where, u, k, freedom, unit, given))
     return _table(rows, given)
+
+
+def starred(source: Source) -> set[str]:
+    """Names of the coefficients that rest on an assumption that touches only some."""
+    return {str(name) for names in source.table("assumed_for").values() for name in names}
 
 
 def intrinsic(source: Source, given: Uncertainties) -> Table:
@@ -74,6 +93,9 @@ def intrinsic(source: Source, given: Uncertainties) -> Table:
         paths = ("intrinsic", *where), ("u_intrinsic", *where), ("coverage", "k_intrinsic", *where)
         its_unit = Fixed(unit) if unit else unit_of_k(source)
         rows.append(_row(source, name, *paths, ("coverage", "freedom_intrinsic", *where), its_unit, given))
+    if all(row[2] is MISSING for row in rows):  # nothing is stated of any
+        short = [(row[0], row[1], row[3]) for row in rows]
+        return Table(("", "Value, without uncertainty", "Unit"), aligned(short, 1), left=(2,))
     return _table(rows, given)
 
 
@@ -106,10 +128,12 @@ def _row(
 
 
 def _freedom(source: Source, path: Path) -> Inline:
-    """Degrees of freedom, whole ones where they are many; null is infinitely many."""
-    if source.at(*path) is None and source.at(*path[:2]) is not None:
-        return Number(Shown("\u221e"), pointer(path))
+    """Degrees of freedom, whole ones where they are many; null is infinitely many, and so is what differs from it in
+    no digit that is printed."""
     found = source.decimal(*path)
+    is_infinite = found is None and source.at(*path[:2]) is not None
+    if is_infinite or (found is not None and found > NEARLY_INFINITE):
+        return Number(Shown("\u221e"), pointer(path))
     return source.rounded(3, *path) if found is None or found < _MANY else source.to_places(0, *path)
 
 

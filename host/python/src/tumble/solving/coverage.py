@@ -24,6 +24,7 @@ from tumble.solving.noise import Noise
 from tumble.stand import Stand
 
 PROBABILITY = 0.95
+NEARLY_INFINITE = 1e6  # degrees of freedom, for people: k is that of infinitely many to 2e-6
 
 
 @dataclass(frozen=True)

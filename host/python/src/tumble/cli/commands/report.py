@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from tumble.cli import layout_options
 from tumble.cli.options import Subparsers
-from tumble.errors import EXIT_PASS
+from tumble.errors import EXIT_PASS, UsageError
 
 
 def add_to(subparsers: Subparsers) -> None:
@@ -43,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.disk import refuse_overwriting, write_bytes
     from tumble.files.run_layout import COLUMNS
 
+    _require_run_for_its_layout(arguments)
     wishes = layout_options.wishes(arguments, COLUMNS)
     refuse_overwriting(arguments.out, arguments.result, arguments.run, arguments.template, arguments.logo)
     result = load(arguments.result)
@@ -56,3 +57,10 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         write_bytes(arguments.out, text)
     return EXIT_PASS
+
+
+def _require_run_for_its_layout(arguments: argparse.Namespace) -> None:
+    """Raises UsageError for an option that says how a run file is laid out where there is none."""
+    for name in ("columns", "delimiter", "decimal", "unit"):
+        if arguments.run is None and getattr(arguments, name) is not None:
+            raise UsageError(f"--{name} says how the run file is laid out: it needs --run RUN.csv")
