@@ -1,5 +1,6 @@
 """`tumble compare`: what it warns of, what it refuses, what scripts call, and its picture."""
 
+import dataclasses
 import json
 import re
 import shlex
@@ -196,11 +197,59 @@ def test_the_stand_that_both_declare_is_taken(told):
     assert "nothing that this stand declares returns" in package.compare(*told).document["notes"][0]
 
 
-def test_two_stands_that_are_declared_otherwise_are_two(told):
-    document = json.loads(told[1].read_text())
-    document["stand"]["noise_v"] = 2e-4
-    told[1].write_text(json.dumps(document))
-    assert package.compare(*told, levelled="once").document["shared"]["sources"] is None
+PAPER = read_stand(str(STAND)).stand
+ERRORS = {f.name: getattr(PAPER, f.name) for f in dataclasses.fields(PAPER) if f.type == "float"}
+ONE = {
+    "more samples in a mean": {"samples": 200},
+    "another block's noise": {"noise": 2e-4},
+    "a drift": {"drift": 1e-5},
+    "a better clamp": {"remount": 2e-4, "seat": 1e-5},
+    "a yaw that all mountings share": {"remounting": "common"},
+    "three standard deviations": {"limits": "sigma3", **{name: 3.0 * size for name, size in ERRORS.items()}},
+}
+TWO = {
+    "another name": {"name": "the stand upstairs"},
+    "no name": {"name": ""},
+    "another axis": {"axis_tilt": 3e-5},
+    "another level": {"level": 3e-5},
+    "a table that is set otherwise": {"angle": 3e-5},
+    "a platform": {"platform": 1e-5},
+    "an encoder": {"encoder": 1e-5},
+    "the same numbers, meant otherwise": {"limits": "sigma3"},
+}
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory):
+    """A run of means, solved with the paper's stand but for these fields."""
+    schedule = reference.paper_schedule()
+    outputs = reference.Geometry(schedule).outputs(NOMINAL_K, U0)
+    run = write_run(tmp_path_factory.mktemp("means") / "means.csv", schedule, outputs)
+    return lambda **fields: package.solve(run, stand=dataclasses.replace(PAPER, **fields))
+
+
+@pytest.mark.parametrize("otherwise", ONE)
+def test_what_is_the_runs_own_makes_no_second_stand(otherwise, solved):
+    found = package.compare(solved(), solved(**ONE[otherwise]), levelled="once").document
+    assert found["shared"] == {"stand": PAPER.name, "levelled": "once", "sources": ["alpha1", "alpha2"]}
+    by_file = package.compare(solved(), solved(**ONE[otherwise]), stand=STAND, levelled="once").document
+    assert by_file["shared"]["sources"] == ["alpha1", "alpha2"]
+    u = np.array([[row["u"] for row in one["coefficients"]] for one in (found, by_file)])
+    assert u[0] == pytest.approx(u[1], rel=1e-9)
+
+
+def test_a_stand_that_is_written_otherwise_gives_the_same_uncertainties(solved):
+    same, written = (
+        package.compare(solved(), solved(**fields), levelled="once").document["coefficients"]
+        for fields in ({}, ONE["three standard deviations"])
+    )
+    assert [row["u"] for row in written] == pytest.approx([row["u"] for row in same], rel=1e-9)
+
+
+@pytest.mark.parametrize("otherwise", TWO)
+def test_two_stands_that_are_declared_otherwise_are_two(otherwise, solved):
+    found = package.compare(solved(), solved(**TWO[otherwise]), levelled="once").document
+    assert found["shared"] == {"stand": None, "levelled": None, "sources": None}
 
 
 def test_scripts_get_what_the_command_prints(told, capsys):

@@ -74,6 +74,9 @@ class Side:
         """What returns with every run on the stand, and what is its own; None where it is not its stand."""
         if self.calibration.covariance is None:
             return None
+        own = stand_of(self.document, self.name)
+        if own is not None and shared.is_one(own, one_stand.stand):
+            one_stand = replace(one_stand, stand=own)
         return shared.told_apart(shared.Told(self.name, self.document, self.calibration, self.terms), one_stand)
 
 
@@ -119,9 +122,9 @@ def compare(
 
 
 def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
-    """The stand that both results declare, by the same name and with the same numbers; None where they do not."""
-    stand = stand_of(a.document, a.name)
-    if stand is None or not stand.name or stand != stand_of(b.document, b.name):
+    """The stand that both results declare, by the same name and as exact; None where they do not."""
+    stand, other = stand_of(a.document, a.name), stand_of(b.document, b.name)
+    if stand is None or other is None or not stand.name or stand.name != other.name or not shared.is_one(stand, other):
         return None
     return OneStand(stand.name, stand, None, (), levelled)
 
