@@ -308,6 +308,22 @@ def test_the_picture_shows_every_difference_where_it_is():
     assert not [line for line in comparison(unknown).axes[0].lines if line.get_gid() == "U0_x"]
 
 
+def test_the_picture_is_drawn_as_all_are_whatever_the_user_has_set():
+    matplotlib = pytest.importorskip("matplotlib")
+    from tumble import pictures
+
+    document = package.compare(*(package.Result(json.dumps(result(NOMINAL_K, U0, JOINT))),) * 2).document
+    figure = pictures.comparison(document)
+    expected = pictures.svg(figure)
+    with matplotlib.rc_context({"font.size": 30.0, "axes.facecolor": "black", "lines.markersize": 20.0}):
+        before = dict(matplotlib.rcParams)
+        assert pictures.svg(pictures.comparison(document)) == expected
+        assert dict(matplotlib.rcParams) == before
+    assert figure.get_size_inches()[0] * 25.4 == pytest.approx(170.0)
+    texts = [text for text in figure.findobj(matplotlib.text.Text) if text.get_text() and text.get_visible()]
+    assert len(texts) > 24 and min(text.get_fontsize() for text in texts) >= 8.0
+
+
 def test_without_matplotlib_a_picture_is_skipped(files, tumble, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
