@@ -48,10 +48,6 @@ WARNINGS = {
         {"temperature": {"min_c": 20.0, "max_c": 21.0, "source": "run_file"}},
         {"temperature": {"min_c": 23.5, "max_c": 23.5, "source": "environment"}},
     ),
-    "b.json: the gravity check FAILED: largest error 0.001 g, limit 0.0003 g": (
-        {},
-        {"verification": {"pass": False, "max_abs_delta_g_g": 1e-3, "limit_g": 3e-4}, "pass": False},
-    ),
     "both are of one run: its noise is in both, but is counted as independent": (
         {"run_sha256": "0" * 64},
         {"run_sha256": "0" * 64},
@@ -74,6 +70,65 @@ def test_it_warns_and_says_so_in_the_document(said, files, tumble, tmp_path):
     done = tumble("compare", *files(*WARNINGS[said]), "--json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, f"tumble: warning: {said}\n")
     assert valid(done.stdout, "comparison")["warnings"] == [said]
+
+
+FAILED = {"verification": {"pass": False, "max_abs_delta_g_g": 1e-3, "limit_g": 3e-4}, "pass": False}
+SCALED = {"K": (NOMINAL_K * (1 + 2e-4 * np.eye(3)[1])[:, None]).tolist()}
+TURNED = {"K": (NOMINAL_K @ np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])).tolist()}
+BY_NUMBERS = {
+    "unchanged": ({}, "no change is to be seen, neither of the block nor of its seat."),
+    "seat": (TURNED, "the block is as it was, but sits turned by "),
+    "block": (SCALED, "the block has changed: scale y +200 +- 14 ppm."),
+}
+
+
+@pytest.mark.parametrize("apparent", BY_NUMBERS)
+def test_of_a_result_that_failed_nothing_firm_is_said(apparent, files, tumble, tmp_path):
+    moved, said = BY_NUMBERS[apparent]
+    done = tumble("compare", *files({}, {**moved, **FAILED}), cwd=tmp_path)
+    check = "tumble: warning: b.json: the gravity check FAILED: largest error 0.001 g, limit 0.0003 g\n"
+    assert (done.returncode, done.stderr) == (1, check)
+    first = done.stdout.split("\n\n")[0].replace("\n", " ")
+    assert first.startswith(
+        f"CANNOT TELL: b.json FAILED its check: nothing firm can be said. By the numbers alone, {said}"
+    )
+    assert "\nB: b.json, FAILED, refined\n" in done.stdout and max(map(len, done.stdout.splitlines())) <= 80
+    found = package.compare(tmp_path / "a.json", tmp_path / "b.json")
+    told = valid(found.to_json(), "comparison")
+    assert (found.verdict, found.block_changed, found.changed, told["explained_by"]) == ("cannot tell", None, (), None)
+    assert (told["apparent"], told["a"]["pass"], told["b"]["pass"]) == (apparent, True, False)
+    assert not any(row["changed"] for row in told["parameters"]) and told["tests"] is not None
+    assert found.sentence.startswith(f"CANNOT TELL: {tmp_path}/b.json FAILED its check:")
+
+
+def test_a_run_that_does_not_fit_its_stand_has_failed_too(files):
+    same = json.dumps(result(NOMINAL_K, U0, JOINT))
+    misfit = package.Result(json.dumps({**json.loads(same), "pass": False, "fit": {"fits": False}}))
+    assert package.compare(misfit, package.Result(same)).sentence.startswith("CANNOT TELL: A FAILED its check:")
+    assert package.compare(misfit, misfit).sentence.startswith("CANNOT TELL: A and B FAILED their checks:")
+    unsure = package.Result(json.dumps(result(NOMINAL_K, U0)))
+    found = package.compare(misfit, unsure)
+    said = "CANNOT TELL: B has no uncertainties. A FAILED, too. Solve its run again with stand=."
+    assert found.sentence.startswith(said)
+    assert found.document["apparent"] is None
+
+
+def test_each_is_told_in_words_of_its_own(files, tumble, tmp_path):
+    """Options on the command line, arguments in Python; in the document those of the command line."""
+    names = files({}, {"warnings": ["the block is not linear: solve it with --model k2,drift"]})
+    done = tumble("compare", *names, cwd=tmp_path)
+    assert done.stderr == "tumble: warning: b.json: the block is not linear: solve it with --model k2,drift\n"
+    assert "u is too large then (--stand FILE)." in done.stdout.replace("\n  ", " ")
+    found = package.compare(*(package.load(tmp_path / name) for name in names))
+    assert found.warnings == ('B: the block is not linear: solve it with model="k2,drift"',)
+    assert found.notes[0].endswith("u is too large then (stand=).") and "--" not in found.text
+    assert "(stand=)" in found.text.replace("\n  ", " ")
+    assert found.document["warnings"] == ["B: the block is not linear: solve it with --model k2,drift"]
+    assert main(["compare", *(str(tmp_path / name) for name in names), "--json"]) == 0
+    with pytest.raises(BadInput, match=r"paper_stand\.toml: is a stand file \(stand=\), not a schedule file$"):
+        package.compare(*(tmp_path / name for name in names), stand=STAND, schedule=STAND)
+    refusal = tumble("compare", *names, "--stand", STAND, "--schedule", STAND, cwd=tmp_path).stderr
+    assert refusal == f"tumble: {STAND}: is a stand file (--stand), not a schedule file\n"
 
 
 SILENT = [
@@ -261,7 +316,8 @@ def test_scripts_get_what_the_command_prints(told, capsys):
     assert capsys.readouterr().out.replace(f'"file": "{told[0]}"', '"file": "A"') == found.to_json()
     assert json.loads(found.to_json()) == found.document
     assert main(["compare", *map(str, told)]) == 0
-    assert capsys.readouterr().out.split("\n\n", 1)[1] == found.text.split("\n\n", 1)[1]
+    printed = capsys.readouterr().out
+    assert printed.split("\n\n")[2:] == found.text.split("\n\n")[2:] and printed.split("\n")[0] == found.sentence
     assert package.compare(first, package.Result(json.dumps(result(NOMINAL_K, U0)))).block_changed is None
 
 
@@ -322,6 +378,21 @@ def test_the_picture_is_drawn_as_all_are_whatever_the_user_has_set():
     assert figure.get_size_inches()[0] * 25.4 == pytest.approx(170.0)
     texts = [text for text in figure.findobj(matplotlib.text.Text) if text.get_text() and text.get_visible()]
     assert len(texts) > 24 and min(text.get_fontsize() for text in texts) >= 8.0
+
+
+def test_the_picture_says_why_nobody_can_tell():
+    pytest.importorskip("matplotlib")
+    from tumble.pictures import comparison
+
+    sure = package.Result(json.dumps(result(NOMINAL_K, U0, JOINT)))
+    others = {
+        "Unchanged (99.9 %)": result(NOMINAL_K, U0, JOINT),
+        "Nobody can tell: no uncertainties": result(NOMINAL_K, U0),
+        "Nobody can tell: a result failed its check": {**result(NOMINAL_K, U0, JOINT), **FAILED},
+    }
+    for title, other in others.items():
+        drawn = comparison(package.compare(sure, package.Result(json.dumps(other))).document)
+        assert drawn.axes[0].get_title(loc="left") == title
 
 
 def test_without_matplotlib_a_picture_is_skipped(files, tumble, monkeypatch, capsys, tmp_path):

@@ -13,7 +13,7 @@ from tumble.comparison import shared
 from tumble.comparison.calibration import Calibration
 from tumble.comparison.shared import OneStand
 from tumble.comparison.statistics import is_covariance
-from tumble.comparison.verdict import Found, judge
+from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
@@ -53,6 +53,11 @@ class Side:
     def terms(self) -> Terms:
         """That it was solved with beside the twelve coefficients."""
         return tuple((self.document["extended"] or {"terms": ()})["terms"])
+
+    @property
+    def failed(self) -> bool:
+        """Whether it failed: the gravity check, or the fit to its stand."""
+        return not (self.document["pass"] and self.document["verification"]["pass"])
 
     @property
     def assumes(self) -> tuple[str, ...]:
@@ -95,6 +100,11 @@ class Comparison:
     notes: tuple[str, ...]
 
     @property
+    def verdict(self) -> Verdict:
+        """What may be said. Nothing firm of a result that failed: its numbers do not describe its own run."""
+        return Verdict.CANNOT_TELL if self.a.failed or self.b.failed else self.found.verdict
+
+    @property
     def assumes(self) -> tuple[str, ...]:
         """Names of what the one or the other rests on that nobody tested."""
         return tuple(dict.fromkeys((*self.a.assumes, *self.b.assumes)))
@@ -117,7 +127,7 @@ def compare(
     if stand is not None and names is None and found.tests is not None:
         warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
     if found.tests is not None:
-        notes.insert(0, _of_sharing(names, stand))
+        notes.insert(0, _of_sharing(names, stand, two_stands))
     return Comparison(a, b, found, terms, names, stand, tuple(warnings), tuple(notes))
 
 
@@ -191,12 +201,15 @@ def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None) -> str:
+def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_stands: bool) -> str:
     """What was counted once."""
+    if two_stands:
+        return "Nothing is counted as shared, as they were measured on two stands."
     if names is None or one_stand is None:
+        advice = " (--stand FILE)" if one_stand is None else ""
         return (
-            "Nothing is counted as shared. That is right for two stands; of one stand both have errors in common,"
-            " which cancel: the uncertainties are too large then (--stand)."
+            "Nothing is counted as shared. That is right for two stands; on one, both have errors in common, which"
+            f" cancel: u is too large then{advice}."
         )
     levelled = f"stand levelled {one_stand.levelled}"
     if not names:
