@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 from tumble.api.arguments import as_number
-from tumble.api.complaints import complaints_of_document
 from tumble.api.result import Result, load
+from tumble.api.sides import side_of
 from tumble.api.words import in_python, told_in_python
 from tumble.comparison import pair, report, text
 from tumble.comparison.shared import OneStand
@@ -144,8 +144,7 @@ def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
         name, given = os.fspath(given), load(given)
     if not isinstance(given, Result):
         raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
-    checked = checked_coefficients(given.to_json().encode("utf-8"), name)
-    return pair.Side.of(name, checked, complaints_of_document(checked))
+    return side_of(name, checked_coefficients(given.to_json().encode("utf-8"), name))
 
 
 def _schedules(schedule: str | os.PathLike[str] | Schedule | None) -> list[CoreSchedule]:

@@ -253,12 +253,14 @@ class Result:
         template: str | os.PathLike[str] | None = None,
         logo: str | os.PathLike[str] | None = None,
         number: str | None = None,
+        since: Result | str | os.PathLike[str] | None = None,
     ) -> None:
         """Write a calibration report, HTML or PDF as the file's name ends; docs/report.md tells what is in it.
 
         `run`: what was solved, as `read` gives or takes it: then its samples are drawn too. `template`: a file of
         Jinja2 in place of the own one, or extending it. `logo`: a picture in PNG, JPEG or SVG. `number`: of the report,
-        default: one by date and content, the same for the same result.
+        default: one by date and content, the same for the same result. `since`: an earlier result of the same block, or
+        its file: then the report says whether the block has changed, as `compare` does.
 
         Raises BadInput, UsageError, and NotInstalled where jinja2, matplotlib or (for PDF) WeasyPrint is missing.
         """
@@ -266,7 +268,7 @@ class Result:
 
         name = os.fspath(file)
         its_template, its_logo = (None if one is None else os.fspath(one) for one in (template, logo))
-        write_bytes(name, self.reported(kind_of(name), run, its_template, its_logo, number))
+        write_bytes(name, self.reported(kind_of(name), run, its_template, its_logo, number, since))
 
     def reported(
         self,
@@ -275,6 +277,7 @@ class Result:
         template: str | None = None,
         logo: str | None = None,
         number: str | None = None,
+        since: Result | str | os.PathLike[str] | None = None,
     ) -> bytes:
         """What `report` writes; `kind`: "html" or "pdf"."""
         from tumble.report.make import made
@@ -282,7 +285,17 @@ class Result:
         recording = None if run is None else recording_of(run, Wishes(unit=self.unit))
         if recording is not None and self._checked["run_sha256"] not in (None, recording.sha256 or None):
             raise BadInput(f"is not the run of {self._name}: its SHA-256 is another", recording.name)
-        return made(self.document, self._name, kind, run=recording, template=template, logo=logo, number=number)
+        more: dict[str, Any] = {"template": template, "logo": logo, "number": number, "earlier": self._since(since)}
+        return made(self.document, self._name, kind, run=recording, **more)
+
+    def _since(self, given: Result | str | os.PathLike[str] | None) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        """An earlier result, and what has changed since."""
+        if given is None:
+            return None
+        from tumble.api.sides import since
+
+        earlier = given if isinstance(given, Result) else load(given)
+        return earlier.document, since(earlier._checked, self._checked)
 
 
 def load(file: str | os.PathLike[str]) -> Result:

@@ -16,6 +16,7 @@ _WIDTH = 80
 _PERCENT = 100.0
 _LEAST_PERCENT = 1e-4
 _QUESTIONS = {"whole": "the block, all together", "alone": "the block, any one alone", "seat": "its seat"}
+COLUMNS = ("B less A", "difference", "u", "unit", "in u", "by chance")
 _NOTHING_SEEN = "no change is to be seen, neither of the block nor of its seat"
 _ADVICE = (
     "with --stand FILE. A stand file (TOML) says how exact the stand is; to get one, copy examples/paper_stand.toml and"
@@ -28,11 +29,11 @@ def render(told: dict[str, Any], words: Words = str) -> str:
     """The whole of it. `words`: what turns options of the command line into what the reader has in their place."""
     lines = [*_wrapped(words(sentence(told))), ""]
     lines += [line for side in "ab" for line in _wrapped(f"{side.upper()}: {_described(told[side])}", "   ")]
-    grounds = [_wrapped(f"- {words(one)}", "  ") for one in _grounds(told)]
-    lines += ["", "What this rests on:", *(line for one in grounds for line in one)] if grounds else []
+    given = [_wrapped(f"- {words(one)}", "  ") for one in grounds(told)]
+    lines += ["", "What this rests on:", *(line for one in given for line in one)] if given else []
     lines += ["", *_table(told["parameters"], told["seat"], told["coefficients"])]
     if told["tests"] is not None:
-        lines += ["", *_wrapped(_legend(told)), "", *_chances(told)]
+        lines += ["", *_wrapped(legend(told)), "", *_chances(told)]
     return "\n".join(lines) + "\n"
 
 
@@ -86,7 +87,7 @@ def _of(row: dict[str, Any]) -> str:
     return f"{_words(row['name'])} {_sized(row)}"
 
 
-def _grounds(told: dict[str, Any]) -> list[str]:
+def grounds(told: dict[str, Any]) -> list[str]:
     """What it rests on, a sentence or two each."""
     at = f"Confidence {_PERCENT * told['confidence']:.6g} %{phrase(told['assumes'])}"
     sure = f"{at}: a block that nobody touched is called unchanged at least so often."
@@ -102,12 +103,7 @@ def _described(side: dict[str, Any]) -> str:
 
 def _table(*parts: list[dict[str, Any]]) -> list[str]:
     """A paragraph for each part."""
-    rows: list[tuple[str, ...]] = [("B less A", "difference", "u", "unit", "in u", "by chance")]
-    rows += [
-        (_words(row["name"]), *rounded(row["difference"], row["u"]), row["unit"], *_judged(row))
-        for part in parts
-        for row in part
-    ]
+    rows = [COLUMNS, *(cells(row) for part in parts for row in part)]
     widths = [max(map(len, column)) for column in zip(*rows)]
     aligned = (str.ljust, str.rjust, str.rjust, str.ljust, str.rjust, str.rjust)
     lines = ["  ".join(fit(cell, width) for fit, cell, width in zip(aligned, row, widths)).rstrip() for row in rows]
@@ -115,12 +111,18 @@ def _table(*parts: list[dict[str, Any]]) -> list[str]:
     return [line for number, line in enumerate(lines) for line in ([""] if number in ends else []) + [line]]
 
 
+def cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """A difference as it stands under COLUMNS."""
+    return _words(row["name"]), *rounded(row["difference"], row["u"]), row["unit"], *_judged(row)
+
+
 def _judged(row: dict[str, Any]) -> tuple[str, str]:
     in_u, p = row["in_u"], row.get("p")
     return "-" if in_u is None else f"{in_u:+.2f}", "" if p is None else _chance(p)
 
 
-def _legend(told: dict[str, Any]) -> str:
+def legend(told: dict[str, Any]) -> str:
+    """Of COLUMNS."""
     return (
         "u: standard uncertainty of the difference; in u: how many of these it is; by chance: how often chance alone"
         f" shows as much somewhere among the {len(told['parameters'])}."

@@ -16,6 +16,7 @@ from tumble.files.disk import read_bytes
 
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"
+SINCE = "since.html.j2"
 STYLE = "report.css"
 EXTRA = "report"
 _LARGEST_LOGO = 2_000_000
@@ -34,7 +35,7 @@ def html(context: dict[str, Any], template: str | None) -> str:
     from jinja2 import FunctionLoader, StrictUndefined, TemplateSyntaxError
     from jinja2.sandbox import SandboxedEnvironment
 
-    texts = {name: own(name) for name in (TEMPLATE, TABLES)}
+    texts = {name: own(name) for name in (TEMPLATE, TABLES, SINCE)}
     if template is not None:
         texts[template] = _text(template)
     environment = SandboxedEnvironment(
