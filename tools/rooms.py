@@ -49,7 +49,7 @@ MAY_IMPORT = {
     "bench": {"core", "reference", "drawings", "files", "solving", "fixture"},
     "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
-    "report": {"drawings", "files", "solving", "pictures"},
+    "report": {"drawings", "files", "solving", "pictures", "comparison"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
             "pictures", "importing", "bench", "report", "api", DOOR},

@@ -2,13 +2,14 @@
 
 import dataclasses
 import json
+import re
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from blocks import NOMINAL_K, random_block
 from calibrations import U, result
-from conftest import EXAMPLES
+from conftest import EXAMPLES, ROOT
 from documents import valid
 
 from tumble.comparison.calibration import Calibration
@@ -160,10 +161,13 @@ def test_a_result_is_the_same_as_itself(tumble, tmp_path):
     assert {found["tests"][name]["chi2"] for name in ("all", "block", "seat")} == {0.0}
     text = tumble("compare", "r.json", "r.json", cwd=tmp_path)
     assert (text.returncode, text.stderr) == (0, AGAIN) and max(map(len, text.stdout.splitlines())) <= 80
-    assert text.stdout.endswith(
-        "UNCHANGED at 99.9 %, assuming a square seat, volts and one temperature: the\n"
-        "differences are within what the uncertainties let them be.\n"
-    )
+    said = "UNCHANGED: no change is to be seen, neither of the block nor of its seat."
+    assert text.stdout.startswith(f"{said}\n\nA: r.json,")
+    assert (
+        "\n- Confidence 99.9 %, assuming a square seat, volts and one temperature: a block\n"
+        "  that nobody touched is called unchanged at least so often.\n"
+    ) in text.stdout
+    assert "Holm" not in text.stdout and "chi" not in text.stdout
 
 
 CHANGES = {
@@ -184,11 +188,25 @@ def test_what_has_changed_is_named_with_its_size(name, compare, tumble, tmp_path
     assert row["u"] == pytest.approx(u, rel=2e-4)
     text = tumble("compare", "a.json", "b.json", cwd=tmp_path)
     assert text.returncode == 1
-    assert text.stdout.rstrip().split("\n\n")[-1].replace("\n", " ") == (
-        f"THE BLOCK HAS CHANGED at 99.9 %: {name.replace('_', ' ')} {row['difference']:+.0f} +- {u:.0f} {unit}."
-        if u >= 10
-        else f"THE BLOCK HAS CHANGED at 99.9 %: {name.replace('_', ' ')} {row['difference']:+.1f} +- {u:.1f} {unit}."
+    places = 0 if u >= 10 else 1
+    assert text.stdout.split("\n\n")[0] == (
+        f"THE BLOCK HAS CHANGED: {name.replace('_', ' ')} {row['difference']:+.{places}f} +- {u:.{places}f} {unit}."
     )
+
+
+def test_the_chances_are_those_that_the_verdict_is_made_of(compare, tumble, tmp_path):
+    """In percent, beside the limit; the p of a parameter stands in its row."""
+    k = NOMINAL_K * (1 + 4.5e-5 * np.eye(3)[1])[:, None]
+    _, found, _ = compare(result(NOMINAL_K, U0, np.diag(U**2)), result(k, U0, np.diag(U**2)))
+    text = tumble("compare", "a.json", "b.json", "--confidence", "0.99", cwd=tmp_path).stdout
+    percent = {key: 100.0 * p for key, p in found["tests"]["after_holm"].items()}
+    assert 1e-3 < percent["alone"] < 99.0 and percent["alone"] != percent["whole"]
+    shown = re.findall(r"^(the block, all together|the block, any one alone|its seat) +([\d.]+) %$", text, re.MULTILINE)
+    expected = [percent[key] for key in ("whole", "alone", "seat")]
+    assert [float(one) for _, one in shown] == pytest.approx(expected, rel=0.06)
+    assert "(a change is what is rarer than 1 %):" in text
+    (row,) = re.findall(r"^scale y .* ([\d.]+) %$", text, re.MULTILINE)
+    assert float(row) == pytest.approx(100.0 * found["parameters"][1]["p"], rel=0.06)
 
 
 def test_only_the_seat_is_no_change_of_the_block(compare):
@@ -204,10 +222,17 @@ def test_without_uncertainties_nobody_can_tell(compare, tumble, tmp_path):
     assert {row["u"] for row in found["parameters"]} == {None}
     assert found["parameters"][0]["difference"] == pytest.approx(1e6 * np.log(1.5))
     text = tumble("compare", "a.json", "b.json", cwd=tmp_path)
-    assert (text.returncode, text.stdout.splitlines()[-2:]) == (1, [
-        "CANNOT TELL: results without uncertainties (tumble solve --stand) do not show a",
-        "change.",
+    assert (text.returncode, text.stdout.split("\n\n")[0].splitlines()) == (1, [
+        "CANNOT TELL: b.json has no uncertainties. Solve its run again with --stand FILE.",
+        "A stand file (TOML) says how exact the stand is; to get one, copy",
+        "examples/paper_stand.toml and put in the numbers of your own stand",
+        "(docs/tutorial.md, chapter 1).",
     ])  # fmt: skip
+    assert (ROOT / "examples/paper_stand.toml").is_file()
+    chapter = (ROOT / "docs/tutorial.md").read_text().split("\n## ")[1]
+    assert chapter.startswith("1. Describe the stand\n") and "Copy `examples/paper_stand.toml`" in chapter
+    both = tumble("compare", "b.json", "b.json", cwd=tmp_path).stdout.replace("\n", " ")
+    assert both.startswith("CANNOT TELL: b.json and b.json have no uncertainties. Solve their runs again with --stand")
 
 
 def test_a_direction_without_variance_counts_only_where_something_is_in_it():
@@ -279,7 +304,7 @@ def test_one_parameter_that_would_explain_it_is_told(compare, tumble, tmp_path):
     assert (told["name"], told["unit"]) == ("scale_y", "ppm")
     assert (told["difference"], told["u"]) == pytest.approx((1e6 * size, 1e6 * u), rel=1e-5)
     assert told["p"] == pytest.approx(chi_squared_above(float(left @ weights @ left), 8.0), abs=1e-3)
-    text = tumble("compare", "a.json", "b.json", cwd=tmp_path).stdout.rstrip().split("\n\n")[-1]
+    text = tumble("compare", "a.json", "b.json", cwd=tmp_path).stdout.split("\n\n")[0]
     assert text.replace("\n", " ").endswith(
         "no parameter by itself, but all together; scale y +10.00 +- 0.87 ppm alone would explain it."
     )

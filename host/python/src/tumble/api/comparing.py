@@ -9,6 +9,8 @@ from typing import Any
 
 from tumble.api.arguments import as_number
 from tumble.api.result import Result, load
+from tumble.api.sides import side_of
+from tumble.api.words import in_python, told_in_python
 from tumble.comparison import pair, report, text
 from tumble.comparison.shared import OneStand
 from tumble.core import CoreSchedule
@@ -24,8 +26,8 @@ from tumble.stand import Stand
 class Comparison:
     """What `tumble.compare` found of a block that was calibrated twice. Immutable."""
 
-    def __init__(self, compared: pair.Comparison):
-        self._text = to_json(report.document(compared))
+    def __init__(self, told: dict[str, Any]):
+        self._text = to_json(told)
 
     @cached_property
     def _told(self) -> dict[str, Any]:
@@ -33,7 +35,8 @@ class Comparison:
 
     @property
     def document(self) -> dict[str, Any]:
-        """All that is known: schema tumble.comparison/1, docs/compare.md explains every key. A copy."""
+        """All that is known, as the command line writes it: schema tumble.comparison/1, docs/compare.md explains every
+        key. A copy."""
         found: dict[str, Any] = json.loads(self._text)
         return found
 
@@ -44,7 +47,7 @@ class Comparison:
 
     @property
     def block_changed(self) -> bool | None:
-        """None where nobody can tell, for want of uncertainties."""
+        """None where nobody can tell: for want of uncertainties, or because a result failed its check."""
         return None if self.verdict == "cannot tell" else self.verdict == "block"
 
     @property
@@ -53,14 +56,25 @@ class Comparison:
         return tuple(self._told["changed"])
 
     @property
+    def sentence(self) -> str:
+        """What was found, in plain words."""
+        return in_python(text.sentence(self._told))
+
+    @property
     def warnings(self) -> tuple[str, ...]:
-        """Why the comparison may not be what it claims: sentences, as the command line prints them."""
-        return tuple(self._told["warnings"])
+        """Why the comparison may not be what it claims: the sentences that the command line prints, with arguments in
+        place of options, as in all that follows."""
+        return tuple(map(in_python, self._told["warnings"]))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the comparison rests on, and what it leaves out."""
+        return tuple(map(in_python, self._told["notes"]))
 
     @property
     def text(self) -> str:
         """As `tumble compare` prints it."""
-        return text.render(self._told)
+        return text.render(self._told, in_python)
 
     def to_json(self) -> str:
         """As `tumble compare --json` prints it."""
@@ -95,6 +109,20 @@ def compare(
     >>> tumble.compare(result, result).verdict
     'unchanged'
     """
+    with told_in_python():
+        return Comparison(compared(a, b, stand, schedule, levelled, two_stands, confidence))
+
+
+def compared(
+    a: Result | str | os.PathLike[str],
+    b: Result | str | os.PathLike[str],
+    stand: Stand | StandFile | str | os.PathLike[str] | None,
+    schedule: str | os.PathLike[str] | Schedule | None,
+    levelled: str,
+    two_stands: bool,
+    confidence: float,
+) -> dict[str, Any]:
+    """What `compare` finds, as a document; sentences, and errors of files, advise options of the command line."""
     if levelled not in LEVELLED:
         raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(LEVELLED)}")
     if schedule is not None and stand is None:
@@ -108,7 +136,7 @@ def compare(
     if stand is not None:
         name, file = os.fspath(stand) if isinstance(stand, (str, os.PathLike)) else "the stand", stand_file_of(stand)
         one_stand = OneStand(name, file.stand, file.step_v, _schedules(schedule), levelled)
-    return Comparison(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
+    return report.document(pair.compare(first, second, one_stand, confidence, two_stands, levelled))
 
 
 def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
@@ -116,7 +144,7 @@ def _side(given: Result | str | os.PathLike[str], name: str) -> pair.Side:
         name, given = os.fspath(given), load(given)
     if not isinstance(given, Result):
         raise UsageError(f"{name}: a {type(given).__name__} is neither a tumble.Result nor the path of one")
-    return pair.Side.of(name, checked_coefficients(given.to_json().encode("utf-8"), name), given.warnings)
+    return side_of(name, checked_coefficients(given.to_json().encode("utf-8"), name))
 
 
 def _schedules(schedule: str | os.PathLike[str] | Schedule | None) -> list[CoreSchedule]:

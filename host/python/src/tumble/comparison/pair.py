@@ -13,7 +13,7 @@ from tumble.comparison import shared
 from tumble.comparison.calibration import Calibration
 from tumble.comparison.shared import OneStand
 from tumble.comparison.statistics import is_covariance
-from tumble.comparison.verdict import Found, judge
+from tumble.comparison.verdict import Found, Verdict, judge
 from tumble.defaults import ANEW
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.run_temperature import Temperatures
@@ -55,6 +55,11 @@ class Side:
         return tuple((self.document["extended"] or {"terms": ()})["terms"])
 
     @property
+    def failed(self) -> bool:
+        """Whether it failed: the gravity check, or the fit to its stand."""
+        return not (self.document["pass"] and self.document["verification"]["pass"])
+
+    @property
     def assumes(self) -> tuple[str, ...]:
         """What it rests on that nobody tested."""
         return tuple(self.document["assumes"])
@@ -74,6 +79,9 @@ class Side:
         """What returns with every run on the stand, and what is its own; None where it is not its stand."""
         if self.calibration.covariance is None:
             return None
+        own = stand_of(self.document, self.name)
+        if own is not None and shared.is_one(own, one_stand.stand):
+            one_stand = replace(one_stand, stand=own)
         return shared.told_apart(shared.Told(self.name, self.document, self.calibration, self.terms), one_stand)
 
 
@@ -90,6 +98,11 @@ class Comparison:
     one_stand: OneStand | None
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """What may be said. Nothing firm of a result that failed: its numbers do not describe its own run."""
+        return Verdict.CANNOT_TELL if self.a.failed or self.b.failed else self.found.verdict
 
     @property
     def assumes(self) -> tuple[str, ...]:
@@ -114,14 +127,14 @@ def compare(
     if stand is not None and names is None and found.tests is not None:
         warnings.append(f"{file_name(stand.label)} {_NOT_THEIRS}: nothing is counted as shared")
     if found.tests is not None:
-        notes.insert(0, _of_sharing(names, stand))
+        notes.insert(0, _of_sharing(names, stand, two_stands))
     return Comparison(a, b, found, terms, names, stand, tuple(warnings), tuple(notes))
 
 
 def _declared_by_both(a: Side, b: Side, levelled: str) -> OneStand | None:
-    """The stand that both results declare, by the same name and with the same numbers; None where they do not."""
-    stand = stand_of(a.document, a.name)
-    if stand is None or not stand.name or stand != stand_of(b.document, b.name):
+    """The stand that both results declare, by the same name and as exact; None where they do not."""
+    stand, other = stand_of(a.document, a.name), stand_of(b.document, b.name)
+    if stand is None or other is None or not stand.name or stand.name != other.name or not shared.is_one(stand, other):
         return None
     return OneStand(stand.name, stand, None, (), levelled)
 
@@ -188,12 +201,15 @@ def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
     }
 
 
-def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None) -> str:
+def _of_sharing(names: tuple[str, ...] | None, one_stand: OneStand | None, two_stands: bool) -> str:
     """What was counted once."""
+    if two_stands:
+        return "Nothing is counted as shared, as they were measured on two stands."
     if names is None or one_stand is None:
+        advice = " (--stand FILE)" if one_stand is None else ""
         return (
-            "Nothing is counted as shared. That is right for two stands; of one stand both have errors in common,"
-            " which cancel: the uncertainties are too large then (--stand)."
+            "Nothing is counted as shared. That is right for two stands; on one, both have errors in common, which"
+            f" cancel: u is too large then{advice}."
         )
     levelled = f"stand levelled {one_stand.levelled}"
     if not names:

@@ -7,7 +7,7 @@ from typing import Any
 
 from tumble.comparison.pair import Comparison, Side
 from tumble.comparison.statistics import Test
-from tumble.comparison.verdict import Differences, Tests
+from tumble.comparison.verdict import Differences, Tests, Verdict
 from tumble.estimators import COEFFICIENTS
 from tumble.terms import names
 from tumble.units import per_g
@@ -22,7 +22,8 @@ def document(compared: Comparison) -> dict[str, Any]:
     parameters = _parameters(compared)
     return {
         "schema": SCHEMA,
-        "verdict": found.verdict.value,
+        "verdict": compared.verdict.value,
+        "apparent": None if found.tests is None else found.verdict.value,
         "confidence": found.confidence,
         "changed": [row["name"] for row in parameters if row["changed"]],
         "explained_by": _explained(compared),
@@ -48,7 +49,9 @@ def _side(side: Side) -> dict[str, Any]:
     told, temperature = side.document, side.temperature
     return {
         "file": side.name,
-        **{key: told[key] for key in ("created", "run_file", "serial", "estimator", "item", "pass")},
+        **{key: told[key] for key in ("created", "run_file", "serial", "estimator", "item")},
+        "pass": not side.failed,
+        "uncertainties": side.calibration.covariance is not None,
         "temperature_c": None if temperature is None else [temperature.low_c, temperature.high_c],
         "gravity_m_s2": side.gravity[0],
     }
@@ -78,14 +81,15 @@ def _rows(named: list[str], units: list[str], found: Differences, factor: float 
 
 def _parameters(compared: Comparison) -> list[dict[str, Any]]:
     found, reduced = compared.found, compared.a.calibration.reduced(compared.terms)
+    is_firm = compared.verdict is Verdict.BLOCK
     rows = _rows([*reduced.parameter_names], [*reduced.parameter_units], found.parameters, _MILLIONTHS)
     p = [None] * len(rows) if found.tests is None else found.tests.p_parameters.tolist()
-    return [{**row, "p": one, "changed": bool(has)} for row, one, has in zip(rows, p, found.changed)]
+    return [{**row, "p": one, "changed": is_firm and bool(has)} for row, one, has in zip(rows, p, found.changed)]
 
 
 def _explained(compared: Comparison) -> dict[str, Any] | None:
     one, named = compared.found.explanation, compared.a.calibration.reduced(compared.terms)
-    if one is None:
+    if one is None or compared.verdict is not Verdict.BLOCK:
         return None
     return {
         "name": named.parameter_names[one.index],

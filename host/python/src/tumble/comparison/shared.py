@@ -7,6 +7,7 @@ schedule are not taken on trust: all sources together must give the covariance t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,19 +29,29 @@ from tumble.terms import Terms
 from tumble.units import volts_per
 
 _AGREEMENT = 1e-5  # of the standard uncertainties, in any direction: more than two computations differ by
+_OF_THE_STAND = ("axis_tilt", "level", "angle", "platform", "encoder")
+_SAME = 1e-9  # relative: two ways of writing one standard deviation differ by less
 
 
 @dataclass(frozen=True)
 class OneStand:
     """That both results were measured on: what is declared of it, the step of the converter (None: not known), the
     `schedules` that a result was measured by that does not tell its own, and whether it was `levelled` once for both or
-    anew. `label`: what a person calls it."""
+    anew. `label`: what a person calls it. Of its `stand`, what is each run's own is as the result itself declares it,
+    where it does."""
 
     label: str
     stand: Stand
     step_v: float | None
     schedules: Sequence[CoreSchedule]
     levelled: str
+
+
+def is_one(a: Stand, b: Stand) -> bool:
+    """Whether two declarations may be of one stand: by the standard deviations of its axis and table, however these are
+    written (`limits`). How many samples were averaged, noise, drift, and how the block was mounted are of each run and
+    its block."""
+    return all(math.isclose(a.sigma(source), b.sigma(source), rel_tol=_SAME) for source in _OF_THE_STAND)
 
 
 @dataclass(frozen=True)

@@ -3,48 +3,55 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from tumble.pictures.canvas import BLACK, BLUE, MINUS, PALE, VERMILLION, blank, legend_above, settings, settled
 from tumble.rounding import rounded
 
-_WIDTH_IN, _ROW_IN, _FRAME_IN = 6.7, 0.19, 1.1  # as wide as the text of a page of A4
-_FONT_PT = 8.0
-_BANDS = ((3.0, "#E6E6E6", "\u00b13 u"), (2.0, "#C8C8C8", "\u00b12 u"))  # the inner one over the outer one
-_SAME, _CHANGED = "#0072B2", "#D55E00"  # Okabe and Ito; the markers differ too
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_ROW_MM, _FRAME_MM = 4.8, 28.0
+_BANDS = ((3.0, PALE, "\u00b13 u"), (2.0, "#C8C8C8", "\u00b12 u"))  # the inner one over the outer one
+_SAME, _CHANGED = BLUE, VERMILLION  # the markers differ too
 _LEAST, _MOST = 5.0, 10.0  # of the axis, in u; what is beyond stands at its edge, as an arrow with its size
 _GROUPS = (("parameters", "the block"), ("seat", "its seat"), ("coefficients", "coefficients"))
 _TITLES = {
     "unchanged": "Unchanged",
     "seat": "Only the seat has changed",
     "block": "The block has changed",
-    "cannot tell": "Nobody can tell: no uncertainties",
 }
 
 
-def comparison(document: dict[str, Any]) -> Any:
-    """A matplotlib Figure of a document of schema tumble.comparison/1: B less A in units of the standard uncertainty of
-    the difference, with bands of 2 and 3. Parameters that have changed are diamonds; a difference that is beyond the
-    axis is an arrow at its edge. What has no uncertainty has no marker."""
-    from matplotlib.figure import Figure  # type: ignore[import-not-found, unused-ignore]
+def comparison(document: dict[str, Any]) -> Figure:
+    """A picture of a document of schema tumble.comparison/1: B less A in units of the standard uncertainty of the
+    difference, with bands of 2 and 3. Parameters that have changed are diamonds; a difference that is beyond the axis
+    is an arrow at its edge. What has no uncertainty has no marker."""
+    with settings():
+        return settled(_drawn(document))
 
+
+def _drawn(document: dict[str, Any]) -> Figure:
     rows = [(group, row) for group, _ in _GROUPS for row in document[group]]
-    figure: Any = Figure(figsize=(_WIDTH_IN, _FRAME_IN + _ROW_IN * (len(rows) + 2)), layout="constrained")
-    figure.set_label("comparison")
+    figure = blank("comparison", _FRAME_MM + _ROW_MM * (len(rows) + 2))
     axes = figure.subplots()
     reach = _reach([row["in_u"] for _, row in rows])
     for half, colour, label in _BANDS:
         axes.axvspan(-half, half, color=colour, linewidth=0, label=label, zorder=0)
-    axes.axvline(0.0, color="black", linewidth=0.6)
+    axes.axvline(0.0, color=BLACK, linewidth=0.6)
     heights = _heights([group for group, _ in rows])
     for height, (_, row) in zip(heights, rows):
         _mark(axes, height, row, reach)
     _label(axes, heights, rows, reach)
-    at = f"{100 * document['confidence']:.6g} %"
-    axes.set_title(f"{_TITLES[document['verdict']]} ({at})", fontsize=_FONT_PT + 1, loc="left")
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, fontsize=_FONT_PT, frameon=False, borderaxespad=0.2
-    )
+    axes.set_title(_title(document))
+    legend_above(axes, len(_BANDS))
     return figure
+
+
+def _title(document: dict[str, Any]) -> str:
+    if document["verdict"] in _TITLES:
+        return f"{_TITLES[document['verdict']]} ({100 * document['confidence']:.6g} %)"
+    return f"Nobody can tell: {'no uncertainties' if document['tests'] is None else 'a result failed its check'}"
 
 
 def _reach(in_u: list[float | None]) -> float:
@@ -71,32 +78,31 @@ def _mark(axes: Any, height: float, row: dict[str, Any], reach: float) -> None:
         axes.plot([edge], [height], arrow, color=colour, markersize=6, clip_on=False, gid=row["name"])
         inner = 0.94 * edge
         side = "right" if size > 0 else "left"
-        axes.text(inner, height, f"{size:+.3g} u", ha=side, va="center", fontsize=_FONT_PT - 1)
+        axes.text(inner, height, f"{size:+.3g} u".replace("-", MINUS), ha=side, va="center")
         return
-    axes.plot([size - 1.0, size + 1.0], [height, height], color=colour, linewidth=0.9)
-    axes.plot([size], [height], "D" if has_changed else "o", color=colour, markersize=4.5, gid=row["name"])
+    axes.plot([size - 1.0, size + 1.0], [height, height], color=colour)
+    axes.plot([size], [height], "D" if has_changed else "o", color=colour, gid=row["name"])
 
 
 def _label(axes: Any, heights: list[float], rows: list[tuple[str, dict[str, Any]]], reach: float) -> None:
     """Names to the left, sizes with their uncertainties to the right, and the groups' names above."""
     axes.set_xlim(-reach, reach)
     axes.set_ylim(min(heights) - 0.7, 1.6)
-    axes.set_yticks(heights, [row["name"] for _, row in rows], fontsize=_FONT_PT)
+    axes.set_yticks(heights, [row["name"] for _, row in rows])
     sizes = axes.secondary_yaxis("right")
-    sizes.set_yticks(heights, [_sized(row) for _, row in rows], fontsize=_FONT_PT - 1)
+    sizes.set_yticks(heights, [_sized(row) for _, row in rows])
     sizes.tick_params(length=0)
     firsts = {group: height for height, (group, _) in reversed(list(zip(heights, rows)))}
     for group, title in _GROUPS:
         if group in firsts:
-            axes.text(-0.97 * reach, firsts[group] + 0.85, title, fontsize=_FONT_PT, style="italic", va="center")
-    axes.tick_params(axis="x", labelsize=_FONT_PT)
+            axes.text(-0.97 * reach, firsts[group] + 0.85, title, style="italic", va="center")
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("B less A, in units of the standard uncertainty u of the difference", fontsize=_FONT_PT)
-    for side in ("top", "left", "right"):
-        axes.spines[side].set_visible(False)
+    axes.set_xlabel("B less A, in units of the standard uncertainty u of the difference")
+    axes.spines["left"].set_visible(False)
     sizes.spines["right"].set_visible(False)
 
 
 def _sized(row: dict[str, Any]) -> str:
     size, u = rounded(row["difference"], row["u"])
-    return " ".join([size, *([] if row["u"] is None else ["\u00b1", u]), row["unit"]])
+    shown = [size.replace("-", MINUS), *([] if row["u"] is None else ["\u00b1", u.replace("-", MINUS)])]
+    return " ".join([*shown, row["unit"]])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from tumble.errors import NotInstalled, UsageError, quoted
-from tumble.report import conformity, identity, method, pages, values
+from tumble.errors import BadInput, NotInstalled, UsageError, quoted
+from tumble.report import conformity, identity, method, pages, since, values
 from tumble.report.cells import Fixed, line
 from tumble.report.number import number_of, require_number
 from tumble.report.source import Source
@@ -50,17 +50,21 @@ def made(
     template: str | None = None,
     logo: str | None = None,
     number: str | None = None,
+    earlier: tuple[dict[str, Any], dict[str, Any]] | None = None,
 ) -> bytes:
     """A report on `document`, schema tumble.result/1, as files.documents has checked it; `name`: what errors call it.
 
     `run`: the Recording that was solved, for a picture of its samples. `template`: a file of Jinja2; `logo`: a picture;
-    `number`: one that is given. Raises BadInput, UsageError, NotInstalled.
+    `number`: one that is given. `earlier`: an earlier result, and what has changed since (schema
+    tumble.comparison/1). Raises BadInput, UsageError, NotInstalled.
     """
     told = number_of(document) if number is None else require_number(number)
     require_installed(kind)
     source = Source(document, name)
     found = context(source, told, None if logo is None else pages.logo(logo))
-    text = pages.html({**found, "figures": pictures(source, run)}, template)
+    before, changes = ({}, None) if earlier is None else earlier
+    drawn = {"figures": pictures(source, run), "since": since.section(changes, before, document)}
+    text = pages.html({**found, **drawn}, template)
     return pages.pdf(text, template or name) if kind == PDF else text.encode("utf-8", "replace")
 
 
@@ -87,7 +91,7 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
 
 
 def context(source: Source, number: str, logo: str | None) -> dict[str, Any]:
-    """What a template may say, but for `figures`. docs/report.md lists it."""
+    """What a template may say, but for `figures` and `since`. docs/report.md lists it."""
     from markupsafe import Markup
 
     given = values.uncertainties(source)

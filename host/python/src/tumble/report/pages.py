@@ -17,6 +17,7 @@ from tumble.report.cells import MISSING
 
 TEMPLATE = "report.html.j2"
 TABLES = "tables.html.j2"
+SINCE = "since.html.j2"
 STYLE = "report.css"
 _OWN = "tumble"  # folder of the templates of this room
 _GIVEN = "\0"  # the user's template: whatever its file is called, it hides none of ours, and nothing extends it
@@ -37,8 +38,8 @@ def html(context: dict[str, Any], template: str | None) -> str:
     from jinja2 import FunctionLoader, StrictUndefined, TemplateSyntaxError
     from jinja2.sandbox import SandboxedEnvironment
 
-    texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES)}
-    texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES)}
+    texts = {name: (own(name), f"{_OWN}/{name}", None) for name in (TEMPLATE, TABLES, SINCE)}
+    texts |= {f"{_OWN}/{name}": texts[name] for name in (TEMPLATE, TABLES, SINCE)}
     if template is not None:
         texts[_GIVEN] = (_text(template), template, None)
     environment = SandboxedEnvironment(

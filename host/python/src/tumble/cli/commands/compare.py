@@ -19,8 +19,8 @@ def add_to(subparsers: options.Subparsers) -> None:
         help="two results of one block: has it changed, or only its seat?",
         description="Hold two calibrations of one block against each other: the differences in units of their combined"
         " uncertainty, and whether the block has changed, only the way it sits, or neither.",
-        epilog="Exit codes: 0 the block has not changed (its seat may have), 1 it has, or a result has no uncertainties"
-        " and nobody can tell, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted.",
+        epilog="Exit codes: 0 the block has not changed (its seat may have), 1 it has, or nobody can tell, as a result"
+        " has no uncertainties or failed its check, 2 bad input, 77 --plot cannot be drawn here, 130 interrupted.",
     )
     parser.add_argument("a", metavar="RESULT_A.json", help="the earlier result")
     parser.add_argument("b", metavar="RESULT_B.json", help="the later one, in the same unit")
@@ -62,9 +62,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.two_stands and (arguments.stand, arguments.levelled) != (None, None):
         raise UsageError("--two-stands: nothing is shared then, which --stand and --levelled speak of")
 
-    from tumble.api.comparing import compare
+    from tumble.api.comparing import compared
     from tumble.cli.output import warn
+    from tumble.comparison import text
     from tumble.files.disk import refuse_overwriting
+    from tumble.files.documents import to_json
 
     inputs = arguments.a, arguments.b, arguments.stand, file_of(arguments.schedule)
     refuse_overwriting(arguments.plot, *inputs, option="--plot")
@@ -72,20 +74,20 @@ def run(arguments: argparse.Namespace) -> int:
         from tumble.pictures import require_format
 
         require_format(arguments.plot, "--plot")
-    found = compare(
+    told = compared(
         arguments.a,
         arguments.b,
-        stand=arguments.stand,
-        schedule=arguments.schedule,
-        levelled=arguments.levelled or ANEW,
-        two_stands=arguments.two_stands,
-        confidence=confidence,
+        arguments.stand,
+        arguments.schedule,
+        arguments.levelled or ANEW,
+        arguments.two_stands,
+        confidence,
     )
     if arguments.plot is not None:
-        _draw(found.document, arguments.plot)
-    warn(found.warnings)
-    sys.stdout.write(found.to_json() if arguments.json else found.text)
-    return EXIT_PASS if found.block_changed is False else EXIT_LIMITS_FAILED
+        _draw(told, arguments.plot)
+    warn(told["warnings"])
+    sys.stdout.write(to_json(told) if arguments.json else text.render(told))
+    return EXIT_PASS if told["verdict"] in ("unchanged", "seat") else EXIT_LIMITS_FAILED
 
 
 def _draw(document: dict[str, Any], file: str) -> None:

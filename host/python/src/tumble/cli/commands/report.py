@@ -27,6 +27,7 @@ def add_to(subparsers: Subparsers) -> None:
     parser.add_argument("--template", metavar="FILE", help="in place of the own one, or extending it (Jinja2)")
     parser.add_argument("--logo", metavar="FILE", help="PNG, JPEG or SVG, for the head of the first page")
     parser.add_argument("--number", metavar="TEXT", help="of the report; default: by the result's date and content")
+    parser.add_argument("--since", metavar="OLD.json", help="an earlier result of the block: has it changed since?")
     layout_options.add_layout(parser, "run file")
     parser.set_defaults(run_command=run)
 
@@ -45,12 +46,14 @@ def run(arguments: argparse.Namespace) -> int:
 
     _require_run_for_its_layout(arguments)
     wishes = layout_options.wishes(arguments, COLUMNS)
-    refuse_overwriting(arguments.out, arguments.result, arguments.run, arguments.template, arguments.logo)
+    inputs = arguments.result, arguments.run, arguments.template, arguments.logo, arguments.since
+    refuse_overwriting(arguments.out, *inputs)
     result = load(arguments.result)
     recorded = None
     if arguments.run is not None:
         recorded = recording_of(arguments.run, wishes if wishes.unit else replace(wishes, unit=result.unit))
-    text = result.reported(kind, recorded, arguments.template, arguments.logo, arguments.number)
+    more = arguments.template, arguments.logo, arguments.number, arguments.since
+    text = result.reported(kind, recorded, *more)
     if arguments.out is None:
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()

@@ -1,0 +1,21 @@
+"""Results as they are held against each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tumble.api.complaints import complaints_of_document
+from tumble.comparison import pair, report
+from tumble.defaults import DEFAULT_CONFIDENCE
+
+
+def side_of(name: str, checked: dict[str, Any]) -> pair.Side:
+    """A result, called `name`, as files.documents has checked it. Raises BadInput."""
+    return pair.Side.of(name, checked, complaints_of_document(checked))
+
+
+def since(earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any]:
+    """What has changed, for a report on the later one: schema tumble.comparison/1, by what the results themselves tell.
+    Raises BadInput."""
+    sides = side_of("the earlier result", earlier), side_of("this result", later)
+    return report.document(pair.compare(*sides, None, DEFAULT_CONFIDENCE))

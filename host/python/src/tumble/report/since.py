@@ -1,0 +1,38 @@
+"""What has changed since an earlier result: a section of the report on the later one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tumble.comparison import text
+from tumble.report.cells import Fixed, Table, readable
+from tumble.report.number import number_of
+
+_TITLE = "Two calibrations of one block"
+
+
+def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[str, Any]) -> dict[str, Any] | None:
+    """`told`: a document of schema tumble.comparison/1, whose A is `earlier` and whose B is `later`, documents of
+    schema tumble.result/1; None: without an earlier result, and without a section."""
+    if told is None:
+        return None
+    from markupsafe import Markup
+
+    from tumble.pictures.canvas import svg
+    from tumble.pictures.comparison import comparison
+
+    rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
+    return {
+        "sentence": text.sentence(told),
+        "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
+        "grounds": [readable(one) for one in (*text.grounds(told), *told["warnings"])],
+        "table": Table(text.COLUMNS, [tuple(map(Fixed, text.cells(row))) for row in rows], left=(3,)),
+        "legend": None if told["tests"] is None else text.legend(told),
+        "svg": Markup(svg(comparison(told), _TITLE)),
+    }
+
+
+def _called(document: dict[str, Any]) -> Fixed:
+    """The number that a report on it has by itself, and when it was made."""
+    created = document.get("created")
+    return Fixed(", ".join([number_of(document), *([readable(str(created))] if created else [])]))
