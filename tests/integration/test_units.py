@@ -45,11 +45,21 @@ def test_another_unit_takes_the_place_of_the_volt(tumble, tmp_path):
     other, volts = (solved(tumble, file, "--stand", STAND) for file in (run, EXAMPLES / "paper_stand.csv"))
     its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for", "warnings")
     assert {**other, **{name: volts[name] for name in its_own}} == volts and volts["unit"] == "V"
-    done = tumble("solve", run, "--stand", STAND)
+    without_block = tmp_path / "without_block.toml"
+    without_block.write_text(STAND.read_text().partition("[block]")[0])
+    done = tumble("solve", run, "--stand", without_block)
     assert "m/s^2, declared 3.00e-04\n" in done.stdout
     warning = "outputs in m/s^2: noise_v of the stand file, 0.0003, is in m/s^2 too"
     assert done.stderr == f"tumble: warning: {warning}\n"
     assert tumble("solve", run).stderr == ""
+
+
+def test_a_declared_block_confirms_the_unit_of_its_file(tumble, tmp_path):
+    """K is the declared one, so noise_v, from the same file, is in the unit of the outputs: nothing to be warned of."""
+    run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
+    assert tumble("solve", run, "--stand", STAND).stderr == ""
+    tenfold = rewritten(tmp_path / "tenfold.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 10.0)
+    assert "noise_v of the stand file, 0.0003, is in m/s^2 too" in tumble("solve", tenfold, "--stand", STAND).stderr
 
 
 @pytest.mark.parametrize("header", ["ux [V],uy [mV],uz [V]", "ux,uy,uz [mV]"])
