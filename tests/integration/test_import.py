@@ -57,6 +57,9 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.splitlines())) <= 80
+    said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
+    advised = ("--schedule", "six_faces", "--estimator", "least_squares")
+    assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
     assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
     assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
     solved = tumble("solve", tmp_path / "run.csv", "--schedule", "six_faces", "--estimator", "least_squares", "--json")

@@ -70,6 +70,7 @@ def add_to(subparsers: options.Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
+    from tumble.cli.next_command import after_import
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
@@ -92,7 +93,8 @@ def run(arguments: argparse.Namespace) -> int:
     done = import_recordings(arguments.recordings, schedule, settings)
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
-    text = to_json(report.document(done)) if arguments.json else report.text(done)
+    after = after_import(done, arguments.out, arguments.stand)
+    text = to_json(report.document(done)) if arguments.json else report.text(done) + after
     files: dict[str, bytes] = {}
     if arguments.out is not None:
         files[arguments.out] = report.run_csv(done).encode()
