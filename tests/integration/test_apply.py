@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from documents import NO_GRAVITY
 from hypothesis import given, settings, strategies as st
 
 import tumble
@@ -200,7 +201,7 @@ def test_what_is_not_known_is_refused(paper):
     known = with_coefficients(paper, paper.K, paper.U0, environment={"gravity_m_s2": 9.8})
     for result, options, said in (
         (alone, {"uncertainty": True}, "result: no uncertainties: no stand was declared"),
-        (paper, {"unit": "m/s2"}, "result: no coefficients in m/s2: its environment has no gravity_m_s2"),
+        (paper, {"unit": "m/s2"}, f"result: {NO_GRAVITY}"),
         (
             known,
             {"unit": "m/s2", "uncertainty": True},
@@ -365,7 +366,7 @@ def test_what_cannot_be_done_leaves_all_as_it_was(saved, tmp_path):
         ([data, "--out", data], "is an input of this command\n"),
         ([data, "--out", saved], "is an input of this command\n"),
         ([tmp_path / "none.csv"], "none.csv: no such file or folder\n"),
-        ([data, "--unit", "m/s2"], "no coefficients in m/s2: its environment has no gravity_m_s2\n"),
+        ([data, "--unit", "m/s2"], f"{NO_GRAVITY}\n"),
         ([tmp_path / "a.parquet"], "Parquet goes to a file: --out FILE\n"),
         (
             [tmp_path / "a.parquet", data, "--out", tmp_path / "b"],

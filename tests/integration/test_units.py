@@ -125,3 +125,18 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]
+
+
+@pytest.mark.parametrize("spelling", ["m/s2", "m/s²", "m/s**2", "m/s^2"])
+def test_metres_per_second_squared_in_all_spellings(spelling, tumble, tmp_path):
+    """Of the outputs, by option and in the header, and of what apply and export write."""
+    run = rewritten(tmp_path / "run.csv", f"ux [{spelling}],uy [{spelling}],uz [{spelling}]", 1.0)
+    assert solved(tumble, run)["unit"] == "m/s^2"
+    assert solved(tumble, EXAMPLES / "paper_stand.csv", "--unit", spelling)["unit"] == "m/s^2"
+    stand, result = tmp_path / "local.toml", tmp_path / "result.json"
+    stand.write_text(STAND.read_text() + "\n[environment]\ngravity_m_s2 = 9.8\n")
+    assert tumble("solve", run, "--stand", stand, "--out", result).returncode == 0
+    said = [tumble("apply", result, run, "--unit", unit).stdout for unit in (spelling, "g")]
+    forces = [[float(text) for text in table.splitlines()[1].split(",")[-3:]] for table in said]
+    assert forces[0] == pytest.approx([9.8 * force for force in forces[1]], abs=1e-7)
+    assert tumble("export", result, "--format", "csv", "--unit", spelling).returncode == 0

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
-from tumble.units import UNIT
+from tumble.units import UNIT, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
@@ -302,7 +302,7 @@ def detect_unit(names: list[str], file: str, row: int | None) -> str | None:
     units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
     if len(set(units)) > 1:
         raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
-    return units[0] if UNIT.fullmatch(units[0]) else None
+    return spelled(units[0]) if UNIT.fullmatch(spelled(units[0])) else None
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from tumble.cli import layout_options, options
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
+from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
     from tumble.api.result import Result
@@ -34,7 +35,8 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser.add_argument("--out", metavar="FILE", help="a file, or an existing folder; default: standard output")
     parser.add_argument(
         "--unit",
-        choices=("g", "m/s2"),
+        type=force_unit,
+        choices=("g", SI),
         default="g",
         help="of the acceleration; m/s2 needs gravity_m_s2 in the result's environment; default: g",
     )

@@ -9,6 +9,7 @@ from typing import Any
 from tumble.cli.options import Subparsers, parse_number
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
+from tumble.units import SI, force_unit
 
 FORMATS = ("c", "csv", "matlab", "ros", "imucal")
 _FOR_SI = ("ros", "imucal")  # which take accelerations in m/s^2
@@ -32,7 +33,8 @@ def add_to(subparsers: Subparsers) -> None:
     )
     parser.add_argument(
         "--unit",
-        choices=("g", "m/s2"),
+        type=force_unit,
+        choices=("g", SI),
         help="of accelerations; m/s2 needs gravity_m_s2 in the result's environment; default: g, for ros and imucal"
         " m/s2",
     )
