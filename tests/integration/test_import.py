@@ -308,11 +308,14 @@ def test_the_page_shows_what_is_printed(tumble, tmp_path):
     assert tumble(*shlex.split(command), cwd=tmp_path).stdout == shown
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    (("--take", "99"), "--leave-out, --take: there is no rest 99, of 13"),
-    (("--take", "3", "--leave-out", "3"), "rest 3 is to be left out (--leave-out) and to be taken (--take)"),
-    (("--out", "same", "--recipe", "same"), "--out, --plot and --recipe: two of them name the same file"),
-])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--take", "99"), "--leave-out, --take: there is no rest 99, of 13"),
+        (("--take", "3", "--leave-out", "3"), "rest 3 is to be left out (--leave-out) and to be taken (--take)"),
+        (("--out", "same", "--recipe", "same"), "--out, --plot and --recipe: two of them name the same file"),
+    ],
+)
 def test_what_cannot_be_meant_is_refused(options, said, refused, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert said in refused("import", HAND_HELD, *SIX_FACES, "--repeats", "first", *options)

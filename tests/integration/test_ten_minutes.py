@@ -57,7 +57,9 @@ def test_its_result_can_be_compared(tumble, tmp_path):
     for repeats in ("first", "last"):
         run = tmp_path / f"{repeats}.csv"
         order = () if repeats == "first" else ("--order", "any")
-        done = tumble("import", EXAMPLES / "hand_held_session.csv", *recorded, *order, "--repeats", repeats, "--out", run)
+        done = tumble(
+            "import", EXAMPLES / "hand_held_session.csv", *recorded, *order, "--repeats", repeats, "--out", run
+        )
         assert done.returncode == 0, done.stderr
         done = tumble("solve", run, *PLACED, "--estimator", "least_squares", "--out", run.with_suffix(".json"))
         assert (done.returncode, done.stderr) == (0, "")
@@ -95,8 +97,8 @@ def stated(tumble, tmp_path, schedule, placed):
 
 
 def test_the_uncertainties_of_hand_laid_faces_are_true(tumble, tmp_path):
-    """By simulated sessions: each face tilted anew, by what its stand file says. With two mountings for six faces, as on a
-    rotary stand, they are not: faces of one mounting would share their tilt."""
+    """By simulated sessions: each face tilted anew, by what its stand file says. With two mountings for six faces, as
+    on a rotary stand, they are not: faces of one mounting would share their tilt."""
     up_and_down = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
     declared = tomllib.loads(HANDS.read_text())["stand"]
     rng = np.random.default_rng(2)
@@ -112,8 +114,8 @@ def test_the_uncertainties_of_hand_laid_faces_are_true(tumble, tmp_path):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_session_of_hand_laid_faces_is_in_dispute(seed):
-    """Poses without a turn of a table tell nothing of its axis and angles: nothing is sought, so the core and its witness
-    cannot come to differ about it."""
+    """Poses without a turn of a table tell nothing of its axis and angles: nothing is sought, so the core and its
+    witness cannot come to differ about it."""
     rng = np.random.default_rng(seed)
     forces = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)] + 3e-3 * rng.standard_normal((6, 3))
     means = 9.81 * forces / np.linalg.norm(forces, axis=1, keepdims=True)

@@ -13,6 +13,7 @@ from typing import Any
 
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
+from tumble.files.kinds import JSON, kind_of
 from tumble.terms import KEYS, TERMS
 from tumble.units import UNIT, spelled
 
@@ -88,6 +89,8 @@ def _parse(data: bytes, file: str) -> dict[str, Any]:
     try:
         result = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:
+        if (kind := kind_of(data)) not in (None, JSON):
+            raise BadInput(f"is {kind}; a result of tumble solve (JSON) is expected", file) from None
         raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
     except (ValueError, RecursionError) as error:
         raise BadInput(f"not valid JSON: {quoted(error)}", file) from None

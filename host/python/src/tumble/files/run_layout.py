@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
+from tumble.files.kinds import JSON, TOML
 from tumble.units import UNIT, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
@@ -166,7 +167,9 @@ def _from_header(
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
     below = _rows_above_header([line, *following], candidates, wishes)
     if _TOML.match(line) and not (below and wishes.has_preamble):
-        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+        raise BadInput(f"is {TOML}, and no run file", file, row)
+    if line.lstrip().startswith("{"):
+        raise BadInput(f"is {JSON}, and no run file", file, row)
     if below:
         if wishes.has_preamble:
             return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)

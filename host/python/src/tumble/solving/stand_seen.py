@@ -46,8 +46,9 @@ class AngleError(Protocol):
 
 class RunSeen(Protocol):
     """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
-    `mountings`: how many the schedule has; `has_turns`: is any of them measured at two angles?; `departure`: rms of what least squares on the ideal stand leaves of the
-    outputs, in the channel that has most, over max|K|: about an angle in rad; 0 where it leaves nothing by itself."""
+    `mountings`: how many the schedule has; `has_turns`: is any of them measured at two angles?; `departure`: rms of
+    what least squares on the ideal stand leaves of the outputs, in the channel that has most, over max|K|: about an
+    angle in rad; 0 where it leaves nothing by itself."""
 
     mountings: int
 
