@@ -101,8 +101,8 @@ def look(
 
     Free attitudes show the noise alone: poses without a turn of one table, or more mountings than the core has yaws
     for. So do outputs so far from those of any stand that no small angles explain them, such as those of exchanged
-    mountings: the angles are linear theory, and its figures would be rounding. A stand that is not to be trusted gives no uncertainties, except where the run itself
-    has none to give.
+    mountings: the angles are linear theory, and its figures would be rounding. A stand that is not to be
+    trusted gives no uncertainties, except where the run itself has none to give.
     """
     if run.mountings > MAX_YAWS or not run.has_turns or run.departure > MAX_STAND_ERROR_RAD:
         return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
