@@ -93,11 +93,14 @@ def test_every_format_gives_the_same_rows(bench, tmp_path):
 def test_without_a_converter_the_outputs_are_counts(bench, tumble, tmp_path):
     done = tumble("import", bench.log, "--out", tmp_path / "run.csv")
     assert done.returncode == 0
-    assert "in counts: with converter_bits and range_v of a stand file (--stand) in V" in " ".join(done.stdout.split())
+    advice = "in counts: write converter_bits and range_v into [block] of the stand file"
+    assert advice in " ".join(done.stdout.split())
     header, rows = rows_of(tmp_path / "run.csv")
     assert header[2:5] == ["ux [counts]", "uy [counts]", "uz [counts]"]
-    require_nearly_the_same([(place, tuple(V_PER_COUNT * u for u in outputs), degrees)
-                             for place, outputs, degrees in rows], rows_of(bench.run)[1])
+    require_nearly_the_same(
+        [(place, tuple(V_PER_COUNT * u for u in outputs), degrees) for place, outputs, degrees in rows],
+        rows_of(bench.run)[1],
+    )
 
 
 def test_what_is_imported_can_be_solved(bench, tumble, tmp_path):
@@ -119,8 +122,19 @@ def test_axes_can_be_exchanged_and_a_recipe_remembers(bench, tumble, tmp_path):
     refused = tumble("import", bench.log, *columns)
     assert refused.returncode == 2 and "channels y and x exchanged" in refused.stderr
     recipe = ("--recipe", tmp_path / "bench.toml")
-    first = tumble("import", bench.log, "--stand", bench.stand, "--can-channel", "can0", "--can-id", "0x683", *recipe,
-                   "--out", tmp_path / "first.csv")
+    first = tumble(
+        "import",
+        bench.log,
+        "--stand",
+        bench.stand,
+        "--can-channel",
+        "can0",
+        "--can-id",
+        "0x683",
+        *recipe,
+        "--out",
+        tmp_path / "first.csv",
+    )
     again = tumble("import", bench.log, *recipe, "--out", tmp_path / "again.csv")
     assert first.returncode == again.returncode == 0, again.stderr
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "again.csv").read_bytes()
@@ -155,8 +169,10 @@ def test_times_that_count_from_the_line_before_are_refused(bench, refused, tmp_p
 def test_solve_and_others_say_what_to_do(bench, refused, tmp_path):
     import tumble as package
 
-    said = (f"{bench.log}: is a CAN log (candump), which has no positions: "
-            f"tumble import {bench.log} --out RUN.csv finds them by the rests")
+    said = (
+        f"{bench.log}: is a CAN log (candump), which has no positions: "
+        f"tumble import {bench.log} --out RUN.csv finds them by the rests"
+    )
     assert refused("solve", bench.log) == f"tumble: {said}\n"
     assert refused("fixture", "check", "--stand", bench.stand, bench.log) == f"tumble: {said}\n"
     for take in (package.read, package.solve):
@@ -200,12 +216,20 @@ def test_an_old_python_can_is_told(tmp_path, tumble):
 
 def test_what_a_can_log_is_shows_in_its_beginning():
     for text, kind in (
-        (b"(0000000000.000112) can0 701#00\n", "candump"), (b"\n (1.5) vcan0 12345678#0011 R\n", "candump"),
+        (b"(0000000000.000112) can0 701#00\n", "candump"),
+        (b"\n (1.5) vcan0 12345678#0011 R\n", "candump"),
         (b"date Sun Nov 22 08:00:00.000 am 2026\r\nbase hex  timestamps absolute\r\n", "ASC"),
-        (b"// made by\ndate x\nbase dec timestamps absolute\n", "ASC"), (b"LOGG\x90\0\0\0", "BLF"),
-        (b";$FILEVERSION=2.1\r\n", "TRC"), (b";" + b"#" * 74 + b"\n", "TRC"), (b"MDF     4.10    ", "MF4"),
+        (b"// made by\ndate x\nbase dec timestamps absolute\n", "ASC"),
+        (b"LOGG\x90\0\0\0", "BLF"),
+        (b";$FILEVERSION=2.1\r\n", "TRC"),
+        (b";" + b"#" * 74 + b"\n", "TRC"),
+        (b"MDF     4.10    ", "MF4"),
         (b"\xef\xbb\xbftimestamp,arbitration_id,extended,remote,error,dlc,data\r\n", "python-can CSV"),
-        (b"mounting,position,ux,uy,uz\n", None), (b"# comment\n", None), (b"", None), (b"(1) 2 3\n", None),
-        (b"%RAWIMUSA,2209,491612.254;2209,", None), (b"timestamp,ax,ay,az\n", None),
+        (b"mounting,position,ux,uy,uz\n", None),
+        (b"# comment\n", None),
+        (b"", None),
+        (b"(1) 2 3\n", None),
+        (b"%RAWIMUSA,2209,491612.254;2209,", None),
+        (b"timestamp,ax,ay,az\n", None),
     ):
         assert can_log.kind_of(text) == kind, text

@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from conftest import EXAMPLES
+from documents import NO_GRAVITY
 from test_apply import exact_force, outputs_exactly
 
 import tumble
@@ -297,5 +298,5 @@ def test_without_a_stand_and_without_gravity(exported, tmp_path):
     assert found.values["tumble.u_K"] == found.values["tumble.covariance"] == "[]"
     for name in ("ros", "imucal"):
         said = exported("--format", name, code=2, of=alone)
-        assert said.endswith("result.json: no coefficients in m/s2: its environment has no gravity_m_s2\n")
+        assert said.endswith(f"result.json: {NO_GRAVITY}\n")
     assert "Uncertainties unknown: no stand was declared." in exported("--format", "ros", "--unit", "g", of=alone)

@@ -57,6 +57,9 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.splitlines())) <= 80
+    said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
+    advised = ("--schedule", "six_faces", "--estimator", "least_squares")
+    assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
     assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
     assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
     solved = tumble("solve", tmp_path / "run.csv", "--schedule", "six_faces", "--estimator", "least_squares", "--json")
@@ -305,11 +308,14 @@ def test_the_page_shows_what_is_printed(tumble, tmp_path):
     assert tumble(*shlex.split(command), cwd=tmp_path).stdout == shown
 
 
-@pytest.mark.parametrize(("options", "said"), [
-    (("--take", "99"), "--leave-out, --take: there is no rest 99, of 13"),
-    (("--take", "3", "--leave-out", "3"), "rest 3 is to be left out (--leave-out) and to be taken (--take)"),
-    (("--out", "same", "--recipe", "same"), "--out, --plot and --recipe: two of them name the same file"),
-])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--take", "99"), "--leave-out, --take: there is no rest 99, of 13"),
+        (("--take", "3", "--leave-out", "3"), "rest 3 is to be left out (--leave-out) and to be taken (--take)"),
+        (("--out", "same", "--recipe", "same"), "--out, --plot and --recipe: two of them name the same file"),
+    ],
+)
 def test_what_cannot_be_meant_is_refused(options, said, refused, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert said in refused("import", HAND_HELD, *SIX_FACES, "--repeats", "first", *options)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from blocks import random_block
 from conftest import EXAMPLES
-from documents import paper_stand, valid
+from documents import NO_GRAVITY, paper_stand, valid
 from hypothesis import given, settings, strategies as st
 
 from tumble.estimators import COEFFICIENTS
@@ -147,7 +147,7 @@ def test_what_is_unknown_is_left_out(tumble, tmp_path):
 def test_without_gravity_there_are_none(tumble, refused, tmp_path):
     file, result = solve(tumble, tmp_path, "")
     error = refused("export", file, "--format", "c", "--unit", "m/s2")
-    assert error == f"tumble: {file}: no coefficients in m/s2: its environment has no gravity_m_s2\n"
+    assert error == f"tumble: {file}: {NO_GRAVITY}\n"
     older = {key: value for key, value in result.items() if key not in ("covariance", "si", "environment")}
     file.write_text(json.dumps(older))
     assert "TUMBLE_COVARIANCE" not in tumble("export", file, "--format", "c").stdout

@@ -45,11 +45,21 @@ def test_another_unit_takes_the_place_of_the_volt(tumble, tmp_path):
     other, volts = (solved(tumble, file, "--stand", STAND) for file in (run, EXAMPLES / "paper_stand.csv"))
     its_own = ("unit", "units", "run_file", "run_sha256", "created", "assumes", "assumed_for", "warnings")
     assert {**other, **{name: volts[name] for name in its_own}} == volts and volts["unit"] == "V"
-    done = tumble("solve", run, "--stand", STAND)
+    without_block = tmp_path / "without_block.toml"
+    without_block.write_text(STAND.read_text().partition("[block]")[0])
+    done = tumble("solve", run, "--stand", without_block)
     assert "m/s^2, declared 3.00e-04\n" in done.stdout
     warning = "outputs in m/s^2: noise_v of the stand file, 0.0003, is in m/s^2 too"
     assert done.stderr == f"tumble: warning: {warning}\n"
     assert tumble("solve", run).stderr == ""
+
+
+def test_a_declared_block_confirms_the_unit_of_its_file(tumble, tmp_path):
+    """K is the declared one, so noise_v, from the same file, is in the unit of the outputs: nothing to be warned of."""
+    run = rewritten(tmp_path / "run.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 1.0)
+    assert tumble("solve", run, "--stand", STAND).stderr == ""
+    tenfold = rewritten(tmp_path / "tenfold.csv", "ux [m/s^2],uy [m/s^2],uz [m/s^2]", 10.0)
+    assert "noise_v of the stand file, 0.0003, is in m/s^2 too" in tumble("solve", tenfold, "--stand", STAND).stderr
 
 
 @pytest.mark.parametrize("header", ["ux [V],uy [mV],uz [V]", "ux,uy,uz [mV]"])
@@ -115,3 +125,18 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]
+
+
+@pytest.mark.parametrize("spelling", ["m/s2", "m/s²", "m/s**2", "m/s^2"])
+def test_metres_per_second_squared_in_all_spellings(spelling, tumble, tmp_path):
+    """Of the outputs, by option and in the header, and of what apply and export write."""
+    run = rewritten(tmp_path / "run.csv", f"ux [{spelling}],uy [{spelling}],uz [{spelling}]", 1.0)
+    assert solved(tumble, run)["unit"] == "m/s^2"
+    assert solved(tumble, EXAMPLES / "paper_stand.csv", "--unit", spelling)["unit"] == "m/s^2"
+    stand, result = tmp_path / "local.toml", tmp_path / "result.json"
+    stand.write_text(STAND.read_text() + "\n[environment]\ngravity_m_s2 = 9.8\n")
+    assert tumble("solve", run, "--stand", stand, "--out", result).returncode == 0
+    said = [tumble("apply", result, run, "--unit", unit).stdout for unit in (spelling, "g")]
+    forces = [[float(text) for text in table.splitlines()[1].split(",")[-3:]] for table in said]
+    assert forces[0] == pytest.approx([9.8 * force for force in forces[1]], abs=1e-7)
+    assert tumble("export", result, "--format", "csv", "--unit", spelling).returncode == 0

@@ -6,6 +6,10 @@ from pathlib import Path
 
 import jsonschema
 
+NO_GRAVITY = (
+    "no coefficients in m/s2: its environment has no gravity_m_s2; write the local gravity, such as "
+    "gravity_m_s2 = 9.81, under [environment] of the stand file, and solve again"
+)
 _ROOT = Path(__file__).resolve().parents[2]
 
 

@@ -6,12 +6,34 @@ import math
 import re
 
 UNIT = re.compile(r"[A-Za-z0-9µΩ°%/^·._ +-]{1,16}")
+SI = "m/s2"  # of accelerations, as --unit of apply and export have it
+_SPELLINGS = {
+    **dict.fromkeys(("m/s2", "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
+    **{f"\N{GREEK SMALL LETTER MU}{unit}": f"\N{MICRO SIGN}{unit}" for unit in ("V", "g")},
+}
+_LOOKS_LIKE = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what a sensor in such a unit gives for 1 g
+_NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 
 
 def is_unit(text: object) -> bool:
     """Can this be the name of a unit?"""
     return isinstance(text, str) and UNIT.fullmatch(text) is not None and text == text.strip()
+
+
+def spelled(text: str) -> str:
+    """A unit as Tumble writes it, of the several ways in which people do; one that is not known stays as it is."""
+    return _SPELLINGS.get(text.strip(), text)
+
+
+def force_unit(text: object) -> object:
+    """The unit of an acceleration, "g" or SI, in whatever spelling; what is neither stays as it is."""
+    return SI if isinstance(text, str) and spelled(text) == "m/s^2" else text
+
+
+def looks_like(per_g: float) -> str | None:
+    """The unit of accelerations in which 1 g comes out as so much; None: no such unit."""
+    return next((unit for unit, size in _LOOKS_LIKE.items() if size / _NEAR < per_g < size * _NEAR), None)
 
 
 def volts_per(unit: str) -> float:

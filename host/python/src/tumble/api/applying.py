@@ -15,6 +15,7 @@ from tumble.files.calibrated import OUTPUTS, Demand, Seen, factor_of, with_calib
 from tumble.files.run_layout import Wishes
 from tumble.solving.force import Force, NoForce
 from tumble.solving.temperature import outside
+from tumble.units import spelled
 
 
 def values_of(force: Force, outputs: Floats, with_uncertainty: bool, name: str = "data") -> Floats:
@@ -36,6 +37,7 @@ def applied(
     known_c: dict[str, Any] | None,
 ) -> Any:
     """As Result.apply; `unit`: of the result's outputs; `known_c`: its temperature."""
+    outputs_unit = spelled(outputs_unit) if isinstance(outputs_unit, str) else outputs_unit
     require_unit(outputs_unit, "outputs_unit")
     wishes = wishes_of(columns, outputs_unit, wanted=OUTPUTS)
     if not frames.is_table(data):

@@ -9,7 +9,7 @@ from typing import Any
 
 from tumble.errors import UsageError, quoted
 from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, Wishes, is_delimiter
-from tumble.units import is_unit
+from tumble.units import is_unit, spelled
 
 
 def wishes_of(
@@ -20,6 +20,7 @@ def wishes_of(
         raise UsageError(f"delimiter: {quoted(delimiter)} is not a single sign that can separate columns")
     if decimal is not None and decimal not in DECIMALS:
         raise UsageError(f"decimal: {quoted(decimal)} is neither a point nor a comma")
+    unit = spelled(unit) if isinstance(unit, str) else unit
     require_unit(unit, "unit")
     return Wishes(_names(columns, (*wanted, TEMPERATURE)), delimiter, decimal, unit, wanted)
 

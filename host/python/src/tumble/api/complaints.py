@@ -17,17 +17,17 @@ from tumble.units import noise_unit
 _NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
 
 
-def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_volts: bool = False) -> list[str]:
-    """All of them. `odd`: what is odd about its rows and its K; `confirmed_volts`: the declared block shows that
-    outputs without a unit are in volts."""
+def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool = False) -> list[str]:
+    """All of them. `odd`: what is odd about its rows and its K; `confirmed_unit`: the declared block shows that
+    outputs are in the unit that its stand file is in, which is the volt where nobody names one."""
     told: list[str] = []
-    if not solution.run.unit_told and not confirmed_volts:
+    if not solution.run.unit_told and not confirmed_unit:
         told.append(_NO_UNIT)
     told += odd
     if (span := temperature.spanned(solution.run)) is not None:
         told.append(span)
     unit = solution.run.unit
-    if solution.stand is not None and noise_unit(unit) != "V":
+    if solution.stand is not None and noise_unit(unit) != "V" and not confirmed_unit:
         told.append(f"outputs in {unit}: noise_v of the stand file, {solution.stand.noise:g}, is in {unit} too")
     told += [] if solution.second_order is None else solution.second_order.complaints
     if solution.lone:

@@ -26,6 +26,7 @@ from tumble.schedule import Schedule
 from tumble.solving.coefficients import Coefficients
 from tumble.solving.force import Force
 from tumble.stand import Stand
+from tumble.units import force_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -188,6 +189,7 @@ class Result:
 
     def force(self, unit: str = "g", uncertainty: bool = False) -> Force:
         """What turns outputs in the result's unit into specific force in `unit`. `uncertainty`: it must be known."""
+        unit = str(force_unit(unit))
         if unit not in UNITS:
             raise UsageError(f"unit: {quoted(unit)} is not one of {', '.join(UNITS)}")
         try:

@@ -40,7 +40,7 @@ class Solved:
 
     def complaints(self, solution: Solution | None = None) -> list[str]:
         """Why it may not be what it claims; `solution`: if more has been found since."""
-        confirmed = plausibility.confirms_volts(self.solution, self.stand_file)
+        confirmed = plausibility.confirms_unit(self.solution, self.stand_file)
         return complaints(solution or self.solution, self.odd, confirmed)
 
     def document(self, solution: Solution | None = None) -> dict[str, Any]:

@@ -63,8 +63,8 @@ def _parse_delimiter(text: str) -> str:
 
 def _parse_unit(text: str) -> str:
     """Read a unit such as V, mV or m/s^2: up to 16 letters, digits and / ^ . _ + - signs."""
-    from tumble.units import is_unit
+    from tumble.units import is_unit, spelled
 
-    if not is_unit(text):
+    if not is_unit(spelled(text)):
         raise UsageError(f"--unit: {quoted(text)} is not a unit such as V, mV or m/s^2")
-    return text
+    return spelled(text)

@@ -33,7 +33,7 @@ from tumble.files.disk import reason
 from tumble.messages import tell
 
 _COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, draw, export, report, store, uml)
-_NEGATIVE = re.compile(r"-\.?\d")
+_NEGATIVE = re.compile(r"-(\.?\d|[+-]{2}$)")  # or three signs, of --signs
 
 
 class _Parser(argparse.ArgumentParser):

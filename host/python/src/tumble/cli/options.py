@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 from typing import TypeAlias
 
@@ -16,6 +17,10 @@ from tumble.terms import EXTENDABLE, TERMS
 Subparsers: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # in quotes: no generic when it runs
 
 FIRMWARES = ("host", "zcu102")
+_PROMISING = frozenset(
+    ".c .csv .h .htm .html .jpeg .jpg .json .m .mat .md .npz .parquet .pdf .png .pq .svg .toml .tsv .xls .xlsx .xml"
+    " .yaml .yml".split()
+)  # endings that say what is in a file
 LARGEST_SEED = 2**64 - 1
 
 
@@ -97,6 +102,15 @@ def add_seed(parser: argparse.ArgumentParser, remark: str = "") -> None:
 def add_json(parser: argparse.ArgumentParser) -> None:
     """--json, of a command that gives a result."""
     parser.add_argument("--json", action="store_true", help="print the result as one JSON document")
+
+
+def require_ending(file: str | None, option: str, *endings: str) -> None:
+    """Raise UsageError for an output, given by `option`, whose name promises another format than those that are written
+    under `endings`. A name that promises none is taken as it is."""
+    ending = "" if file is None else os.path.splitext(file)[1].lower()
+    if ending in _PROMISING and ending not in endings:
+        listed = " or ".join([", ".join(endings[:-1]), endings[-1]] if len(endings) > 1 else endings)
+        raise UsageError(f"{option}: {quoted(file)} does not end in {listed}")
 
 
 def parse_limit(text: str | None) -> float | None:

@@ -18,7 +18,7 @@ from tumble.core.binding import (
     require_ok,
     residual_rms,
 )
-from tumble.schedule import Schedule
+from tumble.schedule import FIT, Schedule
 
 if TYPE_CHECKING:
     from _tumble_core import CData
@@ -77,6 +77,12 @@ class RunSeen:
         self._calibration = Calibration(k, u0)
         self._coefficients = pack(k, u0)
         self._work = ffi.new("tumble_fit_work_t *")
+
+    @property
+    def has_turns(self) -> bool:
+        """Does the table turn in any mounting, from one fit position to another?"""
+        positions = [place for place in self._schedule.data.part(self._given[1]).positions if place.use == FIT]
+        return len({place.mounting for place in positions}) < len(positions)
 
     @property
     def departure(self) -> float:

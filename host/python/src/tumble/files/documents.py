@@ -13,8 +13,9 @@ from typing import Any
 
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
+from tumble.files.kinds import JSON, kind_of
 from tumble.terms import KEYS, TERMS
-from tumble.units import UNIT
+from tumble.units import UNIT, spelled
 
 RESULT = "tumble.result/1"
 _NAME = re.compile("[A-Za-z0-9_]+")
@@ -52,6 +53,7 @@ def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:
     }
     for key, is_valid in checks.items():
         _require(result, key, is_valid, file)
+    result["unit"] = spelled(result["unit"])  # as runs have it now; older results have it as it was typed
     _require(result, "covariance", _null_or_covariance, file, default=None)
     _require(result, "extended", _null_or_extended, file, default=None)
     if (result["u_K"] is None) != (result["u_U0"] is None):
@@ -87,6 +89,8 @@ def _parse(data: bytes, file: str) -> dict[str, Any]:
     try:
         result = json.loads(data.decode("utf-8-sig"), parse_constant=refuse_constant)
     except json.JSONDecodeError as error:
+        if (kind := kind_of(data)) not in (None, JSON):
+            raise BadInput(f"is {kind}; a result of tumble solve (JSON) is expected", file) from None
         raise BadInput(f"not valid JSON: {error.msg.lower()}", file, error.lineno, str(error.colno)) from None
     except (ValueError, RecursionError) as error:
         raise BadInput(f"not valid JSON: {quoted(error)}", file) from None

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
-from tumble.units import UNIT
+from tumble.files.kinds import JSON, TOML
+from tumble.units import UNIT, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
@@ -166,7 +167,9 @@ def _from_header(
         raise BadInput(f"no header line; the first line must name the columns {','.join(wishes.wanted)}", file, row)
     below = _rows_above_header([line, *following], candidates, wishes)
     if _TOML.match(line) and not (below and wishes.has_preamble):
-        raise BadInput("is TOML, such as a stand or a schedule file, and no run file", file, row)
+        raise BadInput(f"is {TOML}, and no run file", file, row)
+    if line.lstrip().startswith("{"):
+        raise BadInput(f"is {JSON}, and no run file", file, row)
     if below:
         if wishes.has_preamble:
             return _from_header(row + below, following[below - 1], following[below:], skipped, wishes, file)
@@ -302,7 +305,7 @@ def detect_unit(names: list[str], file: str, row: int | None) -> str | None:
     units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
     if len(set(units)) > 1:
         raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
-    return units[0] if UNIT.fullmatch(units[0]) else None
+    return spelled(units[0]) if UNIT.fullmatch(spelled(units[0])) else None
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

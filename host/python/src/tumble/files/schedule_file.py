@@ -66,6 +66,10 @@ def require_solvable(schedule: CoreSchedule, estimator: str | None, file: str) -
 
 
 def _read(file: str, data: bytes | None) -> CoreSchedule:
+    if data is None and not os.path.exists(file):
+        raise BadInput(
+            f"no such file or folder, nor a built-in schedule: these are {', '.join(BUILT_IN)}{_meant(file)}", file
+        )
     top = read_toml(file, data)
     if "stand" in top.keys:
         raise BadInput("is a stand file (--stand), not a schedule file", file)
@@ -79,6 +83,14 @@ def _read(file: str, data: bytes | None) -> CoreSchedule:
     require_identifying(core_schedule, file)
     _tell_of_rotations(schedule, [table.matrix("matrix") for table in mountings], file)
     return core_schedule
+
+
+def _meant(name: str) -> str:
+    """A question, where a built-in schedule has nearly this name."""
+    import difflib
+
+    close = difflib.get_close_matches(name.lower().replace("-", "_"), BUILT_IN, n=1, cutoff=0.7)
+    return f"; is {close[0]} meant?" if close else ""
 
 
 def require_identifying(schedule: CoreSchedule, file: str) -> None:

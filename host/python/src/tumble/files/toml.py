@@ -10,6 +10,7 @@ from typing import Any
 
 from tumble.errors import BadInput, quoted
 from tumble.files.disk import read_bytes
+from tumble.files.kinds import TOML, kind_of
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\s\"'-]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"^\s*([\w.\"'-]+(?:\s*\.\s*[\w\"'-]+)*)\s*=")
@@ -30,6 +31,8 @@ def read_toml(file: str, data: bytes | None = None) -> Table:
     try:
         values = _loads(text)
     except ValueError as error:
+        if (kind := kind_of(data)) not in (None, TOML):
+            raise BadInput(f"is {kind}; TOML is expected, such as a stand or a schedule file", file) from None
         place = _PLACE.search(str(error))
         row, column = place.groups() if place else (text.count("\n") + 1, None)
         message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")

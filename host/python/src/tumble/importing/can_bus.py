@@ -86,7 +86,7 @@ def read(data: bytes, file: str, kind: str, wishes: Wishes, bus: Bus) -> Found:
             (*notes, f"counts made volts: {bus.v_per_count:.6g} V a count, as converter_bits and range_v have it"),
         )  # fmt: skip
     if found.unit == COUNTS and wishes.unit is None:
-        notes += ("in counts: with converter_bits and range_v of a stand file (--stand) in V",)
+        notes += ("in counts: write converter_bits and range_v into [block] of the stand file (--stand) to have V",)
     return Found(found.seconds, found.outputs, found.lines, wishes.unit or found.unit, found.temperature, notes)
 
 

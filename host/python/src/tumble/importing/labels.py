@@ -24,6 +24,7 @@ from tumble.schedule import Schedule
 
 _NEAR_DEG = 3.0  # of a set angle, what a table shows may be off
 _ALL = "all"  # key of groups that are numbered through all mountings
+_MOST_NAMES = 6  # of mountings whose numbers nobody says: 720 ways of giving six numbers, half a second
 _CROSS = 0.5  # of a channel's own axis, what it may feel of another
 
 
@@ -248,13 +249,19 @@ def _ways(keys: list[str], schedule: Schedule, named: dict[str, int]) -> Iterato
     fixed = {key: named[key] for key in keys if key in named}
     open_keys = [key for key in keys if key not in fixed]
     free = [number for number in numbers if number not in fixed.values()]
+    if len(open_keys) > _MOST_NAMES:
+        listed = ",".join(f"{key}=N" for key in open_keys[:2])
+        raise Doubtful(
+            f"{len(open_keys)} mountings have names, too many to try every number for each: --mountings {listed},... "
+            f"says which is which; {_MOST_NAMES} may stay open"
+        )
     for choice in itertools.permutations(free, len(open_keys)):
         yield {key: {**fixed, **dict(zip(open_keys, choice))}[key] for key in keys}
 
 
 def _value(text: str | None) -> float | None:
-    """The number that a label begins or ends with, such as 3 of "Pos 3" and 45 of "45°"."""
-    found = re.search(r"-?\d+(?:[.,]\d+)?", text or "")
+    """The number that a label begins or ends with, such as 3 of "Pos 3" and "POS-3", and -45 of "-45°" and "at -45"."""
+    found = re.search(r"(?:(?<![\w.,])-)?\d+(?:[.,]\d+)?", text or "")
     return float(found[0].replace(",", ".")) if found else None
 
 

@@ -21,6 +21,7 @@ from tumble.importing.recording import Recording, Timing
 from tumble.importing.rests import Found, Rest, Thresholds, find_rests, rest_of
 from tumble.reference import built_in
 from tumble.schedule import BUILT_IN, Schedule
+from tumble.units import looks_like
 
 DEFAULT_SCHEDULE = "paper"
 _FEWEST_ROWS_IN_BLOCK = 4
@@ -116,7 +117,12 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
         raise BadInput(str(doubt), files[0]) from None
-    notes = _notes(recordings, settings, found, interval, labelled) + same + list(matched.notes)
+    notes = (
+        _notes(recordings, settings, found, interval, labelled)
+        + _about_unit(recordings, matched)
+        + same
+        + list(matched.notes)
+    )
     return Imported(
         tuple(recordings), settings, schedule, outputs, seconds, file_of_row, found, tuple(rests), matched, labelled,
         tuple(notes),
@@ -263,6 +269,14 @@ def _notes(
         notes.append(f"schedule: nobody says, taken for {DEFAULT_SCHEDULE} (--schedule)")
     if interval is None and not labelled:
         notes.append("clock: none, so lengths are counted in samples (--rate HZ gives seconds)")
-    if not all(one.unit_told for one in recordings):
-        notes.append("unit: nobody says; the run file names none either (--unit)")
     return notes
+
+
+def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
+    """That nobody says the unit of the outputs, and which one they look like."""
+    if all(one.unit_told for one in recordings):
+        return []
+    per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
+    unit = looks_like(per_g)
+    hint = "--unit" if unit is None else f"1 g is {per_g:.4g} of it, which looks like {unit}: --unit {unit}"
+    return [f"unit: nobody says; the run file names none either ({hint})"]

@@ -105,6 +105,11 @@ class RunSeen:
         self._model = Model(self._fitted, self._k)
 
     @property
+    def has_turns(self) -> bool:
+        """Are there mountings with more than one fit position?"""
+        return len(self._fitted.fitted_mountings) < len(self._fit)
+
+    @property
     def largest_force(self) -> float:
         """The largest output, as a specific force in g."""
         return float(np.abs(np.linalg.solve(self._k, self._means.T)).max())

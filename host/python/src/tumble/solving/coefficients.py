@@ -51,7 +51,10 @@ class Coefficients:
         if not is_g:
             gravity, u_gravity = si.gravity_of(result["environment"])
             if gravity is None:
-                raise ValueError("no coefficients in m/s2: its environment has no gravity_m_s2")
+                raise ValueError(
+                    "no coefficients in m/s2: its environment has no gravity_m_s2; write the local gravity, such as "
+                    "gravity_m_s2 = 9.81, under [environment] of the stand file, and solve again"
+                )
             if joint is not None:
                 joint = None if u_gravity is None else si.joint(values, powers, joint, gravity, u_gravity)
             stated = None if joint is None else np.sqrt(np.diag(joint)).tolist()

@@ -90,8 +90,8 @@ def marked(solution: Solution, stand_file: StandFile | None) -> Solution:
     return replace(solution, is_out_of_order=not is_declared and bool(_structure(solution)))
 
 
-def confirms_volts(solution: Solution, stand_file: StandFile | None) -> bool:
-    """Does the declared block, which is in volts, show that the outputs are? K then is the declared one."""
+def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
+    """Does the declared block show that the outputs are in the unit of the stand file? K then is the declared one."""
     declared = stand_file is not None and stand_file.block is not None
     return declared and examine(solution, stand_file) == Plausibility()
 

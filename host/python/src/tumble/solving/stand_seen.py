@@ -46,11 +46,14 @@ class AngleError(Protocol):
 
 class RunSeen(Protocol):
     """What both implementations answer: RunSeen of tumble.core.stand_seen and of tumble.reference.stand_seen.
-    `mountings`: how many the schedule has; `departure`: rms of what least squares on the ideal stand leaves of the
-    outputs, in the channel that has most, over max|K|: about an angle in rad; 0 where it leaves nothing by itself."""
+    `mountings`: how many the schedule has; `has_turns`: is any of them measured at two angles?; `departure`: rms of
+    what least squares on the ideal stand leaves of the outputs, in the channel that has most, over max|K|: about an
+    angle in rad; 0 where it leaves nothing by itself."""
 
     mountings: int
 
+    @property
+    def has_turns(self) -> bool: ...
     @property
     def departure(self) -> float: ...
     def angles(self, alpha4: float | None, variance: Floats, /) -> Mapping[str, Quantity | None]: ...
@@ -96,12 +99,12 @@ def look(
     it found (None: unknown). `samples` (positions,); `stand` in the unit of the outputs; `mean_variance`
     (positions, 3): of the means as their own samples show it, counts where it is more than white noise leaves.
 
-    Free attitudes, more mountings than the core has yaws for, show the noise alone. So do outputs so far from those of
-    any stand that no small angles explain them, such as those of exchanged mountings: the angles are linear theory, and
-    its figures would be rounding. A stand that is not to be trusted gives no uncertainties, except where the run itself
-    has none to give.
+    Free attitudes show the noise alone: poses without a turn of one table, or more mountings than the core has yaws
+    for. So do outputs so far from those of any stand that no small angles explain them, such as those of exchanged
+    mountings: the angles are linear theory, and its figures would be rounding. A stand that is not to be
+    trusted gives no uncertainties, except where the run itself has none to give.
     """
-    if run.mountings > MAX_YAWS or run.departure > MAX_STAND_ERROR_RAD:
+    if run.mountings > MAX_YAWS or not run.has_turns or run.departure > MAX_STAND_ERROR_RAD:
         return StandSeen(noise, None, 0.0, dict.fromkeys(ANGLES), dict.fromkeys(ANGLES), None)
     own = own_variance(noise, samples, stand, mean_variance)
     error = None if own is None else run.angle_error(own)

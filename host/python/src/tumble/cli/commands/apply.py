@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from tumble.cli import layout_options, options
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
+from tumble.units import SI, force_unit
 
 if TYPE_CHECKING:
     from tumble.api.result import Result
@@ -34,7 +35,8 @@ def add_to(subparsers: options.Subparsers) -> None:
     parser.add_argument("--out", metavar="FILE", help="a file, or an existing folder; default: standard output")
     parser.add_argument(
         "--unit",
-        choices=("g", "m/s2"),
+        type=force_unit,
+        choices=("g", SI),
         default="g",
         help="of the acceleration; m/s2 needs gravity_m_s2 in the result's environment; default: g",
     )
@@ -64,6 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
         if suffix_of(file) in SUFFIXES and suffix_of(file) not in PARQUET:
             raise BadInput("apply takes CSV and Parquet; of arrays, Result.apply in Python (docs/python.md)", file)
     kinds = {suffix_of(file) in PARQUET for file in arguments.data}
+    if arguments.out is not None and not os.path.isdir(arguments.out):
+        options.require_ending(arguments.out, "--out", *(PARQUET if kinds == {True} else (".csv", ".tsv")))
     result = load(arguments.result)
     force = result.force(arguments.unit, arguments.uncertainty)
     demand = demand_of(force, result.unit, arguments.uncertainty, wishes)

@@ -68,7 +68,13 @@ def add_to(subparsers: options.Subparsers) -> None:
         " inside user-mode Linux, where the kernel has no CAN; default: inprocess",
     )
     options.add_firmware(parser, "zcu102: on a real bus only, and not with --interactive; ")
-    parser.add_argument("--interactive", action="store_true", help="ask for mountings, and what to do after a fault")
+    parser.add_argument(
+        "--interactive",
+        action="store_true",
+        help="you are the operator: the"
+        " bench shows how the block has to sit, waits until you have mounted it (Enter), and asks what to"
+        " do after a fault; without it mountings are taken for done and a fault ends the run",
+    )
     options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
     parser.add_argument("--report", action="store_true", help="leave a report in the run folder too, report.html")

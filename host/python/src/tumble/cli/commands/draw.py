@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
-from tumble.errors import EXIT_PASS
+from tumble.errors import EXIT_PASS, UsageError
 from tumble.schedule import file_of
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def add_to(subparsers: options.Subparsers) -> None:
             options.add_schedule(parser)
         if name == "angles":
             parser.add_argument("--mounting", metavar="N", help="its number; default: the schedule's first")
-        parser.add_argument("--out", metavar="FILE.svg", help="default: standard output")
+        parser.add_argument("--out", metavar="FILE.svg", help="default: standard output, unless that is a terminal")
         parser.set_defaults(run_command=run, subject=name)
 
 
@@ -46,11 +46,15 @@ def run(arguments: argparse.Namespace) -> int:
     """Draw and write. Returns the exit code; raises TumbleError."""
     from tumble.files.disk import refuse_overwriting, write_text
 
+    if arguments.out is not None:
+        refuse_overwriting(arguments.out, file_of(getattr(arguments, "schedule", None)))
+        options.require_ending(arguments.out, "--out", ".svg")
+    elif sys.stdout.isatty():
+        raise UsageError("a picture is no text for a terminal: --out FILE.svg")
     text = _drawn(arguments)
     if arguments.out is None:
         sys.stdout.write(text)
     else:
-        refuse_overwriting(arguments.out, file_of(getattr(arguments, "schedule", None)))
         write_text(arguments.out, text)
     return EXIT_PASS
 

@@ -6,11 +6,18 @@ import argparse
 import sys
 from typing import Any
 
-from tumble.cli.options import Subparsers, parse_number
+from tumble.cli.options import Subparsers, parse_number, require_ending
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
+from tumble.units import SI, force_unit
 
-FORMATS = ("c", "csv", "matlab", "ros", "imucal")
+FORMATS = {  # and how the names of their files end
+    "c": (".h", ".c"),
+    "csv": (".csv",),
+    "matlab": (".m",),
+    "ros": (".yaml", ".yml"),
+    "imucal": (".json",),
+}
 _FOR_SI = ("ros", "imucal")  # which take accelerations in m/s^2
 _NUMBERS = ("double", "float", "fixed")
 
@@ -32,7 +39,8 @@ def add_to(subparsers: Subparsers) -> None:
     )
     parser.add_argument(
         "--unit",
-        choices=("g", "m/s2"),
+        type=force_unit,
+        choices=("g", SI),
         help="of accelerations; m/s2 needs gravity_m_s2 in the result's environment; default: g, for ros and imucal"
         " m/s2",
     )
@@ -53,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.files.documents import read_coefficients
 
     refuse_overwriting(arguments.out, arguments.result)
+    require_ending(arguments.out, "--out", *FORMATS[arguments.format])
     result = read_coefficients(arguments.result)
     try:
         text = _converted(result, arguments, step)

@@ -40,7 +40,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     )
     options.add_schedule(parser)
     parser.add_argument("--stand", metavar="FILE", help="stand file: the sign of its scale_v_per_g is that of K")
-    parser.add_argument("--signs", metavar="+++", help="of K_xx, K_yy, K_zz (write --signs=-+-); default: the stand's")
+    parser.add_argument("--signs", metavar="+++", help="of K_xx, K_yy, K_zz such as -+-; default: the stand's")
     parser.add_argument(
         "--order", choices=("schedule", "any"), help="in which positions were measured; default: the schedule's"
     )
@@ -70,6 +70,7 @@ def add_to(subparsers: options.Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Import and tell. Returns the exit code; raises TumbleError."""
+    from tumble.cli.next_command import after_import
     from tumble.files.disk import refuse_overwriting, write_all
     from tumble.files.documents import to_json
     from tumble.files.schedule_file import read_schedule
@@ -83,6 +84,8 @@ def run(arguments: argparse.Namespace) -> int:
     outputs = [os.path.realpath(one) for one in (arguments.out, arguments.plot, arguments.recipe) if one is not None]
     if len(set(outputs)) < len(outputs):
         raise UsageError("--out, --plot and --recipe: two of them name the same file")
+    options.require_ending(arguments.out, "--out", ".csv")
+    options.require_ending(arguments.recipe, "--recipe", ".toml")
     if arguments.plot is not None:
         require_format(arguments.plot, "--plot")
     replayed = arguments.recipe is not None and os.path.exists(arguments.recipe)
@@ -92,7 +95,8 @@ def run(arguments: argparse.Namespace) -> int:
     done = import_recordings(arguments.recordings, schedule, settings)
     remarks = [f"recipe {os.path.basename(arguments.recipe)} followed"] if replayed else []
     done = replace(done, notes=(*remarks, *about_signs, *done.notes))
-    text = to_json(report.document(done)) if arguments.json else report.text(done)
+    after = after_import(done, arguments.out, arguments.stand)
+    text = to_json(report.document(done)) if arguments.json else report.text(done) + after
     files: dict[str, bytes] = {}
     if arguments.out is not None:
         files[arguments.out] = report.run_csv(done).encode()

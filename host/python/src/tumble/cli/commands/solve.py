@@ -61,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     wishes = layout_options.wishes(arguments, (*COLUMNS, TEMPERATURE))
     refuse_overwriting(arguments.out, arguments.run, arguments.stand, file_of(arguments.schedule))
+    options.require_ending(arguments.out, "--out", ".json")
     found = solved(
         recording_of(arguments.run, wishes),
         stand=arguments.stand,
