@@ -22,8 +22,8 @@ typedef struct {
     const tumble_schedule_t *schedule;
     tumble_coefficients_t *block; /* of the pass before, as is the stand */
     tumble_stand_errors_t *stand;
-    /* What of each fit position's angle error the pass before found to be curvature. Small beside the error itself, so
-     * that single precision costs less than 1e-13 of K. */
+    /* What of each fit position's angle error the pass before found to be curvature. About the square of the largest
+     * error, so that single precision costs less than 1e-13 of K at 1 mrad; at 29 mrad 7e-12 was seen. */
     float *curvature_rad;
     double sum[MAX_ROWS]; /* of this pass */
 } work_t;

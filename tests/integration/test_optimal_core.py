@@ -15,6 +15,7 @@ from tumble.stand import COMMON, INDEPENDENT, PAPER_STAND, Stand
 
 LIMIT = 1e-6  # of each coefficient's standard uncertainty
 ROUNDING = 1e-12  # of max|K|, as for every estimator: all that counts where u is below a millionth of K
+SINGLE = 2.0**-24  # of the second order, about the square of the largest angle: the core keeps it as float
 LARGE_RAD = 0.09  # where the core may call an angle, or its curvature, too large: TUMBLE_MAX_STAND_ERROR_RAD is 0.1
 PAPER = core.CoreSchedule(core.paper_schedule())
 
@@ -45,7 +46,7 @@ def record_for(schedule, k, stand):
 
 
 def largest_angle(schedule, k, stand, means):
-    """Of all that the witness takes for an error of the stand on its way, and of what the second order changes in it."""
+    """Of all that the witness takes for an error of the stand on its way, and what the second order changes in it."""
     problem = _Whitened(schedule, k, stand, np.ones(len(schedule.positions)), 0.0)
     measured = means[problem.fit].reshape(-1, 1)
     x, largest, turns = problem.unknowns(measured), 0.0, 0.0
@@ -81,7 +82,8 @@ def difference(rng, schedule):
         assert getattr(found, name) == pytest.approx(getattr(witness, name), abs=allowed), name
     apart = np.abs([*(found.k - witness.k).ravel(), *(found.u0 - witness.u0)])
     u = np.array([*witness.u_k.ravel(), *witness.u_u0])
-    return (apart / u).max(), (apart / np.maximum(LIMIT * u, ROUNDING * np.abs(k).max())).max()
+    rounded = max(ROUNDING, SINGLE * witness.largest_angle**2) * np.abs(k).max()
+    return (apart / u).max(), (apart / np.maximum(LIMIT * u, rounded)).max()
 
 
 def worst_difference(rng, cases):

@@ -57,7 +57,8 @@ HANDS_OF_4_MRAD = '[stand]\nsamples = 100\nnoise_v = 0.0143\nlimits = "sigma1"\n
 def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
     """As `solve` and reports say of u without a stand file: what 4 mrad an angle make of it."""
     run = tmp_path / "run.csv"
-    done = tumble("import", EXAMPLES / "hand_held_session.csv", "--unit", "m/s^2", "--rate", "102.4", *PLACED, "--out", run)
+    recorded = ("--unit", "m/s^2", "--rate", "102.4", *PLACED)
+    done = tumble("import", EXAMPLES / "hand_held_session.csv", *recorded, "--out", run)
     assert done.returncode == 0, done.stderr
     (tmp_path / "hands.toml").write_text(HANDS_OF_4_MRAD)
     solving = ("solve", run, "--schedule", FACES, "--estimator", "least_squares", "--limit", "5e-3", "--json")

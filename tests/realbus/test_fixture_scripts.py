@@ -114,6 +114,7 @@ def calibrate(bus):
     network = canopen.Network(can.Bus(interface="socketcan", channel=str(bus)))
     network.connect()
     one = network.add_node(1, str(ROOT / "docs/eds/tumble_navcomp.eds"))
+    one.sdo.RESPONSE_TIMEOUT = 20.0
     try:
         one.sdo["Command"]["Command"].raw = 1
         end = time.monotonic() + 120

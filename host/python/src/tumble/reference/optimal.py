@@ -31,7 +31,8 @@ _ROW_ORDER = np.arange(9).reshape(3, 3).T.ravel()  # K row by row, of K column b
 class OptimalEstimate:
     """What the run says: `k` (3, 3), `u0` (3,), `sizes` (terms, 3) of further terms, their `covariance`, K row by row,
     then U0, then the sizes; `alpha1`, `alpha2`, `alpha3` (one per mounting), radians; `magnification`: by how much the
-    rounding of a mean may be larger in a coefficient."""
+    rounding of a mean may be larger in a coefficient; `largest_angle`: of all errors found, table angles with alpha2,
+    radians."""
 
     k: Floats
     u0: Floats
@@ -41,6 +42,7 @@ class OptimalEstimate:
     alpha2: float
     alpha3: Floats
     magnification: float
+    largest_angle: float
 
     @property
     def u_k(self) -> Floats:
@@ -163,7 +165,7 @@ class _Whitened:
         angles = self._stand(x)
         largest = float(np.abs(self.unknowns(np.eye(len(measured)))[: self.count]).sum(axis=1).max())
         shared = float(angles["alpha1"]), float(angles["alpha2"]), angles["alpha3"]
-        return OptimalEstimate(k, u0, sizes, covariance, *shared, largest)
+        return OptimalEstimate(k, u0, sizes, covariance, *shared, largest, _largest_angle(angles))
 
     def _noise_of_means(self) -> Floats:
         noise: Floats = np.maximum(self.one_sample / np.sqrt(self.averaged_over), self.floor)
@@ -206,6 +208,12 @@ class _Whitened:
         outputs = self.geometry.outputs(k, u0, **self._stand(x))[self.fit]
         outputs = outputs + self.course[:, None] * self._found(x).get("drift", np.zeros(3))
         return outputs.reshape(-1, 1) + self.further @ x[12 : self.count]
+
+
+def _largest_angle(angles: dict[str, Floats]) -> float:
+    turns = angles["alpha2"] + angles["delta"]
+    tilts = [np.atleast_1d(angles[name]) for name in ("alpha1", "alpha3", "seat_h", "seat_n")]
+    return float(np.abs(np.concatenate([turns, *tilts])).max())
 
 
 def _coefficients(x: Floats) -> tuple[Floats, Floats]:

@@ -29,6 +29,7 @@ _ROUNDED_RAD = 1e-11
 _SUMMED = 100.0
 _LAST_BITS = 16 * np.finfo(float).eps
 _MAGNIFIED_BITS = 2 * np.finfo(float).eps
+_SINGLE_BIT = 2.0**-24  # the core keeps the second order of table angles, about their square, in single precision
 _DERIVED = 10.0
 
 
@@ -174,7 +175,8 @@ def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) 
 
 
 def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats, Floats]:
-    bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification) * np.abs(means).max()
+    single = _SINGLE_BIT * optimal.largest_angle**2
+    bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification, single) * np.abs(means).max()
     k, u0, sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in (optimal.u_k, optimal.u_u0, optimal.u_sizes))
     return k, u0, sizes
 
