@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from tumble.errors import BadInput, NotInstalled, UsageError, quoted
+from tumble.errors import NotInstalled, UsageError, quoted
 from tumble.report import conformity, identity, method, pages, since, values
 from tumble.report.cells import Fixed, line
 from tumble.report.number import number_of, require_number
