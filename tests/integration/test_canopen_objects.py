@@ -22,11 +22,12 @@ PRODUCTS = (
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
-    "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
+    "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
     "host/python/src/tumble/drawings/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
-        for path in (*(ROOT / "firmware").rglob("*.h"), *(ROOT / "firmware/procedure").glob("*.c"))]
+        for path in (ROOT / "docs/operations.md", *(ROOT / "firmware").rglob("*.h"),
+                     *(ROOT / "firmware/procedure").glob("*.c"))]
 
 
 def process(*arguments):
