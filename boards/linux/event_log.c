@@ -24,7 +24,7 @@
 
 typedef enum { FORM_PLAIN = 0, FORM_TEXT, FORM_JSON } form_t;
 
-static struct {
+typedef struct {
     form_t form;
     event_log_level_t level; /* the least severe that is told; 0: EVENT_LOG_INFO */
     const char *program;     /* null: not begun */
@@ -34,7 +34,9 @@ static struct {
     uint32_t lost;
     uint64_t room_us; /* of lines that may go now, in the time that each takes to be earned */
     uint64_t seen_us;
-} the_log;
+} event_log_t;
+
+static event_log_t the_log;
 
 static const char *level_name(event_log_level_t level)
 {
@@ -108,10 +110,15 @@ void event_log_start(const char *program, int fd)
     the_log.is_torn = false;
 }
 
+void event_log_reset(void)
+{
+    the_log = (event_log_t){0};
+}
+
 static bool is_writable(void)
 {
     struct pollfd asked = {.fd = the_log.fd, .events = POLLOUT};
-    return poll(&asked, 1, 0) == 1 && (asked.revents & POLLOUT) != 0;
+    return poll(&asked, 1, 0) == 1 && asked.revents == POLLOUT; /* and no error: nobody would read it */
 }
 
 /* A pipe that has room has it for a whole line; a socket is asked not to wait. */

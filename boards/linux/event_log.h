@@ -55,6 +55,9 @@ bool event_log_take_level(void *options, const char *level);
 /* Begin: the name of the program, which must stay, and the descriptor to write to. Before, nothing is written. */
 void event_log_start(const char *program, int fd);
 
+/* As it was when the process began. For tests. */
+void event_log_reset(void);
+
 /* Does anybody want every event? Else only what event_log_always tells is written, as it ever was. */
 bool event_log_is_on(void);
 

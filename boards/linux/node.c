@@ -5,6 +5,7 @@
 #include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "run_log.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -96,7 +97,7 @@ static void note_state(node_t *node)
     if (!has_moved_on(now, &before)) {
         return;
     }
-    node_log_state(now, &node->fault, !node->options->start || node->options->patience_s > 0.0);
+    run_log_state(now, &node->fault, !node->options->start || node->options->patience_s > 0.0);
     node->faulted_us = (now->state == TUMBLE_STATE_FAULT) ? world->clock.now_us : SIM_NEVER;
     if (is_of_a_run(now->state)) {
         node->reported = false;

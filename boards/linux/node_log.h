@@ -25,10 +25,6 @@ void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame);
 /* A command was refused. */
 void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
 
-/* The procedure has moved on; `cause`: the fault that the run has not got over, TUMBLE_REASON_NONE if there is none.
- * `waits`: after a fault for a command. */
-void node_log_state(const tumble_progress_t *now, const tumble_progress_t *cause, bool waits);
-
 /* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
 
