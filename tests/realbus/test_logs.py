@@ -9,8 +9,8 @@ from datetime import datetime, timezone
 import pytest
 from bench_program import built
 from conftest import ROOT
-from processes import HASTE, SLOW_TABLE, Node, Stand, scenario, sdo_command, wait_until
-from test_gateway import Served
+from processes import HASTE, PATIENCE, SLOW_TABLE, Stand, scenario, sdo_command, wait_until
+from test_gateway import KEYS, Served
 
 HEARTBEAT_S = 0.5
 PAGE = (ROOT / "docs/operations.md").read_text(encoding="utf-8")
@@ -44,7 +44,10 @@ class Log:
         def found():
             return [line for line in self.lines(event) if members.items() <= line.items()]
 
-        wait_until(found, timeout)
+        try:
+            wait_until(found, timeout)
+        except AssertionError:
+            pytest.fail(f"no {event} with {members}: " + "\n".join(line["message"] for line in self.lines()[-12:]))
         return found()[0]
 
 
@@ -55,7 +58,8 @@ def logged(started, tmp_path):
     def start(name, *arguments, folder="boards/linux"):
         log = Log(tmp_path / f"{name}-{time.monotonic_ns()}.log")
         command = [built(name, folder), *map(str, arguments), "--log", "json"]
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log.file, text=True)
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log.file,
+                                   text=True)
         started.append(process)
         return process, log
 
@@ -91,8 +95,7 @@ def test_a_stand_that_is_killed_is_the_cause_to_the_end(bus, started, tmp_path, 
     assert fault["remedy"] == remedy(fault["reason"]) and fault["remedy"] in fault["message"]
     if ended_by == "resume and command":
         sdo_command(bus, 7)
-        second = log.wait_for("fault", reason="TUMBLE_REASON_STAND_OFFLINE")
-        assert second["state"] == "TUMBLE_STATE_PREFLIGHT"
+        log.wait_for("fault", state="TUMBLE_STATE_PREFLIGHT")
     if ended_by != "signal":
         sdo_command(bus, 2)
         aborted = log.wait_for("state", state="TUMBLE_STATE_ABORT")
@@ -103,3 +106,83 @@ def test_a_stand_that_is_killed_is_the_cause_to_the_end(bus, started, tmp_path, 
     last = log.lines()[-1]
     assert (last["event"], last["exit"], last["cause"]) == ("end", code, fault["reason"])
     assert last["remedy"] == fault["remedy"] and last["remedy"] in last["message"]
+
+
+def test_a_fault_that_the_run_has_got_over_is_no_cause(bus, started, tmp_path, logged):
+    """The last line does not tell of it any more."""
+    fault = "drive_fault at=1.3 phase=move duration=0.1 value=0x7500"
+    path = scenario(tmp_path, **SLOW_TABLE, procedure__retries=0, fault=fault)
+    stand, told = logged("tumble-stand", bus, path, "--operator", "start")
+    node, log = logged("tumble-node", bus, path)
+    failed = log.wait_for("fault")
+    assert (failed["reason"], failed["drive_code"], failed["position"]) == ("TUMBLE_REASON_DRIVE_FAULT", 0x7500, 3)
+    assert told.wait_for("fault")["kind"] == "drive_fault"
+    time.sleep(0.3)
+    sdo_command(bus, 7)
+    log.wait_for("state", state="TUMBLE_STATE_AVERAGE", position=3)
+    assert ended(node)[1]["cause"] is None
+    last = log.lines()[-1]
+    assert (last["event"], last["exit"], "cause" in last, last["level"]) == ("end", 130, False, "notice")
+    assert ended(stand)[0] == 0
+    assert [(line["event"], line["at_rest"]) for line in told.lines()[-1:]] == [("end", 1)]
+
+
+def test_a_recalibration_over_modbus_in_three_logs(bus, started, tmp_path, logged):
+    """Who commanded what, what came of it, and what is held and committed, as node, stand and gateway each see it."""
+    path = scenario(tmp_path, **HASTE, **PATIENCE, keeper__commits="no")
+    stand, of_stand = logged("tumble-stand", bus, path, "--seed", 11)
+    node, of_node = logged("tumble-node", bus, path, "--nv", tmp_path / "memory")
+    of_node.wait_for("ready", interface=str(bus), memory=str(tmp_path / "memory"))
+    served = Served(bus, "--allow-commands", "--log", "json")
+    started.append(served)
+    served.wait_for("State", 0)
+    served.client.write_registers(0, [1, 2], device_id=1)
+    served.client.write_registers(0, list(KEYS), device_id=1)
+    assert served.execute(0, 0, 0, 0, 1) == (2, 0)
+    of_node.wait_for("state", state="TUMBLE_STATE_HOME")
+    assert served.execute(0, 0, 0, 0, 1) == (3, 0x08000022)
+    served.wait_for("Keeper: Verdict", 3)
+    assert served.tell("Service level: Key", 0x76726573)[0] == 2
+    assert served.accept() == (2, 0)
+    served.wait_for("Keeper: Verdict", 5)
+    served.renew()
+    told = [json.loads(line) for line in [served.line, *served.end().splitlines()]]
+    of_gateway = [(line["event"], line.get("command", line.get("why", line.get("link")))) for line in told]
+    start, service, accept = "TUMBLE_COMMAND_START (1)", "setting 2006h:1", "TUMBLE_COMMAND_ACCEPT (9)"
+    expected = [("ready", None), ("link", "up"), ("connected", None), ("refused", "wrong keys"), ("unlock", None),
+                ("command", start), ("refused", start), ("held", None), ("command", service), ("command", accept),
+                ("commit", None), ("disconnected", "by itself"), ("end", None)]
+    assert sorted(one for one in of_gateway if one[0] != "state") == sorted(expected, key=str)
+    assert [one for one in of_gateway if one in expected[4:]] == expected[4:]
+    assert next(line for line in told if line["event"] == "refused" and "command" in line)["abort_code"] == 0x08000022
+    assert "TUMBLE_STATE_DONE" in [line["state"] for line in told if line["event"] == "state"]
+
+    assert ended(node)[0] == 0 and ended(stand)[0] == 0
+    states = [line["state"].removeprefix("TUMBLE_STATE_") for line in of_node.lines("state")]
+    assert states[0] == "PREFLIGHT" and states[-1] == "DONE" and states.count("AVERAGE") >= 18
+    refused = [(line["command"], line["command_number"]) for line in of_node.lines("refused")]
+    assert refused == [("TUMBLE_COMMAND_START", 1)]
+    [held], [commit] = of_node.lines("held"), of_node.lines("commit")
+    assert held["objections"] & 1 << 10 and "TUMBLE_OBJECTION_BY_HAND, " in held["sentence"]
+    assert (commit["calibration_counter"], commit["how"]) == (1, "the proposal is accepted")
+    assert len(of_node.lines("unlock")) == 1 and not of_node.lines("fault")
+    assert [line["event"] for line in of_node.lines()][:1] == ["ready"] and of_node.lines()[-1]["event"] == "end"
+
+    confirmed = [line for line in of_stand.lines("command") if line["command"] == "TUMBLE_COMMAND_CONFIRM_MOUNTING"]
+    assert [line["argument"] for line in confirmed] == [1, 2]
+    assert [line["mounting"] for line in of_stand.lines("mounted")] == [1, 2]
+    assert not of_stand.lines("lost") + of_node.lines("lost")
+
+
+def test_without_the_option_standard_error_is_as_it_was(bus, started, tmp_path):
+    """Of a whole run: the sentence that it is ready."""
+    path = scenario(tmp_path, **HASTE)
+    stand = Stand(bus, path, "--operator", "start")
+    command = [built("tumble-node", "boards/linux"), str(bus), str(path)]
+    node = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    started.extend([stand, node])
+    document = json.loads(node.stdout.readline())
+    node.terminate()
+    assert (document["end"], node.communicate(timeout=20)[1]) == (
+        "done", f"tumble-node: node 1 on {bus}, memory none; waits for commands\n")
+    assert stand.end()["operator"]["answers"] == 3 and stand.errors == ""
