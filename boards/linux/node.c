@@ -108,18 +108,32 @@ static void note_state(node_t *node)
     }
 }
 
-/* Who gave it by SDO may be a person who waits for what becomes of it. */
-static void note_refusals(node_t *node)
+static uint32_t count_refused(const node_t *node)
 {
     tumble_navcomp_counters_t counters;
     tumble_navcomp_counters(&node->world.navcomp, &counters);
-    if (counters.events.commands_refused != node->refused) {
+    return counters.events.commands_refused;
+}
+
+/* Who gave it by SDO may be a person who waits for what becomes of it. */
+static void note_refusals(node_t *node)
+{
+    const uint32_t refused = count_refused(node);
+    if (refused != node->refused) {
         node_log_refused(&node->log, &node->world.progress);
         if (node->progress != NULL) {
             bench_progress_refused("the navigation computer does not take this command now", node->progress);
         }
     }
-    node->refused = counters.events.commands_refused;
+    node->refused = refused;
+}
+
+/* Stop the table, on our own account: that there was no run to be given up is nobody's refused command. */
+static void give_up(node_t *node)
+{
+    note_refusals(node);
+    (void)tumble_navcomp_command(&node->world.navcomp, TUMBLE_COMMAND_ABORT, 0);
+    node->refused = count_refused(node);
 }
 
 static void end_with(node_t *node, bench_end_t end)
@@ -142,7 +156,7 @@ static void look_for_end(node_t *node)
                (state == TUMBLE_STATE_FAULT && world->clock.now_us - node->faulted_us >= patience_us)) {
         end_with(node, BENCH_FAULT);
     } else if (world->clock.now_us > world->limit_us) {
-        (void)tumble_navcomp_command(&node->world.navcomp, TUMBLE_COMMAND_ABORT, 0);
+        give_up(node);
         end_with(node, BENCH_TOO_LONG);
     }
 }
@@ -200,7 +214,7 @@ static void take_signal(node_t *node)
         node->left = true;
     } else if (signal != 0) {
         const bool running = is_of_a_run(world->progress.state);
-        (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
+        give_up(node);
         end_with(node, running ? BENCH_INTERRUPTED : BENCH_LEFT);
     }
 }
