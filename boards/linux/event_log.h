@@ -23,8 +23,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define EVENT_LOG_BURST 200U     /* lines at a time, below errors, ... */
-#define EVENT_LOG_PER_SECOND 20U /* ... and so many a second from then on */
+#define EVENT_LOG_BURST 200U      /* lines at a time, below errors, ... */
+#define EVENT_LOG_PER_SECOND 20U  /* ... and so many a second from then on */
 #define EVENT_LOG_TEXT_BYTES 600U /* a text of a field, or the message, is cut off there */
 
 /* Of syslog. */

@@ -30,7 +30,8 @@ void node_log_ready(const node_options_t *options)
 
 void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame)
 {
-    if (frame->id == TUMBLE_SDO_REQUEST_ID + NODE && (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_DOWNLOAD_REQUEST &&
+    if (frame->id == TUMBLE_SDO_REQUEST_ID + NODE &&
+        (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_DOWNLOAD_REQUEST &&
         tumble_get_u16(&frame->data[1]) == TUMBLE_NAVCOMP_INDEX_COMMAND && frame->data[3] == COMMAND) {
         log->asked = frame->data[4];
     }

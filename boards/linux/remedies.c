@@ -1,6 +1,7 @@
 /* Written by tools/objects/generate from docs/operations.md: change it there. */
 #include "remedies.h"
 
+/* clang-format off: a line each */
 static const char *const remedies[TUMBLE_REASON_COUNT] = {
     [TUMBLE_REASON_NONE] = "Nothing is wrong.",
     [TUMBLE_REASON_COMMAND] = "Somebody gave ABORT, or the node was reset.",
@@ -37,6 +38,7 @@ static const char *const remedies[TUMBLE_REASON_COUNT] = {
     [TUMBLE_REASON_FOREIGN_COMMAND] = "Somebody else commands the drive, or a second computer has node number 1: 1003h names the identifier. Find it, then home again.",
     [TUMBLE_REASON_SUPERVISION] = "1016h or 1017h of node 1 is not as configured; somebody wrote it while there was no drive. Reset node 1 (NMT): they are the board's again.",
 };
+/* clang-format on */
 
 const char *tumble_reason_remedy(tumble_reason_t reason)
 {

@@ -16,15 +16,14 @@ static void tell_fault(const tumble_progress_t *now, bool waits)
     const char *const failed_in = tumble_state_name(now->failed_in);
     const char *const sentence = tumble_reason_sentence(now->reason);
     const char *const remedy = tumble_reason_remedy(now->reason);
-    event_log_always(
-        EVENT_LOG_ERROR, "fault",
-        EVENT_FIELDS(EVENT_TEXT("state", failed_in), EVENT_WHOLE("mounting", now->mounting),
-                     EVENT_WHOLE("position", now->position), EVENT_TEXT("reason", reason),
-                     EVENT_WHOLE("reason_number", (uint64_t)now->reason), EVENT_TEXT("sentence", sentence),
-                     EVENT_TEXT("remedy", remedy), EVENT_WHOLE("drive_code", now->drive_code)),
-        "fault at position %u.%u (%s in %s): %s%s%s%s", now->mounting, now->position, reason, failed_in, sentence,
-        waits ? "; waits for RESUME or ABORT" : "", event_log_is_on() ? ". Remedy: " : "",
-        event_log_is_on() ? remedy : "");
+    event_log_always(EVENT_LOG_ERROR, "fault",
+                     EVENT_FIELDS(EVENT_TEXT("state", failed_in), EVENT_WHOLE("mounting", now->mounting),
+                                  EVENT_WHOLE("position", now->position), EVENT_TEXT("reason", reason),
+                                  EVENT_WHOLE("reason_number", (uint64_t)now->reason), EVENT_TEXT("sentence", sentence),
+                                  EVENT_TEXT("remedy", remedy), EVENT_WHOLE("drive_code", now->drive_code)),
+                     "fault at position %u.%u (%s in %s): %s%s%s%s", now->mounting, now->position, reason, failed_in,
+                     sentence, waits ? "; waits for RESUME or ABORT" : "", event_log_is_on() ? ". Remedy: " : "",
+                     event_log_is_on() ? remedy : "");
 }
 
 static event_log_level_t level_of(const tumble_progress_t *now)

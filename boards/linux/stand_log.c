@@ -20,11 +20,10 @@ void stand_log_answer(const stand_operator_t *before, const stand_operator_t *no
 {
     const char *const name = tumble_command_name((tumble_command_t)before->command);
     if (now->answers != before->answers) {
-        event_log_tell(
-            EVENT_LOG_INFO, "command",
-            EVENT_FIELDS(EVENT_TEXT("command", name), EVENT_WHOLE("command_number", before->command),
-                         EVENT_WHOLE("argument", before->argument)),
-            "node 1 took %s (%u), argument %u", name, (unsigned)before->command, (unsigned)before->argument);
+        event_log_tell(EVENT_LOG_INFO, "command",
+                       EVENT_FIELDS(EVENT_TEXT("command", name), EVENT_WHOLE("command_number", before->command),
+                                    EVENT_WHOLE("argument", before->argument)),
+                       "node 1 took %s (%u), argument %u", name, (unsigned)before->command, (unsigned)before->argument);
     } else if (now->refusals != before->refusals) {
         const uint32_t code = tumble_get_u32(&frame->data[4]);
         event_log_tell(EVENT_LOG_WARNING, "refused",
@@ -73,8 +72,8 @@ void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_sock
     look_at_person(log, world);
     look_at_faults(log, world);
     if (can->counters.downs != log->downs) {
-        event_log_tell(EVENT_LOG_WARNING, "link", EVENT_FIELDS(EVENT_TEXT("link", "down")),
-                       "the interface %s is down", can->name);
+        event_log_tell(EVENT_LOG_WARNING, "link", EVENT_FIELDS(EVENT_TEXT("link", "down")), "the interface %s is down",
+                       can->name);
     }
     log->downs = can->counters.downs;
 }

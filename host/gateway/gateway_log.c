@@ -61,8 +61,7 @@ static void tell_refusals(gateway_log_t *log, const gateway_counters_t *counters
     const uint32_t locked = counters->count[GATEWAY_COUNT_LOCKED];
     if (keys != log->wrong_keys) {
         event_log_tell(EVENT_LOG_WARNING, "refused",
-                       EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "wrong keys")),
-                       "%s: wrong keys", who);
+                       EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "wrong keys")), "%s: wrong keys", who);
     }
     if (locked != log->locked) {
         event_log_tell(EVENT_LOG_WARNING, "refused",

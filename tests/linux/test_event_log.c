@@ -52,9 +52,10 @@ static void test_a_line_of_text(void)
 static void test_a_line_of_json(void)
 {
     log_pipe_open("json", NULL);
-    event_log_always(EVENT_LOG_ERROR, "fault",
-                     EVENT_FIELDS(EVENT_TEXT("reason", "STALL"), EVENT_WHOLE("code", UINT64_MAX), EVENT_WHOLE("no", 0U)),
-                     "fault: %s", "it");
+    event_log_always(
+        EVENT_LOG_ERROR, "fault",
+        EVENT_FIELDS(EVENT_TEXT("reason", "STALL"), EVENT_WHOLE("code", UINT64_MAX), EVENT_WHOLE("no", 0U)),
+        "fault: %s", "it");
     TEST_ASSERT_EQUAL_STRING("{\"schema\":\"tumble.log/1\",\"time\":\"" LOG_PIPE_TIME
                              "\",\"program\":\"tumble-node\",\"level\":\"error\",\"event\":\"fault\","
                              "\"reason\":\"STALL\",\"code\":18446744073709551615,\"no\":0,\"message\":\"fault: it\"}\n",
@@ -262,7 +263,8 @@ static void test_a_socket_that_is_full_holds_up_nothing(void)
     size = recv(pair[0], got, sizeof got - 1U, MSG_DONTWAIT);
     TEST_ASSERT_TRUE(size > 0);
     got[size] = '\0';
-    TEST_ASSERT_NOT_NULL(strstr(got, " lines before this one are left out\n" LOG_PIPE_TIME " tumble-node: error: last\n"));
+    TEST_ASSERT_NOT_NULL(
+        strstr(got, " lines before this one are left out\n" LOG_PIPE_TIME " tumble-node: error: last\n"));
     (void)close(pair[0]);
     (void)close(pair[1]);
 }

@@ -62,8 +62,9 @@ static void test_a_fault_in_plain_is_the_sentence_of_old(void)
 {
     log_pipe_open(NULL, NULL);
     run_log_state(&stalled, &stalled, true);
-    expect("tumble-node: fault at position 1.3 (TUMBLE_REASON_STALL in TUMBLE_STATE_MOVE): the axis did not follow its "
-           "command; waits for RESUME or ABORT\n");
+    expect(
+        "tumble-node: fault at position 1.3 (TUMBLE_REASON_STALL in TUMBLE_STATE_MOVE): the axis did not follow its "
+        "command; waits for RESUME or ABORT\n");
     run_log_state(&given_up, &stalled, true);
     expect("");
 }
@@ -72,18 +73,20 @@ static void test_a_fault_in_text_has_its_remedy(void)
 {
     log_pipe_open("text", NULL);
     run_log_state(&stalled, &stalled, false);
-    expect(LOG_PIPE_TIME " tumble-node: error: fault at position 1.3 (TUMBLE_REASON_STALL in TUMBLE_STATE_MOVE): the "
-                         "axis did not follow its command. Remedy: The axis does not follow: brake, obstacle, current "
-                         "limit.\n");
+    expect(LOG_PIPE_TIME
+           " tumble-node: error: fault at position 1.3 (TUMBLE_REASON_STALL in TUMBLE_STATE_MOVE): the "
+           "axis did not follow its command. Remedy: The axis does not follow: brake, obstacle, current "
+           "limit.\n");
 }
 
 static void test_a_fault_in_json_has_its_members(void)
 {
     log_pipe_open("json", NULL);
     run_log_state(&stalled, &stalled, true);
-    expect_within("\"level\":\"error\",\"event\":\"fault\",\"state\":\"TUMBLE_STATE_MOVE\",\"mounting\":1,\"position\":3,"
-                  "\"reason\":\"TUMBLE_REASON_STALL\",\"reason_number\":9,\"sentence\":\"the axis did not follow its "
-                  "command\",\"remedy\":\"The axis does not follow: brake, obstacle, current limit.\",\"drive_code\":29952,");
+    expect_within(
+        "\"level\":\"error\",\"event\":\"fault\",\"state\":\"TUMBLE_STATE_MOVE\",\"mounting\":1,\"position\":3,"
+        "\"reason\":\"TUMBLE_REASON_STALL\",\"reason_number\":9,\"sentence\":\"the axis did not follow its "
+        "command\",\"remedy\":\"The axis does not follow: brake, obstacle, current limit.\",\"drive_code\":29952,");
 }
 
 /* The longest of all sentences, remedies and names fit into a line. */
@@ -110,12 +113,14 @@ static void test_an_abort_tells_its_first_cause(void)
 {
     log_pipe_open("text", NULL);
     run_log_state(&given_up, &stalled, true);
-    expect(LOG_PIPE_TIME " tumble-node: warning: TUMBLE_STATE_ABORT at position 1.3, 2 of 18 finished: given up, table "
-                         "stopped: aborted by command; first cause at position 1.3: TUMBLE_REASON_STALL in "
-                         "TUMBLE_STATE_MOVE, the axis did not follow its command\n");
+    expect(LOG_PIPE_TIME
+           " tumble-node: warning: TUMBLE_STATE_ABORT at position 1.3, 2 of 18 finished: given up, table "
+           "stopped: aborted by command; first cause at position 1.3: TUMBLE_REASON_STALL in "
+           "TUMBLE_STATE_MOVE, the axis did not follow its command\n");
     run_log_state(&given_up, &no_cause, true);
-    expect(LOG_PIPE_TIME " tumble-node: warning: TUMBLE_STATE_ABORT at position 1.3, 2 of 18 finished: given up, table "
-                         "stopped: aborted by command. Remedy: Somebody gave ABORT, or the node was reset.\n");
+    expect(LOG_PIPE_TIME
+           " tumble-node: warning: TUMBLE_STATE_ABORT at position 1.3, 2 of 18 finished: given up, table "
+           "stopped: aborted by command. Remedy: Somebody gave ABORT, or the node was reset.\n");
 }
 
 static void expect_state(tumble_state_t state, tumble_reason_t reason, const char *part)
@@ -132,11 +137,13 @@ static void test_states_have_their_levels(void)
     expect_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE,
                  ": info: TUMBLE_STATE_MOVE at position 2.1, 9 of 18 finished: turning the table\n");
     expect_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, ": notice: TUMBLE_STATE_WAIT_MOUNTING at ");
-    expect_state(TUMBLE_STATE_DONE, TUMBLE_REASON_NONE, ": notice: TUMBLE_STATE_DONE at position 2.1, 9 of 18 finished: "
-                                                        "finished\n");
-    expect_state(TUMBLE_STATE_DONE, TUMBLE_REASON_GRAVITY_CHECK, ": warning: TUMBLE_STATE_DONE at position 2.1, 9 of 18 "
-                                                                 "finished: finished: the result fails the gravity "
-                                                                 "check. Remedy: DONE, but ");
+    expect_state(TUMBLE_STATE_DONE, TUMBLE_REASON_NONE,
+                 ": notice: TUMBLE_STATE_DONE at position 2.1, 9 of 18 finished: "
+                 "finished\n");
+    expect_state(TUMBLE_STATE_DONE, TUMBLE_REASON_GRAVITY_CHECK,
+                 ": warning: TUMBLE_STATE_DONE at position 2.1, 9 of 18 "
+                 "finished: finished: the result fails the gravity "
+                 "check. Remedy: DONE, but ");
 }
 
 /* A result. */
@@ -160,14 +167,13 @@ static void test_verdicts(void)
     expect_verdict(TUMBLE_VERDICT_ACCEPTED, AT "notice: the proposal is accepted: calibration counter 4\n");
     expect_verdict(TUMBLE_VERDICT_ROLLED_BACK, AT "notice: the set before is active again: calibration counter 4\n");
     expect_verdict(TUMBLE_VERDICT_DISCARDED, AT "notice: the proposal is discarded\n");
-    expect_verdict(TUMBLE_VERDICT_REPEATED,
-                   AT "warning: the result is one of before, to the last bit: not stored\n");
-    expect_verdict(TUMBLE_VERDICT_HELD,
-                   AT "warning: the result is held, ACCEPT or DISCARD it: TUMBLE_OBJECTION_GRAVITY_CHECK, the result "
-                      "fails the gravity check; TUMBLE_OBJECTION_FIRST, there is no active set to compare with\n");
-    expect_verdict(TUMBLE_VERDICT_FAILED,
-                   AT "error: the memory failed: TUMBLE_E_NV, the non-volatile memory failed, or has no such place; "
-                      "the active set is unchanged\n");
+    expect_verdict(TUMBLE_VERDICT_REPEATED, AT "warning: the result is one of before, to the last bit: not stored\n");
+    expect_verdict(TUMBLE_VERDICT_HELD, AT
+                   "warning: the result is held, ACCEPT or DISCARD it: TUMBLE_OBJECTION_GRAVITY_CHECK, the result "
+                   "fails the gravity check; TUMBLE_OBJECTION_FIRST, there is no active set to compare with\n");
+    expect_verdict(TUMBLE_VERDICT_FAILED, AT
+                   "error: the memory failed: TUMBLE_E_NV, the non-volatile memory failed, or has no such place; "
+                   "the active set is unchanged\n");
 }
 
 /* As many objections as there can be: a line all the same. */

@@ -12,9 +12,11 @@ ROW = re.compile(r"^\| \d+ \| `(TUMBLE_REASON_\w+)` \| (.+) \|$", re.MULTILINE)
 HEAD = """/* Written by tools/objects/generate from docs/operations.md: change it there. */
 #include "remedies.h"
 
+/* clang-format off: a line each */
 static const char *const remedies[TUMBLE_REASON_COUNT] = {
 """
 TAIL = """};
+/* clang-format on */
 
 const char *tumble_reason_remedy(tumble_reason_t reason)
 {
