@@ -72,10 +72,7 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
         return;
     }
     tumble_sets_state(sets, &state);
-    if (state.verdict != log->verdict) {
-        run_log_verdict(&state);
-    }
-    log->verdict = state.verdict;
+    run_log_sets(&log->sets, &state);
 }
 
 /* The end. */

@@ -4,15 +4,15 @@
 
 #include "bench/world.h"
 #include "node_options.h"
-#include "tumble/sets.h"
+#include "run_log.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 /* What was told last. */
 typedef struct {
-    uint8_t asked;   /* the command that somebody wrote last, by SDO */
-    uint8_t verdict; /* on the last result */
+    uint8_t asked; /* the command that somebody wrote last, by SDO */
+    run_log_sets_t sets;
     bool is_unlocked;
 } node_log_t;
 

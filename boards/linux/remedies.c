@@ -1,7 +1,7 @@
 /* Written by tools/objects/generate from docs/operations.md: change it there. */
 #include "remedies.h"
 
-/* clang-format off: a line each */
+/* clang-format off */
 static const char *const remedies[TUMBLE_REASON_COUNT] = {
     [TUMBLE_REASON_NONE] = "Nothing is wrong.",
     [TUMBLE_REASON_COMMAND] = "Somebody gave ABORT, or the node was reset.",

@@ -118,7 +118,7 @@ static void tell_memory(const tumble_sets_state_t *state)
                    tumble_status_sentence(status));
 }
 
-void run_log_verdict(const tumble_sets_state_t *state)
+static void tell_verdict(const tumble_sets_state_t *state)
 {
     switch ((tumble_verdict_t)state->verdict) {
     case TUMBLE_VERDICT_COMMITTED:
@@ -147,4 +147,25 @@ void run_log_verdict(const tumble_sets_state_t *state)
     default:
         break;
     }
+}
+
+static bool is_commit(uint8_t verdict)
+{
+    return verdict == (uint8_t)TUMBLE_VERDICT_COMMITTED || verdict == (uint8_t)TUMBLE_VERDICT_ACCEPTED ||
+           verdict == (uint8_t)TUMBLE_VERDICT_ROLLED_BACK;
+}
+
+void run_log_sets(run_log_sets_t *told, const tumble_sets_state_t *state)
+{
+    const bool commits = is_commit(state->verdict);
+    const bool is_open = commits || state->verdict == (uint8_t)TUMBLE_VERDICT_WORKING; /* a counter may be to come */
+    const bool is_news = commits ? state->counter > told->counter : state->verdict != told->verdict;
+    if (told->has_begun && is_news) {
+        tell_verdict(state);
+    }
+    if (!told->has_begun || !is_open || (commits && is_news)) {
+        told->counter = state->counter;
+    }
+    told->has_begun = true;
+    told->verdict = state->verdict;
 }

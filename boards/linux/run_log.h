@@ -11,8 +11,16 @@
  * not got over, TUMBLE_REASON_NONE if there is none. `waits`: after a fault for a command. */
 void run_log_state(const tumble_progress_t *now, const tumble_progress_t *cause, bool waits);
 
-/* What has become of a result, or of a command about sets: `verdict`, and with it `counter`, `objections` or `status`;
- * nothing else is looked at. A line "commit", "held", "repeated", "discarded" or "memory". */
-void run_log_verdict(const tumble_sets_state_t *state);
+/* Of the sets what was told last; begun as all zero. */
+typedef struct {
+    bool has_begun; /* what was so at first is no event */
+    uint8_t verdict;
+    uint32_t counter;
+} run_log_sets_t;
+
+/* What has become of a result, or of a command about sets, if that is news: a line "commit", "held", "repeated",
+ * "discarded" or "memory". The counter of a set that has become active comes a moment after the verdict, and the line
+ * with it. Of `state` it looks at `verdict`, `counter`, `objections` and `status`. */
+void run_log_sets(run_log_sets_t *told, const tumble_sets_state_t *state);
 
 #endif

@@ -198,24 +198,17 @@ static void look_at_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
     log->reason = (uint16_t)reason;
 }
 
-/* What was so before the gateway began is no event; a set that became active between two snapshots is one. */
 static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
 {
     uint32_t verdict;
     uint32_t counter;
-    if (!value_of(snapshot, 0x2120U, 7, &verdict) || !value_of(snapshot, 0x2120U, 2, &counter)) {
-        return;
-    }
-    if (log->has_verdict && (verdict != log->verdict || counter != log->counter)) {
+    if (value_of(snapshot, 0x2120U, 7, &verdict) && value_of(snapshot, 0x2120U, 2, &counter)) {
         const tumble_sets_state_t state = {.verdict = (uint8_t)verdict,
                                            .counter = counter,
                                            .objections = (uint16_t)value_or_0(snapshot, 0x2120U, 6),
                                            .status = (uint8_t)value_or_0(snapshot, 0x2120U, 8)};
-        run_log_verdict(&state);
+        run_log_sets(&log->sets, &state);
     }
-    log->has_verdict = true;
-    log->verdict = (uint16_t)verdict;
-    log->counter = counter;
 }
 
 static void look_at_link(gateway_log_t *log, const gateway_poller_t *poller)

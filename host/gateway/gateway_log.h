@@ -4,6 +4,7 @@
 #define TUMBLE_GATEWAY_GATEWAY_LOG_H
 
 #include "client.h"
+#include "run_log.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -25,10 +26,8 @@ typedef struct {
     uint8_t link;
     uint16_t state;
     uint16_t reason;
-    uint16_t verdict;
-    uint32_t counter;
     bool has_state; /* of the node, since the gateway began */
-    bool has_verdict;
+    run_log_sets_t sets;
 } gateway_log_t;
 
 /* A client in words: its address. */

@@ -152,8 +152,11 @@ static void expect_verdict(tumble_verdict_t verdict, const char *line)
 {
     const tumble_sets_state_t state = {
         .verdict = (uint8_t)verdict, .counter = 4, .objections = 0x41, .status = (uint8_t)TUMBLE_E_NV};
-    run_log_verdict(&state);
+    run_log_sets_t told = {.has_begun = true, .verdict = UINT8_MAX, .counter = 3};
+    run_log_sets(&told, &state);
     expect(line);
+    run_log_sets(&told, &state);
+    expect(""); /* once */
 }
 
 #define AT LOG_PIPE_TIME " tumble-node: "
@@ -180,9 +183,52 @@ static void test_verdicts(void)
 static void test_all_objections_at_once(void)
 {
     const tumble_sets_state_t state = {.verdict = (uint8_t)TUMBLE_VERDICT_HELD, .objections = UINT16_MAX};
+    run_log_sets_t told = {.has_begun = true};
     log_pipe_open("json", NULL);
-    run_log_verdict(&state);
+    run_log_sets(&told, &state);
     const char *const line = log_pipe_read();
     TEST_ASSERT_NOT_NULL(strstr(line, "\"objections\":65535,\"sentence\":\"TUMBLE_OBJECTION_GRAVITY_CHECK, "));
     TEST_ASSERT_EQUAL_STRING("\"}\n", line + strlen(line) - 3U);
+}
+
+static run_log_sets_t told;
+
+static void show(tumble_verdict_t verdict, uint32_t counter, const char *line)
+{
+    const tumble_sets_state_t state = {.verdict = (uint8_t)verdict, .counter = counter};
+    run_log_sets(&told, &state);
+    expect(line);
+}
+
+#define ACCEPTED(counter) AT "notice: the proposal is accepted: calibration counter " #counter "\n"
+#define COMMITTED(counter) AT "notice: the result is committed: calibration counter " #counter "\n"
+
+/* The counter comes after the verdict; or the other way round; or at once. */
+static void test_a_commit_is_told_once_with_its_own_counter(void)
+{
+    told = (run_log_sets_t){0};
+    log_pipe_open("text", NULL);
+    show(TUMBLE_VERDICT_NONE, 0, "");
+    show(TUMBLE_VERDICT_NONE, 7, ""); /* the memory has been looked through */
+    show(TUMBLE_VERDICT_WORKING, 7, "");
+    show(TUMBLE_VERDICT_ACCEPTED, 7, "");
+    show(TUMBLE_VERDICT_ACCEPTED, 8, ACCEPTED(8));
+    show(TUMBLE_VERDICT_ACCEPTED, 8, "");
+    show(TUMBLE_VERDICT_WORKING, 9, "");
+    show(TUMBLE_VERDICT_COMMITTED, 9, COMMITTED(9));
+    show(TUMBLE_VERDICT_COMMITTED, 10, COMMITTED(10));
+    show(TUMBLE_VERDICT_COMMITTED, 9, ""); /* it has decayed */
+    show(TUMBLE_VERDICT_DISCARDED, 9, AT "notice: the proposal is discarded\n");
+    show(TUMBLE_VERDICT_WORKING, 9, "");
+    show(TUMBLE_VERDICT_DISCARDED, 9, AT "notice: the proposal is discarded\n");
+}
+
+static void test_what_was_so_at_first_is_no_event(void)
+{
+    told = (run_log_sets_t){0};
+    log_pipe_open("text", NULL);
+    show(TUMBLE_VERDICT_ACCEPTED, 4, "");
+    show(TUMBLE_VERDICT_ACCEPTED, 5, ACCEPTED(5));
+    told = (run_log_sets_t){0};
+    show(TUMBLE_VERDICT_HELD, 4, "");
 }

@@ -12,7 +12,7 @@ ROW = re.compile(r"^\| \d+ \| `(TUMBLE_REASON_\w+)` \| (.+) \|$", re.MULTILINE)
 HEAD = """/* Written by tools/objects/generate from docs/operations.md: change it there. */
 #include "remedies.h"
 
-/* clang-format off: a line each */
+/* clang-format off */
 static const char *const remedies[TUMBLE_REASON_COUNT] = {
 """
 TAIL = """};
