@@ -169,6 +169,24 @@ def test_a_missing_product_is_noticed_and_written(tree):
     assert generate("--root", tree).stdout == ""
 
 
+def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree):
+    """Without the marks of the page; what C would take for the end of its text stays within it."""
+    change(tree / "docs/operations.md", "brake, obstacle, current limit.", 'see ["b\\r"](bus/README.md#x) and `k`.')
+    done = generate("--check", "--root", tree)
+    named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
+    assert (done.returncode, named) == (1, ["boards/linux/remedies.c"])
+    assert generate("--root", tree).returncode == 0
+    written = (tree / "boards/linux/remedies.c").read_text()
+    assert '[TUMBLE_REASON_STALL] = "The axis does not follow: see \\"b\\\\r\\" and k.",\n' in written
+
+
+def test_a_page_without_remedies_is_one_line_and_exit_2(tree):
+    page = tree / "docs/operations.md"
+    page.write_text(page.read_text().replace("`TUMBLE_REASON_", "`REASON_"))
+    done = generate("--check", "--root", tree)
+    assert (done.returncode, done.stderr) == (2, "generate: docs/operations.md: there is no table of reasons\n")
+
+
 def test_a_renumbered_list_makes_the_page_stale(tree):
     change(tree / "firmware/procedure/states.h", "X(TUMBLE_REASON_NONE", "X(TUMBLE_REASON_NO")
     done = generate("--check", "--root", tree)

@@ -83,29 +83,33 @@ def seconds(line):
     return datetime.strptime(line["time"], "%Y-%m-%dT%H:%M:%S.%fZ").replace(tzinfo=timezone.utc).timestamp()
 
 
-@pytest.mark.parametrize("ended_by", ["signal", "command", "resume and command"])
+@pytest.mark.parametrize("ended_by", ["signal", "command", "resume and command", "itself"])
 def test_a_stand_that_is_killed_is_the_cause_to_the_end(bus, started, tmp_path, logged, ended_by):
-    """kill -9 of the stand in a run of a served node: the line within a second, the cause in the last document and the
+    """kill -9 of the stand in a run, served or single: the line within a second, the cause in the last document and the
     last line, whatever follows."""
     path = scenario(tmp_path, **SLOW_TABLE, procedure__preflight_timeout_ms=1500)
-    stand = Stand(bus, path, "--operator", "start")
+    single = ended_by == "itself"
+    stand = Stand(bus, path, "--operator", "mount" if single else "start")
     started.append(stand)
-    node, log = logged("tumble-node", bus, path)
+    node, log = logged("tumble-node", bus, path, *(["--start"] if single else []))
     log.wait_for("state", state="TUMBLE_STATE_MOVE", position=3)
     stand.signal(signal.SIGKILL)
     killed = time.time()
     fault = log.wait_for("fault", timeout=5)
     assert seconds(fault) - killed < 1.0 and fault["reason"] in LOST and fault["level"] == "error"
+    print(f"told {seconds(fault) - killed:.3f} s after the stand was killed")
     assert fault["remedy"] == remedy(fault["reason"]) and fault["remedy"] in fault["message"]
     if ended_by == "resume and command":
         sdo_command(bus, 7)
         log.wait_for("fault", state="TUMBLE_STATE_PREFLIGHT")
-    if ended_by != "signal":
+    if ended_by.endswith("command"):
         sdo_command(bus, 2)
         aborted = log.wait_for("state", state="TUMBLE_STATE_ABORT")
         assert aborted["cause"] == fault["reason"] and fault["reason"] in aborted["message"]
+    if single:
+        node.wait(timeout=20)
     code, document = ended(node)
-    assert code == (130 if ended_by == "signal" else 0)
+    assert code == {"signal": 130, "itself": 3}.get(ended_by, 0)
     assert (document["cause"]["reason"], document["cause"]["failed_in"]) == (fault["reason"], fault["state"])
     last = log.lines()[-1]
     assert (last["event"], last["exit"], last["cause"]) == ("end", code, fault["reason"])
