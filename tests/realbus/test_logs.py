@@ -1,6 +1,7 @@
 """The logs of tumble-node, tumble-stand and tumble-gateway: a line for each event, and the first cause to the end."""
 
 import json
+import os
 import signal
 import subprocess
 import time
@@ -182,6 +183,27 @@ def test_a_recalibration_over_modbus_in_three_logs(bus, started, tmp_path, logge
     assert not of_stand.lines("lost") + of_node.lines("lost")
     of_stand.check()
     of_node.check()
+
+
+def test_a_log_that_nobody_reads_holds_up_no_run(bus, started, tmp_path):
+    """Its pipe is full from the beginning."""
+    ours, theirs = os.pipe()
+    os.set_blocking(theirs, False)
+    with pytest.raises(BlockingIOError):
+        while True:
+            os.write(theirs, bytes(4096))
+    os.set_blocking(theirs, True)
+    path = scenario(tmp_path, **HASTE, **PATIENCE)
+    stand = Stand(bus, path)
+    command = [built("tumble-node", "boards/linux"), str(bus), str(path), "--start", "--log", "json"]
+    node = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True)
+    started.extend([stand, node])
+    out, _ = node.communicate(timeout=60)
+    assert (node.returncode, json.loads(out)["end"]) == (0, "done")
+    stand.end()
+    os.close(theirs)
+    with open(ours, "rb") as rest:
+        assert not rest.read().strip(b"\0")
 
 
 def test_without_the_option_standard_error_is_as_it_was(bus, started, tmp_path):
