@@ -8,10 +8,11 @@ import time
 
 import documents
 import pytest
-from gateway_bench import FUNCTION, ROOT, VALUE, Gateway, gateway_program, register
+from gateway_bench import FUNCTION, KEYS, ROOT, VALUE, WRITE_SEVERAL, Gateway, gateway_program, register
 from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
+from test_gateway_serial import line
 
-assert gateway_program
+assert gateway_program and line
 # Instrumented in any case: no need to run it with everything else once more.
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 COMMAND, SETTING, EXECUTE = (register(name, "holding")["register"] for name in ("Command", "Setting", "Execute"))
@@ -198,3 +199,23 @@ def test_an_unlocked_session_whose_client_goes(logged):
         time.sleep(0.2)
     assert [line[0] for line in told(lines(gateway), "connected", "unlock", "disconnected")] == 2 * [
         "connected", "unlock", "disconnected"]
+
+
+def test_the_serial_line_is_a_client_too(logged, line):
+    gateway = logged("--allow-commands", "--rtu", f"{line.name},19200,E")
+    gateway.wait_fresh()
+    for keys in ((1, 2), KEYS):
+        assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, 0, 2, 4, *keys))
+    assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, COMMAND, 2, 4, 1, 7))
+    gateway.wait_fresh()
+    assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, 0, 2, 4, 1, 2))
+    who = "the serial line: "
+    found = lines(gateway)
+    assert found[0]["rtu"] == line.name
+    assert told(found, "unlock", "lock", "command", "refused") == [
+        ("refused", "warning", who + "wrong keys"),
+        ("unlock", "notice", who + "the session is unlocked"),
+        ("command", "notice", who + "TUMBLE_COMMAND_START (1) accepted"),
+        ("refused", "warning", who + "wrong keys"),
+        ("lock", "info", who + "the session is locked"),
+    ]
