@@ -257,7 +257,7 @@ static bool tell(event_log_level_t level, const char *event, const event_field_t
 static bool tell_lost(void)
 {
     char message[100];
-    (void)snprintf(message, sizeof message, "%" PRIu32 " lines before this one are left out", the_log.lost);
+    (void)snprintf(message, sizeof message, "lines left out before this one: %" PRIu32, the_log.lost);
     return tell(EVENT_LOG_WARNING, "lost", EVENT_FIELDS(EVENT_WHOLE("lines", the_log.lost)), message);
 }
 

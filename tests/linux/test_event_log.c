@@ -226,7 +226,7 @@ static void test_a_pipe_that_nobody_reads_holds_up_nothing(void)
     event_log_always(EVENT_LOG_ERROR, "fault", NULL, "lost too");
     (void)log_pipe_read();
     event_log_tell(EVENT_LOG_INFO, "state", NULL, "here");
-    TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: warning: 4 lines before this one are left out\n" LOG_PIPE_TIME
+    TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: warning: lines left out before this one: 4\n" LOG_PIPE_TIME
                                            " tumble-node: info: here\n",
                              log_pipe_read());
     event_log_tell(EVENT_LOG_INFO, "state", NULL, "here");
@@ -244,7 +244,6 @@ static void test_a_pipe_whose_reader_has_gone_ends_nothing(void)
     tell_times(2);
 }
 
-/* Of a socket a line may go in part: what comes next begins on a line of its own. */
 static void test_a_socket_that_is_full_holds_up_nothing(void)
 {
     static char got[1 << 20];
@@ -263,8 +262,40 @@ static void test_a_socket_that_is_full_holds_up_nothing(void)
     size = recv(pair[0], got, sizeof got - 1U, MSG_DONTWAIT);
     TEST_ASSERT_TRUE(size > 0);
     got[size] = '\0';
-    TEST_ASSERT_NOT_NULL(
-        strstr(got, " lines before this one are left out\n" LOG_PIPE_TIME " tumble-node: error: last\n"));
+    TEST_ASSERT_NOT_NULL(strstr(got, ": lines left out before this one: "));
+    TEST_ASSERT_NOT_NULL(strstr(got, "\n" LOG_PIPE_TIME " tumble-node: error: last\n"));
+    (void)close(pair[0]);
+    (void)close(pair[1]);
+}
+
+/* How much a socket takes at a time. */
+static size_t taken_at_once = SIZE_MAX;
+
+ssize_t __real_send(int fd, const void *bytes, size_t size, int flags);
+ssize_t __wrap_send(int fd, const void *bytes, size_t size, int flags);
+
+ssize_t __wrap_send(int fd, const void *bytes, size_t size, int flags)
+{
+    return __real_send(fd, bytes, (size < taken_at_once) ? size : taken_at_once, flags);
+}
+
+/* A line that went in part is lost, and what comes next begins on a line of its own. */
+static void test_a_line_that_goes_in_part_spoils_no_other(void)
+{
+    char got[300] = "";
+    int pair[2];
+    log_pipe_open("text", NULL);
+    TEST_ASSERT_EQUAL_INT(0, socketpair(AF_UNIX, SOCK_STREAM, 0, pair));
+    event_log_start("tumble-node", pair[1]);
+    taken_at_once = 30;
+    event_log_tell(EVENT_LOG_INFO, "state", NULL, "in part");
+    taken_at_once = SIZE_MAX;
+    event_log_tell(EVENT_LOG_INFO, "state", NULL, "whole");
+    TEST_ASSERT_TRUE(recv(pair[0], got, sizeof got - 1U, MSG_DONTWAIT) > 0);
+    TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumbl\n" LOG_PIPE_TIME
+                                           " tumble-node: warning: lines left out before this one: 1\n" LOG_PIPE_TIME
+                                           " tumble-node: info: whole\n",
+                             got);
     (void)close(pair[0]);
     (void)close(pair[1]);
 }
@@ -275,7 +306,7 @@ static void test_more_than_a_burst_is_left_out_but_errors_are_not(void)
     tell_times(EVENT_LOG_BURST + 7U);
     TEST_ASSERT_EQUAL_UINT(EVENT_LOG_BURST, count_lines(log_pipe_read()));
     event_log_tell(EVENT_LOG_ERROR, "fault", NULL, "told");
-    TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: warning: 7 lines before this one are left out\n" LOG_PIPE_TIME
+    TEST_ASSERT_EQUAL_STRING(LOG_PIPE_TIME " tumble-node: warning: lines left out before this one: 7\n" LOG_PIPE_TIME
                                            " tumble-node: error: told\n",
                              log_pipe_read());
     log_pipe_pass_ms(1000);
