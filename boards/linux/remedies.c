@@ -34,7 +34,7 @@ static const char *const remedies[TUMBLE_REASON_COUNT] = {
     [TUMBLE_REASON_BUS] = "The computer's own controller is off the bus: bit rate, termination, short circuit.",
     [TUMBLE_REASON_UNCERTAIN] = "Too noisy for the error budget of a mean with all samples allowed.",
     [TUMBLE_REASON_INHIBITED] = "Board or host inhibit; START when it is over.",
-    [TUMBLE_REASON_STOP_NOT_CONFIRMED] = "The table was told to stop and was not seen to: look at it, use the emergency stop. 2035h says how far the computer went (docs/bus).",
+    [TUMBLE_REASON_STOP_NOT_CONFIRMED] = "The table was told to stop and was not seen to: look at it, use the emergency stop. 2035h says how far the computer went (docs/bus/README.md).",
     [TUMBLE_REASON_FOREIGN_COMMAND] = "Somebody else commands the drive, or a second computer has node number 1: 1003h names the identifier. Find it, then home again.",
     [TUMBLE_REASON_SUPERVISION] = "1016h or 1017h of node 1 is not as configured; somebody wrote it while there was no drive. Reset node 1 (NMT): they are the board's again.",
 };

@@ -8,7 +8,9 @@ from pathlib import Path
 from kinds import TableError
 
 PAGE = "docs/operations.md"
-ROW = re.compile(r"^\| \d+ \| `(TUMBLE_REASON_\w+)` \| (.+) \|$", re.MULTILINE)
+ROW = re.compile(r"^\| \d+ \| `(TUMBLE_(?:REASON|OBJECTION)_\w+)` \| (.+) \|$", re.MULTILINE)
+LINK = re.compile(r"\[[^\]]*\]\(([^)#]*)(?:#[^)]*)?\)")
+REASON = "TUMBLE_REASON_"
 HEAD = """/* Written by tools/objects/generate from docs/operations.md: change it there. */
 #include "remedies.h"
 
@@ -27,16 +29,22 @@ const char *tumble_reason_remedy(tumble_reason_t reason)
 
 
 def source(root: Path) -> str:
-    """boards/linux/remedies.c. Raises TableError when the page has no such table."""
-    rows = ROW.findall((root / PAGE).read_text(encoding="utf-8"))
+    """boards/linux/remedies.c. Raises TableError when the page has no table of reasons."""
+    said = remedies((root / PAGE).read_text(encoding="utf-8"))
+    rows = [f'    [{name}] = "{in_c(words)}",\n' for name, words in said.items() if name.startswith(REASON)]
     if not rows:
         raise TableError(f"{PAGE}: there is no table of reasons")
-    return HEAD + "".join(f'    [{name}] = "{in_c(plain(said))}",\n' for name, said in rows) + TAIL
+    return HEAD + "".join(rows) + TAIL
+
+
+def remedies(page: str) -> dict[str, str]:
+    """What the page says of each reason and objection, as plain text."""
+    return {name: plain(said) for name, said in ROW.findall(page)}
 
 
 def plain(said: str) -> str:
-    """Without the marks of a page: of a link its text, of code the words."""
-    return re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", said).replace("`", "")
+    """Without Markdown: a link is the page that it leads to."""
+    return LINK.sub(lambda link: f"docs/{link[1] or PAGE.removeprefix('docs/')}", said).replace("`", "")
 
 
 def in_c(said: str) -> str:
