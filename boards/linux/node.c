@@ -5,6 +5,7 @@
 #include "bench/person.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "run_log.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -20,6 +21,7 @@
 static void on_frame(void *context, const tumble_can_frame_t *frame)
 {
     node_t *const node = context;
+    node_log_frame(&node->log, frame);
     if (node->options->out != NULL) {
         bench_folder_frame(&node->folder, node->epoch_us + node->world.clock.now_us, frame);
     }
@@ -62,18 +64,26 @@ static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
     return a->state != b->state || a->index != b->index || a->attempt != b->attempt || a->reason != b->reason;
 }
 
-/* Served, nobody may be there: what stopped the run goes to the journal, and outlives the ABORT that ends it. */
-static void note_fault(node_t *node, const tumble_progress_t *now)
+/* Has the run got over its fault: come further than it had come, ended well, or given way to another? */
+static bool is_over(const node_t *node, const tumble_progress_t *now)
 {
-    if (now->state == TUMBLE_STATE_FAULT) {
+    const tumble_progress_t *const fault = &node->fault;
+    return now->state == TUMBLE_STATE_DONE || now->finished > fault->finished ||
+           (now->state == TUMBLE_STATE_AVERAGE && fault->failed_in != TUMBLE_STATE_AVERAGE) ||
+           tumble_service_runs(&node->world.navcomp) != node->faulted_run;
+}
+
+/* What stopped the run first outlives what follows from it: further faults of a run that was told to go on too early, and
+ * the ABORT that ends it. While the run waits in that fault, the firmware may still learn more of it. */
+static void note_cause(node_t *node, const tumble_progress_t *now)
+{
+    if (now->state != TUMBLE_STATE_FAULT) {
+        node->in_first_fault = false;
+        node->fault.reason = is_over(node, now) ? TUMBLE_REASON_NONE : node->fault.reason;
+    } else if (node->fault.reason == TUMBLE_REASON_NONE || node->in_first_fault) {
+        node->in_first_fault = true;
         node->fault = *now;
-    } else if (is_of_a_run(now->state) || now->state == TUMBLE_STATE_DONE) {
-        node->fault.reason = TUMBLE_REASON_NONE;
-    }
-    if (now->state == TUMBLE_STATE_FAULT && !node->options->start && node->options->progress_fd != STDERR_FILENO) {
-        (void)fprintf(stderr, "tumble-node: fault at position %u.%u (%s in %s): %s; waits for RESUME or ABORT\n",
-                      now->mounting, now->position, tumble_reason_name(now->reason), tumble_state_name(now->failed_in),
-                      tumble_reason_sentence(now->reason));
+        node->faulted_run = tumble_service_runs(&node->world.navcomp);
     }
 }
 
@@ -83,10 +93,11 @@ static void note_state(node_t *node)
     const tumble_progress_t before = world->progress;
     tumble_procedure_progress(tumble_navcomp_procedure(&world->navcomp), &world->progress);
     const tumble_progress_t *const now = &world->progress;
+    note_cause(node, now);
     if (!has_moved_on(now, &before)) {
         return;
     }
-    note_fault(node, now);
+    run_log_state(now, &node->fault, !node->options->start || node->options->patience_s > 0.0);
     node->faulted_us = (now->state == TUMBLE_STATE_FAULT) ? world->clock.now_us : SIM_NEVER;
     if (is_of_a_run(now->state)) {
         node->reported = false;
@@ -97,15 +108,32 @@ static void note_state(node_t *node)
     }
 }
 
-/* Who gave it by SDO may be a person who waits for what becomes of it. */
-static void note_refusals(node_t *node)
+static uint32_t count_refused(const node_t *node)
 {
     tumble_navcomp_counters_t counters;
     tumble_navcomp_counters(&node->world.navcomp, &counters);
-    if (node->progress != NULL && counters.events.commands_refused != node->refused) {
-        bench_progress_refused("the navigation computer does not take this command now", node->progress);
+    return counters.events.commands_refused;
+}
+
+/* Who gave it by SDO may be a person who waits for what becomes of it. */
+static void note_refusals(node_t *node)
+{
+    const uint32_t refused = count_refused(node);
+    if (refused != node->refused) {
+        node_log_refused(&node->log, &node->world.progress);
+        if (node->progress != NULL) {
+            bench_progress_refused("the navigation computer does not take this command now", node->progress);
+        }
     }
-    node->refused = counters.events.commands_refused;
+    node->refused = refused;
+}
+
+/* Stop the table, on our own account: that there was no run to be given up is nobody's refused command. */
+static void give_up(node_t *node)
+{
+    note_refusals(node);
+    (void)tumble_navcomp_command(&node->world.navcomp, TUMBLE_COMMAND_ABORT, 0);
+    node->refused = count_refused(node);
 }
 
 static void end_with(node_t *node, bench_end_t end)
@@ -128,7 +156,7 @@ static void look_for_end(node_t *node)
                (state == TUMBLE_STATE_FAULT && world->clock.now_us - node->faulted_us >= patience_us)) {
         end_with(node, BENCH_FAULT);
     } else if (world->clock.now_us > world->limit_us) {
-        (void)tumble_navcomp_command(&node->world.navcomp, TUMBLE_COMMAND_ABORT, 0);
+        give_up(node);
         end_with(node, BENCH_TOO_LONG);
     }
 }
@@ -186,7 +214,7 @@ static void take_signal(node_t *node)
         node->left = true;
     } else if (signal != 0) {
         const bool running = is_of_a_run(world->progress.state);
-        (void)tumble_navcomp_command(&world->navcomp, TUMBLE_COMMAND_ABORT, 0);
+        give_up(node);
         end_with(node, running ? BENCH_INTERRUPTED : BENCH_LEFT);
     }
 }
@@ -203,6 +231,7 @@ static void step(node_t *node)
     world->steps++;
     note_refusals(node);
     note_state(node);
+    node_log_look(&node->log, &world->navcomp, (node->options->nv != NULL) ? &node->keeper.sets : NULL);
 }
 
 static void go(node_t *node, FILE *out)
@@ -302,15 +331,6 @@ static const char *open_outputs(node_t *node, const char **subject)
     return wrong;
 }
 
-/* Served: whoever started it sees that it is there. */
-static void greet(const node_options_t *options)
-{
-    if (!options->start && options->progress_fd != STDERR_FILENO) {
-        (void)fprintf(stderr, "tumble-node: node 1 on %s, memory %s; waits for commands\n", options->interface,
-                      (options->nv != NULL) ? options->nv : "none");
-    }
-}
-
 static int finish(node_t *node, FILE *out)
 {
     if (node->options->out != NULL) {
@@ -322,6 +342,7 @@ static int finish(node_t *node, FILE *out)
     if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
         node_report(node, out);
     }
+    node_log_end(&node->world, &node->fault);
     return bench_exit_code(&node->world);
 }
 
@@ -349,7 +370,7 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
     if (wrong != NULL) {
         return arguments_fail(subject, wrong, BENCH_EXIT_USAGE);
     }
-    greet(options);
+    node_log_ready(options);
     go(&node, out);
     can_socket_look(&node.port.can);
     events_close(&node.events);

@@ -8,6 +8,7 @@
 #include "events.h"
 #include "navcomp/keeper.h"
 #include "navcomp/stand_view.h"
+#include "node_log.h"
 #include "node_options.h"
 #include "nv_file.h"
 #include "port_linux.h"
@@ -27,9 +28,12 @@ typedef struct {
     tumble_whole_work_t whole_work;
     events_t events;
     bench_folder_t folder;
+    node_log_t log;
     FILE *progress;          /* null: nobody wants to know */
     uint64_t epoch_us;       /* UTC at the port's time 0: bus.log */
-    tumble_progress_t fault; /* that the run has or had; TUMBLE_REASON_NONE: none, or it has gone on since */
+    tumble_progress_t fault; /* the first that the run has not got over; TUMBLE_REASON_NONE: there is none */
+    bool in_first_fault;     /* it is the one in which the run waits now */
+    uint32_t faulted_run;    /* its number */
     uint64_t faulted_us;     /* since when it is in FAULT; SIM_NEVER: it is not */
     uint64_t ending_us;      /* since when it waits for the table to rest; SIM_NEVER: not yet */
     uint64_t latest_us;      /* the longest that a step came after its time */
@@ -44,8 +48,8 @@ int node_run(const bench_config_t *config, const node_options_t *options, FILE *
 /* The document of a run: schema "tumble.node/1"; as of tumble-bench, without what only a simulation knows, and with
  * counters of the interface: frames_foreign, kernel_received, kernel_sent, kernel_dropped, kernel_busy, error_frames,
  * bus_offs, interface_downs; receive_buffer_bytes; latest_step_us. On one line. The reason of a run that was aborted in
- * FAULT is the command; `cause` {failed_in, reason, reason_number, reason_sentence, drive_code} is that of the fault,
- * null where there was none or the run went on. */
+ * FAULT is the command; `cause` {failed_in, reason, reason_number, reason_sentence, drive_code} is that of its first
+ * fault, whatever followed from it; null where there was none or the run got over it. */
 void node_report(const node_t *node, FILE *out);
 
 #endif

@@ -1,5 +1,6 @@
 #include "node_options.h"
 
+#include "event_log.h"
 #include "signals.h"
 
 #include <getopt.h>
@@ -47,6 +48,10 @@ const char node_options_help[] =
     "  --progress       one JSON line on standard error for every step of the\n"
     "                   procedure\n"
     "  --progress-fd N  the same on an open file descriptor\n"
+    "  --log FORM       tell every event on standard error, a line for each: text or\n"
+    "                   json (docs/logs.md)\n"
+    "  --log-level WHAT error, warning, notice, info or debug: this and what is\n"
+    "                   worse; default: info\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
     "  --version        print the version\n"
@@ -74,6 +79,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_CONSTANT("progress", node_options_t, progress_fd, STDERR_FILENO),
     ARGUMENT_WHOLE("progress-fd", node_options_t, progress_fd, 0, 1023),
     ARGUMENT_CALL("with-parent", signals_with_parent),
+    EVENT_LOG_ARGUMENTS,
 };
 
 bool node_options_read(node_options_t *options, int count, char *arguments[])

@@ -7,6 +7,7 @@
 #include "port_linux.h"
 #include "stand_answers.h"
 #include "stand_bridge.h"
+#include "stand_log.h"
 #include "stand_operator.h"
 
 #include <errno.h>
@@ -24,6 +25,7 @@ typedef struct {
     stand_bridge_t bridge;
     stand_operator_t operator;
     stand_answers_t answers;
+    stand_log_t log;
     bool listening; /* to standard input */
     events_t events;
     uint64_t start_us; /* of the monotonic clock: virtual time 0 */
@@ -38,7 +40,9 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     stand_t *const stand = context;
     (void)time_us;
     stand_bridge_tell(&stand->bridge, sender, frame);
+    const stand_operator_t before = stand->operator;
     stand_operator_hear(&stand->operator, &stand->world, frame);
+    stand_log_answer(&before, &stand->operator, frame);
 }
 
 static void run_until(stand_t *stand, uint64_t until_us)
@@ -69,6 +73,7 @@ static void catch_up(stand_t *stand)
     run_until(stand, now_us);
     stand_operator_step(&stand->operator, &stand->world);
     stand->sending = stand_bridge_flush(&stand->bridge);
+    stand_log_look(&stand->log, &stand->world, &stand->bridge.can);
 }
 
 static uint64_t earlier(uint64_t a_us, uint64_t b_us)
@@ -145,6 +150,7 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     }
     stand.start_us = port_linux_clock_us();
     stand.epoch_us = port_linux_utc_us();
+    stand_log_ready(options);
     stand.listening = options->operator == STAND_OPERATOR_ASKS && events_watch(&stand.events, STDIN_FILENO);
     do {
         catch_up(&stand);
@@ -156,5 +162,6 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     events_close(&stand.events);
     can_socket_close(&stand.bridge.can);
     report(&stand, out);
+    stand_log_end(&stand.world);
     return BENCH_EXIT_PASS;
 }

@@ -2,8 +2,9 @@
 
 #include "stand_answers.h"
 
+#include "event_log.h"
+
 #include <poll.h>
-#include <stdio.h>
 #include <unistd.h>
 
 static bool is_ready(int fd)
@@ -23,7 +24,8 @@ static void take(stand_answers_t *answers, char byte, stand_operator_t *operator
     answers->line[answers->size] = '\0';
     answers->size = 0;
     if (!stand_operator_answer(operator, world, answers->line)) {
-        (void)fprintf(stderr, "tumble-stand: ignored, it answers no open question: %s\n", answers->line);
+        event_log_always(EVENT_LOG_WARNING, "ignored", EVENT_FIELDS(EVENT_TEXT("line", answers->line)),
+                         "ignored, it answers no open question: %s", answers->line);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "stand_options.h"
 
+#include "event_log.h"
 #include "signals.h"
 
 #include <getopt.h>
@@ -26,6 +27,10 @@ const char stand_options_help[] =
     "                   done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
     "                   hands: mounts and mends at once and tells node 1 nothing:\n"
     "                   a script or PLC does; default: mount\n"
+    "  --log FORM       tell every event on standard error, a line for each: text or\n"
+    "                   json (docs/logs.md)\n"
+    "  --log-level WHAT error, warning, notice, info or debug: this and what is\n"
+    "                   worse; default: info\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
     "  --version        print the version\n"
@@ -51,6 +56,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_WHOLE("seed", stand_options_t, seed, 0, UINT64_MAX),
     ARGUMENT_TAKE("operator", take_operator),
     ARGUMENT_CALL("with-parent", signals_with_parent),
+    EVENT_LOG_ARGUMENTS,
 };
 
 bool stand_options_read(stand_options_t *options, int count, char *arguments[])

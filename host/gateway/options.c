@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include "event_log.h"
+
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,6 +28,10 @@ const char gateway_options_help[] =
     "  --allow-commands          a session may command the node once it is unlocked\n"
     "  --unlock S                it locks itself so long after its last write\n"
     "                            (default 60)\n"
+    "  --log FORM                tell every event on standard error, a line for\n"
+    "                            each: text or json (docs/logs.md)\n"
+    "  --log-level LEVEL         error, warning, notice, info or debug: this and\n"
+    "                            what is worse (default info)\n"
     "  --version                 print the version\n"
     "  -h, --help                print this\n"
     "\n"
@@ -96,6 +102,7 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_UNITS("idle", gateway_options_t, settings.idle_us, 1, 86400, US_PER_S),
     ARGUMENT_FLAG("allow-commands", gateway_options_t, settings.allow_commands),
     ARGUMENT_UNITS("unlock", gateway_options_t, settings.unlock_us, 1, 3600, US_PER_S),
+    EVENT_LOG_ARGUMENTS,
 };
 
 bool gateway_options_read(gateway_options_t *options, int count, char *arguments[])

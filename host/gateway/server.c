@@ -3,13 +3,14 @@
 #include "server.h"
 
 #include "client.h"
+#include "event_log.h"
+#include "gateway_log.h"
 #include "listener.h"
 #include "notify.h"
 #include "places.h"
 #include "signals.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
 #include <unistd.h>
@@ -44,6 +45,7 @@ typedef struct {
     gateway_serial_t serial;
     gateway_client_t clients[GATEWAY_MAX_CLIENTS];
     uint32_t watched[GATEWAY_MAX_CLIENTS]; /* EPOLL... bits asked for */
+    gateway_log_t log;
 } server_t;
 
 static uint64_t clock_us(const server_t *server)
@@ -59,10 +61,19 @@ static bool watch(const server_t *server, int operation, int fd, uint32_t tag, u
 
 /* Clients. */
 
-static void close_client(server_t *server, uint32_t place)
+/* What has happened to a session, to the log. */
+static void note_client(server_t *server, uint32_t place)
 {
+    const gateway_client_t *const client = &server->clients[place];
+    gateway_log_session(&server->log, place, &client->session, &server->gateway, &client->address, clock_us(server));
+}
+
+static void close_client(server_t *server, uint32_t place, const char *why)
+{
+    note_client(server, place);
     gateway_client_close(&server->clients[place], &server->gateway);
     server->gateway.clients--;
+    gateway_log_disconnected(&server->clients[place].address, why, server->gateway.clients);
     server->rests_until_us = 0;
 }
 
@@ -73,9 +84,10 @@ static void step_client(server_t *server, uint32_t place)
         return;
     }
     if (!gateway_client_step(client, &server->gateway, &server->replies, clock_us(server))) {
-        close_client(server, place);
+        close_client(server, place, client->has_ended ? "by itself" : "broken off, or it speaks no Modbus");
         return;
     }
+    note_client(server, place);
     const uint32_t events = gateway_client_events(client);
     if (events != server->watched[place]) {
         server->watched[place] = events;
@@ -92,7 +104,7 @@ static uint32_t make_place(server_t *server, const gateway_address_t *address)
     const uint32_t place = gateway_place_for(server->clients, address, clock_us(server));
     if (place < GATEWAY_MAX_CLIENTS && server->clients[place].fd >= 0) {
         gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_DISPLACED);
-        close_client(server, place);
+        close_client(server, place, "idle, and its place was wanted");
     }
     return place;
 }
@@ -102,6 +114,7 @@ static void admit(server_t *server, int fd, const gateway_address_t *address)
     const uint32_t place = make_place(server, address);
     if (place == GATEWAY_MAX_CLIENTS || !watch(server, EPOLL_CTL_ADD, fd, CLIENTS + place, EPOLLIN)) {
         gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_REFUSED);
+        gateway_log_turned_away(address);
         (void)close(fd);
         return;
     }
@@ -109,6 +122,7 @@ static void admit(server_t *server, int fd, const gateway_address_t *address)
     gateway_client_open(&server->clients[place], fd, address, clock_us(server));
     server->watched[place] = EPOLLIN;
     server->gateway.clients++;
+    gateway_log_connected(&server->log, place, address, server->gateway.clients);
 }
 
 static void watch_listener(server_t *server, bool rests)
@@ -122,7 +136,8 @@ static void rest(server_t *server, const char *what)
     const uint64_t now_us = clock_us(server);
     gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_PUT_OFF);
     if (now_us >= server->told_until_us) {
-        (void)fprintf(stderr, "tumble-gateway: cannot accept connections: %s; trying again\n", what);
+        event_log_always(EVENT_LOG_WARNING, "put_off", EVENT_FIELDS(EVENT_TEXT("why", what)),
+                         "cannot accept connections: %s; trying again", what);
     }
     server->told_until_us = now_us + WELL_US;
     server->rests_until_us = now_us + REST_US;
@@ -156,12 +171,18 @@ static void close_idle(server_t *server)
         const gateway_client_t *const client = &server->clients[place];
         if (client->fd >= 0 && now_us >= gateway_client_deadline_us(client, &server->gateway.settings)) {
             gateway_count(&server->gateway.counters, GATEWAY_COUNT_CONNECTIONS_IDLE);
-            close_client(server, place);
+            close_client(server, place, "silent for too long");
         }
     }
 }
 
 /* The serial line. */
+
+static void note_line(server_t *server)
+{
+    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, &server->gateway, NULL,
+                        clock_us(server));
+}
 
 static void step_serial(server_t *server)
 {
@@ -170,6 +191,7 @@ static void step_serial(server_t *server)
     }
     gateway_serial_step(&server->serial, &server->gateway, &server->replies, server->line_hung_up, clock_us(server));
     server->line_hung_up = false;
+    note_line(server);
     const int fd = server->serial.fd;
     if (fd >= 0) {
         const int operation = (server->watched_line == fd) ? EPOLL_CTL_MOD : EPOLL_CTL_ADD;
@@ -223,11 +245,23 @@ static int wait_ms(const server_t *server)
     return (int)((ms < LONGEST_WAIT_MS) ? ms : LONGEST_WAIT_MS);
 }
 
+/* The node may have answered, or be another than it was. */
+static void note_results(server_t *server)
+{
+    gateway_log_node(&server->log, &server->gateway.poller);
+    for (uint32_t place = 0; event_log_is_on() && place < GATEWAY_MAX_CLIENTS; place++) {
+        if (server->clients[place].fd >= 0) {
+            note_client(server, place);
+        }
+    }
+}
+
 static void serve(server_t *server)
 {
     struct epoll_event ready[MAX_READY];
     while (!server->has_ended) {
         gateway_poller_step(&server->gateway.poller);
+        note_results(server);
         step_serial(server);
         close_idle(server);
         end_rest(server);
@@ -278,9 +312,15 @@ static void announce(const server_t *server, const gateway_options_t *options)
         gateway_listener_name(server->listener, name, sizeof name);
     }
     const char *const between = (server->listener >= 0 && server->has_serial) ? " and " : "";
-    (void)fprintf(stderr, "tumble-gateway: node %u on %s, unit %u at %s%s%s, %s\n", options->settings.node,
-                  options->can, options->settings.unit, name, between, server->has_serial ? options->serial.device : "",
-                  options->settings.allow_commands ? "commands allowed" : "read only");
+    const char *const device = server->has_serial ? options->serial.device : "";
+    const char *const access = options->settings.allow_commands ? "commands allowed" : "read only";
+    event_log_start("tumble-gateway", STDERR_FILENO);
+    event_log_always(EVENT_LOG_NOTICE, "ready",
+                     EVENT_FIELDS(EVENT_WHOLE("node", options->settings.node), EVENT_TEXT("interface", options->can),
+                                  EVENT_WHOLE("unit", options->settings.unit), EVENT_TEXT("tcp", name),
+                                  EVENT_TEXT("rtu", device), EVENT_TEXT("access", access)),
+                     "node %u on %s, unit %u at %s%s%s, %s", options->settings.node, options->can,
+                     options->settings.unit, name, between, device, access);
     notify_manager("READY=1");
 }
 
@@ -288,7 +328,7 @@ static void close_all(server_t *server)
 {
     for (uint32_t place = 0; place < GATEWAY_MAX_CLIENTS; place++) {
         if (server->clients[place].fd >= 0) {
-            close_client(server, place);
+            close_client(server, place, "the gateway ends");
         }
     }
     if (server->has_serial) {
@@ -318,6 +358,8 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
         notify_manager("STOPPING=1");
     }
     close_all(&server);
+    event_log_tell(EVENT_LOG_NOTICE, "end", EVENT_FIELDS(EVENT_WHOLE("exit", (uint64_t)code)), "ends with exit code %d",
+                   code);
     gateway_poller_step(
         &server.gateway.poller); /* the end of a service level, unless the bus is busy: else it ends itself */
     return code;

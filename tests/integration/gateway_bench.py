@@ -41,8 +41,11 @@ def build(folder):
         pytest.skip("libmodbus is not installed (Debian: libmodbus-dev, pkg-config)")
     library = subprocess.run([config, "--cflags", "--libs", "libmodbus"], check=True, capture_output=True, text=True)
     sources = [str(path) for path in sorted((ROOT / "host/gateway").glob("*.c")) if path.name != "main.c"]
-    sources += [f"firmware/{name}.c" for name in ("canopen/sdo_client", "canopen/link", "core/count")]
-    sources += ["boards/linux/signals.c", "host/bench/arguments.c"]
+    firmware = ("canopen/sdo_client", "canopen/link", "core/count", "core/status", "navcomp/commands",
+                "procedure/names", "sets/objections")
+    sources += [f"firmware/{name}.c" for name in firmware]
+    sources += [f"boards/linux/{name}.c" for name in ("event_log", "remedies", "run_log", "signals")]
+    sources += ["host/bench/arguments.c", "host/bench/json.c"]
     return compiled(folder / "tumble-gateway", *FLAGS, "-Ihost", "-Ihost/gateway", "-Iboards/linux",
                     "tests/integration/gateway_harness.c", *sources, *library.stdout.split())
 

@@ -22,11 +22,12 @@ PRODUCTS = (
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
     "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
-    "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
+    "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
     "host/python/src/tumble/drawings/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
-        for path in (*(ROOT / "firmware").rglob("*.h"), *(ROOT / "firmware/procedure").glob("*.c"))]
+        for path in (ROOT / "docs/operations.md", *(ROOT / "firmware").rglob("*.h"),
+                     *(ROOT / "firmware/procedure").glob("*.c"))]
 
 
 def process(*arguments):
@@ -166,6 +167,24 @@ def test_a_missing_product_is_noticed_and_written(tree):
     for name in PRODUCTS:
         assert (tree / name).read_bytes() == (ROOT / name).read_bytes()
     assert generate("--root", tree).stdout == ""
+
+
+def test_a_change_of_a_remedy_is_noticed_and_goes_into_c(tree):
+    """Without the marks of the page; what C would take for the end of its text stays within it."""
+    change(tree / "docs/operations.md", "brake, obstacle, current limit.", 'see [b](bus/README.md#x), `k`, "\\r".')
+    done = generate("--check", "--root", tree)
+    named = re.findall(r"generate: (\S+) is not what the tables say", done.stderr)
+    assert done.returncode == 1 and "boards/linux/remedies.c" in named
+    assert generate("--root", tree).returncode == 0
+    written = (tree / "boards/linux/remedies.c").read_text()
+    assert '[TUMBLE_REASON_STALL] = "The axis does not follow: see docs/bus/README.md, k, \\"\\\\r\\".",\n' in written
+
+
+def test_a_page_without_remedies_is_one_line_and_exit_2(tree):
+    page = tree / "docs/operations.md"
+    page.write_text(page.read_text().replace("`TUMBLE_REASON_", "`REASON_"))
+    done = generate("--check", "--root", tree)
+    assert (done.returncode, done.stderr) == (2, "generate: docs/operations.md: there is no table of reasons\n")
 
 
 def test_a_renumbered_list_makes_the_page_stale(tree):

@@ -57,6 +57,9 @@ BAD = [
     (["--can", "vcan0", "--rtu", "tty,9600,EE"], "--rtu: must be DEVICE,BAUD,PARITY with parity N, E or O"),
     (["--can", "vcan0", "--rtu", ",9600,E"], "--rtu: must be DEVICE,BAUD,PARITY with parity N, E or O"),
     (["--can", "vcan0", "--rtu", "tty,123456789012,E"], "--rtu: must be DEVICE,BAUD,PARITY with parity N, E or O"),
+    (["--can", "vcan0", "--log", "xml"], "--log: must be text or json"),
+    (["--can", "vcan0", "--log-level", "loud"], "--log-level: must be error, warning, notice, info or debug"),
+    (["--can", "vcan0", "--log"], "--log: needs a value"),
     (["--can", "vcan0", "--rtu", "tty,300,E"], "--rtu: baud: must be a whole number from 1200 to 921600"),
 ]
 
@@ -70,7 +73,7 @@ def test_bad_usage_is_one_line_and_exit_2(gateway, arguments, message):
 def test_help_names_every_option_and_exit_code(gateway):
     done = gateway("--help")
     assert (done.returncode, done.stderr) == (0, "")
-    for option in ("can", "tcp", "rtu", "unit", "node", "poll", "idle", "allow-commands", "unlock"):
+    for option in ("can", "tcp", "rtu", "unit", "node", "poll", "idle", "allow-commands", "unlock", "log", "log-level"):
         assert f"  --{option}" in done.stdout
     assert "  -h, --help" in done.stdout and gateway("-h").stdout == done.stdout
     assert all(code in done.stdout for code in ("0 told", "2 bad", "3 it", "77 this"))

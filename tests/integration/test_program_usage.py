@@ -34,6 +34,17 @@ def refusal(name, folder, *arguments):
     return done.stderr
 
 
+@pytest.mark.parametrize("name", ["tumble-node", "tumble-stand"])
+@pytest.mark.parametrize("given, says", [
+    (("--log", "xml"), "--log: must be text or json"),
+    (("--log", ""), "--log: must be text or json"),
+    (("--log-level", "6"), "--log-level: must be error, warning, notice, info or debug"),
+    (("--log",), "--log: needs a value"),
+])
+def test_logs_that_are_none(name, given, says):
+    assert refusal(name, "boards/linux", "vcan0", *given) == f"{name}: {says}\n"
+
+
 def test_a_stand_file_is_no_scenario(tmp_path):
     stand = tmp_path / "my.toml"
     stand.write_text(HASTY_STAND)

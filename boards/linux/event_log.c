@@ -1,0 +1,297 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "event_log.h"
+
+#include "bench/json.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LINE_BYTES 4096 /* what a pipe takes whole as soon as it takes anything */
+#define TIME_BYTES 40
+#define US_PER_S UINT64_C(1000000)
+#define NS_PER_US 1000
+#define NS_PER_MS 1000000
+
+typedef enum { FORM_PLAIN = 0, FORM_TEXT, FORM_JSON } form_t;
+
+typedef struct {
+    form_t form;
+    event_log_level_t level; /* the least severe that is told; 0: EVENT_LOG_INFO */
+    const char *program;     /* null: not begun */
+    int fd;
+    bool is_journal;
+    bool is_torn; /* the last line went in part: its end is still owed */
+    uint32_t lost;
+    uint64_t room_us; /* of lines that may go now, in the time that each takes to be earned */
+    uint64_t seen_us;
+} event_log_t;
+
+static event_log_t the_log;
+
+static const char *level_name(event_log_level_t level)
+{
+    static const char *const names[] = {
+        [EVENT_LOG_ERROR] = "error", [EVENT_LOG_WARNING] = "warning", [EVENT_LOG_NOTICE] = "notice",
+        [EVENT_LOG_INFO] = "info",   [EVENT_LOG_DEBUG] = "debug",
+    };
+    return names[level];
+}
+
+/* Options. */
+
+bool event_log_take_form(void *options, const char *form)
+{
+    (void)options;
+    if (strcmp(form, "text") != 0 && strcmp(form, "json") != 0) {
+        return arguments_refuse("--log", "must be text or json");
+    }
+    the_log.form = (*form == 't') ? FORM_TEXT : FORM_JSON;
+    return true;
+}
+
+bool event_log_take_level(void *options, const char *name)
+{
+    (void)options;
+    for (event_log_level_t level = EVENT_LOG_ERROR; level <= EVENT_LOG_DEBUG; level++) {
+        if (strcmp(name, level_name(level)) == 0) {
+            the_log.level = level;
+            the_log.form = (the_log.form == FORM_PLAIN) ? FORM_TEXT : the_log.form;
+            return true;
+        }
+    }
+    return arguments_refuse("--log-level", "must be error, warning, notice, info or debug");
+}
+
+bool event_log_is_on(void)
+{
+    return the_log.form != FORM_PLAIN;
+}
+
+/* Where it goes. */
+
+/* JOURNAL_STREAM is DEVICE:INODE of what the manager has connected; the descriptor may have become another since. */
+static bool leads_to_journal(int fd)
+{
+    const char *const stream = getenv("JOURNAL_STREAM");
+    uintmax_t device = 0;
+    uintmax_t inode = 0;
+    char end = '\0';
+    struct stat status;
+    return stream != NULL && sscanf(stream, "%ju:%ju%c", &device, &inode, &end) == 2 && fstat(fd, &status) == 0 &&
+           device == (uintmax_t)status.st_dev && inode == (uintmax_t)status.st_ino;
+}
+
+static uint64_t monotonic_us(void)
+{
+    struct timespec now = {0};
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * US_PER_S + (uint64_t)now.tv_nsec / NS_PER_US;
+}
+
+void event_log_start(const char *program, int fd)
+{
+    the_log.program = program;
+    the_log.fd = fd;
+    the_log.level = (the_log.level == 0) ? EVENT_LOG_INFO : the_log.level;
+    the_log.is_journal = leads_to_journal(fd);
+    the_log.room_us = EVENT_LOG_BURST * US_PER_S / EVENT_LOG_PER_SECOND;
+    the_log.seen_us = monotonic_us();
+    the_log.lost = 0;
+    the_log.is_torn = false;
+}
+
+void event_log_reset(void)
+{
+    the_log = (event_log_t){0};
+}
+
+static bool is_writable(void)
+{
+    struct pollfd asked = {.fd = the_log.fd, .events = POLLOUT};
+    return poll(&asked, 1, 0) == 1 && asked.revents == POLLOUT; /* and no error: nobody would read it */
+}
+
+/* A pipe that has room has it for a whole line; a socket is asked not to wait. */
+static ssize_t put(const char *bytes, size_t size)
+{
+    const ssize_t sent = send(the_log.fd, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
+    return (sent < 0 && errno == ENOTSOCK) ? write(the_log.fd, bytes, size) : sent;
+}
+
+/* False: it is left out. */
+static bool write_line(const char *line, size_t size)
+{
+    if (!is_writable() || (the_log.is_torn && put("\n", 1) != 1)) {
+        return false;
+    }
+    const ssize_t written = put(line, size);
+    the_log.is_torn = written > 0 && (size_t)written < size;
+    return written == (ssize_t)size;
+}
+
+/* May one more line go? One is earned in every EVENT_LOG_PER_SECOND-th of a second. */
+static bool has_room(event_log_level_t level)
+{
+    const uint64_t price_us = US_PER_S / EVENT_LOG_PER_SECOND;
+    const uint64_t most_us = EVENT_LOG_BURST * price_us;
+    const uint64_t now_us = monotonic_us();
+    const uint64_t room_us = the_log.room_us + (now_us - the_log.seen_us);
+    the_log.room_us = (room_us < most_us) ? room_us : most_us;
+    the_log.seen_us = now_us;
+    if (level == EVENT_LOG_ERROR) {
+        return true;
+    }
+    if (the_log.room_us < price_us) {
+        return false;
+    }
+    the_log.room_us -= price_us;
+    return true;
+}
+
+/* A line. */
+
+/* On one line, whatever a name from outside holds; never ended within a character of UTF-8. */
+static void clean(char *text)
+{
+    size_t size = strlen(text);
+    if (size == EVENT_LOG_TEXT_BYTES - 1U) {
+        while (size > 0U && ((unsigned char)text[size - 1U] & 0xC0U) == 0x80U) {
+            size--;
+        }
+        size -= (size > 0U && ((unsigned char)text[size - 1U] & 0x80U) != 0U) ? 1U : 0U;
+        text[size] = '\0';
+    }
+    for (char *at = text; *at != '\0'; at++) {
+        *at = ((unsigned char)*at < 0x20U || *at == 0x7F) ? '?' : *at;
+    }
+}
+
+static void put_time(char *text)
+{
+    struct timespec now = {0};
+    struct tm utc = {0};
+    char seconds[TIME_BYTES / 2];
+    (void)clock_gettime(CLOCK_REALTIME, &now);
+    (void)gmtime_r(&now.tv_sec, &utc);
+    (void)strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", &utc);
+    (void)snprintf(text, TIME_BYTES, "%s.%03ldZ", seconds, now.tv_nsec / NS_PER_MS);
+}
+
+static void put_fields(bench_json_t *json, const event_field_t *fields)
+{
+    for (const event_field_t *field = fields; field != NULL && field->name != NULL; field++) {
+        char text[EVENT_LOG_TEXT_BYTES];
+        if (field->text == NULL) {
+            bench_json_whole(json, field->name, field->whole);
+        } else {
+            (void)snprintf(text, sizeof text, "%s", field->text);
+            clean(text);
+            bench_json_text(json, field->name, text);
+        }
+    }
+}
+
+static void put_json(FILE *out, event_log_level_t level, const char *event, const event_field_t *fields,
+                     const char *message)
+{
+    bench_json_t json = {.out = out};
+    char when[TIME_BYTES];
+    put_time(when);
+    bench_json_open(&json, NULL, '{');
+    bench_json_text(&json, "schema", "tumble.log/1");
+    bench_json_text(&json, "time", when);
+    bench_json_text(&json, "program", the_log.program);
+    bench_json_text(&json, "level", level_name(level));
+    bench_json_text(&json, "event", event);
+    put_fields(&json, fields);
+    bench_json_text(&json, "message", message);
+    bench_json_close(&json, '}');
+}
+
+static void put_text(FILE *out, event_log_level_t level, const char *message)
+{
+    char when[TIME_BYTES];
+    put_time(when);
+    if (the_log.form == FORM_PLAIN) {
+        (void)fprintf(out, "%s: %s", the_log.program, message);
+    } else if (the_log.is_journal) {
+        (void)fputs(message, out);
+    } else {
+        (void)fprintf(out, "%s %s: %s: %s", when, the_log.program, level_name(level), message);
+    }
+}
+
+/* False: it is left out. */
+static bool tell(event_log_level_t level, const char *event, const event_field_t *fields, const char *message)
+{
+    char line[LINE_BYTES];
+    FILE *const out = fmemopen(line, sizeof line, "w");
+    if (out == NULL) {
+        return false;
+    }
+    if (the_log.is_journal) {
+        (void)fprintf(out, "<%d>", (int)level);
+    }
+    if (the_log.form == FORM_JSON) {
+        put_json(out, level, event, fields, message);
+    } else {
+        put_text(out, level, message);
+    }
+    (void)fputc('\n', out);
+    const bool fits = fflush(out) == 0;
+    const long size = ftell(out);
+    (void)fclose(out);
+    return fits && size > 0 && write_line(line, (size_t)size);
+}
+
+static bool tell_lost(void)
+{
+    char message[100];
+    (void)snprintf(message, sizeof message, "lines left out before this one: %" PRIu32, the_log.lost);
+    return tell(EVENT_LOG_WARNING, "lost", EVENT_FIELDS(EVENT_WHOLE("lines", the_log.lost)), message);
+}
+
+static void tell_or_count(event_log_level_t level, const char *event, const event_field_t *fields, const char *format,
+                          va_list values)
+{
+    char message[EVENT_LOG_TEXT_BYTES];
+    if (the_log.program == NULL || (event_log_is_on() && level > the_log.level)) {
+        return;
+    }
+    (void)vsnprintf(message, sizeof message, format, values);
+    clean(message);
+    const bool may = has_room(level) && (the_log.lost == 0U || tell_lost());
+    the_log.lost = may ? 0U : the_log.lost;
+    if (!may || !tell(level, event, fields, message)) {
+        the_log.lost += (the_log.lost < UINT32_MAX) ? 1U : 0U;
+    }
+}
+
+void event_log_tell(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
+{
+    va_list values;
+    if (!event_log_is_on()) {
+        return;
+    }
+    va_start(values, format);
+    tell_or_count(level, event, fields, format, values);
+    va_end(values);
+}
+
+void event_log_always(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    tell_or_count(level, event, fields, format, values);
+    va_end(values);
+}

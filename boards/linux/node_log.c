@@ -1,0 +1,102 @@
+#include "node_log.h"
+
+#include "bench/report.h"
+#include "canopen/sdo.h"
+#include "canopen/sdo_frame.h"
+#include "core/bytes.h"
+#include "event_log.h"
+#include "remedies.h"
+#include "run_log.h"
+
+#include <unistd.h>
+
+#define NODE 1U
+#define COMMAND 2U
+
+void node_log_ready(const node_options_t *options)
+{
+    if (event_log_is_on() || (!options->start && options->progress_fd != STDERR_FILENO)) {
+        event_log_start("tumble-node", STDERR_FILENO);
+    }
+    const char *const memory = (options->nv != NULL) ? options->nv : "none";
+    event_log_always(EVENT_LOG_NOTICE, "ready",
+                     EVENT_FIELDS(EVENT_WHOLE("node", NODE), EVENT_TEXT("interface", options->interface),
+                                  EVENT_TEXT("memory", memory)),
+                     "node %u on %s, memory %s; %s", NODE, options->interface, memory,
+                     options->start ? "begins a calibration" : "waits for commands");
+}
+
+/* Commands. */
+
+void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame)
+{
+    if (frame->id == TUMBLE_SDO_REQUEST_ID + NODE &&
+        (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_DOWNLOAD_REQUEST &&
+        tumble_get_u16(&frame->data[1]) == TUMBLE_NAVCOMP_INDEX_COMMAND && frame->data[3] == COMMAND) {
+        log->asked = frame->data[4];
+    }
+}
+
+void node_log_refused(const node_log_t *log, const tumble_progress_t *now)
+{
+    const char *const name = tumble_command_name((tumble_command_t)log->asked);
+    const char *const state = tumble_state_name(now->state);
+    event_log_tell(EVENT_LOG_WARNING, "refused",
+                   EVENT_FIELDS(EVENT_TEXT("command", name), EVENT_WHOLE("command_number", log->asked),
+                                EVENT_TEXT("state", state)),
+                   "refused %s (%u) in %s", name, (unsigned)log->asked, state);
+}
+
+/* After a step. */
+
+static void look_at_level(node_log_t *log, const tumble_navcomp_t *navcomp)
+{
+    const bool is_open = tumble_service_is_open(navcomp);
+    if (is_open && !log->is_unlocked) {
+        event_log_tell(EVENT_LOG_NOTICE, "unlock", EVENT_FIELDS(EVENT_WHOLE("seconds", TUMBLE_SERVICE_S)),
+                       "the service level is open, for %u s", TUMBLE_SERVICE_S);
+    } else if (!is_open && log->is_unlocked) {
+        event_log_tell(EVENT_LOG_NOTICE, "lock", NULL, "the service level is over");
+    }
+    log->is_unlocked = is_open;
+}
+
+void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets)
+{
+    tumble_sets_state_t state;
+    if (!event_log_is_on()) {
+        return;
+    }
+    look_at_level(log, navcomp);
+    if (sets == NULL) {
+        return;
+    }
+    tumble_sets_state(sets, &state);
+    run_log_sets(&log->sets, &state);
+}
+
+/* The end. */
+
+void node_log_end(const bench_world_t *world, const tumble_progress_t *cause)
+{
+    const int code = bench_exit_code(world);
+    const char *const end = bench_end_name(world->end);
+    if (cause->reason == TUMBLE_REASON_NONE) {
+        event_log_tell((code == BENCH_EXIT_FAULT) ? EVENT_LOG_ERROR : EVENT_LOG_NOTICE, "end",
+                       EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code)),
+                       "ends with exit code %d (%s)", code, end);
+        return;
+    }
+    const char *const reason = tumble_reason_name(cause->reason);
+    const char *const failed_in = tumble_state_name(cause->failed_in);
+    const char *const sentence = tumble_reason_sentence(cause->reason);
+    const char *const remedy = tumble_reason_remedy(cause->reason);
+    event_log_tell((code == BENCH_EXIT_FAULT) ? EVENT_LOG_ERROR : EVENT_LOG_WARNING, "end",
+                   EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code),
+                                EVENT_TEXT("state", failed_in), EVENT_WHOLE("mounting", cause->mounting),
+                                EVENT_WHOLE("position", cause->position), EVENT_TEXT("cause", reason),
+                                EVENT_WHOLE("cause_number", (uint64_t)cause->reason), EVENT_TEXT("sentence", sentence),
+                                EVENT_TEXT("remedy", remedy), EVENT_WHOLE("drive_code", cause->drive_code)),
+                   "ends with exit code %d (%s); cause, at position %u.%u: %s in %s, %s. Remedy: %s", code, end,
+                   cause->mounting, cause->position, reason, failed_in, sentence, remedy);
+}

@@ -1,0 +1,34 @@
+/* node_log.h - the events of tumble-node (event_log.h). Where they are not wanted each call costs next to nothing. */
+#ifndef TUMBLE_LINUX_NODE_LOG_H
+#define TUMBLE_LINUX_NODE_LOG_H
+
+#include "bench/world.h"
+#include "node_options.h"
+#include "run_log.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* What was told last. */
+typedef struct {
+    uint8_t asked; /* the command that somebody wrote last, by SDO */
+    run_log_sets_t sets;
+    bool is_unlocked;
+} node_log_t;
+
+/* It serves. Without --log also tells it, unless it makes a single run or standard error has its progress. */
+void node_log_ready(const node_options_t *options);
+
+/* A frame has come or gone: it may be a command. */
+void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame);
+
+/* A command was refused. */
+void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
+
+/* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
+void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
+
+/* The program ends: the last line. */
+void node_log_end(const bench_world_t *world, const tumble_progress_t *cause);
+
+#endif

@@ -1,0 +1,247 @@
+#define _POSIX_C_SOURCE 200809L
+
+#include "gateway_log.h"
+
+#include "event_log.h"
+#include "run_log.h"
+
+#include <arpa/inet.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LINE "the serial line"
+#define COMMAND_SUBINDEX 2U
+#define WHAT_BYTES 60U
+
+/* Clients. */
+
+void gateway_log_who(const gateway_address_t *address, char who[GATEWAY_WHO_BYTES])
+{
+    static const uint8_t mapped[12] = {[10] = 0xFF, [11] = 0xFF};
+    const bool is_old = memcmp(address->bytes, mapped, sizeof mapped) == 0;
+    const void *const bytes = is_old ? &address->bytes[sizeof mapped] : address->bytes;
+    if (inet_ntop(is_old ? AF_INET : AF_INET6, bytes, who, GATEWAY_WHO_BYTES) == NULL) {
+        (void)snprintf(who, GATEWAY_WHO_BYTES, "?");
+    }
+}
+
+void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients)
+{
+    char who[GATEWAY_WHO_BYTES];
+    log->sessions[place] = (gateway_session_log_t){0};
+    gateway_log_who(address, who);
+    event_log_tell(EVENT_LOG_INFO, "connected",
+                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_WHOLE("clients", clients)),
+                   "client %s connected, %u in all", who, (unsigned)clients);
+}
+
+void gateway_log_disconnected(const gateway_address_t *address, const char *why, uint16_t clients)
+{
+    char who[GATEWAY_WHO_BYTES];
+    gateway_log_who(address, who);
+    event_log_tell(EVENT_LOG_INFO, "disconnected",
+                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", why), EVENT_WHOLE("clients", clients)),
+                   "client %s disconnected, %s; %u left", who, why, (unsigned)clients);
+}
+
+void gateway_log_turned_away(const gateway_address_t *address)
+{
+    char who[GATEWAY_WHO_BYTES];
+    gateway_log_who(address, who);
+    event_log_tell(EVENT_LOG_WARNING, "turned_away", EVENT_FIELDS(EVENT_TEXT("client", who)),
+                   "client %s is turned away: all places are taken", who);
+}
+
+/* What they write. */
+
+static void tell_refusals(gateway_log_t *log, const gateway_counters_t *counters, const char *who)
+{
+    const uint32_t keys = counters->count[GATEWAY_COUNT_WRONG_KEYS];
+    const uint32_t locked = counters->count[GATEWAY_COUNT_LOCKED];
+    if (keys != log->wrong_keys) {
+        event_log_tell(EVENT_LOG_WARNING, "refused",
+                       EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "wrong keys")), "%s: wrong keys", who);
+    }
+    if (locked != log->locked) {
+        event_log_tell(EVENT_LOG_WARNING, "refused",
+                       EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "locked")),
+                       "%s: writing refused, the session is locked or commands are not allowed", who);
+    }
+    log->wrong_keys = keys;
+    log->locked = locked;
+}
+
+static bool is_command_object(uint16_t index)
+{
+    bool found = false;
+    for (size_t i = 0; i < GATEWAY_COMMAND_OBJECTS; i++) {
+        found = found || gateway_command_objects[i] == index;
+    }
+    return found;
+}
+
+/* The last thing that is written is what was meant. */
+static void describe(const gateway_command_t *sent, char what[WHAT_BYTES])
+{
+    const gateway_write_t *const one = &sent->writes[(sent->count > 0U) ? sent->count - 1U : 0U];
+    if (is_command_object(one->index) && one->subindex == COMMAND_SUBINDEX) {
+        (void)snprintf(what, WHAT_BYTES, "%s (%u)", tumble_command_name((tumble_command_t)one->bytes[0]),
+                       (unsigned)one->bytes[0]);
+    } else {
+        (void)snprintf(what, WHAT_BYTES, "setting %04Xh:%u", (unsigned)one->index, (unsigned)one->subindex);
+    }
+}
+
+static void tell_result(const gateway_command_t *sent, const char *who)
+{
+    static const char *const outcomes[] = {
+        [GATEWAY_RESULT_ACCEPTED] = "accepted",
+        [GATEWAY_RESULT_REFUSED] = "refused by the node",
+        [GATEWAY_RESULT_UNANSWERED] = "not answered by the node",
+        [GATEWAY_RESULT_UNFIT] = "not sent: the object cannot hold the value",
+        [GATEWAY_RESULT_NO_SERVICE] = "not sent: it needs the service level",
+    };
+    const bool is_accepted = sent->result == (uint8_t)GATEWAY_RESULT_ACCEPTED;
+    const char *const outcome = outcomes[sent->result];
+    char what[WHAT_BYTES];
+    char code[WHAT_BYTES] = "";
+    describe(sent, what);
+    if (sent->abort != 0U) {
+        (void)snprintf(code, sizeof code, ", abort code %08" PRIX32 "h", sent->abort);
+    }
+    event_log_tell(is_accepted ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING, is_accepted ? "command" : "refused",
+                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("command", what), EVENT_TEXT("why", outcome),
+                                EVENT_WHOLE("abort_code", sent->abort)),
+                   "%s: %s %s%s", who, what, outcome, code);
+}
+
+static void tell_session(gateway_session_log_t *log, const gateway_session_t *session, const char *who, uint64_t now_us)
+{
+    const bool is_unlocked = now_us < session->unlocked_until_us;
+    const uint16_t executed = session->staged[GATEWAY_HOLDING_EXECUTE];
+    const uint8_t result = session->sent.result;
+    if (is_unlocked != log->is_unlocked) {
+        event_log_tell(is_unlocked ? EVENT_LOG_NOTICE : EVENT_LOG_INFO, is_unlocked ? "unlock" : "lock",
+                       EVENT_FIELDS(EVENT_TEXT("client", who)), "%s: the session is %s", who,
+                       is_unlocked ? "unlocked" : "locked");
+    }
+    if ((result != log->result || executed != log->executed) && result > (uint8_t)GATEWAY_RESULT_PENDING) {
+        tell_result(&session->sent, who);
+    }
+    *log = (gateway_session_log_t){.executed = executed, .result = result, .is_unlocked = is_unlocked};
+}
+
+void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session, const gateway_t *gateway,
+                         const gateway_address_t *address, uint64_t now_us)
+{
+    char who[GATEWAY_WHO_BYTES] = LINE;
+    if (!event_log_is_on()) {
+        return;
+    }
+    if (address != NULL) {
+        gateway_log_who(address, who);
+    }
+    tell_refusals(log, &gateway->counters, who);
+    tell_session(&log->sessions[place], session, who, now_us);
+}
+
+/* The node. */
+
+/* An integer of up to 32 bits of a snapshot. False: it has none. */
+static bool value_of(const gateway_snapshot_t *snapshot, uint16_t index, uint8_t subindex, uint32_t *number)
+{
+    for (size_t i = 0; i < GATEWAY_VALUES; i++) {
+        const gateway_value_t *const value = &gateway_values[i];
+        const bool is_valid = (snapshot->words[value->validity] & (1U << value->bit)) != 0U;
+        if (value->index == index && value->subindex == subindex && is_valid && value->words <= 2U) {
+            const uint32_t high = snapshot->words[value->at];
+            *number = (value->words == 1U) ? high : high << 16 | snapshot->words[value->at + 1U];
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint32_t value_or_0(const gateway_snapshot_t *snapshot, uint16_t index, uint8_t subindex)
+{
+    uint32_t number = 0;
+    (void)value_of(snapshot, index, subindex, &number);
+    return number;
+}
+
+static void look_at_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
+{
+    static const tumble_progress_t no_cause = {.reason = TUMBLE_REASON_NONE};
+    uint32_t state;
+    uint32_t reason;
+    if (!value_of(snapshot, 0x2000U, 0, &state) || !value_of(snapshot, 0x2001U, 0, &reason)) {
+        return;
+    }
+    if (!log->has_state || state != log->state || reason != log->reason) {
+        const tumble_progress_t now = {
+            .state = (tumble_state_t)state,
+            .reason = (tumble_reason_t)reason,
+            .failed_in = (tumble_state_t)value_or_0(snapshot, 0x2004U, 1),
+            .drive_code = (uint16_t)value_or_0(snapshot, 0x2004U, 3),
+            .index = (uint8_t)value_or_0(snapshot, 0x2003U, 1),
+            .count = (uint8_t)value_or_0(snapshot, 0x2003U, 2),
+            .finished = (uint8_t)value_or_0(snapshot, 0x2003U, 3),
+            .mounting = (uint8_t)value_or_0(snapshot, 0x2003U, 4),
+            .position = (uint8_t)value_or_0(snapshot, 0x2003U, 5),
+            .attempt = (uint8_t)value_or_0(snapshot, 0x2003U, 6),
+        };
+        run_log_state(&now, &no_cause, true);
+    }
+    log->has_state = true;
+    log->state = (uint16_t)state;
+    log->reason = (uint16_t)reason;
+}
+
+static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)
+{
+    uint32_t verdict;
+    uint32_t counter;
+    if (value_of(snapshot, 0x2120U, 7, &verdict) && value_of(snapshot, 0x2120U, 2, &counter)) {
+        const tumble_sets_state_t state = {.verdict = (uint8_t)verdict,
+                                           .counter = counter,
+                                           .objections = (uint16_t)value_or_0(snapshot, 0x2120U, 6),
+                                           .status = (uint8_t)value_or_0(snapshot, 0x2120U, 8)};
+        run_log_sets(&log->sets, &state);
+    }
+}
+
+static void look_at_link(gateway_log_t *log, const gateway_poller_t *poller)
+{
+    static const char *const sentences[] = {
+        [GATEWAY_LINK_UNKNOWN] = "not known",
+        [GATEWAY_LINK_UP] = "the node answers",
+        [GATEWAY_LINK_SILENT] = "the node is silent: its power, its number, the bus",
+        [GATEWAY_LINK_DOWN] = "the interface is down",
+    };
+    static const char *const words[] = {
+        [GATEWAY_LINK_UNKNOWN] = "unknown",
+        [GATEWAY_LINK_UP] = "up",
+        [GATEWAY_LINK_SILENT] = "silent",
+        [GATEWAY_LINK_DOWN] = "down",
+    };
+    if (poller->link_state != log->link) {
+        event_log_tell((poller->link_state == (uint8_t)GATEWAY_LINK_UP) ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING, "link",
+                       EVENT_FIELDS(EVENT_WHOLE("node", poller->node), EVENT_TEXT("link", words[poller->link_state])),
+                       "node %u: %s", (unsigned)poller->node, sentences[poller->link_state]);
+    }
+    log->link = poller->link_state;
+}
+
+void gateway_log_node(gateway_log_t *log, const gateway_poller_t *poller)
+{
+    if (!event_log_is_on()) {
+        return;
+    }
+    look_at_link(log, poller);
+    if (poller->published.number != log->snapshot) {
+        look_at_run(log, &poller->published);
+        look_at_sets(log, &poller->published);
+    }
+    log->snapshot = poller->published.number;
+}

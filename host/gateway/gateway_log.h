@@ -1,0 +1,50 @@
+/* gateway_log.h - the events of tumble-gateway (event_log.h): clients, what they command, the node as its snapshots show
+ * it. Everything is seen from outside, by what has changed since it was looked at last. */
+#ifndef TUMBLE_GATEWAY_GATEWAY_LOG_H
+#define TUMBLE_GATEWAY_GATEWAY_LOG_H
+
+#include "client.h"
+#include "run_log.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define GATEWAY_WHO_BYTES 48U
+
+/* Of a session what was told last. */
+typedef struct {
+    uint16_t executed;
+    uint8_t result;
+    bool is_unlocked;
+} gateway_session_log_t;
+
+typedef struct {
+    gateway_session_log_t sessions[GATEWAY_MAX_SESSIONS]; /* of each place, that of the serial line last */
+    uint32_t wrong_keys;                                  /* counted so far; likewise the next */
+    uint32_t locked;
+    uint32_t snapshot; /* its number */
+    uint8_t link;
+    uint16_t state;
+    uint16_t reason;
+    bool has_state; /* of the node, since the gateway began */
+    run_log_sets_t sets;
+} gateway_log_t;
+
+/* A client in words: its address. */
+void gateway_log_who(const gateway_address_t *address, char who[GATEWAY_WHO_BYTES]);
+
+/* A client has come to a place, or goes: `why`. */
+void gateway_log_connected(gateway_log_t *log, uint32_t place, const gateway_address_t *address, uint16_t clients);
+void gateway_log_disconnected(const gateway_address_t *address, const char *why, uint16_t clients);
+
+/* No place for a client. */
+void gateway_log_turned_away(const gateway_address_t *address);
+
+/* A session may have written, or have got its result: before it is another's turn. `address` null: the serial line. */
+void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session, const gateway_t *gateway,
+                         const gateway_address_t *address, uint64_t now_us);
+
+/* The poller has been stepped. */
+void gateway_log_node(gateway_log_t *log, const gateway_poller_t *poller);
+
+#endif

@@ -1,0 +1,221 @@
+"""The log of tumble-gateway: a line for each client, command, refusal, change of the link and of the node."""
+
+import os
+import re
+import struct
+import subprocess
+import time
+
+import documents
+import pytest
+from gateway_bench import FUNCTION, KEYS, ROOT, VALUE, WRITE_SEVERAL, Gateway, gateway_program, register
+from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
+from test_gateway_serial import line
+
+assert gateway_program and line
+# Instrumented in any case: no need to run it with everything else once more.
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
+COMMAND, SETTING, EXECUTE = (register(name, "holding")["register"] for name in ("Command", "Setting", "Execute"))
+UNFIT, NO_SERVICE = 5, 6
+PAGE = (ROOT / "docs/operations.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def logged(gateway_program):
+    """Start a gateway with a log: (gateway, its lines so far or in the end)."""
+    started = []
+
+    def start(*options, form="json"):
+        started.append(Gateway(gateway_program, "--poll", 50, "--log", form, *options))
+        return started[-1]
+
+    yield start
+    for gateway in started:
+        gateway.end()
+
+
+def lines(gateway):
+    """All that it has told, after it was ended well."""
+    code, rest = gateway.end()
+    assert code == 0, rest
+    found = [documents.valid(line, "log") for line in [gateway.line, *rest.splitlines()]]
+    assert all(line["program"] == "tumble-gateway" for line in found)
+    return found
+
+
+def told(found, *events):
+    """(event, level, message) of these events; none: of all but those of the node's link."""
+    return [(line["event"], line["level"], line["message"]) for line in found
+            if line["event"] in events or (not events and line["event"] != "link")]
+
+
+def u16(number):
+    return struct.pack("<H", number)
+
+
+def test_clients_come_and_go(logged):
+    gateway = logged("--idle", 1)
+    first = gateway.connect()
+    first.number("Clients")
+    second = gateway.connect(source="127.0.0.2")
+    second.number("Clients")
+    second.close()
+    time.sleep(0.2)
+    first.send(b"\0\0\0\0\xff\xff\1")
+    assert first.receive() == b""
+    silent = gateway.connect()
+    assert silent.receive() == b""
+    last = gateway.connect()
+    last.number("Clients")
+    found = lines(gateway)
+    assert told(found)[1:] == [
+        ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
+        ("connected", "info", "client 127.0.0.2 connected, 2 in all"),
+        ("disconnected", "info", "client 127.0.0.2 disconnected, by itself; 1 left"),
+        ("disconnected", "info", "client 127.0.0.1 disconnected, broken off, or it speaks no Modbus; 0 left"),
+        ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
+        ("disconnected", "info", "client 127.0.0.1 disconnected, silent for too long; 0 left"),
+        ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
+        ("disconnected", "info", "client 127.0.0.1 disconnected, the gateway ends; 0 left"),
+        ("end", "notice", "ends with exit code 0"),
+    ]
+    assert (found[0]["event"], found[0]["access"], found[0]["interface"]) == ("ready", "read only", "played")
+    assert re.fullmatch(r"node 1 on played, unit 1 at 127\.0\.0\.1:\d+, read only", found[0]["message"])
+
+
+def test_commands_and_what_came_of_them(logged):
+    gateway = logged("--allow-commands")
+    client = unlocked(gateway)
+
+    def execute(number, *staged):
+        assert client.write(COMMAND, *staged, number) is None
+        return result(client)[0]
+
+    def setting(number, row, value):
+        words = struct.unpack(">4H", struct.pack(">d", value))
+        assert client.write(SETTING, register(row, "setting")["register"], *words) is None
+        assert client.write(EXECUTE, number) is None
+        return result(client)[0]
+
+    assert execute(1, 1) == ACCEPTED
+    gateway.tell("refuse 8000022")
+    assert execute(2, 9) == REFUSED
+    gateway.tell("refuse 0")
+    assert setting(3, "Recalibration: Temperature samples", 0.5) == UNFIT
+    assert setting(4, "Commit rules: Coverage", 3.0) == NO_SERVICE
+    gateway.tell("silent 1")
+    assert execute(5, 2) == UNANSWERED
+    assert client.write(0, 1, 2) == VALUE
+    assert client.write(COMMAND, 1) == FUNCTION
+    who = "127.0.0.1: "
+    assert told(lines(gateway), "unlock", "lock", "command", "refused") == [
+        ("unlock", "notice", who + "the session is unlocked"),
+        ("command", "notice", who + "TUMBLE_COMMAND_START (1) accepted"),
+        ("refused", "warning", who + "TUMBLE_COMMAND_ACCEPT (9) refused by the node, abort code 08000022h"),
+        ("refused", "warning", who + "setting 2122h:4 not sent: the object cannot hold the value"),
+        ("refused", "warning", who + "setting 2123h:1 not sent: it needs the service level"),
+        ("refused", "warning", who + "TUMBLE_COMMAND_ABORT (2) not answered by the node"),
+        ("refused", "warning", who + "wrong keys"),
+        ("lock", "info", who + "the session is locked"),
+        ("refused", "warning", who + "writing refused, the session is locked or commands are not allowed"),
+    ]
+
+
+def test_the_node_as_its_snapshots_show_it(logged):
+    """What was so at first is told as a state, and is no verdict; then what changes. Silence, and an interface that is
+    down."""
+    gateway = logged()
+    client = gateway.connect()
+    for index, sub, number in ((0x2000, 0, 5), (0x2001, 0, 0), (0x2004, 1, 5), (0x2003, 1, 2), (0x2003, 2, 18),
+                               (0x2003, 3, 2), (0x2003, 4, 1), (0x2003, 5, 3), (0x2120, 7, 3)):
+        gateway.set(index, sub, bytes([number]), boot=False)
+    gateway.set(0x2004, 3, u16(0x7500), boot=False)
+    gateway.set(0x2120, 6, u16(0x40), boot=False)
+    gateway.set(0x2120, 2, struct.pack("<I", 4))
+    gateway.wait_fresh(client)
+    gateway.set(0x2001, 0, b"\7", boot=False)
+    gateway.set(0x2000, 0, b"\x0d")
+    gateway.wait_fresh(client)
+    gateway.set(0x2120, 7, b"\5", boot=False)
+    gateway.set(0x2120, 2, struct.pack("<I", 5))
+    gateway.wait_fresh(client)
+    gateway.tell("silent 1")
+    time.sleep(1.5)
+    gateway.tell("down 1")
+    time.sleep(1.5)
+    found = lines(gateway)
+    assert ("state", "info", "TUMBLE_STATE_MOVE at position 1.3, 2 of 18 finished: turning the table") in told(found)
+    [fault] = [line for line in found if line["event"] == "fault"]
+    row = re.search(r"`TUMBLE_REASON_DRIVE_FAULT` \| (.*) \|", PAGE)[1]
+    assert (fault["reason_number"], fault["drive_code"], fault["remedy"]) == (7, 0x7500, row)
+    assert fault["state"] == "TUMBLE_STATE_MOVE" and fault["message"].endswith("Remedy: " + row)
+    assert told(found, "held", "commit") == [("commit", "notice", "the proposal is accepted: calibration counter 5")]
+    assert [line["link"] for line in found if line["event"] == "link"] == ["up", "silent", "down"]
+
+
+def test_text_and_level(logged):
+    gateway = logged("--log-level", "notice", form="text")
+    stamp = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z tumble-gateway: "
+    assert re.fullmatch(stamp + r"notice: node 1 on played, unit 1 at 127\.0\.0\.1:\d+, read only\n", gateway.line)
+    gateway.connect().number("Clients")
+    code, rest = gateway.end()
+    assert code == 0 and re.fullmatch(f"{stamp}notice: node 1: the node answers\n"
+                                      f"{stamp}notice: ends with exit code 0\n", rest), rest
+
+
+@pytest.mark.parametrize("form", [[], ["--log", "text"], ["--log", "json"]])
+def test_the_journal_is_told_the_level(gateway_program, form):
+    """Where standard error is what JOURNAL_STREAM says, and nowhere else."""
+    ours, theirs = os.pipe()
+    status = os.fstat(theirs)
+    environment = {key: value for key, value in os.environ.items() if key != "LD_PRELOAD"}
+    first = []
+    for inode in (status.st_ino, status.st_ino + 1):
+        environment["JOURNAL_STREAM"] = f"{status.st_dev}:{inode}"
+        process = subprocess.Popen([gateway_program, "--can", "played", "--tcp", "127.0.0.1:0", *form],
+                                   stdin=subprocess.PIPE, stderr=theirs, env=environment)
+        first.append(os.read(ours, 4096).decode().splitlines()[0])
+        process.terminate()
+        assert process.wait(timeout=20) == 0
+        os.set_blocking(ours, False)
+        while True:
+            try:
+                os.read(ours, 4096)
+            except BlockingIOError:
+                break
+        os.set_blocking(ours, True)
+    os.close(ours)
+    os.close(theirs)
+    begins = {"": "tumble-gateway: node 1", "text": "node 1", "json": '{"schema":"tumble.log/1",'}[(form or [""])[-1]]
+    assert first[0].startswith("<5>" + begins) and not first[1].startswith("<")
+
+
+def test_an_unlocked_session_whose_client_goes(logged):
+    """The keys belong to the session that wrote them: the next one in its place is told anew."""
+    gateway = logged("--allow-commands")
+    for _ in range(2):
+        client = unlocked(gateway)
+        client.close()
+        time.sleep(0.2)
+    assert [line[0] for line in told(lines(gateway), "connected", "unlock", "disconnected")] == 2 * [
+        "connected", "unlock", "disconnected"]
+
+
+def test_the_serial_line_is_a_client_too(logged, line):
+    gateway = logged("--allow-commands", "--rtu", f"{line.name},19200,E")
+    gateway.wait_fresh()
+    for keys in ((1, 2), KEYS):
+        assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, 0, 2, 4, *keys))
+    assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, COMMAND, 2, 4, 1, 7))
+    gateway.wait_fresh()
+    assert line.ask(struct.pack(">BBHHBHH", 1, WRITE_SEVERAL, 0, 2, 4, 1, 2))
+    who = "the serial line: "
+    found = lines(gateway)
+    assert found[0]["rtu"] == line.name
+    assert told(found, "unlock", "lock", "command", "refused") == [
+        ("refused", "warning", who + "wrong keys"),
+        ("unlock", "notice", who + "the session is unlocked"),
+        ("command", "notice", who + "TUMBLE_COMMAND_START (1) accepted"),
+        ("refused", "warning", who + "wrong keys"),
+        ("lock", "info", who + "the session is locked"),
+    ]
