@@ -23,7 +23,8 @@ typedef struct {
     tumble_coefficients_t *block; /* of the pass before, as is the stand */
     tumble_stand_errors_t *stand;
     /* What of each fit position's angle error the pass before found to be curvature. About the square of the largest
-     * error, so that single precision costs less than 1e-13 of K at 1 mrad; at 29 mrad 7e-12 was seen. */
+     * error, so that single precision costs less than 1e-13 of K at 1 mrad; 7e-12 was seen at 29 mrad, and 1e-10 where
+     * the positions hardly tell a coefficient. */
     float *curvature_rad;
     double sum[MAX_ROWS]; /* of this pass */
 } work_t;

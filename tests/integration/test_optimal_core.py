@@ -82,7 +82,7 @@ def difference(rng, schedule):
         assert getattr(found, name) == pytest.approx(getattr(witness, name), abs=allowed), name
     apart = np.abs([*(found.k - witness.k).ravel(), *(found.u0 - witness.u0)])
     u = np.array([*witness.u_k.ravel(), *witness.u_u0])
-    rounded = max(ROUNDING, SINGLE * witness.largest_angle**2) * np.abs(k).max()
+    rounded = max(ROUNDING, SINGLE * witness.largest_angle**2 * witness.magnification) * np.abs(k).max()
     return (apart / u).max(), (apart / np.maximum(LIMIT * u, rounded)).max()
 
 

@@ -175,8 +175,8 @@ def _allowed(schedule: Schedule, means: Floats, largest_k: float, terms: Terms) 
 
 
 def _allowed_of_optimal(optimal: OptimalEstimate, means: Floats) -> tuple[Floats, Floats, Floats]:
-    single = _SINGLE_BIT * optimal.largest_angle**2
-    bits = max(_LAST_BITS, _MAGNIFIED_BITS * optimal.magnification, single) * np.abs(means).max()
+    magnified = _MAGNIFIED_BITS + _SINGLE_BIT * optimal.largest_angle**2
+    bits = max(_LAST_BITS, magnified * optimal.magnification) * np.abs(means).max()
     k, u0, sizes = (np.maximum(OPTIMAL_LIMIT_U * u, bits) for u in (optimal.u_k, optimal.u_u0, optimal.u_sizes))
     return k, u0, sizes
 
