@@ -56,7 +56,7 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     assert "rests 1 and 7 and 8 are all at 1.3: --repeats first|last|longest takes one" in said
     done = tumble("import", HAND_HELD, *SIX_FACES, "--repeats", "first", "--out", tmp_path / "run.csv")
     assert (done.returncode, done.stderr) == (0, "")
-    assert max(map(len, done.stdout.splitlines())) <= 80
+    assert max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
     said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
     advised = ("--schedule", "six_faces", "--estimator", "least_squares")
     assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
@@ -209,7 +209,8 @@ def test_a_recipe_is_written_once_and_then_followed(tumble, refused, tmp_path):
     assert first.returncode == again.returncode == 0, again.stderr
     assert (tmp_path / "first.csv").read_bytes() == (tmp_path / "again.csv").read_bytes()
     assert (tmp_path / "bench.toml").read_bytes() == written
-    assert again.stdout.replace("- recipe bench.toml followed\n", "") == first.stdout
+    said = again.stdout.replace("- recipe bench.toml followed\n", "").replace("again.csv", "first.csv")
+    assert said == first.stdout
     done = tumble("import", HAND_HELD, *recipe, "--repeats", "last", "--out", tmp_path / "last.csv")
     assert done.returncode == 0 and (tmp_path / "last.csv").read_bytes() != (tmp_path / "first.csv").read_bytes()
     (tmp_path / "bench.toml").write_text("[import]\nordre = 'any'\n")

@@ -140,7 +140,7 @@ BAD = {
     "its own input": (["--result", "result.json", "--out", "result.json"], "--out: 'result.json' is an input"),
     "no stand": (["--stand", "nothing.toml"], "nothing.toml: no such file"),
     "no block": (["--stand", "bare.toml"], "bare.toml: no table [block]"),
-    "no result": (["--result", "bare.toml"], "not valid JSON: expecting value"),
+    "no result": (["--result", "bare.toml"], "bare.toml: is TOML, such as a stand or a schedule file; a result of"),
     "other unit": (["--result", "counts.json"], "counts.json: K is in 'counts' per g; a gain table needs volts"),
     "rank": (["--schedule", "flat.toml"], "flat.toml: these positions cannot identify K_xy, K_yy, K_zy"),
     "noise": (["--stand", "stand.toml"], "noise_v must be 0 to 1e+09"),

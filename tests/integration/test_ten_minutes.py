@@ -49,6 +49,7 @@ def test_its_way_is_whole():
 
 FACES, HANDS = EXAMPLES / "hand_laid_faces.toml", EXAMPLES / "hand_laid.toml"
 PLACED = ("--schedule", FACES, "--stand", HANDS)
+RECORDED = (EXAMPLES / "hand_held_session.csv", "--unit", "m/s^2", "--rate", "102.4", *PLACED)
 HANDS_OF_4_MRAD = '[stand]\nsamples = 100\nnoise_v = 0.0143\nlimits = "sigma1"\n' + "".join(
     f"{one}_rad = 4e-3\n" for one in ("axis_tilt", "level", "remount", "angle", "seat")
 )
@@ -57,8 +58,7 @@ HANDS_OF_4_MRAD = '[stand]\nsamples = 100\nnoise_v = 0.0143\nlimits = "sigma1"\n
 def test_hands_are_over_100_times_worse_than_noise(tumble, tmp_path):
     """As `solve` and reports say of u without a stand file: what 4 mrad an angle make of it."""
     run = tmp_path / "run.csv"
-    recorded = ("--unit", "m/s^2", "--rate", "102.4", *PLACED)
-    done = tumble("import", EXAMPLES / "hand_held_session.csv", *recorded, "--out", run)
+    done = tumble("import", *RECORDED, "--repeats", "first", "--out", run)
     assert done.returncode == 0, done.stderr
     (tmp_path / "hands.toml").write_text(HANDS_OF_4_MRAD)
     solving = ("solve", run, "--schedule", FACES, "--estimator", "least_squares", "--limit", "5e-3", "--json")
@@ -82,13 +82,10 @@ def test_rests_at_no_position_are_hatched(tumble, tmp_path):
 
 def test_its_result_can_be_compared(tumble, tmp_path):
     """The faces that were laid down again later give the same block, within the uncertainties."""
-    recorded = ("--unit", "m/s^2", "--rate", "102.4", *PLACED)
     for repeats in ("first", "last"):
         run = tmp_path / f"{repeats}.csv"
         order = () if repeats == "first" else ("--order", "any")
-        done = tumble(
-            "import", EXAMPLES / "hand_held_session.csv", *recorded, *order, "--repeats", repeats, "--out", run
-        )
+        done = tumble("import", *RECORDED, *order, "--repeats", repeats, "--out", run)
         assert done.returncode == 0, done.stderr
         done = tumble("solve", run, *PLACED, "--estimator", "least_squares", "--out", run.with_suffix(".json"))
         assert (done.returncode, done.stderr) == (0, "")
