@@ -382,6 +382,6 @@ def test_the_gateway_links_libmodbus_dynamically():
 def test_the_wheel_has_what_reports_are_made_of(packages):
     room = ROOT / "host/python/src/tumble/report"
     files = sorted(path.name for path in room.iterdir() if path.suffix in (".j2", ".css"))
-    assert files == ["report.css", "report.html.j2", "tables.html.j2"]
+    assert files == ["report.css", "report.html.j2", "since.html.j2", "tables.html.j2"]
     for name in files:
         assert (packages["wheel"] / "tumble/report" / name).read_bytes() == (room / name).read_bytes()
