@@ -223,7 +223,7 @@ def test_without_uncertainties_nobody_can_tell(compare, tumble, tmp_path):
     assert found["parameters"][0]["difference"] == pytest.approx(1e6 * np.log(1.5))
     text = tumble("compare", "a.json", "b.json", cwd=tmp_path)
     assert (text.returncode, text.stdout.split("\n\n")[0].splitlines()) == (1, [
-        "CANNOT TELL: b.json has no uncertainties. Solve its run again with --stand FILE.",
+        "CANNOT TELL: b.json has no uncertainties: solve its run again with --stand FILE.",
         "A stand file (TOML) says how exact the stand is; to get one, copy",
         "examples/paper_stand.toml and put in the numbers of your own stand",
         "(docs/tutorial.md, chapter 1).",
@@ -232,7 +232,7 @@ def test_without_uncertainties_nobody_can_tell(compare, tumble, tmp_path):
     chapter = (ROOT / "docs/tutorial.md").read_text().split("\n## ")[1]
     assert chapter.startswith("1. Describe the stand\n") and "Copy `examples/paper_stand.toml`" in chapter
     both = tumble("compare", "b.json", "b.json", cwd=tmp_path).stdout.replace("\n", " ")
-    assert both.startswith("CANNOT TELL: b.json and b.json have no uncertainties. Solve their runs again with --stand")
+    assert both.startswith("CANNOT TELL: b.json and b.json have no uncertainties: solve their runs again with --stand")
 
 
 def test_a_direction_without_variance_counts_only_where_something_is_in_it():

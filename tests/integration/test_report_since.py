@@ -15,6 +15,7 @@ from tumble.cli.main import main
 from tumble.comparison import text
 from tumble.report import make
 from tumble.report.number import number_of
+from tumble.report.since import section as section_since
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -58,6 +59,13 @@ def test_the_report_says_what_compare_finds(results, capsysbinary):
     assert [tuple(row) for row in rows] == [text.COLUMNS, *(text.cells(row) for row in told)]
     assert texts(section, "li") == [*text.grounds(found), *found["warnings"]]
     assert section.count("<svg") == 1 and "The block has changed" in section
+
+
+def test_an_option_of_compare_is_called_so(results):
+    """The report has no --stand."""
+    old, new = (json.loads(path.read_text()) for path in results)
+    told = package.compare(*results).document | {"notes": ["u is too large then (--stand FILE)."]}
+    assert "u is too large then (tumble compare --stand FILE)." in map(str, section_since(told, old, new)["grounds"])
 
 
 def test_python_writes_the_same_and_without_an_earlier_result_there_is_no_section(results, capsysbinary):

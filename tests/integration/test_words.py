@@ -73,13 +73,17 @@ def test_a_wrong_file_is_called_what_it_looks_like(words, said, refused, result)
     assert refused(*(result if word == "RESULT" else word for word in words)).endswith(f"{said}\n")
 
 
-@pytest.mark.parametrize(("factor", "unit"), [(1.0, "m/s^2"), (1 / 9.81, "g"), (1000 / 9.81, "mg"), (0.3, None)])
+@pytest.mark.parametrize(
+    ("factor", "unit"),
+    [(1.0, "m/s^2: --unit m/s^2"), (1 / 9.81, "g, or volts of a sensor of 1 V/g: --unit g or V"),
+     (1000 / 9.81, "mg, or mV of a sensor of 1 V/g: --unit mg or mV"), (0.3, None)],
+)  # fmt: skip
 def test_import_says_what_outputs_without_a_unit_look_like(factor, unit, tumble, tmp_path):
     table = np.loadtxt(HAND_HELD, delimiter=",", skiprows=1)[:, 1:] * factor
     np.savetxt(tmp_path / "log.csv", table, "%.7g", delimiter=",", header="ux,uy,uz", comments="")
     done = tumble("import", tmp_path / "log.csv", *FACES, "--signs", "+++", "--json")
     (note,) = [one for one in json.loads(done.stdout)["assumed"] if one.startswith("unit: ")]
-    expected = f"which looks like {unit}: --unit {unit})" if unit else "names none either (--unit)"
+    expected = f"which looks like {unit})" if unit else "names none either (--unit)"
     assert note.endswith(expected)
 
 

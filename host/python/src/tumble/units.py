@@ -11,7 +11,11 @@ _SPELLINGS = {
     **dict.fromkeys(("m/s2", "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
     **{f"\N{GREEK SMALL LETTER MU}{unit}": f"\N{MICRO SIGN}{unit}" for unit in ("V", "g")},
 }
-_LOOKS_LIKE = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what a sensor in such a unit gives for 1 g
+_LOOKS_LIKE = {  # what 1 g gives, and what says so; sensors of 1 V/g are common, of 9.81 V/g they are not
+    "m/s^2: --unit m/s^2": 9.81,
+    "g, or volts of a sensor of 1 V/g: --unit g or V": 1.0,
+    "mg, or mV of a sensor of 1 V/g: --unit mg or mV": 1000.0,
+}
 _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
 
@@ -32,7 +36,7 @@ def force_unit(text: object) -> object:
 
 
 def looks_like(per_g: float) -> str | None:
-    """The unit of accelerations in which 1 g comes out as so much; None: no such unit."""
+    """What the unit of outputs may be, and the option that says so, where 1 g comes out as so much; None: any."""
     return next((unit for unit, size in _LOOKS_LIKE.items() if size / _NEAR < per_g < size * _NEAR), None)
 
 

@@ -51,11 +51,11 @@ def sentence(told: dict[str, Any]) -> str:
 
 def _why_not(told: dict[str, Any]) -> str:
     failed, unsure = ([told[side] for side in "ab" if not told[side][key]] for key in ("pass", "uncertainties"))
+    checks = "its check" if len(failed) == 1 else "their checks"
     if unsure:
         has, runs = ("has", "its run") if len(unsure) == 1 else ("have", "their runs")
-        also = f" {_named(failed)} FAILED, too." if failed else ""
-        return f"{_named(unsure)} {has} no uncertainties.{also} Solve {runs} again {_ADVICE}"
-    checks = "its check" if len(failed) == 1 else "their checks"
+        also = f" And {_named(failed)} FAILED {checks}." if failed else ""
+        return f"{_named(unsure)} {has} no uncertainties: solve {runs} again {_ADVICE}{also}"
     return f"{_named(failed)} FAILED {checks}: nothing firm can be said. By the numbers alone, {_apparent(told)}."
 
 

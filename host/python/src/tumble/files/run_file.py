@@ -185,7 +185,8 @@ class PositionIndex:
         """A question, where the row would be good the other way round."""
         known = position in self.mountings and 0 <= mounting <= 255
         is_good = known and self._table[int(position), int(mounting)] >= 0
-        return "are mounting and position exchanged?" if is_good else None
+        asked = "are mounting and position exchanged? Or is it a run of another schedule (--schedule)?"
+        return asked if is_good else None
 
 
 def _listed(numbers: Iterable[int]) -> str:

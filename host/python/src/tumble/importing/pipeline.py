@@ -277,6 +277,6 @@ def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:
     if all(one.unit_told for one in recordings):
         return []
     per_g = float(np.abs(np.linalg.det(matched.fit.k)) ** (1 / 3))
-    unit = looks_like(per_g)
-    hint = "--unit" if unit is None else f"1 g is {per_g:.4g} of it, which looks like {unit}: --unit {unit}"
+    seen = looks_like(per_g)
+    hint = "--unit" if seen is None else f"1 g is {per_g:.4g} of it, which looks like {seen}"
     return [f"unit: nobody says; the run file names none either ({hint})"]

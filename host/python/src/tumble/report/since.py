@@ -25,11 +25,16 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
     return {
         "sentence": text.sentence(told),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
-        "grounds": [readable(one) for one in (*text.grounds(told), *told["warnings"])],
+        "grounds": [readable(_for_compare(one)) for one in (*text.grounds(told), *told["warnings"])],
         "table": Table(text.COLUMNS, [tuple(map(Fixed, text.cells(row))) for row in rows], left=(3,)),
         "legend": None if told["tests"] is None else text.legend(told),
         "svg": Markup(svg(comparison(told), _TITLE)),
     }
+
+
+def _for_compare(said: str) -> str:
+    """An option that is the comparison's own, and not the report's."""
+    return said.replace("(--stand FILE)", "(tumble compare --stand FILE)")
 
 
 def _called(document: dict[str, Any]) -> Fixed:
