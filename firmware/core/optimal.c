@@ -201,7 +201,7 @@ static bool take_over(const work_t *work)
         work->stand->theta_h_rad[m] = seats[m];
         work->stand->theta_n_rad[m] = seats[(int)work->record->seats + m];
     }
-    const double *const waves = &seats[2 * (int)work->record->seats];
+    const double *const waves = &seats[2U * (size_t)work->record->seats];
     for (int n = 0; n < (int)work->record->waves; n++) {
         work->stand->encoder_rad[n] = waves[n];
     }

@@ -91,7 +91,7 @@ static bool find_paper(const tumble_schedule_t *schedule, const bool *measured, 
         circles = (uint8_t)(circles + ((circle.over != 0U) ? 1U : 0U));
         for (uint8_t paper = 0; (paper < MOUNTINGS) && (circle.over == 8U); paper++) {
             if (is_alike(&schedule->mountings[m], &tumble_schedule_paper.mountings[paper])) {
-                (void)memcpy(&index[POSITIONS * paper], &circle.index[1], POSITIONS);
+                (void)memcpy(&index[(size_t)POSITIONS * paper], &circle.index[1], POSITIONS);
                 found++;
             }
         }

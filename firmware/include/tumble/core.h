@@ -813,7 +813,7 @@ tumble_status_t tumble_seen_angle_chi_squared(const tumble_schedule_t *schedule,
 #define TUMBLE_MIN_BLOCKED_SAMPLES 8 /* of a position: two lengths of two samples or more */
 
 /* A difference of sums must fit an int32, its square an int64: a sample lies within the deviation from the first. */
-static_assert(2 * TUMBLE_MAX_BLOCK_SAMPLES * TUMBLE_MAX_DEVIATION_COUNTS <= INT32_MAX, "A - B must fit an int32");
+static_assert(TUMBLE_MAX_DEVIATION_COUNTS * TUMBLE_MAX_BLOCK_SAMPLES * 2 <= INT32_MAX, "A - B must fit an int32");
 
 /* 136 bytes. The caller owns it; nothing in it is to be written from outside. */
 typedef struct {
