@@ -30,6 +30,7 @@ def judge(lives, seed=1):
     return document
 
 
+@pytest.mark.toolchain
 def test_a_thousand_lives():
     judge(1000)
 

@@ -187,6 +187,7 @@ def test_results_say_it(tumble):
     assert declared["freedom_U0"] == [None] * 3 and declared["k_U0"] == [pytest.approx(1.959964)] * 3
 
 
+@pytest.mark.toolchain
 def test_expanded_intervals_of_few_samples_cover(capsys):
     """Six faces of two samples each on an ideal stand, without a stand file: six degrees of freedom. k u covers 95 %
     and 1.96 u would not."""
@@ -208,6 +209,7 @@ def test_expanded_intervals_of_few_samples_cover(capsys):
     assert normal < 0.925  # by theory 0.902
 
 
+@pytest.mark.toolchain
 def test_mixed_parts_cover(capsys):
     """Welch and Satterthwaite's approximation itself: a known part beside two estimates, 50,000 draws each."""
     rng, draws = np.random.default_rng(76), 50_000

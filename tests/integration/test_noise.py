@@ -151,6 +151,7 @@ def stated(x):
         yield found.mean_variance(np.array([x.shape[2]]))[0, 0], bool(found.exceeds(1.0)[0])
 
 
+@pytest.mark.toolchain
 def test_the_stated_error_covers(capsys):
     """k = 2 covers 90 % at least, by the declared noise where the samples say no more, and by scatter alone."""
     rng, samples = np.random.default_rng(53), 50

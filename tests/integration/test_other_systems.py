@@ -41,6 +41,7 @@ print(len(found), [name for name in expected if found.get(name) != expected[name
 """
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_module_is_imported_and_the_examples_give_the_same(system, here, tmp_path):
     """Solve, apply, import, export, plan and fixture check: the same files and texts, byte by byte, as on Linux."""

@@ -118,6 +118,7 @@ def test_runs_turn_out_as_promised(terms, estimator):
     assert found.tally.spread == pytest.approx(found.u, rel=CHANCE / np.sqrt(2 * runs))
 
 
+@pytest.mark.toolchain
 def test_every_plan_says_what_the_terms_cost(tumble):
     for subject in ("budget", "require", "schedule"):
         options = ["--estimator", "optimal", "--model", "k2"] + (["--norm", "4e-5"] if subject == "schedule" else [])

@@ -221,6 +221,7 @@ def test_the_fewest_samples():
     assert samples_for(0.0, 1e-9) == 1
 
 
+@pytest.mark.toolchain
 def test_the_last_words_say_whether_the_stand_will_do(tumble):
     """The lab's stand: too poor for the paper's estimators, good enough for the optimal one."""
     arguments = ("plan", "require", "--stand", EXAMPLES / "lab_stand.toml")

@@ -84,6 +84,7 @@ def test_the_examples_fit_their_stands(name, tumble):
     assert json.loads(shown.stdout)["stand_doubts"] is None
 
 
+@pytest.mark.toolchain
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "estimator", "runs"),
