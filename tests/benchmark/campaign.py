@@ -1,6 +1,6 @@
 """Thousands of calibrations on the example stands: the firmware against numpy, the truth, and the stand's prediction.
 
-    python tests/benchmark/campaign.py [--runs N] [--seed N] [--jobs N] [STAND...]
+    tools/benchmark campaign [--runs N] [--seed N] [--jobs N] [STAND...]
 
 For every stand: how many runs of tumble-bench numpy disagrees with; mean and root mean square of (estimate - truth)/u
 by coefficient; the share of runs that pass the gravity check, beside the share that a Monte Carlo of the exact geometry

@@ -1,6 +1,6 @@
 """What samples, estimators and steps cost on a Cortex-M4 without floating point hardware: instructions, code, stack.
 
-    python tests/benchmark/cortex_m4.py [-O s|2] [--json]
+    tools/benchmark cortex_m4 [-O s|2] [--json]
 
 Each candidate is linked alone with what it needs and run in QEMU (mps2-an386), which counts instructions, not cycles:
 no time follows from them. The run and the gains are those of the paper's stand. `code` is the project's own, `library`

@@ -1,6 +1,6 @@
 """How long `tumble solve` takes, start of the interpreter included, and how much memory.
 
-    python tests/benchmark/solve.py [--repeat N]
+    tools/benchmark solve [--repeat N]
 
 For runs of 900, 5,000 and 1,000,000 rows: the best of N wall times and the peak resident memory of the whole command;
 beside it, measured in the same run, what one would write without it: Python's csv module, numpy, formulas (3) and (7),

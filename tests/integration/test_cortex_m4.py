@@ -1,6 +1,7 @@
 """The instruction counts of the estimators on a Cortex-M4: the command runs, what the documentation says holds."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import sys
 import pytest
 from conftest import ROOT
 
+PAGE = ROOT / "docs/performance.md"
 PROGRAMS = ("arm-none-eabi-gcc", "qemu-system-arm")
 MISSING = [program for program in PROGRAMS if shutil.which(program) is None]
 pytestmark = [
@@ -22,30 +24,54 @@ def benchmark(*options):
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
 
 
+def told():
+    """What docs/performance.md says: by row, {instructions, code, data, stack}."""
+    rows = re.findall(r"^\| (.+?) \| ([\d,]+) \|(.*)\|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    names = ("code", "data", "stack")
+    return {
+        name: {"instructions": number(count)} | dict(zip(names, map(number, rest.split("|")[2:])))
+        for name, count, rest in rows
+    }
+
+
+def number(text):
+    return int(text.replace(",", ""))
+
+
+def beyond(found, told):
+    """Rows of which something is off by more than 2 %: (found, told). A row that only one of them has is one too."""
+    off = {name: (found.get(name), told.get(name)) for name in found.keys() ^ told.keys()}
+    for name in found.keys() & told.keys():
+        measured = {key: found[name][key] for key in told[name]}
+        if any(abs(measured[key] - said) > 0.02 * said for key, said in told[name].items()):
+            off[name] = measured, told[name]
+    return off
+
+
+def test_a_row_that_is_off_is_named():
+    row = {"instructions": 1000, "code": 200, "data": 0, "stack": 56}
+    slower, larger, reaching = row | {"instructions": 1021}, row | {"code": 205}, row | {"data": 4}
+    assert beyond({"a": row | {"instructions": 1020, "library": 7}}, {"a": row}) == {}
+    for other in (slower, larger, reaching, row | {"instructions": 979}):
+        assert beyond({"a": other}, {"a": row}) == {"a": (other, row)}
+    assert beyond({"a": row}, {}) == {"a": (row, None)} and beyond({}, {"a": row}) == {"a": (None, row)}
+
+
 def test_what_the_estimators_cost():
     result = benchmark("--json")
     assert result.returncode == 0, result.stderr
     found = json.loads(result.stdout)
     steps = found.pop("steps")
     check_whole_model(found.pop("whole_model"), steps)
+    assert beyond(found, told()) == {}
     costs = {name: cost["instructions"] for name, cost in found.items()}
     stacks = {name: cost["stack"] for name, cost in found.items()}
     refined, table = costs["refined"], costs["optimal: table, 2nd order"]
-    assert 12_000 < refined <= 32_000  # 12,000 of it find the circles of the schedule
-    assert 30 < costs["a sample, without gates"] <= 60
-    assert 100 < costs["a sample, with gates"] <= 150
-    assert 54 * 500 < costs["division of the 54 means"] < 54 * 900
     assert table < 60 * refined
     assert refined < costs["optimal, linear: table alone"] < table
     assert 1.8 * refined < costs["4 unknowns, shared normal matrix"] < costs["least_squares: 4 unknowns"]
     assert costs["least_squares: 4 unknowns"] < 0.6 * costs["12 unknowns, normal equations"]
     assert costs["12 unknowns, normal equations"] < costs["12 unknowns, Householder QR"]
-    assert 0.65e6 < costs["uncertainties of `refined`"] < 0.82e6
-    assert 1.05e6 < costs["uncertainties of `least_squares`"] < 1.32e6
-    assert 30 < costs["a sample in blocks"] < 150
-    for name in ("the noise of a run", "one of `refined`, noise above"):
-        assert 40_000 < costs[name] < 105_000  # each is a step of its own
-    assert costs["one of `least_squares`, noise above"] < 205_000  # 22,000 of them for the noise
     assert stacks["optimal: table, 2nd order"] < 832  # its row
     assert stacks["12 unknowns, normal equations"] > 1200
     check_steps(steps)
