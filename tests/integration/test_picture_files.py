@@ -19,7 +19,7 @@ import tumble
 from tumble import pictures
 from tumble.errors import BadInput, NotInstalled, Skipped, UsageError
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 
 RUN, STAND = EXAMPLES / "paper_stand.csv", EXAMPLES / "paper_stand.toml"
 SVG = "{http://www.w3.org/2000/svg}"

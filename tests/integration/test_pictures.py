@@ -11,7 +11,7 @@ import tumble
 from tumble import pictures, reference
 from tumble.errors import UsageError
 
-pytestmark = pytest.mark.python
+pytestmark = [pytest.mark.python, pytest.mark.toolchain]
 
 ALL = ["gravity_check", "residuals", "samples", "budget", "stand_seen", "correlation", "attitude"]
 
