@@ -1,7 +1,8 @@
 /* json.h - writes one JSON document to a stream, on one line.
  *
- * Numbers get 17 digits, so that a reader has the same double; what is not finite becomes null. Names and texts are the
- * program's own or are escaped. The writer knows only whether a comma is due.
+ * Numbers get 17 digits, so that a reader has the same double; what is not finite becomes null. Names are the program's
+ * own; texts are escaped, and bytes in them that are no UTF-8, as a file name may have, become U+FFFD. The writer knows
+ * only whether a comma is due.
  */
 #ifndef TUMBLE_BENCH_JSON_H
 #define TUMBLE_BENCH_JSON_H
@@ -27,5 +28,9 @@ void bench_json_null(bench_json_t *json, const char *name);
 /* A list of numbers; a 3 x 3 matrix as a list of its rows. */
 void bench_json_vector(bench_json_t *json, const char *name, const double *values, uint32_t count);
 void bench_json_matrix(bench_json_t *json, const char *name, const double matrix[3][3]);
+
+/* Bytes of the character of UTF-8 that a text begins with, 1 to 4; 0: it begins with none (RFC 3629, section 4). The
+ * text is not empty. */
+size_t bench_json_character(const char *text);
 
 #endif
