@@ -5,6 +5,7 @@
 #include "bench/json.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <poll.h>
 #include <stdarg.h>
@@ -16,7 +17,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LINE_BYTES 4096 /* what a pipe takes whole as soon as it takes anything */
+#define LINE_BYTES 4096 /* what a pipe takes whole or not at all */
+#define PATH_BYTES 40
 #define TIME_BYTES 40
 #define US_PER_S UINT64_C(1000000)
 #define NS_PER_US 1000
@@ -29,20 +31,28 @@ typedef struct {
     event_log_level_t level; /* the least severe that is told; 0: EVENT_LOG_INFO */
     const char *program;     /* null: not begun */
     int fd;
+    bool is_own;   /* opened anew, and asked not to wait: others who have the same terminal or pipe notice nothing */
+    bool may_wait; /* a terminal or pipe that could not be opened anew */
     bool is_journal;
     bool is_torn; /* the last line went in part: its end is still owed */
     uint32_t lost;
-    uint64_t room_us; /* of lines that may go now, in the time that each takes to be earned */
+    uint64_t room_us; /* of lines that may go now, in the time that each takes to be earned; with the reserve */
     uint64_t seen_us;
 } event_log_t;
+
+#define PRICE_US (US_PER_S / EVENT_LOG_PER_SECOND)
+#define RESERVE_US (EVENT_LOG_RESERVE * PRICE_US)
+#define MOST_US (EVENT_LOG_BURST * PRICE_US + RESERVE_US)
 
 static event_log_t the_log;
 
 static const char *level_name(event_log_level_t level)
 {
     static const char *const names[] = {
-        [EVENT_LOG_ERROR] = "error", [EVENT_LOG_WARNING] = "warning", [EVENT_LOG_NOTICE] = "notice",
-        [EVENT_LOG_INFO] = "info",   [EVENT_LOG_DEBUG] = "debug",
+        [EVENT_LOG_ERROR] = "error",
+        [EVENT_LOG_WARNING] = "warning",
+        [EVENT_LOG_NOTICE] = "notice",
+        [EVENT_LOG_INFO] = "info",
     };
     return names[level];
 }
@@ -62,14 +72,14 @@ bool event_log_take_form(void *options, const char *form)
 bool event_log_take_level(void *options, const char *name)
 {
     (void)options;
-    for (event_log_level_t level = EVENT_LOG_ERROR; level <= EVENT_LOG_DEBUG; level++) {
+    for (event_log_level_t level = EVENT_LOG_ERROR; level <= EVENT_LOG_INFO; level++) {
         if (strcmp(name, level_name(level)) == 0) {
             the_log.level = level;
             the_log.form = (the_log.form == FORM_PLAIN) ? FORM_TEXT : the_log.form;
             return true;
         }
     }
-    return arguments_refuse("--log-level", "must be error, warning, notice, info or debug");
+    return arguments_refuse("--log-level", "must be error, warning, notice or info");
 }
 
 bool event_log_is_on(void)
@@ -98,20 +108,50 @@ static uint64_t monotonic_us(void)
     return (uint64_t)now.tv_sec * US_PER_S + (uint64_t)now.tv_nsec / NS_PER_US;
 }
 
+static void forget_own(void)
+{
+    if (the_log.is_own) {
+        (void)close(the_log.fd);
+    }
+    the_log.is_own = false;
+}
+
+/* Who reads a terminal or a pipe may stop reading. Their O_NONBLOCK belongs to all who have them, a shell above all, so
+ * the log has a description of its own. A file keeps nobody waiting, and a socket is asked with every line. */
+static void open_own(int fd)
+{
+    char path[PATH_BYTES];
+    struct stat status;
+    the_log.may_wait = fstat(fd, &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISCHR(status.st_mode));
+    if (!the_log.may_wait) {
+        return;
+    }
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    const int own = open(path, O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (own >= 0) {
+        the_log.fd = own;
+        the_log.is_own = true;
+        the_log.may_wait = false;
+    }
+}
+
 void event_log_start(const char *program, int fd)
 {
+    forget_own();
     the_log.program = program;
     the_log.fd = fd;
     the_log.level = (the_log.level == 0) ? EVENT_LOG_INFO : the_log.level;
     the_log.is_journal = leads_to_journal(fd);
-    the_log.room_us = EVENT_LOG_BURST * US_PER_S / EVENT_LOG_PER_SECOND;
+    the_log.room_us = MOST_US;
     the_log.seen_us = monotonic_us();
     the_log.lost = 0;
     the_log.is_torn = false;
+    open_own(fd);
 }
 
 void event_log_reset(void)
 {
+    forget_own();
     the_log = (event_log_t){0};
 }
 
@@ -121,9 +161,23 @@ static bool is_writable(void)
     return poll(&asked, 1, 0) == 1 && asked.revents == POLLOUT; /* and no error: nobody would read it */
 }
 
-/* A pipe that has room has it for a whole line; a socket is asked not to wait. */
+/* Of another's terminal, which this user may not open, say: for this one write nobody waits there. */
+static ssize_t put_on_shared(const char *bytes, size_t size)
+{
+    const int flags = fcntl(the_log.fd, F_GETFL);
+    if (flags < 0 || fcntl(the_log.fd, F_SETFL, flags | O_NONBLOCK) != 0) {
+        return -1;
+    }
+    const ssize_t written = write(the_log.fd, bytes, size);
+    (void)fcntl(the_log.fd, F_SETFL, flags);
+    return written;
+}
+
 static ssize_t put(const char *bytes, size_t size)
 {
+    if (the_log.may_wait) {
+        return put_on_shared(bytes, size);
+    }
     const ssize_t sent = send(the_log.fd, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
     return (sent < 0 && errno == ENOTSOCK) ? write(the_log.fd, bytes, size) : sent;
 }
@@ -139,41 +193,59 @@ static bool write_line(const char *line, size_t size)
     return written == (ssize_t)size;
 }
 
-/* May one more line go? One is earned in every EVENT_LOG_PER_SECOND-th of a second. */
+/* May one more line go? One is earned in every EVENT_LOG_PER_SECOND-th of a second; of the reserve, none for what only
+ * informs. */
 static bool has_room(event_log_level_t level)
 {
-    const uint64_t price_us = US_PER_S / EVENT_LOG_PER_SECOND;
-    const uint64_t most_us = EVENT_LOG_BURST * price_us;
+    const uint64_t kept_us = (level == EVENT_LOG_INFO) ? RESERVE_US : 0U;
     const uint64_t now_us = monotonic_us();
     const uint64_t room_us = the_log.room_us + (now_us - the_log.seen_us);
-    the_log.room_us = (room_us < most_us) ? room_us : most_us;
+    the_log.room_us = (room_us < MOST_US) ? room_us : MOST_US;
     the_log.seen_us = now_us;
     if (level == EVENT_LOG_ERROR) {
         return true;
     }
-    if (the_log.room_us < price_us) {
+    if (the_log.room_us < kept_us + PRICE_US) {
         return false;
     }
-    the_log.room_us -= price_us;
+    the_log.room_us -= PRICE_US;
     return true;
 }
 
 /* A line. */
 
-/* On one line, whatever a name from outside holds; never ended within a character of UTF-8. */
+static bool is_control(const char *character, size_t size)
+{
+    const unsigned first = (unsigned char)character[0];
+    return first < 0x20U || first == 0x7FU || (size == 2U && first == 0xC2U && (unsigned char)character[1] < 0xA0U);
+}
+
+/* A text was cut off within the character that begins here, not more than three bytes before its end. */
+static bool is_cut_off(const char *text, const char *at)
+{
+    const size_t before = (size_t)(at - text);
+    return (unsigned char)*at >= 0xC0U && before + 3U >= EVENT_LOG_TEXT_BYTES - 1U &&
+           before + strlen(at) == EVENT_LOG_TEXT_BYTES - 1U;
+}
+
+/* On one line, whatever a name from outside holds, and of whole characters: what is no UTF-8 becomes question marks. */
 static void clean(char *text)
 {
-    size_t size = strlen(text);
-    if (size == EVENT_LOG_TEXT_BYTES - 1U) {
-        while (size > 0U && ((unsigned char)text[size - 1U] & 0xC0U) == 0x80U) {
-            size--;
+    char *to = text;
+    for (const char *from = text; *from != '\0';) {
+        const size_t size = bench_json_character(from);
+        if (size == 0U && is_cut_off(text, from)) {
+            break;
         }
-        size -= (size > 0U && ((unsigned char)text[size - 1U] & 0x80U) != 0U) ? 1U : 0U;
-        text[size] = '\0';
+        if (size == 0U || is_control(from, size)) {
+            *to++ = '?';
+        } else {
+            memmove(to, from, size);
+            to += size;
+        }
+        from += (size > 0U) ? size : 1U;
     }
-    for (char *at = text; *at != '\0'; at++) {
-        *at = ((unsigned char)*at < 0x20U || *at == 0x7F) ? '?' : *at;
-    }
+    *to = '\0';
 }
 
 static void put_time(char *text)
@@ -261,8 +333,9 @@ static bool tell_lost(void)
     return tell(EVENT_LOG_WARNING, "lost", EVENT_FIELDS(EVENT_WHOLE("lines", the_log.lost)), message);
 }
 
-static void tell_or_count(event_log_level_t level, const char *event, const event_field_t *fields, const char *format,
-                          va_list values)
+/* `is_last`: nothing follows that it could be in the way of. */
+static void tell_or_count(event_log_level_t level, const char *event, const event_field_t *fields, bool is_last,
+                          const char *format, va_list values)
 {
     char message[EVENT_LOG_TEXT_BYTES];
     if (the_log.program == NULL || (event_log_is_on() && level > the_log.level)) {
@@ -270,7 +343,7 @@ static void tell_or_count(event_log_level_t level, const char *event, const even
     }
     (void)vsnprintf(message, sizeof message, format, values);
     clean(message);
-    const bool may = has_room(level) && (the_log.lost == 0U || tell_lost());
+    const bool may = (has_room(level) || is_last) && (the_log.lost == 0U || tell_lost());
     the_log.lost = may ? 0U : the_log.lost;
     if (!may || !tell(level, event, fields, message)) {
         the_log.lost += (the_log.lost < UINT32_MAX) ? 1U : 0U;
@@ -284,7 +357,7 @@ void event_log_tell(event_log_level_t level, const char *event, const event_fiel
         return;
     }
     va_start(values, format);
-    tell_or_count(level, event, fields, format, values);
+    tell_or_count(level, event, fields, false, format, values);
     va_end(values);
 }
 
@@ -292,6 +365,17 @@ void event_log_always(event_log_level_t level, const char *event, const event_fi
 {
     va_list values;
     va_start(values, format);
-    tell_or_count(level, event, fields, format, values);
+    tell_or_count(level, event, fields, false, format, values);
+    va_end(values);
+}
+
+void event_log_end(event_log_level_t level, const event_field_t *fields, const char *format, ...)
+{
+    va_list values;
+    if (!event_log_is_on()) {
+        return;
+    }
+    va_start(values, format);
+    tell_or_count(level, "end", fields, true, format, values);
     va_end(values);
 }

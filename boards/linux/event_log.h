@@ -9,9 +9,11 @@
  * Where standard error is the journal of systemd (JOURNAL_STREAM), a line begins with its level as <3> to <7>, and a
  * text goes without the time and the name, which the journal has.
  *
- * A line is written at once and whole, or not at all: nothing here waits for who reads it. What finds no room, and what
- * is more than EVENT_LOG_BURST lines at a time and no error, is left out and counted; the next line that goes is
- * preceded by one of the event "lost" with that number.
+ * A line is written at once and whole, or not at all: nothing here waits for who reads it, be it a terminal that is
+ * stopped, a pipe or a socket that is full. (What a terminal or a socket takes of a line in part is lost, and the next
+ * one begins on a line of its own.) What finds no room is left out and counted; so is what is more than EVENT_LOG_BURST
+ * lines at a time, with EVENT_LOG_RESERVE more for warnings and notices, unless it is an error or the end. The next line
+ * that goes is preceded by one of the event "lost" with that number.
  *
  * There is one log in a process, as there is one standard error. Not re-entrant.
  */
@@ -24,19 +26,14 @@
 #include <stdint.h>
 
 #define EVENT_LOG_BURST 200U      /* lines at a time, below errors, ... */
+#define EVENT_LOG_RESERVE 100U    /* ... so many more for what is worse than info, ... */
 #define EVENT_LOG_PER_SECOND 20U  /* ... and so many a second from then on */
 #define EVENT_LOG_TEXT_BYTES 600U /* a text of a field, or the message, is cut off there */
 
 /* Of syslog. */
-typedef enum {
-    EVENT_LOG_ERROR = 3,
-    EVENT_LOG_WARNING = 4,
-    EVENT_LOG_NOTICE = 5,
-    EVENT_LOG_INFO = 6,
-    EVENT_LOG_DEBUG = 7
-} event_log_level_t;
+typedef enum { EVENT_LOG_ERROR = 3, EVENT_LOG_WARNING = 4, EVENT_LOG_NOTICE = 5, EVENT_LOG_INFO = 6 } event_log_level_t;
 
-/* A member of the line in JSON. */
+/* A member of the line in JSON. A text may be anything: what is no UTF-8, and control characters, become '?'. */
 typedef struct {
     const char *name; /* null: the end of a list */
     const char *text; /* null: it is a number */
@@ -52,7 +49,8 @@ typedef struct {
 bool event_log_take_form(void *options, const char *form);
 bool event_log_take_level(void *options, const char *level);
 
-/* Begin: the name of the program, which must stay, and the descriptor to write to. Before, nothing is written. */
+/* Begin: the name of the program, which must stay, and the descriptor to write to, which is not closed. Before, nothing
+ * is written. */
 void event_log_start(const char *program, int fd);
 
 /* As it was when the process began. For tests. */
@@ -68,5 +66,9 @@ void event_log_tell(event_log_level_t level, const char *event, const event_fiel
 /* The same for a sentence that is written in plain form, too. */
 void event_log_always(event_log_level_t level, const char *event, const event_field_t *fields, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/* The last event, "end": it goes however many went before. */
+void event_log_end(event_log_level_t level, const event_field_t *fields, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 #endif

@@ -46,12 +46,12 @@ const char node_options_help[] =
     "  --nv FILE        non-volatile memory, 64 kB; made if it is not there, in a\n"
     "                   folder that is; else nothing is kept\n"
     "  --progress       one JSON line on standard error for every step of the\n"
-    "                   procedure\n"
+    "                   procedure; not with --log\n"
     "  --progress-fd N  the same on an open file descriptor\n"
     "  --log FORM       tell every event on standard error, a line for each: text or\n"
     "                   json (docs/logs.md)\n"
-    "  --log-level WHAT error, warning, notice, info or debug: this and what is\n"
-    "                   worse; default: info\n"
+    "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"
+    "                   default: info\n"
     "  --with-parent    end, as by SIGTERM, when the process that started this one\n"
     "                   has ended\n"
     "  --version        print the version\n"
@@ -93,6 +93,9 @@ bool node_options_read(node_options_t *options, int count, char *arguments[])
     }
     if (!options->start && (options->out != NULL || options->patience_s > 0.0)) {
         return arguments_refuse("--out and --patience", "need --start");
+    }
+    if (options->progress_fd == STDERR_FILENO && event_log_is_on()) {
+        return arguments_refuse("--progress", "cannot share standard error with --log; --progress-fd has another");
     }
     return arguments_operands(count - optind, arguments + optind, &options->interface, &options->scenario);
 }

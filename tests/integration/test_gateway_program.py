@@ -58,7 +58,7 @@ BAD = [
     (["--can", "vcan0", "--rtu", ",9600,E"], "--rtu: must be DEVICE,BAUD,PARITY with parity N, E or O"),
     (["--can", "vcan0", "--rtu", "tty,123456789012,E"], "--rtu: must be DEVICE,BAUD,PARITY with parity N, E or O"),
     (["--can", "vcan0", "--log", "xml"], "--log: must be text or json"),
-    (["--can", "vcan0", "--log-level", "loud"], "--log-level: must be error, warning, notice, info or debug"),
+    (["--can", "vcan0", "--log-level", "loud"], "--log-level: must be error, warning, notice or info"),
     (["--can", "vcan0", "--log"], "--log: needs a value"),
     (["--can", "vcan0", "--rtu", "tty,300,E"], "--rtu: baud: must be a whole number from 1200 to 921600"),
 ]

@@ -38,11 +38,23 @@ def refusal(name, folder, *arguments):
 @pytest.mark.parametrize("given, says", [
     (("--log", "xml"), "--log: must be text or json"),
     (("--log", ""), "--log: must be text or json"),
-    (("--log-level", "6"), "--log-level: must be error, warning, notice, info or debug"),
+    (("--log-level", "6"), "--log-level: must be error, warning, notice or info"),
     (("--log",), "--log: needs a value"),
 ])
 def test_logs_that_are_none(name, given, says):
     assert refusal(name, "boards/linux", "vcan0", *given) == f"{name}: {says}\n"
+
+
+@pytest.mark.parametrize("log", [["--log", "json"], ["--log", "text"], ["--log-level", "error"]])
+@pytest.mark.parametrize("progress", [["--progress"], ["--progress-fd", "2"]])
+def test_one_standard_error_for_two(log, progress):
+    """Lines of progress are no events; whoever reads a log of JSON would stumble over each."""
+    says = "--progress: cannot share standard error with --log; --progress-fd has another"
+    for given in (log + progress, progress + log):
+        assert refusal("tumble-node", "boards/linux", "nocan0", *given) == f"tumble-node: {says}\n"
+    done = subprocess.run([programs.find("tumble-node", "boards/linux"), "nocan0", "--progress-fd", "1", *log],
+                          capture_output=True, text=True, timeout=20)
+    assert done.returncode in (2, 77) and done.stderr.startswith("tumble-node: nocan0: ")
 
 
 def test_a_stand_file_is_no_scenario(tmp_path):

@@ -65,6 +65,22 @@ const char *log_pipe_read(void)
     return text;
 }
 
+void log_pipe_tell(unsigned times)
+{
+    for (unsigned i = 0; i < times; i++) {
+        event_log_tell(EVENT_LOG_INFO, "state", NULL, "%u", i);
+    }
+}
+
+unsigned log_pipe_lines(const char *text)
+{
+    unsigned lines = 0;
+    for (const char *at = text; *at != '\0'; at++) {
+        lines += (*at == '\n') ? 1U : 0U;
+    }
+    return lines;
+}
+
 void log_pipe_pass_ms(unsigned ms)
 {
     passed_ms += ms;

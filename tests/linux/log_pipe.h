@@ -17,6 +17,12 @@ int log_pipe_out(void);
 /* All that has come since the last call; a text, until the next one. */
 const char *log_pipe_read(void);
 
+/* So many events "state" at level info, whose messages are their numbers from 0 on. */
+void log_pipe_tell(unsigned times);
+
+/* Lines in a text. */
+unsigned log_pipe_lines(const char *text);
+
 /* So much time passes. */
 void log_pipe_pass_ms(unsigned ms);
 
