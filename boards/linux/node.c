@@ -59,11 +59,6 @@ static void ask(const node_t *node, const tumble_progress_t *progress)
     }
 }
 
-static bool has_moved_on(const tumble_progress_t *a, const tumble_progress_t *b)
-{
-    return a->state != b->state || a->index != b->index || a->attempt != b->attempt || a->reason != b->reason;
-}
-
 /* Has the run got over its fault: come further than it had come, ended well, or given way to another? */
 static bool is_over(const node_t *node, const tumble_progress_t *now)
 {
@@ -94,7 +89,7 @@ static void note_state(node_t *node)
     tumble_procedure_progress(tumble_navcomp_procedure(&world->navcomp), &world->progress);
     const tumble_progress_t *const now = &world->progress;
     note_cause(node, now);
-    if (!has_moved_on(now, &before)) {
+    if (!run_log_is_news(now, &before)) {
         return;
     }
     run_log_state(now, &node->fault, !node->options->start || node->options->patience_s > 0.0);
@@ -333,17 +328,16 @@ static const char *open_outputs(node_t *node, const char **subject)
 
 static int finish(node_t *node, FILE *out)
 {
-    if (node->options->out != NULL) {
-        const char *const wrong = bench_folder_close(&node->folder, &node->world);
-        if (wrong != NULL) {
-            return arguments_fail(node->options->out, wrong, BENCH_EXIT_FAULT);
-        }
-    }
-    if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
+    int code = bench_exit_code(&node->world);
+    const char *const folder = node->options->out;
+    const char *const wrong = (folder != NULL) ? bench_folder_close(&node->folder, &node->world) : NULL;
+    if (wrong != NULL) {
+        code = arguments_fail(folder, wrong, BENCH_EXIT_FAULT);
+    } else if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
         node_report(node, out);
     }
-    node_log_end(&node->world, &node->fault);
-    return bench_exit_code(&node->world);
+    node_log_end(&node->world, code, &node->fault);
+    return code;
 }
 
 int node_run(const bench_config_t *config, const node_options_t *options, FILE *out)

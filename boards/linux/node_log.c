@@ -77,26 +77,26 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
 
 /* The end. */
 
-void node_log_end(const bench_world_t *world, const tumble_progress_t *cause)
+void node_log_end(const bench_world_t *world, int code, const tumble_progress_t *cause)
 {
-    const int code = bench_exit_code(world);
+    const event_log_level_t well = (cause->reason == TUMBLE_REASON_NONE) ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING;
+    const event_log_level_t level = (code == BENCH_EXIT_FAULT) ? EVENT_LOG_ERROR : well;
     const char *const end = bench_end_name(world->end);
     if (cause->reason == TUMBLE_REASON_NONE) {
-        event_log_tell((code == BENCH_EXIT_FAULT) ? EVENT_LOG_ERROR : EVENT_LOG_NOTICE, "end",
-                       EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code)),
-                       "ends with exit code %d (%s)", code, end);
+        event_log_end(level, EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code)),
+                      "ends with exit code %d (%s)", code, end);
         return;
     }
     const char *const reason = tumble_reason_name(cause->reason);
     const char *const failed_in = tumble_state_name(cause->failed_in);
     const char *const sentence = tumble_reason_sentence(cause->reason);
     const char *const remedy = tumble_reason_remedy(cause->reason);
-    event_log_tell((code == BENCH_EXIT_FAULT) ? EVENT_LOG_ERROR : EVENT_LOG_WARNING, "end",
-                   EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code),
-                                EVENT_TEXT("state", failed_in), EVENT_WHOLE("mounting", cause->mounting),
-                                EVENT_WHOLE("position", cause->position), EVENT_TEXT("cause", reason),
-                                EVENT_WHOLE("cause_number", (uint64_t)cause->reason), EVENT_TEXT("sentence", sentence),
-                                EVENT_TEXT("remedy", remedy), EVENT_WHOLE("drive_code", cause->drive_code)),
-                   "ends with exit code %d (%s); cause, at position %u.%u: %s in %s, %s. Remedy: %s", code, end,
-                   cause->mounting, cause->position, reason, failed_in, sentence, remedy);
+    event_log_end(level,
+                  EVENT_FIELDS(EVENT_TEXT("end", end), EVENT_WHOLE("exit", (uint64_t)code),
+                               EVENT_TEXT("state", failed_in), EVENT_WHOLE("mounting", cause->mounting),
+                               EVENT_WHOLE("position", cause->position), EVENT_TEXT("cause", reason),
+                               EVENT_WHOLE("cause_number", (uint64_t)cause->reason), EVENT_TEXT("sentence", sentence),
+                               EVENT_TEXT("remedy", remedy), EVENT_WHOLE("drive_code", cause->drive_code)),
+                  "ends with exit code %d (%s); cause, at position %u.%u: %s in %s, %s. Remedy: %s", code, end,
+                  cause->mounting, cause->position, reason, failed_in, sentence, remedy);
 }

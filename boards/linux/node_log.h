@@ -28,7 +28,7 @@ void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
 /* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
 
-/* The program ends: the last line. */
-void node_log_end(const bench_world_t *world, const tumble_progress_t *cause);
+/* The program ends with this exit code: the last line. */
+void node_log_end(const bench_world_t *world, int code, const tumble_progress_t *cause);
 
 #endif

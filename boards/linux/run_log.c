@@ -6,9 +6,17 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#define NAMES_BYTES 400U
+#define NAMES_BYTES (EVENT_LOG_TEXT_BYTES - sizeof HELD)
+#define HELD "the result is held, ACCEPT or DISCARD it: "
+#define MORE_BYTES (sizeof "; and 99 more")
 
 /* The run. */
+
+bool run_log_is_news(const tumble_progress_t *now, const tumble_progress_t *before)
+{
+    return now->state != before->state || now->index != before->index || now->attempt != before->attempt ||
+           now->reason != before->reason || (now->state == TUMBLE_STATE_FAULT && now->failed_in != before->failed_in);
+}
 
 static void tell_fault(const tumble_progress_t *now, bool waits)
 {
@@ -40,12 +48,15 @@ static event_log_level_t level_of(const tumble_progress_t *now)
     }
 }
 
-/* Why, in words; nothing where nothing is wrong. */
+/* Why, in words; nothing where nothing is wrong, or where the command to give up may have followed from a fault that
+ * nobody here has seen. */
 static void describe(const tumble_progress_t *now, const tumble_progress_t *cause, char *text, size_t size)
 {
     const bool is_over = now->state == TUMBLE_STATE_DONE || now->state == TUMBLE_STATE_ABORT;
     *text = '\0';
-    if (now->state == TUMBLE_STATE_ABORT && cause->reason != TUMBLE_REASON_NONE) {
+    if (now->state == TUMBLE_STATE_ABORT && cause == NULL) {
+        (void)snprintf(text, size, ": %s", tumble_reason_sentence(now->reason));
+    } else if (now->state == TUMBLE_STATE_ABORT && cause->reason != TUMBLE_REASON_NONE) {
         (void)snprintf(text, size, ": %s; first cause at position %u.%u: %s in %s, %s",
                        tumble_reason_sentence(now->reason), cause->mounting, cause->position,
                        tumble_reason_name(cause->reason), tumble_state_name(cause->failed_in),
@@ -65,30 +76,49 @@ void run_log_state(const tumble_progress_t *now, const tumble_progress_t *cause,
         return;
     }
     describe(now, cause, why, sizeof why);
-    event_log_tell(level_of(now), "state",
-                   EVENT_FIELDS(EVENT_TEXT("state", name), EVENT_WHOLE("mounting", now->mounting),
-                                EVENT_WHOLE("position", now->position), EVENT_WHOLE("index", now->index),
-                                EVENT_WHOLE("count", now->count), EVENT_WHOLE("finished", now->finished),
-                                EVENT_WHOLE("attempt", now->attempt),
-                                EVENT_TEXT("reason", tumble_reason_name(now->reason)),
-                                EVENT_TEXT("cause", tumble_reason_name(cause->reason))),
-                   "%s at position %u.%u, %u of %u finished: %s%s", name, now->mounting, now->position, now->finished,
-                   now->count, tumble_state_sentence(now->state), why);
+    event_log_tell(
+        level_of(now), "state",
+        EVENT_FIELDS(
+            EVENT_TEXT("state", name), EVENT_WHOLE("mounting", now->mounting), EVENT_WHOLE("position", now->position),
+            EVENT_WHOLE("index", now->index), EVENT_WHOLE("count", now->count), EVENT_WHOLE("finished", now->finished),
+            EVENT_WHOLE("attempt", now->attempt), EVENT_TEXT("reason", tumble_reason_name(now->reason)),
+            EVENT_TEXT((cause != NULL) ? "cause" : NULL, (cause != NULL) ? tumble_reason_name(cause->reason) : NULL)),
+        "%s at position %u.%u, %u of %u finished: %s%s", name, now->mounting, now->position, now->finished, now->count,
+        tumble_state_sentence(now->state), why);
 }
 
 /* What is kept. */
 
-/* Name and sentence of each, until there is no more room. */
+static unsigned count_bits(uint16_t bits)
+{
+    unsigned count = 0;
+    for (unsigned left = bits; left != 0U; left &= left - 1U) {
+        count++;
+    }
+    return count;
+}
+
+/* Name and sentence of each that fits whole, and how many more there are. */
 static void list_objections(uint16_t objections, char *text, size_t size)
 {
+    unsigned left = count_bits(objections);
     size_t used = 0;
     *text = '\0';
-    for (unsigned bit = 0; bit < (unsigned)TUMBLE_OBJECTION_COUNT && used < size; bit++) {
-        if ((objections & TUMBLE_OBJECTION_BIT(bit)) != 0U) {
-            used += (size_t)snprintf(&text[used], size - used, "%s%s, %s", (used > 0U) ? "; " : "",
-                                     tumble_objection_name((tumble_objection_t)bit),
-                                     tumble_objection_sentence((tumble_objection_t)bit));
+    for (unsigned bit = 0; left > 0U; bit++) {
+        if ((objections & TUMBLE_OBJECTION_BIT(bit)) == 0U) {
+            continue;
         }
+        const char *const between = (used > 0U) ? "; " : "";
+        const size_t room = size - used - ((left > 1U) ? MORE_BYTES : 0U);
+        const int length =
+            snprintf(&text[used], room, "%s%s, %s", between, tumble_objection_name((tumble_objection_t)bit),
+                     tumble_objection_sentence((tumble_objection_t)bit));
+        if ((size_t)length >= room) {
+            (void)snprintf(&text[used], size - used, "%sand %u more", between, left);
+            return;
+        }
+        used += (size_t)length;
+        left--;
     }
 }
 
@@ -98,7 +128,7 @@ static void tell_held(const tumble_sets_state_t *state)
     list_objections(state->objections, objections, sizeof objections);
     event_log_tell(EVENT_LOG_WARNING, "held",
                    EVENT_FIELDS(EVENT_WHOLE("objections", state->objections), EVENT_TEXT("sentence", objections)),
-                   "the result is held, ACCEPT or DISCARD it: %s", objections);
+                   HELD "%s", objections);
 }
 
 static void tell_commit(const tumble_sets_state_t *state, const char *how)

@@ -7,8 +7,13 @@
 
 #include <stdbool.h>
 
+/* Is `now` worth a line to somebody who was told of `before`: another state, position, attempt or reason, or a fault in
+ * another state? Numbers and times that run on are not. */
+bool run_log_is_news(const tumble_progress_t *now, const tumble_progress_t *before);
+
 /* The procedure has come to this state: a line "fault" with its remedy, or "state". `cause`: the fault that the run has
- * not got over, TUMBLE_REASON_NONE if there is none. `waits`: after a fault for a command. */
+ * not got over, TUMBLE_REASON_NONE if there is none; null: not known, and why a run was given up is then not said.
+ * `waits`: after a fault for a command. */
 void run_log_state(const tumble_progress_t *now, const tumble_progress_t *cause, bool waits);
 
 /* Of the sets what was told last; begun as all zero. */

@@ -162,6 +162,6 @@ int stand_run(const bench_config_t *config, const stand_options_t *options, FILE
     events_close(&stand.events);
     can_socket_close(&stand.bridge.can);
     report(&stand, out);
-    stand_log_end(&stand.world);
+    stand_log_end(&stand.world, BENCH_EXIT_PASS);
     return BENCH_EXIT_PASS;
 }

@@ -78,11 +78,12 @@ void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_sock
     log->downs = can->counters.downs;
 }
 
-void stand_log_end(const bench_world_t *world)
+void stand_log_end(const bench_world_t *world, int code)
 {
     const bool rests = bench_world_is_at_rest(world);
     const double angle_deg = sim_axis_actual_deg(world->axis, world->clock.now_us);
-    event_log_tell(rests ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING, "end",
-                   EVENT_FIELDS(EVENT_WHOLE("at_rest", rests ? 1U : 0U)), "ends, the table %s at %.5f deg",
-                   rests ? "at rest" : "still turning", angle_deg);
+    event_log_end(rests ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING,
+                  EVENT_FIELDS(EVENT_WHOLE("exit", (uint64_t)code), EVENT_WHOLE("at_rest", rests ? 1U : 0U)),
+                  "ends with exit code %d, the table %s at %.5f deg", code, rests ? "at rest" : "still turning",
+                  angle_deg);
 }

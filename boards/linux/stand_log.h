@@ -27,7 +27,7 @@ void stand_log_answer(const stand_operator_t *before, const stand_operator_t *no
 /* After every step. */
 void stand_log_look(stand_log_t *log, const bench_world_t *world, const can_socket_t *can);
 
-/* The program ends: the last line. */
-void stand_log_end(const bench_world_t *world);
+/* The program ends with this exit code: the last line. */
+void stand_log_end(const bench_world_t *world, int code);
 
 #endif

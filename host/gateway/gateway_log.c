@@ -55,21 +55,47 @@ void gateway_log_turned_away(const gateway_address_t *address)
 
 /* What they write. */
 
-static void tell_refusals(gateway_log_t *log, const gateway_counters_t *counters, const char *who)
+static void what_was_refused(const gateway_refusal_t *refusal, char what[WHAT_BYTES])
 {
-    const uint32_t keys = counters->count[GATEWAY_COUNT_WRONG_KEYS];
-    const uint32_t locked = counters->count[GATEWAY_COUNT_LOCKED];
-    if (keys != log->wrong_keys) {
+    if (refusal->command != 0U && refusal->command <= UINT8_MAX) {
+        (void)snprintf(what, WHAT_BYTES, "%s (%u)", tumble_command_name((tumble_command_t)refusal->command),
+                       (unsigned)refusal->command);
+    } else {
+        (void)snprintf(what, WHAT_BYTES, "registers %u to %u", (unsigned)refusal->at,
+                       (unsigned)refusal->at + refusal->count - 1U);
+    }
+}
+
+/* By an exception, of one that is unlocked. */
+static void tell_exception(const gateway_refusal_t *refusal, const char *who)
+{
+    static const char *const reasons[] = {
+        [GATEWAY_ILLEGAL_ADDRESS] = "these registers cannot be written together",
+        [GATEWAY_ILLEGAL_VALUE] = "a value is out of its range",
+        [GATEWAY_BUSY] = "another command is under way",
+        [GATEWAY_TARGET_FAILED] = "the node does not answer",
+    };
+    const char *const why = reasons[refusal->exception];
+    char what[WHAT_BYTES];
+    what_was_refused(refusal, what);
+    event_log_tell(EVENT_LOG_WARNING, "refused",
+                   EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("command", what), EVENT_TEXT("why", why),
+                                EVENT_WHOLE("exception", refusal->exception)),
+                   "%s: %s refused with exception %02Xh: %s", who, what, (unsigned)refusal->exception, why);
+}
+
+static void tell_refusal(const gateway_refusal_t *refusal, const char *who)
+{
+    if (refusal->has_wrong_keys) {
         event_log_tell(EVENT_LOG_WARNING, "refused",
                        EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "wrong keys")), "%s: wrong keys", who);
-    }
-    if (locked != log->locked) {
+    } else if (refusal->exception == (uint8_t)GATEWAY_ILLEGAL_FUNCTION) {
         event_log_tell(EVENT_LOG_WARNING, "refused",
                        EVENT_FIELDS(EVENT_TEXT("client", who), EVENT_TEXT("why", "locked")),
                        "%s: writing refused, the session is locked or commands are not allowed", who);
+    } else {
+        tell_exception(refusal, who);
     }
-    log->wrong_keys = keys;
-    log->locked = locked;
 }
 
 static bool is_command_object(uint16_t index)
@@ -121,6 +147,10 @@ static void tell_session(gateway_session_log_t *log, const gateway_session_t *se
     const bool is_unlocked = now_us < session->unlocked_until_us;
     const uint16_t executed = session->staged[GATEWAY_HOLDING_EXECUTE];
     const uint8_t result = session->sent.result;
+    const uint32_t refusals = session->refusal.number;
+    if (refusals != log->refusals && refusals != 0U) {
+        tell_refusal(&session->refusal, who);
+    }
     if (is_unlocked != log->is_unlocked) {
         event_log_tell(is_unlocked ? EVENT_LOG_NOTICE : EVENT_LOG_INFO, is_unlocked ? "unlock" : "lock",
                        EVENT_FIELDS(EVENT_TEXT("client", who)), "%s: the session is %s", who,
@@ -129,10 +159,11 @@ static void tell_session(gateway_session_log_t *log, const gateway_session_t *se
     if ((result != log->result || executed != log->executed) && result > (uint8_t)GATEWAY_RESULT_PENDING) {
         tell_result(&session->sent, who);
     }
-    *log = (gateway_session_log_t){.executed = executed, .result = result, .is_unlocked = is_unlocked};
+    *log = (gateway_session_log_t){
+        .refusals = refusals, .executed = executed, .result = result, .is_unlocked = is_unlocked};
 }
 
-void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session, const gateway_t *gateway,
+void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session,
                          const gateway_address_t *address, uint64_t now_us)
 {
     char who[GATEWAY_WHO_BYTES] = LINE;
@@ -142,11 +173,10 @@ void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_sessi
     if (address != NULL) {
         gateway_log_who(address, who);
     }
-    tell_refusals(log, &gateway->counters, who);
     tell_session(&log->sessions[place], session, who, now_us);
 }
 
-/* The node. */
+/* The node. Of its run, the objects have neither the first cause nor whether the program waits after a fault. */
 
 /* An integer of up to 32 bits of a snapshot. False: it has none. */
 static bool value_of(const gateway_snapshot_t *snapshot, uint16_t index, uint8_t subindex, uint32_t *number)
@@ -172,30 +202,28 @@ static uint32_t value_or_0(const gateway_snapshot_t *snapshot, uint16_t index, u
 
 static void look_at_run(gateway_log_t *log, const gateway_snapshot_t *snapshot)
 {
-    static const tumble_progress_t no_cause = {.reason = TUMBLE_REASON_NONE};
     uint32_t state;
     uint32_t reason;
     if (!value_of(snapshot, 0x2000U, 0, &state) || !value_of(snapshot, 0x2001U, 0, &reason)) {
         return;
     }
-    if (!log->has_state || state != log->state || reason != log->reason) {
-        const tumble_progress_t now = {
-            .state = (tumble_state_t)state,
-            .reason = (tumble_reason_t)reason,
-            .failed_in = (tumble_state_t)value_or_0(snapshot, 0x2004U, 1),
-            .drive_code = (uint16_t)value_or_0(snapshot, 0x2004U, 3),
-            .index = (uint8_t)value_or_0(snapshot, 0x2003U, 1),
-            .count = (uint8_t)value_or_0(snapshot, 0x2003U, 2),
-            .finished = (uint8_t)value_or_0(snapshot, 0x2003U, 3),
-            .mounting = (uint8_t)value_or_0(snapshot, 0x2003U, 4),
-            .position = (uint8_t)value_or_0(snapshot, 0x2003U, 5),
-            .attempt = (uint8_t)value_or_0(snapshot, 0x2003U, 6),
-        };
-        run_log_state(&now, &no_cause, true);
+    const tumble_progress_t now = {
+        .state = (tumble_state_t)state,
+        .reason = (tumble_reason_t)reason,
+        .failed_in = (tumble_state_t)value_or_0(snapshot, 0x2004U, 1),
+        .drive_code = (uint16_t)value_or_0(snapshot, 0x2004U, 3),
+        .index = (uint8_t)value_or_0(snapshot, 0x2003U, 1),
+        .count = (uint8_t)value_or_0(snapshot, 0x2003U, 2),
+        .finished = (uint8_t)value_or_0(snapshot, 0x2003U, 3),
+        .mounting = (uint8_t)value_or_0(snapshot, 0x2003U, 4),
+        .position = (uint8_t)value_or_0(snapshot, 0x2003U, 5),
+        .attempt = (uint8_t)value_or_0(snapshot, 0x2003U, 6),
+    };
+    if (!log->has_progress || run_log_is_news(&now, &log->progress)) {
+        run_log_state(&now, NULL, false);
     }
-    log->has_state = true;
-    log->state = (uint16_t)state;
-    log->reason = (uint16_t)reason;
+    log->has_progress = true;
+    log->progress = now;
 }
 
 static void look_at_sets(gateway_log_t *log, const gateway_snapshot_t *snapshot)

@@ -13,6 +13,7 @@
 
 /* Of a session what was told last. */
 typedef struct {
+    uint32_t refusals;
     uint16_t executed;
     uint8_t result;
     bool is_unlocked;
@@ -20,13 +21,10 @@ typedef struct {
 
 typedef struct {
     gateway_session_log_t sessions[GATEWAY_MAX_SESSIONS]; /* of each place, that of the serial line last */
-    uint32_t wrong_keys;                                  /* counted so far; likewise the next */
-    uint32_t locked;
-    uint32_t snapshot; /* its number */
+    uint32_t snapshot;                                    /* its number */
     uint8_t link;
-    uint16_t state;
-    uint16_t reason;
-    bool has_state; /* of the node, since the gateway began */
+    tumble_progress_t progress;
+    bool has_progress; /* of the node, since the gateway began */
     run_log_sets_t sets;
 } gateway_log_t;
 
@@ -41,7 +39,7 @@ void gateway_log_disconnected(const gateway_address_t *address, const char *why,
 void gateway_log_turned_away(const gateway_address_t *address);
 
 /* A session may have written, or have got its result: before it is another's turn. `address` null: the serial line. */
-void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session, const gateway_t *gateway,
+void gateway_log_session(gateway_log_t *log, uint32_t place, const gateway_session_t *session,
                          const gateway_address_t *address, uint64_t now_us);
 
 /* The poller has been stepped. */

@@ -65,7 +65,7 @@ static bool watch(const server_t *server, int operation, int fd, uint32_t tag, u
 static void note_client(server_t *server, uint32_t place)
 {
     const gateway_client_t *const client = &server->clients[place];
-    gateway_log_session(&server->log, place, &client->session, &server->gateway, &client->address, clock_us(server));
+    gateway_log_session(&server->log, place, &client->session, &client->address, clock_us(server));
 }
 
 static void close_client(server_t *server, uint32_t place, const char *why)
@@ -180,8 +180,7 @@ static void close_idle(server_t *server)
 
 static void note_line(server_t *server)
 {
-    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, &server->gateway, NULL,
-                        clock_us(server));
+    gateway_log_session(&server->log, GATEWAY_MAX_CLIENTS, &server->serial.session, NULL, clock_us(server));
 }
 
 static void step_serial(server_t *server)
@@ -358,8 +357,7 @@ int gateway_serve(const gateway_options_t *options, const tumble_port_t *port, i
         notify_manager("STOPPING=1");
     }
     close_all(&server);
-    event_log_tell(EVENT_LOG_NOTICE, "end", EVENT_FIELDS(EVENT_WHOLE("exit", (uint64_t)code)), "ends with exit code %d",
-                   code);
+    event_log_end(EVENT_LOG_NOTICE, EVENT_FIELDS(EVENT_WHOLE("exit", (uint64_t)code)), "ends with exit code %d", code);
     gateway_poller_step(
         &server.gateway.poller); /* the end of a service level, unless the bus is busy: else it ends itself */
     return code;

@@ -110,9 +110,14 @@ static void end_service(const gateway_session_t *session, gateway_t *gateway)
     }
 }
 
+static bool are_keys(const uint16_t *words)
+{
+    return words[0] == GATEWAY_KEY_1 && words[1] == GATEWAY_KEY_2;
+}
+
 static gateway_exception_t unlock(gateway_session_t *session, gateway_t *gateway, const uint16_t *keys, uint64_t now_us)
 {
-    if (keys[0] != GATEWAY_KEY_1 || keys[1] != GATEWAY_KEY_2) {
+    if (!are_keys(keys)) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_WRONG_KEYS);
         session->unlocked_until_us = 0;
         end_service(session, gateway);
@@ -332,8 +337,8 @@ static gateway_exception_t write_keys(gateway_session_t *session, gateway_t *gat
     return wrong;
 }
 
-gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
-                                          const uint16_t *words, uint64_t now_us)
+static gateway_exception_t write_any(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                     const uint16_t *words, uint64_t now_us)
 {
     if (!gateway->settings.allow_commands) {
         gateway_count(&gateway->counters, GATEWAY_COUNT_LOCKED);
@@ -343,6 +348,38 @@ gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t 
         return write_keys(session, gateway, count, words, now_us);
     }
     return write_staged(session, gateway, at, count, words, now_us);
+}
+
+/* What a register would have been; nothing of a request that is refused is staged. */
+static uint16_t would_be(const gateway_session_t *session, uint16_t at, uint16_t count, const uint16_t *words,
+                         uint16_t which)
+{
+    return (which >= at && which - at < count) ? words[which - at] : session->staged[which];
+}
+
+static void note_refusal(gateway_session_t *session, gateway_exception_t exception, uint16_t at, uint16_t count,
+                         const uint16_t *words)
+{
+    const bool executes = at <= GATEWAY_HOLDING_EXECUTE && at + (unsigned)count > GATEWAY_HOLDING_EXECUTE;
+    const bool is_command = executes && would_be(session, at, count, words, GATEWAY_HOLDING_SETTING) == 0U;
+    session->refusal = (gateway_refusal_t){
+        .number = session->refusal.number + 1U,
+        .at = at,
+        .count = count,
+        .exception = (uint8_t)exception,
+        .has_wrong_keys = exception == GATEWAY_ILLEGAL_VALUE && at == GATEWAY_HOLDING_UNLOCK_KEY_1 && !are_keys(words),
+        .command = is_command ? would_be(session, at, count, words, GATEWAY_HOLDING_COMMAND) : 0U,
+    };
+}
+
+gateway_exception_t gateway_session_write(gateway_session_t *session, gateway_t *gateway, uint16_t at, uint16_t count,
+                                          const uint16_t *words, uint64_t now_us)
+{
+    const gateway_exception_t wrong = write_any(session, gateway, at, count, words, now_us);
+    if (wrong != GATEWAY_OK) {
+        note_refusal(session, wrong, at, count, words);
+    }
+    return wrong;
 }
 
 void gateway_session_close(gateway_session_t *session, gateway_t *gateway)

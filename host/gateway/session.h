@@ -31,6 +31,16 @@ typedef enum {
     GATEWAY_TARGET_FAILED = 0x0B
 } gateway_exception_t;
 
+/* The last request to write that was answered with an exception. */
+typedef struct {
+    uint32_t number; /* of them so far */
+    uint16_t at;
+    uint16_t count;
+    uint8_t exception; /* gateway_exception_t */
+    bool has_wrong_keys;
+    uint16_t command; /* that it was to execute; 0: none, or a setting */
+} gateway_refusal_t;
+
 typedef struct gateway_session {
     gateway_snapshot_t snapshot;
     uint64_t renewed_us;
@@ -42,6 +52,7 @@ typedef struct gateway_session {
     bool is_setting_done; /* a setting was executed, and nothing has been staged since */
     gateway_command_t sent;
     bool sent_key; /* it is the service level's */
+    gateway_refusal_t refusal;
 } gateway_session_t;
 
 void gateway_session_open(gateway_session_t *session);

@@ -4,6 +4,7 @@
 #include "run_log.h"
 #include "suite.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const around_t around_each = {NULL, log_pipe_close};
@@ -123,6 +124,38 @@ static void test_an_abort_tells_its_first_cause(void)
            "stopped: aborted by command. Remedy: Somebody gave ABORT, or the node was reset.\n");
 }
 
+/* Seen from outside, where nobody has seen the first cause: no guess at it. */
+static void test_an_abort_whose_cause_is_not_known(void)
+{
+    log_pipe_open("json", NULL);
+    run_log_state(&given_up, NULL, false);
+    expect_within(
+        ",\"reason\":\"TUMBLE_REASON_COMMAND\",\"message\":\"TUMBLE_STATE_ABORT at position 1.3, 2 of 18 "
+        "finished: given up, table stopped: aborted by command\"}\n");
+}
+
+static void test_what_is_news(void)
+{
+    tumble_progress_t now = stalled;
+    TEST_ASSERT_FALSE(run_log_is_news(&now, &stalled));
+    now.samples++;
+    now.drive_code = 0;
+    TEST_ASSERT_FALSE(run_log_is_news(&now, &stalled));
+    now = stalled;
+    now.failed_in = TUMBLE_STATE_PREFLIGHT;
+    TEST_ASSERT_TRUE(run_log_is_news(&now, &stalled));
+    now = stalled;
+    now.index++;
+    TEST_ASSERT_TRUE(run_log_is_news(&now, &stalled));
+    now = stalled;
+    now.attempt++;
+    TEST_ASSERT_TRUE(run_log_is_news(&now, &stalled));
+    now = stalled;
+    now.reason = TUMBLE_REASON_DRIVE_FAULT;
+    TEST_ASSERT_TRUE(run_log_is_news(&now, &stalled));
+    TEST_ASSERT_TRUE(run_log_is_news(&given_up, &stalled));
+}
+
 static void expect_state(tumble_state_t state, tumble_reason_t reason, const char *part)
 {
     const tumble_progress_t now = {
@@ -148,11 +181,13 @@ static void test_states_have_their_levels(void)
 
 /* A result. */
 
+static run_log_sets_t told;
+
 static void expect_verdict(tumble_verdict_t verdict, const char *line)
 {
     const tumble_sets_state_t state = {
         .verdict = (uint8_t)verdict, .counter = 4, .objections = 0x41, .status = (uint8_t)TUMBLE_E_NV};
-    run_log_sets_t told = {.has_begun = true, .verdict = UINT8_MAX, .counter = 3};
+    told = (run_log_sets_t){.has_begun = true, .verdict = UINT8_MAX, .counter = 3};
     run_log_sets(&told, &state);
     expect(line);
     run_log_sets(&told, &state);
@@ -183,7 +218,7 @@ static void test_verdicts(void)
 static void test_all_objections_at_once(void)
 {
     const tumble_sets_state_t state = {.verdict = (uint8_t)TUMBLE_VERDICT_HELD, .objections = UINT16_MAX};
-    run_log_sets_t told = {.has_begun = true};
+    told = (run_log_sets_t){.has_begun = true};
     log_pipe_open("json", NULL);
     run_log_sets(&told, &state);
     const char *const line = log_pipe_read();
@@ -191,7 +226,36 @@ static void test_all_objections_at_once(void)
     TEST_ASSERT_EQUAL_STRING("\"}\n", line + strlen(line) - 3U);
 }
 
-static run_log_sets_t told;
+/* Of every set of objections, the line tells the first ones whole and counts the others. */
+static void test_no_objection_is_cut_off(void)
+{
+    for (unsigned bits = 1; bits < 1U << (unsigned)TUMBLE_OBJECTION_COUNT; bits += 37U) {
+        const tumble_sets_state_t state = {.verdict = (uint8_t)TUMBLE_VERDICT_HELD, .objections = (uint16_t)bits};
+        char whole[2000] = "the result is held, ACCEPT or DISCARD it: ";
+        unsigned left = 0;
+        told = (run_log_sets_t){.has_begun = true};
+        log_pipe_open("text", NULL);
+        run_log_sets(&told, &state);
+        const char *line = strstr(log_pipe_read(), whole);
+        TEST_ASSERT_NOT_NULL(line);
+        line += strlen(whole);
+        for (unsigned bit = 0; bit < (unsigned)TUMBLE_OBJECTION_COUNT; bit++) {
+            if ((bits >> bit & 1U) == 0U) {
+                continue;
+            }
+            (void)snprintf(whole, sizeof whole, "%s, %s", tumble_objection_name((tumble_objection_t)bit),
+                           tumble_objection_sentence((tumble_objection_t)bit));
+            const bool is_told = left == 0U && strncmp(line, whole, strlen(whole)) == 0;
+            line += is_told ? strlen(whole) : 0U;
+            line += (is_told && strncmp(line, "; ", 2) == 0) ? 2U : 0U;
+            left += is_told ? 0U : 1U;
+        }
+        (void)snprintf(whole, sizeof whole, "and %u more\n", left);
+        TEST_ASSERT_EQUAL_STRING((left > 0U) ? whole : "\n", line);
+        log_pipe_close();
+    }
+    log_pipe_open(NULL, NULL);
+}
 
 static void show(tumble_verdict_t verdict, uint32_t counter, const char *line)
 {
