@@ -1,14 +1,32 @@
 """The log of tumble-gateway: a line for each client, command, refusal, change of the link and of the node."""
 
+import fcntl
 import os
 import re
 import struct
 import subprocess
+from contextlib import contextmanager
 
 import documents
 import pytest
 from bench_program import wait_until
-from gateway_bench import FUNCTION, KEYS, ROOT, VALUE, WRITE_SEVERAL, Gateway, gateway_program, register
+from gateway_bench import (
+    ADDRESS,
+    BUSY,
+    FUNCTION,
+    GOOD,
+    GOOD_ANSWER,
+    KEYS,
+    ROOT,
+    TARGET,
+    VALUE,
+    WRITE_SEVERAL,
+    Gateway,
+    Raw,
+    frame,
+    gateway_program,
+    register,
+)  # fmt: skip
 from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
 from test_gateway_serial import line
 
@@ -162,6 +180,132 @@ def test_the_node_as_its_snapshots_show_it(logged):
     assert fault["state"] == "TUMBLE_STATE_MOVE" and fault["message"].endswith("Remedy: " + row)
     assert told(found, "held", "commit") == [("commit", "notice", "the proposal is accepted: calibration counter 5")]
     assert [line["link"] for line in found if line["event"] == "link"] == ["up", "silent", "down"]
+
+
+def test_a_run_as_its_snapshots_show_it(logged):
+    """Each position, attempt and fault; what runs on is no event. Nothing is told that no object has: the first cause
+    of an ABORT, and whether the node waits."""
+    gateway = logged()
+    client = gateway.connect()
+
+    def show(state, reason, index, position, attempt=0, failed_in=0, samples=0):
+        gateway.set_all({
+            (0x2000, 0): bytes([state]), (0x2001, 0): bytes([reason]), (0x2003, 1): bytes([index]),
+            (0x2003, 2): b"\x12", (0x2003, 3): bytes([index]), (0x2003, 4): b"\1", (0x2003, 5): bytes([position]),
+            (0x2003, 6): bytes([attempt]), (0x2003, 7): u32(samples), (0x2004, 1): bytes([failed_in]),
+        })  # fmt: skip
+        gateway.wait_fresh(client)
+
+    average, move, fault, abort, stall = 7, 5, 13, 14, 9
+    show(average, 0, 2, 3)
+    show(average, 0, 2, 3, samples=7)
+    show(average, 0, 2, 3, attempt=1)
+    show(average, 0, 3, 4)
+    show(fault, stall, 4, 5, failed_in=move)
+    show(fault, stall, 4, 5, failed_in=move, samples=9)
+    show(fault, stall, 5, 6, failed_in=move)
+    show(fault, stall, 5, 6, failed_in=6)
+    show(abort, 1, 5, 6, failed_in=fault)
+    found = [line for line in lines(gateway) if line["event"] in ("state", "fault")]
+    assert [(line["event"], line["position"], line.get("attempt")) for line in found] == [
+        ("state", 3, 0), ("state", 3, 1), ("state", 4, 0), ("fault", 5, None), ("fault", 6, None), ("fault", 6, None),
+        ("state", 6, 0),
+    ]  # fmt: skip
+    assert [line["state"] for line in found[3:]] == [
+        f"TUMBLE_STATE_{name}" for name in ("MOVE", "MOVE", "SETTLE", "ABORT")]
+    assert "waits" not in " ".join(line["message"] for line in found) and all("cause" not in line for line in found)
+    assert found[-1]["message"] == (
+        "TUMBLE_STATE_ABORT at position 1.6, 5 of 18 finished: given up, table stopped: aborted by command")
+
+
+def test_exceptions_are_refusals_too(logged):
+    gateway = logged("--allow-commands")
+    client = unlocked(gateway)
+
+    def written(at, *words):
+        return struct.pack(f">BHHB{len(words)}H", WRITE_SEVERAL, at, len(words), 2 * len(words), *words)
+
+    client.send(frame(written(COMMAND, 1, 5)) + frame(written(COMMAND, 2, 6)) + frame(GOOD))
+    answers = [client.receive()[7:9] for _ in range(3)]
+    assert answers == [b"\x10\0", bytes((WRITE_SEVERAL | 0x80, BUSY)), GOOD_ANSWER[:2]]
+    assert result(client)[0] == ACCEPTED
+    assert client.write(COMMAND - 3, 0x0100, 0, 0, 9, 7) == VALUE
+    assert client.write(SETTING, 6) == VALUE
+    assert client.write(EXECUTE + 1, 1) == ADDRESS
+    gateway.tell("silent 1")
+    wait_link(client, 2)
+    assert client.write(COMMAND, 1, 8) == TARGET
+    assert client.write(SETTING - 3, 0, 0, 0, 0) == ADDRESS
+    assert client.write(0, *KEYS) is None
+    found = lines(gateway)
+    who = "127.0.0.1: "
+    assert told(found, "command", "refused", "lock", "unlock") == [
+        ("unlock", "notice", who + "the session is unlocked"),
+        ("refused", "warning",
+         who + "TUMBLE_COMMAND_ABORT (2) refused with exception 06h: another command is under way"),
+        ("command", "notice", who + "TUMBLE_COMMAND_START (1) accepted"),
+        ("refused", "warning",
+         who + "TUMBLE_COMMAND_ACCEPT (9) refused with exception 03h: a value is out of its range"),
+        ("refused", "warning",
+         who + f"registers {SETTING} to {SETTING} refused with exception 03h: a value is out of its range"),
+        ("refused", "warning", who + f"registers {EXECUTE + 1} to {EXECUTE + 1} refused with exception 02h: "
+                                     "these registers cannot be written together"),
+        ("refused", "warning",
+         who + "TUMBLE_COMMAND_START (1) refused with exception 0Bh: the node does not answer"),
+        ("refused", "warning", who + f"registers {SETTING - 3} to {SETTING} refused with exception 02h: "
+                                     "these registers cannot be written together"),
+    ]
+    assert [line["exception"] for line in found if line["event"] == "refused"] == [6, 3, 3, 2, 11, 2]
+
+
+def test_a_name_that_is_no_utf8(logged):
+    """The line is JSON, and what else the name has is there."""
+    [ready, *_] = lines(logged("--can", os.fsdecode(b"pl\xff\xc3\xa4yed")))
+    assert ready["interface"] == "pl?\u00e4yed" and "node 1 on pl?\u00e4yed, unit 1" in ready["message"]
+
+
+@contextmanager
+def killed(process):
+    """In the end, whatever it waits for."""
+    with process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+@contextmanager
+def terminal():
+    master, slave = os.openpty()
+    yield master, slave
+    os.close(master)
+    os.close(slave)
+
+
+@contextmanager
+def small_pipe():
+    ends = os.pipe()
+    fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, 4096)
+    yield ends
+    os.close(ends[0])
+    os.close(ends[1])
+
+
+@pytest.mark.parametrize("made", [terminal, small_pipe])
+def test_whoever_does_not_read_holds_nothing_up(gateway_program, made):
+    """The first line is read, and then nothing any more."""
+    command = [gateway_program, "--can", "played", "--tcp", "127.0.0.1:0", "--log", "json"]
+    with made() as (ours, theirs), killed(subprocess.Popen(command, stdin=subprocess.PIPE, stderr=theirs)) as process:
+        ready = b""
+        while b"\n" not in ready:
+            ready += os.read(ours, 4096)
+        port = int(re.search(rb"127\.0\.0\.1:(\d+)", ready)[1])
+        for _ in range(150):
+            client = Raw(port)
+            assert client.ask(GOOD, timeout=20.0) == GOOD_ANSWER
+            client.close()
+        process.terminate()
+        assert process.wait(timeout=20) == 0 and os.get_blocking(theirs)
 
 
 def test_text_and_level(logged):

@@ -132,7 +132,7 @@ def test_a_fault_that_the_run_has_got_over_is_no_cause(bus, started, tmp_path, l
     last = log.lines()[-1]
     assert (last["event"], last["exit"], "cause" in last, last["level"]) == ("end", 130, False, "notice")
     assert ended(stand)[0] == 0
-    assert [(line["event"], line["at_rest"]) for line in told.lines()[-1:]] == [("end", 1)]
+    assert [(line["event"], line["exit"], line["at_rest"]) for line in told.lines()[-1:]] == [("end", 0, 1)]
 
 
 def test_a_recalibration_over_modbus_in_three_logs(bus, started, tmp_path, logged):
