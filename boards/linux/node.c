@@ -332,7 +332,7 @@ static int finish(node_t *node, FILE *out)
     const char *const folder = node->options->out;
     const char *const wrong = (folder != NULL) ? bench_folder_close(&node->folder, &node->world) : NULL;
     if (wrong != NULL) {
-        code = arguments_fail(folder, wrong, BENCH_EXIT_FAULT);
+        code = node_log_unwritten(folder, wrong);
     } else if (node->options->start || node->world.end == BENCH_INTERRUPTED) {
         node_report(node, out);
     }

@@ -77,6 +77,16 @@ void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumbl
 
 /* The end. */
 
+int node_log_unwritten(const char *folder, const char *why)
+{
+    if (!event_log_is_on()) {
+        return arguments_fail(folder, why, BENCH_EXIT_FAULT);
+    }
+    event_log_tell(EVENT_LOG_ERROR, "unwritten", EVENT_FIELDS(EVENT_TEXT("folder", folder), EVENT_TEXT("why", why)),
+                   "%s: %s", folder, why);
+    return BENCH_EXIT_FAULT;
+}
+
 void node_log_end(const bench_world_t *world, int code, const tumble_progress_t *cause)
 {
     const event_log_level_t well = (cause->reason == TUMBLE_REASON_NONE) ? EVENT_LOG_NOTICE : EVENT_LOG_WARNING;

@@ -28,6 +28,9 @@ void node_log_refused(const node_log_t *log, const tumble_progress_t *now);
 /* After every step: the service level; what became of a result (`sets` null: nothing is kept). */
 void node_log_look(node_log_t *log, const tumble_navcomp_t *navcomp, const tumble_sets_t *sets);
 
+/* The folder of --out could not be written in the end. Returns the exit code. */
+int node_log_unwritten(const char *folder, const char *why);
+
 /* The program ends with this exit code: the last line. */
 void node_log_end(const bench_world_t *world, int code, const tumble_progress_t *cause);
 

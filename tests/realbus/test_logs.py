@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -182,6 +183,24 @@ def test_a_recalibration_over_modbus_in_three_logs(bus, started, tmp_path, logge
     assert not of_stand.lines("lost") + of_node.lines("lost")
     of_stand.check()
     of_node.check()
+
+
+def test_a_folder_that_is_gone_in_the_end(bus, started, tmp_path, logged):
+    """It is an event, not a line of another kind, and the last one is told all the same."""
+    path = scenario(tmp_path, **HASTE, **PATIENCE)
+    stand = Stand(bus, path)
+    started.append(stand)
+    node, log = logged("tumble-node", bus, path, "--start", "--out", tmp_path / "run")
+    log.wait_for("state", state="TUMBLE_STATE_AVERAGE")
+    shutil.rmtree(tmp_path / "run")
+    node.wait(timeout=60)
+    assert ended(node) == (3, None)
+    log.check()
+    unwritten, end = log.lines()[-2:]
+    assert (unwritten["event"], unwritten["level"], unwritten["folder"]) == (
+        "unwritten", "error", str(tmp_path / "run"))
+    assert (end["event"], end["end"], end["exit"], end["level"]) == ("end", "done", 3, "error")
+    stand.end()
 
 
 def test_a_log_that_nobody_reads_holds_up_no_run(bus, started, tmp_path):
