@@ -25,12 +25,12 @@ from tumble.files.run_layout import (
     Wishes,
     decoded,
     detect,
-    detect_unit,
     find_column,
     is_blank,
     is_comment,
     is_number,
     split,
+    unit_of,
 )
 from tumble.files.run_temperature import range_of, temperatures_of_rows
 from tumble.files.tables import SUFFIXES, suffix_of
@@ -179,7 +179,7 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
         if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in _LOST for f in fields):
             break
         units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
-        unit = wishes.unit or detect_unit(units, file, row)
+        unit = unit_of(wishes, units, file, row)
         told = layout.unit_told or unit is not None
         note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
         felt = layout.temperature
