@@ -58,7 +58,7 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
     said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
-    advised = ("--schedule", "six_faces", "--estimator", "least_squares")
+    advised = ("--schedule", "six_faces", "--estimator", "least_squares", "--out", str(tmp_path / "result.json"))
     assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
     assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
     assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
@@ -301,7 +301,8 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
 # The page.
 
 
-def test_the_page_shows_what_is_printed(tumble, tmp_path):
+def test_the_page_shows_what_is_printed(tumble, tmp_path, monkeypatch):
+    monkeypatch.setenv("TUMBLE_PROGRAM", "./tools/tumble")  # as the program of a checkout has it
     page = (ROOT / "docs/import.md").read_text(encoding="utf-8")
     step = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL)
     command, shown = step.groups()

@@ -68,6 +68,15 @@ def test_an_option_of_compare_is_called_so(results):
     assert "u is too large then (tumble compare --stand FILE)." in map(str, section_since(told, old, new)["grounds"])
 
 
+def test_undated_results_are_told_of(results):
+    """Neither their numbers nor their dates tell which is the earlier one."""
+    for path in results:
+        path.write_text(json.dumps({**json.loads(path.read_text()), "created": None}))
+    old, new = (json.loads(path.read_text()) for path in results)
+    told = package.compare(*results).document
+    assert any("Not both results are dated" in str(one) for one in section_since(told, old, new)["grounds"])
+
+
 def test_python_writes_the_same_and_without_an_earlier_result_there_is_no_section(results, capsysbinary):
     old, new = results
     for since, name in ((old, "path.html"), (package.load(old), "object.html"), (None, "none.html")):

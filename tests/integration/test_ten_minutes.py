@@ -26,8 +26,9 @@ BLOCKS = re.findall(r"```console\n(.*?)```\n(?:\n```text\n(.*?)```)?", PAGE, re.
 STEPS = [([line[2:] for line in commands.replace("\\\n", "").splitlines()], shown) for commands, shown in BLOCKS]
 
 
-def test_its_commands_print_what_it_shows(tumble, tmp_path):
+def test_its_commands_print_what_it_shows(tumble, tmp_path, monkeypatch):
     """What stands behind a block is what its last command prints; notices are for stderr."""
+    monkeypatch.setenv("TUMBLE_PROGRAM", "./tools/tumble")  # as the program of a checkout has it
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for commands, shown in STEPS:
         for command in commands:

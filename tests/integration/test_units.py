@@ -125,7 +125,7 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     said = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
     assert done.stderr == f"tumble: warning: {said}\n"
     shown = tumble("solve", run).stdout.splitlines()
-    assert "All assuming volts: the run file names no unit (--unit)" in shown
+    assert "All values assume volts: the run file names no unit (--unit)" in shown
     assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]

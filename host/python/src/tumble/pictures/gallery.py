@@ -58,8 +58,8 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
     ),
     "stand_seen": (
         stand_seen.stand_seen,
-        lambda facts: bool(stand_seen.rows(facts)),
-        "a run that shows something of its stand",
+        lambda facts: len(stand_seen.rows(facts)) > 1,  # of one number a table says as much
+        "a run that shows angles of its stand",
     ),
     "correlation": (matrix.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
     "attitude": (sphere.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
