@@ -17,7 +17,7 @@ from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, run_file
 from tumble.files.csv_rows import Refused
-from tumble.files.disk import read_bytes
+from tumble.files.disk import RUN_FILE, read_bytes
 from tumble.files.run_file import PositionIndex, Run, RunTable
 from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, find_all, unit_of
 from tumble.files.run_temperature import Temperatures, temperatures_of_table
@@ -165,7 +165,7 @@ def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
             return Recording(file, wishes, table=read_table_file(file))
-        data = read_bytes(file)
+        data = read_bytes(file, RUN_FILE)
         can_log.refuse(data, file)
         return Recording(file, wishes, data=data)
     if not frames.is_table(source):

@@ -18,7 +18,7 @@ from tumble.api.table import html_table
 from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.disk import path_of, read_bytes, write_bytes, write_text
+from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.documents import checked_coefficients
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
@@ -307,7 +307,7 @@ class Result:
 def load(file: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
     name = path_of(file)
-    data = read_bytes(name)
+    data = read_bytes(name, RESULT_FILE)
     checked_coefficients(data, name)  # also that it is text
     return Result(data.decode("utf-8-sig"), name=name)
 

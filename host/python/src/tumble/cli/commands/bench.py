@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
+from tumble.cli.commands import ABOUT, ALIASES
 from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
@@ -39,8 +40,8 @@ def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
-        aliases=["simulate"],
-        help="calibrate on a simulated stand: the firmware itself, in virtual time",
+        aliases=ALIASES["bench"],
+        help=ABOUT["bench"],
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
         epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
         " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
