@@ -141,7 +141,7 @@ def test_every_number_is_the_document_s(result):
     assert not wrong
     for said in report.said:
         if said.kind == "told":
-            assert said.text == truth.at(said.path)
+            assert said.text.replace("µ", "u") == truth.at(said.path).replace("µ", "u")
 
 
 def test_no_number_stands_in_a_table_without_its_path(result):

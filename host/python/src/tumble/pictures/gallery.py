@@ -90,7 +90,7 @@ def figures(
     not the result's; BadInput for files that cannot be read, and for a document that cannot be drawn; NotInstalled
     where matplotlib is not there.
     """
-    if kind is not None and kind not in _NEEDS:
+    if kind is not None and not (isinstance(kind, str) and kind in _NEEDS):
         raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
     canvas.require("a picture")
     given = None if schedule is None else schedule_of(schedule), None if stand is None else stand_file_of(stand)
