@@ -61,8 +61,8 @@ def test_a_command_is_loaded_only_when_it_is_named():
 def test_a_run_folder_is_told_which_of_its_files_to_give(tmp_path, capsys):
     for name in ("run.csv", "result.json"):
         (tmp_path / name).write_text("")
-    for words, name in ((("report",), "result.json"), (("export", "--format", "c"), "result.json"), (("solve",), "run.csv"),
-                        (("compare", "other.json"), "result.json")):  # fmt: skip
+    for words, name in ((("report",), "result.json"), (("export", "--format", "c"), "result.json"),
+                        (("solve",), "run.csv"), (("compare", "other.json"), "result.json")):  # fmt: skip
         (tmp_path / "other.json").write_text("")
         command, *more = words
         files = [str(tmp_path)] if command != "compare" else [str(tmp_path), str(tmp_path / more.pop())]

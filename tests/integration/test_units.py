@@ -162,7 +162,10 @@ def test_a_known_unit_that_contradicts_the_header_is_refused(header, told, refus
         package.read(table, unit=told)
 
 
-@pytest.mark.parametrize(("header", "told"), [("µV", "uV"), ("m/s2", "m/s^2"), ("counts", "V"), ("V", "LSB"), ("V", "V")])
+ALIKE = [("µV", "uV"), ("m/s2", "m/s^2"), ("counts", "V"), ("V", "LSB"), ("V", "V")]
+
+
+@pytest.mark.parametrize(("header", "told"), ALIKE)
 def test_what_does_not_contradict_the_header_is_taken(header, told, tumble, tmp_path):
     run = rewritten(tmp_path / "run.csv", f"ux [{header}],uy [{header}],uz [{header}]", 1.0)
     assert solved(tumble, run, "--unit", told)["unit"] == told
@@ -181,7 +184,10 @@ def scaled_stand(path, scale):
     return path
 
 
-@pytest.mark.parametrize(("scale", "looks"), [(9.79, "m/s^2: --unit m/s^2"), (1.003, "--unit g or V"), (998.0, "mg or mV")])
+LOOKS = [(9.79, "m/s^2: --unit m/s^2"), (1.003, "--unit g or V"), (998.0, "mg or mV")]
+
+
+@pytest.mark.parametrize(("scale", "looks"), LOOKS)
 def test_a_declared_scale_does_not_make_volts_of_what_nobody_names(scale, looks, tumble, tmp_path):
     """The stand file was made for such a block: it confirms the number, not the unit."""
     run = rewritten(tmp_path / "run.csv", "ux,uy,uz", scale / 2.0)

@@ -7,13 +7,12 @@ import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
-from importlib import import_module
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli import completion
-from tumble.cli.commands import ABOUT, ALIASES, module_of
+from tumble.cli.commands import ABOUT, ALIASES
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.messages import tell
 
@@ -79,11 +78,68 @@ def _parser(wanted: str | None = None) -> argparse.ArgumentParser:
     subparsers = parser.add_subparsers(metavar="COMMAND")
     for name, about in ABOUT.items():
         if wanted in (None, name):
-            import_module(module_of(name)).add_to(subparsers)
+            _adder_of(name)(subparsers)
         else:
             subparsers.add_parser(name, aliases=ALIASES.get(name, ()), help=about)
     parser.set_defaults(run_command=lambda _: _help(parser))
     return parser
+
+
+def _adder_of(name: str) -> Callable[[Any], None]:
+    """What describes a command to argparse. Loads the command's module, and no other."""
+    if name == "solve":
+        from tumble.cli.commands import solve
+
+        return solve.add_to
+    if name == "import":
+        from tumble.cli.commands import import_recording
+
+        return import_recording.add_to
+    if name == "apply":
+        from tumble.cli.commands import apply
+
+        return apply.add_to
+    if name == "compare":
+        from tumble.cli.commands import compare
+
+        return compare.add_to
+    if name == "bench":
+        from tumble.cli.commands import bench
+
+        return bench.add_to
+    if name == "replay":
+        from tumble.cli.commands import replay
+
+        return replay.add_to
+    if name == "plan":
+        from tumble.cli.commands import plan
+
+        return plan.add_to
+    if name == "fixture":
+        from tumble.cli.commands import fixture
+
+        return fixture.add_to
+    if name == "draw":
+        from tumble.cli.commands import draw
+
+        return draw.add_to
+    if name == "export":
+        from tumble.cli.commands import export
+
+        return export.add_to
+    if name == "report":
+        from tumble.cli.commands import report
+
+        return report.add_to
+    if name == "store":
+        from tumble.cli.commands import store
+
+        return store.add_to
+    if name == "uml":
+        from tumble.cli.commands import uml
+
+        return uml.add_to
+    raise KeyError(name)
 
 
 def _help(parser: argparse.ArgumentParser) -> int:

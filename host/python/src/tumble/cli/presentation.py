@@ -110,7 +110,8 @@ def notes(solution: Solution) -> list[str]:
     """What marked coefficients, or all, rest on."""
     rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
     told = [
-        f"{'Values with *' if names else 'All values'} assume {one.phrase}: {one.why}" for one, names in rests_on.items()
+        f"{'Values with *' if names else 'All values'} assume {one.phrase}: {one.why}"
+        for one, names in rests_on.items()
     ]
     return [line for one in told for line in textwrap.wrap(one, _COLUMNS, subsequent_indent="  ")]
 

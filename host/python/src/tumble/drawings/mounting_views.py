@@ -30,8 +30,8 @@ _CENTRE = (0.0, 32.0)  # of the block in a cell: from its middle, from its top
 
 
 def mountings(schedule: Schedule) -> str:
-    """SVG: every mounting with its block axes as the matrix has them, at table angle 0, in an oblique view; of a schedule
-    that is laid by hand without axis and table."""
+    """SVG: every mounting with its block axes as the matrix has them, at table angle 0, in an oblique view; of a
+    schedule that is laid by hand without axis and table."""
     columns = min(_MOST_COLUMNS, len(schedule.mountings))
     width = (WIDTH - 2 * _MARGIN) / columns
     page = Page(_title(schedule), _about(schedule))

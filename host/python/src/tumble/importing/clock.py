@@ -89,8 +89,8 @@ def of_rate(rows: int, rate_hz: float, notes: Sequence[str] = ()) -> Clock:
 
 
 def contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
-    """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing where
-    they agree, or where the clock has moved on too seldom to tell."""
+    """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing
+    where they agree, or where the clock has moved on too seldom to tell."""
     seen = 1.0 / own.interval_s
     moved = int((np.diff(own.seconds) > 0.0).sum())
     if moved < _FEWEST_STEPS or seen / _SAME_RATE < rate_hz < seen * _SAME_RATE:

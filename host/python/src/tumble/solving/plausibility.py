@@ -179,8 +179,6 @@ def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, floa
     return Mistake(1, (f"outputs look to be in {other}, not in {unit} (--unit {other})",)), factor
 
 
-
-
 def _resolved(solution: Solution) -> Iterator[tuple[Mistake, Floats, float]]:
     """K as it would be had the stand been used in another way, with the rms of the residuals; only where the run fits
     that no worse than its own schedule."""

@@ -20,9 +20,3 @@ ABOUT = {  # by name, in the order in which they are listed
     "uml": "run any command inside user-mode Linux, with a CAN interface vcan0",
 }
 ALIASES = {"bench": ["simulate"]}
-_MODULES = {"import": "import_recording"}  # where they cannot be called like the command
-
-
-def module_of(name: str) -> str:
-    """The module of a command."""
-    return f"tumble.cli.commands.{_MODULES.get(name, name)}"

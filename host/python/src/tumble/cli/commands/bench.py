@@ -48,10 +48,10 @@ def add_to(subparsers: options.Subparsers) -> None:
         aliases=ALIASES["bench"],
         help=ABOUT["bench"],
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
-        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault: run.csv as far"
-        " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
-        " check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy disagree, 77 the"
-        " bus is not to be had here, 130 interrupted, the table stopped.",
+        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
+        " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"
+        " pass, 1 gravity check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy"
+        " disagree, 77 the bus is not to be had here, 130 interrupted, the table stopped.",
     )
     options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
