@@ -16,6 +16,7 @@ sys.path.insert(0, str(ROOT / "tests/lib"))
 import loaded  # noqa: E402
 
 EXAMPLES = ROOT / "examples"
+os.environ["TUMBLE_NO_REPORT"] = "1"  # of every bench, for the time it takes: where one is tested, it is asked for
 pytest_plugins = ["busy_machine", "heeding_interrupts"]
 
 hypothesis.settings.register_profile("fixed", max_examples=300, derandomize=True, deadline=None, database=None)

@@ -143,6 +143,44 @@ def test_schedules_that_cannot_be_used():
     assert said(tumble.BadInput, lambda: tumble.solve(CSV, schedule=tumble.Schedule(7, 8))).startswith("schedule: ")
 
 
+ODD = [np.array([1, 2]), np.array(3), 10**400, [], {}, object(), set(), 1j, lambda: 0, b"x"]
+OF_CALLS = {
+    "read": ("columns", "unit", "delimiter", "decimal"),
+    "solve": ("stand", "schedule", "estimator", "limit_g", "confidence", "model"),
+    "compare": ("stand", "schedule", "levelled", "two_stands", "confidence"),
+    "apply": ("unit", "uncertainty", "columns", "outputs_unit"),
+    "plot": ("file", "kind", "run", "stand", "schedule"),
+}
+
+
+@pytest.mark.parametrize("argument", [f"{name}.{one}" for name, arguments in OF_CALLS.items() for one in arguments])
+def test_whatever_is_given_is_refused_in_one_sentence(result, argument):
+    """Or taken, as an empty list for no further terms is."""
+    name, argument = argument.split(".")
+    calls = {"read": lambda **given: tumble.read(CSV, **given), "solve": lambda **given: tumble.solve(CSV, **given),
+             "compare": lambda **given: tumble.compare(result, result, **given),
+             "apply": lambda **given: result.apply(DATA, **given),
+             "plot": lambda **given: result.plot(**{"kind": "gravity_check", **given})}  # fmt: skip
+    if name == "plot":
+        pytest.importorskip("matplotlib")
+    refused = 0
+    for odd in ODD:
+        try:
+            calls[name](**{argument: odd})
+        except tumble.TumbleError as error:
+            assert "\n" not in str(error)
+            refused += 1
+    assert refused >= len(ODD) - 3
+
+
+def test_sources_that_are_none(result):
+    for odd in ODD:
+        for call in (tumble.read, tumble.solve, tumble.load, tumble.read_stand, result.save, result.apply,
+                     tumble.Result, lambda one: tumble.compare(one, result)):  # fmt: skip
+            with pytest.raises(tumble.TumbleError):
+                call(odd)
+
+
 # Words.
 
 

@@ -224,3 +224,18 @@ def test_a_toml_file_is_no_run(refused, file, row):
     assert (
         line == f"tumble: {EXAMPLES / file}: row {row}: is TOML, such as a stand or a schedule file, and no run file\n"
     )
+
+
+BROKEN = {
+    "an array without =": 'matrix [[0, 0, 1], [1, 0, 0], [0, 1, 0]]\n[[mounting]]\nnumber = 1\n',
+    "a list for a table": "stand, block, accept\n[stand]\nsamples = 50\n",
+    "a quoted key": "1, 2, 3\n\"noise_v\" = 3e-4\n",
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_toml_is_not_called_csv(name, refused, tmp_path):
+    """Its row is told instead."""
+    (tmp_path / "stand.toml").write_text(BROKEN[name])
+    said = refused("solve", EXAMPLES / "paper_stand.csv", "--stand", tmp_path / "stand.toml")
+    assert "stand.toml: row 1" in said and "not valid TOML" in said and "CSV" not in said

@@ -22,6 +22,54 @@ def test_a_command_that_is_none_is_still_refused(refused):
     assert "invalid choice: 'solves'" in refused("solves")
 
 
+MISSPELT = [
+    (("slove", "run.csv"), "did you mean solve? (see tumble --help)"),
+    (("plan", "bugdet"), "did you mean budget? (see tumble plan --help)"),
+    (("solve", "run.csv", "--estimater=refined"), "did you mean --estimator? (see tumble solve --help)"),
+    (("solve", "run.csv", "--estimator", "refind"), "did you mean refined? (see tumble solve --help)"),
+    (("--hlep",), "did you mean --help? (see tumble --help)"),
+]
+
+
+@pytest.mark.parametrize(("words", "guess"), MISSPELT)
+def test_a_misspelt_word_gets_a_guess(words, guess, capsys):
+    assert main([*words]) == 2
+    said = capsys.readouterr().err
+    assert said.endswith(f"; {guess}\n") and said.count("\n") == 1
+
+
+def test_what_resembles_nothing_gets_none(capsys):
+    assert (main(["xyzzy"]), main(["solve", "run.csv", "--xyzzy"])) == (2, 2)
+    assert "did you mean" not in capsys.readouterr().err
+
+
+def test_a_command_is_loaded_only_when_it_is_named():
+    """Its name and what it is about stand where they cost nothing; and the help is the same."""
+    program = (
+        "import sys; from tumble.cli.main import main, _parser\n"
+        "loaded = lambda: sorted(one for one in sys.modules if one.startswith('tumble.cli.commands.'))\n"
+        "for words in (['--help'], ['solve', '--help']):\n"
+        "    try: main(words)\n"
+        "    except SystemExit: print(loaded())\n"
+        "print(_parser('').format_help() == _parser().format_help(), len(loaded()) > 12)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    lists = [line for line in done.stdout.splitlines() if line.startswith(("[]", "['", "True", "False"))]
+    assert lists == ["[]", "['tumble.cli.commands.solve']", "True True"]
+
+
+def test_a_run_folder_is_told_which_of_its_files_to_give(tmp_path, capsys):
+    for name in ("run.csv", "result.json"):
+        (tmp_path / name).write_text("")
+    for words, name in ((("report",), "result.json"), (("export", "--format", "c"), "result.json"),
+                        (("solve",), "run.csv"), (("compare", "other.json"), "result.json")):  # fmt: skip
+        (tmp_path / "other.json").write_text("")
+        command, *more = words
+        files = [str(tmp_path)] if command != "compare" else [str(tmp_path), str(tmp_path / more.pop())]
+        assert main([command, *files, *more]) == 2
+        assert capsys.readouterr().err == f"tumble: {tmp_path}: a folder, not a file: give {tmp_path / name}\n"
+
+
 def test_simulate_is_bench(tumble, refused):
     assert tumble("simulate", "--help").stdout == tumble("bench", "--help").stdout != ""
     assert refused("simulate", "--seed", "-1") == refused("bench", "--seed", "-1")

@@ -164,8 +164,8 @@ def test_a_result_is_the_same_as_itself(tumble, tmp_path):
     said = "UNCHANGED: no change is to be seen, neither of the block nor of its seat."
     assert text.stdout.startswith(f"{said}\n\nA: r.json,")
     assert (
-        "\n- Confidence 99.9 %, assuming a square seat, volts and one temperature: a block\n"
-        "  that nobody touched is called unchanged at least so often.\n"
+        "\n- Confidence: of blocks that nobody touched, 99.9 % or more are called\n"
+        "  unchanged, assuming a square seat, volts and one temperature.\n"
     ) in text.stdout
     assert "Holm" not in text.stdout and "chi" not in text.stdout
 

@@ -131,6 +131,33 @@ def test_each_is_told_in_words_of_its_own(files, tumble, tmp_path):
     assert refusal == f"tumble: {STAND}: is a stand file (--stand), not a schedule file\n"
 
 
+OLD, NEW = "2025-03-01", "2026-05-01"
+EXCHANGED = "exchanged? A is to be the earlier one"
+
+
+@pytest.mark.parametrize("table", ["item", "environment"])
+def test_runs_in_the_wrong_order_are_warned_of(table, files, tumble, tmp_path):
+    """By the days of the runs, whenever they were solved."""
+    old, new = ({table: {"Run date": day}, "created": "2026-06-01T00:00:00Z"} for day in (OLD, NEW))
+    done = tumble("compare", *files(new, old), cwd=tmp_path)
+    assert done.stderr == f"tumble: warning: A was measured on {NEW}, B before, on {OLD}: {EXCHANGED}\n"
+    later = {**old, "created": "2026-07-01T00:00:00Z"}
+    done = tumble("compare", *files(later, new), cwd=tmp_path)
+    assert done.stderr == "" and "exchanged?" not in done.stdout and "dated" not in done.stdout
+
+
+def test_results_in_the_wrong_order_or_without_a_date_are_told(files, tumble, tmp_path):
+    """When they were solved says less: a run may be solved anew."""
+    old, new = ({"created": f"{day}T12:00:00Z"} for day in (OLD, NEW))
+    done = tumble("compare", *files(new, old), cwd=tmp_path)
+    said = f"A was solved after B, on {NEW} and {OLD}: {EXCHANGED}"
+    assert done.stderr == "" and f"- {said}" in " ".join(done.stdout.split())
+    assert "solved after" not in tumble("compare", *files(old, new), cwd=tmp_path).stdout
+    undated = "Not both results are dated: that A is the earlier one is taken on trust."
+    for pair in ((old, {"created": None}), ({"created": None}, new), ({"created": None}, {"created": None})):
+        assert undated in " ".join(tumble("compare", *files(*pair), cwd=tmp_path).stdout.split())
+
+
 SILENT = [
     ({"serial": "B-17"}, {"serial": None}),
     ({"item": {"serial": "x", "date": "1"}}, {"item": {"serial": "x", "date": "2"}}),

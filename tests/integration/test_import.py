@@ -58,7 +58,7 @@ def test_the_hand_held_session_leads_by_its_advice_to_a_solution(tumble, refused
     assert (done.returncode, done.stderr) == (0, "")
     assert max(map(len, done.stdout.partition("\nNext:\n")[0].splitlines())) <= 80
     said = shlex.split(done.stdout.partition("\nNext:\n")[2].replace("\\\n", ""))
-    advised = ("--schedule", "six_faces", "--estimator", "least_squares")
+    advised = ("--schedule", "six_faces", "--estimator", "least_squares", "--out", str(tmp_path / "result.json"))
     assert said == ["tumble", "solve", str(tmp_path / "run.csv"), *advised]
     assert "measured in the order 1.3 1.7 2.1 2.5 1.1 1.5" in " ".join(done.stdout.split())
     assert places(tmp_path / "run.csv") == [(1, 3), (1, 7), (2, 1), (2, 5), (1, 1), (1, 5)]
@@ -298,10 +298,47 @@ def test_the_order_is_the_best_and_says_where_another_is_as_good():
                 assert sorted(found.doubts.get(rest, (place,))) == could_be
 
 
+# The rate that somebody says.
+
+FIRST = (*SIX_FACES, "--repeats", "first")
+
+
+def at_rate(rate, *words):
+    return [rate if word == "102.4" else word for word in (*words, *FIRST)]
+
+
+@pytest.mark.parametrize(("rate", "is_odd"), [("102.4", False), ("0.2", True)])
+def test_a_rate_that_makes_rests_too_long_is_doubted(rate, is_odd, tumble):
+    text = " ".join(tumble("import", *at_rate(rate, HAND_HELD)).stdout.split())
+    assert ("Else the rate is wrong" in text) == is_odd
+
+
+@pytest.mark.parametrize("rate", ["600", "1024"])
+def test_a_rate_that_hides_the_rests_is_doubted(rate, refused):
+    assert refused("import", *at_rate(rate, HAND_HELD)).endswith(f"; is --rate {rate} right?\n")
+
+
+@pytest.mark.parametrize(("clock", "rate", "is_odd"), [
+    (lambda row: f"{row / 102.4:.6f}", "102.4", False), (lambda row: f"{row / 102.4:.6f}", "200", True),
+    (lambda row: str(row * 1000 // 1024), "102.4", False), (lambda row: "00:00:00", "102.4", False),
+    (lambda row: "lost", "102.4", False), (lambda row: f"{int(row / 102.4)}", "200", True),
+])  # fmt: skip
+def test_a_clock_that_contradicts_the_rate_is_told(clock, rate, is_odd, tumble, tmp_path):
+    """Not one that cannot be read: it is why the rate is said."""
+    header, *rows = HAND_HELD.read_text().splitlines()
+    lines = [f"time s,{header}", *(f"{clock(number)},{row}" for number, row in enumerate(rows))]
+    (tmp_path / "log.csv").write_text("\n".join(lines) + "\n")
+    done = tumble("import", *at_rate(rate, tmp_path / "log.csv"), "--columns", "time=time s")
+    assert done.returncode == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    assert bool(re.search(r"moves on at 10\d(\.\d+)? Hz: which is right\?", text)) == is_odd
+
+
 # The page.
 
 
-def test_the_page_shows_what_is_printed(tumble, tmp_path):
+def test_the_page_shows_what_is_printed(tumble, tmp_path, monkeypatch):
+    monkeypatch.setenv("TUMBLE_PROGRAM", "./tools/tumble")  # as the program of a checkout has it
     page = (ROOT / "docs/import.md").read_text(encoding="utf-8")
     step = re.search(r"```console\n\$ \./tools/tumble ([^\n]*)\n```\n\n```text\n(.*?)```", page, re.DOTALL)
     command, shown = step.groups()

@@ -297,6 +297,29 @@ def test_a_missing_package_is_named(missing, out, said, result, tmp_path, tumble
     assert done is None or (done.returncode, (tmp_path / "run").exists()) == (77, False)
 
 
+def test_without_a_package_a_bench_run_says_that_it_leaves_no_report(tmp_path, tumble):
+    written(tmp_path, "jinja2.py", "raise ImportError('none', name='jinja2')\n")
+    paths = f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
+    done = tumble("bench", "--out", tmp_path / "run", PYTHONPATH=paths, TUMBLE_NO_REPORT="")
+    said = "tumble: no report is left: a report needs jinja2: pip install 'tumble[report]'; --no-report to do without"
+    assert done.returncode == 0 and done.stderr.splitlines()[0] == said
+    assert not (tmp_path / "run/report.html").exists() and (tmp_path / "run/result.json").exists()
+
+
+@pytest.mark.parametrize("option", ["--no-report", "--json", None])
+def test_who_asks_for_none_gets_no_report(option, tmp_path, tumble, monkeypatch):
+    """By option, by wanting JSON, and by the environment, which has it here."""
+    monkeypatch.setenv("TUMBLE_NO_REPORT", "" if option else "1")
+    done = tumble("bench", "--out", tmp_path / "run", *filter(None, [option]))
+    assert done.returncode == 0 and "no report" not in done.stderr
+    assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "inputs", "result.json", "run.csv"]
+
+
+def test_a_report_is_wanted_or_not(refused, tmp_path):
+    said = refused("bench", "--report", "--no-report", "--out", tmp_path / "run")
+    assert "not allowed with argument" in said
+
+
 @pytest.mark.parametrize("changed", [{"augmented": "x"}, None])
 def test_a_document_that_cannot_be_drawn_is_refused(changed, tmp_path, tumble):
     """Here with the real pictures, which look deepest."""
@@ -343,8 +366,9 @@ def test_with_its_pictures_a_report_is_one_file_and_always_the_same(tmp_path):
 
 
 @pytest.mark.toolchain
-def test_a_bench_run_leaves_the_report_on_its_result(tmp_path, tumble):
-    assert tumble("bench", "--report", "--out", tmp_path / "run").returncode == 0
+def test_a_bench_run_leaves_the_report_on_its_result(tmp_path, tumble, monkeypatch):
+    monkeypatch.delenv("TUMBLE_NO_REPORT")
+    assert tumble("bench", "--out", tmp_path / "run").returncode == 0
     assert sorted(os.listdir(tmp_path / "run")) == ["bus.log", "inputs", "report.html", "result.json", "run.csv"]
     package.load(tmp_path / "run/result.json").report(tmp_path / "again.html", run=tmp_path / "run/run.csv")
     assert (tmp_path / "again.html").read_bytes() == (tmp_path / "run/report.html").read_bytes()

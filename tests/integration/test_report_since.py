@@ -51,13 +51,14 @@ def test_the_report_says_what_compare_finds(results, capsysbinary):
     assert found["verdict"] == "block" and found["changed"] == ["scale_y"]
     section = page[page.index('<section class="since">') :].split("</section>")[0]
     assert texts(section, "h2") == [HEADING]
-    assert texts(section, "strong") == [text.sentence(found)]
+    assert [one.replace("µ", "u") for one in texts(section, "strong")] == [text.sentence(found)]
     numbers = [number_of(json.loads(path.read_text())) for path in results]
     assert [one.split(",")[0] for one in texts(section, "td")[:2]] == numbers and numbers[0] != numbers[1]
     rows = [texts(row, "t[hd]") for row in section.split("<tr>")[3:]]
     told = [row for part in ("parameters", "seat", "coefficients") for row in found[part]]
-    assert [tuple(row) for row in rows] == [text.COLUMNS, *(text.cells(row) for row in told)]
+    assert [tuple(one.replace("µ", "u") for one in row) for row in rows] == [text.COLUMNS, *map(text.cells, told)]
     assert texts(section, "li") == [*text.grounds(found), *found["warnings"]]
+    assert "µrad" in section and not re.search(r"\bu(g|rad|V)\b", html.unescape(re.sub(r"<[^>]+>", " ", section)))
     assert section.count("<svg") == 1 and "The block has changed" in section
 
 
@@ -66,6 +67,15 @@ def test_an_option_of_compare_is_called_so(results):
     old, new = (json.loads(path.read_text()) for path in results)
     told = package.compare(*results).document | {"notes": ["u is too large then (--stand FILE)."]}
     assert "u is too large then (tumble compare --stand FILE)." in map(str, section_since(told, old, new)["grounds"])
+
+
+def test_undated_results_are_told_of(results):
+    """Neither their numbers nor their dates tell which is the earlier one."""
+    for path in results:
+        path.write_text(json.dumps({**json.loads(path.read_text()), "created": None}))
+    old, new = (json.loads(path.read_text()) for path in results)
+    told = package.compare(*results).document
+    assert any("Not both results are dated" in str(one) for one in section_since(told, old, new)["grounds"])
 
 
 def test_python_writes_the_same_and_without_an_earlier_result_there_is_no_section(results, capsysbinary):

@@ -12,8 +12,10 @@ from conftest import EXAMPLES
 from documents import valid
 from test_fixture_check import PAPER, U0, drawn, simulated, stand_named
 
+import tumble as package
 from tumble import reference
 from tumble.cli import presentation
+from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.files.run_file import Run
 from tumble.solving.solution import solve
 
@@ -45,6 +47,19 @@ def test_a_wrong_stand_file_is_said_to_be_one(estimator, tumble):
     assert max(map(len, beware.splitlines())) <= 80
     assert verdict.startswith("FAIL: does not fit, explained best by noise; gravity error ")
     assert len(verdict) <= 81
+
+
+def test_large_angles_explain_nothing():
+    """Two positions exchanged: a slip by -0.15 rad and such would fit best, where linear theory says nothing."""
+    rows = np.loadtxt(EXAMPLES / "paper_stand.csv", delimiter=",", skiprows=1)
+    fourth, sixth = ((rows[:, 0] == 2) & (rows[:, 1] == place) for place in (4, 6))
+    rows[fourth, 1], rows[sixth, 1] = 6, 4
+    stand = package.read_stand(EXAMPLES / "paper_stand.toml").stand
+    found = package.solve(rows, stand=stand).document["fit"]
+    in_rad = {"rad": 1.0, "urad": 1e-6}
+    angles = [one for one in found["explanations"] if one["unit"] in in_rad and one["size"] is not None]
+    assert not found["fits"] and found["explanations"][0]["patterns"] == ["position"]
+    assert all(abs(one["size"]) * in_rad[one["unit"]] <= MAX_STAND_ERROR_RAD for one in angles)
 
 
 def test_the_last_line_names_the_culprit(tumble, tmp_path):

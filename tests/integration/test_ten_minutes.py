@@ -26,8 +26,9 @@ BLOCKS = re.findall(r"```console\n(.*?)```\n(?:\n```text\n(.*?)```)?", PAGE, re.
 STEPS = [([line[2:] for line in commands.replace("\\\n", "").splitlines()], shown) for commands, shown in BLOCKS]
 
 
-def test_its_commands_print_what_it_shows(tumble, tmp_path):
+def test_its_commands_print_what_it_shows(tumble, tmp_path, monkeypatch):
     """What stands behind a block is what its last command prints; notices are for stderr."""
+    monkeypatch.setenv("TUMBLE_PROGRAM", "./tools/tumble")  # as the program of a checkout has it
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for commands, shown in STEPS:
         for command in commands:
@@ -151,3 +152,14 @@ def test_no_session_of_hand_laid_faces_is_in_dispute(seed):
     result = tumble_package.solve(run, schedule=FACES, stand=HANDS, estimator="least_squares")
     seen = json.loads(result.to_json())["stand_seen"]
     assert seen["alpha1_rad"] is None and seen["alpha4_rad"] is None and seen["noise_v"] == pytest.approx(0.02, rel=0.1)
+
+
+@pytest.mark.parametrize("page", ["ten-minutes", "tutorial", "compare"])
+def test_what_a_page_writes_is_no_news_to_git(page):
+    """In the folder of the repository, where its commands are given."""
+    ignored = (ROOT / ".gitignore").read_text().splitlines()
+    text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
+    commands = "\n".join(re.findall(r"```console\n(.*?)```", text, re.DOTALL)).replace("\\\n", "")
+    written = re.findall(r"(?:--out|--plot|--recipe|>) ([\w./-]+)", commands)
+    tops = {one.partition("/")[0] for one in written}
+    assert tops and all(f"/{top}" in ignored or f"/{top}/" in ignored for top in tops), tops

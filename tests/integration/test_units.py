@@ -2,11 +2,15 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES
+
+import tumble as package
 
 pytestmark = pytest.mark.python
 
@@ -121,7 +125,7 @@ def test_a_run_without_a_unit_is_warned_of(tumble):
     said = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
     assert done.stderr == f"tumble: warning: {said}\n"
     shown = tumble("solve", run).stdout.splitlines()
-    assert "All assuming volts: the run file names no unit (--unit)" in shown
+    assert "All values assume volts: the run file names no unit (--unit)" in shown
     assert shown[-1].startswith("PASS, assuming a square seat, volts and one temperature: ")
     told = tumble("solve", run, "--unit", "V", "--json")
     assert told.stderr == "" and json.loads(told.stdout)["assumes"] == ["seat", "temperature"]
@@ -140,3 +144,63 @@ def test_metres_per_second_squared_in_all_spellings(spelling, tumble, tmp_path):
     forces = [[float(text) for text in table.splitlines()[1].split(",")[-3:]] for table in said]
     assert forces[0] == pytest.approx([9.8 * force for force in forces[1]], abs=1e-7)
     assert tumble("export", result, "--format", "csv", "--unit", spelling).returncode == 0
+
+
+CONTRADICTIONS = [("m/s^2", "V"), ("V", "mV"), ("g", "m/s^2"), ("mV", "g"), ("mg", "ug")]
+
+
+@pytest.mark.parametrize(("header", "told"), CONTRADICTIONS)
+def test_a_known_unit_that_contradicts_the_header_is_refused(header, told, refused, tmp_path):
+    run = rewritten(tmp_path / "run.csv", f"ux [{header}],uy [{header}],uz [{header}]", 1.0)
+    said = refused("solve", run, "--unit", told)
+    advice = "no number is converted: leave --unit out, or correct the names"
+    assert f"row 1: outputs are named in {header}, but --unit says {told}; {advice}\n" in said
+    assert f"named in {header}, but --unit says {told}; " in refused("import", run, "--unit", told)
+    rows = np.loadtxt(run, delimiter=",", skiprows=1)
+    table = dict(zip(("mounting", "position", *(f"u{axis} [{header}]" for axis in "xyz")), rows.T))
+    with pytest.raises(package.BadInput, match="but unit= says"):
+        package.read(table, unit=told)
+
+
+ALIKE = [("µV", "uV"), ("m/s2", "m/s^2"), ("counts", "V"), ("V", "LSB"), ("V", "V")]
+
+
+@pytest.mark.parametrize(("header", "told"), ALIKE)
+def test_what_does_not_contradict_the_header_is_taken(header, told, tumble, tmp_path):
+    run = rewritten(tmp_path / "run.csv", f"ux [{header}],uy [{header}],uz [{header}]", 1.0)
+    assert solved(tumble, run, "--unit", told)["unit"] == told
+
+
+def test_a_row_of_units_that_contradicts_is_refused(refused, tmp_path):
+    lines = ["mounting,position,ux,uy,uz", "-,-,m/s^2,m/s^2,m/s^2", *RUN[1:]]
+    run = tmp_path / "units.csv"
+    run.write_text("\n".join(lines) + "\n")
+    assert "row 2: outputs are named in m/s^2, but --unit says V; " in refused("import", run, "--unit", "V")
+
+
+def scaled_stand(path, scale):
+    """The paper's stand, made for a block whose outputs at 1 g are so many of whatever they are in."""
+    path.write_text(STAND.read_text().replace("scale_v_per_g = 2.0", f"scale_v_per_g = {scale!r}"))
+    return path
+
+
+LOOKS = [(9.79, "m/s^2: --unit m/s^2"), (1.003, "--unit g or V"), (998.0, "mg or mV")]
+
+
+@pytest.mark.parametrize(("scale", "looks"), LOOKS)
+def test_a_declared_scale_does_not_make_volts_of_what_nobody_names(scale, looks, tumble, tmp_path):
+    """The stand file was made for such a block: it confirms the number, not the unit."""
+    run = rewritten(tmp_path / "run.csv", "ux,uy,uz", scale / 2.0)
+    stand = scaled_stand(tmp_path / "stand.toml", scale)
+    said = tumble("solve", run, "--stand", stand).stderr
+    assert re.search(rf"1 g gives [0-9.]+, and nobody names its unit: it looks like .*{re.escape(looks)}", said)
+    assert "nobody names" not in tumble("solve", run, "--stand", stand, "--unit", "V").stderr
+    assert "nobody names" not in tumble("solve", EXAMPLES / "paper_stand.csv", "--stand", STAND).stderr
+
+
+@pytest.mark.parametrize(("told", "scale", "truly"), [("g", 9.81, "m/s^2"), ("m/s^2", 1.0, "g"), ("g", 1e3, "mg")])
+def test_a_unit_of_acceleration_that_the_numbers_contradict(told, scale, truly, tumble, tmp_path):
+    run = rewritten(tmp_path / "run.csv", "ux,uy,uz", scale / 2.0)
+    assert f"{told}: outputs look to be in {truly} (--unit {truly})\n" in tumble("solve", run, "--unit", told).stderr
+    assert "look to be" not in tumble("solve", run, "--unit", truly).stderr
+    assert "look to be" not in tumble("solve", run, "--unit", "V").stderr

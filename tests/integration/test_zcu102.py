@@ -193,6 +193,7 @@ def test_an_interrupt_before_the_board_has_booted(tmp_path):
     need_bus()
     with interrupted_run(tmp_path):
         time.sleep(2.0)
+    assert not list(tmp_path.rglob("stand.json")) and not list(tmp_path.glob(".run*"))
 
 
 @contextmanager

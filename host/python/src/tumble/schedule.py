@@ -68,6 +68,13 @@ class Schedule:
         used = {position.mounting for position in self.positions if position.use == FIT}
         return tuple(mounting for mounting in self.mountings if mounting.number in used)
 
+    @property
+    def is_laid_by_hand(self) -> bool:
+        """Is every position a pose of its own, so that no table need turn, and none need be there?"""
+        return len({one.mounting for one in self.positions}) == len(self.positions) and not any(
+            one.angle_deg for one in self.positions
+        )
+
     def part(self, measured: Iterable[bool]) -> Schedule:
         """The schedule without the positions that a run does not have."""
         kept = tuple(position for position, is_measured in zip(self.positions, measured) if is_measured)

@@ -11,13 +11,15 @@ _SPELLINGS = {
     **dict.fromkeys(("m/s2", "m/s\N{SUPERSCRIPT TWO}", "m/s**2", "m/s/s", "m/s^2"), "m/s^2"),
     **{f"\N{GREEK SMALL LETTER MU}{unit}": f"\N{MICRO SIGN}{unit}" for unit in ("V", "g")},
 }
-_LOOKS_LIKE = {  # what 1 g gives, and what says so; sensors of 1 V/g are common, of 9.81 V/g they are not
-    "m/s^2: --unit m/s^2": 9.81,
-    "g, or volts of a sensor of 1 V/g: --unit g or V": 1.0,
-    "mg, or mV of a sensor of 1 V/g: --unit mg or mV": 1000.0,
+_PER_G = {"m/s^2": 9.81, "g": 1.0, "mg": 1000.0}  # what 1 g gives in units of acceleration
+_LOOKS_LIKE = {  # and what says so; sensors of 1 V/g are common, of 9.81 V/g they are not
+    "m/s^2": "m/s^2: --unit m/s^2",
+    "g": "g, or volts of a sensor of 1 V/g: --unit g or V",
+    "mg": "mg, or mV of a sensor of 1 V/g: --unit mg or mV",
 }
 _NEAR = 1.05  # of that, a factor: closer than most sensors come by chance
 _VOLTS_PER_UNIT = {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "kV": 1e3}
+_KNOWN_BESIDE_VOLTS = {**_PER_G, "ug": 1e6, "µg": 1e6}
 
 
 def is_unit(text: object) -> bool:
@@ -37,7 +39,31 @@ def force_unit(text: object) -> object:
 
 def looks_like(per_g: float) -> str | None:
     """What the unit of outputs may be, and the option that says so, where 1 g comes out as so much; None: any."""
-    return next((unit for unit, size in _LOOKS_LIKE.items() if size / _NEAR < per_g < size * _NEAR), None)
+    unit = _acceleration(per_g)
+    return None if unit is None else _LOOKS_LIKE[unit]
+
+
+def contradicts(per_g: float, unit: str) -> str | None:
+    """The unit of acceleration that outputs look to be in, where they are told to be in another `unit` of acceleration
+    and 1 g comes out as so much; None where nothing speaks against it."""
+    seen = _acceleration(per_g)
+    return seen if unit in _KNOWN_BESIDE_VOLTS and seen != unit else None
+
+
+def _acceleration(per_g: float) -> str | None:
+    return next((unit for unit, size in _PER_G.items() if size / _NEAR < per_g < size * _NEAR), None)
+
+
+def are_at_odds(one: str, other: str) -> bool:
+    """Are these two units that are known, and not the same?"""
+    return _known(one) is not None and _known(other) is not None and _known(one) != _known(other)
+
+
+def _known(unit: str) -> tuple[str, float] | None:
+    """What a unit measures, and its size; None for a name that may be anything."""
+    if unit in _VOLTS_PER_UNIT:
+        return "voltage", _VOLTS_PER_UNIT[unit]
+    return ("acceleration", _KNOWN_BESIDE_VOLTS[unit]) if unit in _KNOWN_BESIDE_VOLTS else None
 
 
 def volts_per(unit: str) -> float:

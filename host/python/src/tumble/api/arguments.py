@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import Any
 
+import numpy as np
+
 from tumble.errors import UsageError, quoted
 from tumble.files.run_layout import COLUMNS, DECIMALS, TEMPERATURE, Wishes, is_delimiter
 from tumble.units import is_unit, spelled
@@ -18,7 +20,7 @@ def wishes_of(
     """What a caller says about the layout of data with the `wanted` columns. Raises UsageError."""
     if delimiter is not None and not is_delimiter(delimiter):
         raise UsageError(f"delimiter: {quoted(delimiter)} is not a single sign that can separate columns")
-    if decimal is not None and decimal not in DECIMALS:
+    if decimal is not None and not is_one_of(decimal, DECIMALS):
         raise UsageError(f"decimal: {quoted(decimal)} is neither a point nor a comma")
     unit = spelled(unit) if isinstance(unit, str) else unit
     require_unit(unit, "unit")
@@ -46,14 +48,31 @@ def require_unit(unit: Any, argument: str) -> None:
         raise UsageError(f"{argument}: {quoted(unit)} is not a unit such as V, mV or m/s^2")
 
 
+def is_one_of(value: Any, known: Iterable[str]) -> bool:
+    """Is this one of the known words? Whatever it is: an array would be compared element by element."""
+    return isinstance(value, str) and value in known
+
+
+def require_flag(value: Any, argument: str) -> None:
+    """Raise UsageError for what is neither true nor false."""
+    if not (isinstance(value, (Real, np.bool_)) and value in (0, 1)):
+        raise UsageError(f"{argument}: {quoted(value)} is neither True nor False")
+
+
 def as_number(value: Any) -> float:
     """NaN for what is no real number: outside every range."""
-    return float(value) if isinstance(value, Real) else math.nan
+    try:
+        return float(value) if isinstance(value, Real) else math.nan
+    except OverflowError:
+        return math.nan
 
 
 def as_list(model: Any) -> str | None:
     """The terms of a model, one text or several, as --model takes them; None: none. Raises UsageError."""
-    terms = [model] if isinstance(model, str) else list(model) if isinstance(model, Iterable) else [model]
+    try:
+        terms = [model] if isinstance(model, str) else list(model)
+    except TypeError:
+        terms = [model]
     if not all(isinstance(term, str) for term in terms):
         raise UsageError(f"model: {quoted(model)} is neither a text nor several")
     return ",".join(terms) or None

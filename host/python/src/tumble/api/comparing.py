@@ -7,7 +7,7 @@ import os
 from functools import cached_property
 from typing import Any
 
-from tumble.api.arguments import as_number
+from tumble.api.arguments import as_number, is_one_of, require_flag
 from tumble.api.result import Result, load
 from tumble.api.sides import side_of
 from tumble.api.words import in_python, told_in_python
@@ -123,7 +123,8 @@ def compared(
     confidence: float,
 ) -> dict[str, Any]:
     """What `compare` finds, as a document; sentences, and errors of files, advise options of the command line."""
-    if levelled not in LEVELLED:
+    require_flag(two_stands, "two_stands")
+    if not is_one_of(levelled, LEVELLED):
         raise UsageError(f"levelled: {quoted(levelled)} is not one of {', '.join(LEVELLED)}")
     if schedule is not None and stand is None:
         raise UsageError("schedule: serves to tell what the stand brings to a result, so it needs stand=")

@@ -12,7 +12,7 @@ from tumble.solving.monte_carlo import MonteCarlo, Verdict
 from tumble.solving.noise_patterns import CORRELATED
 from tumble.solving.solution import Solution
 from tumble.solving.stand_seen import NAMES
-from tumble.units import noise_unit
+from tumble.units import contradicts, looks_like, noise_unit
 
 _NO_UNIT = "the run file names no unit: outputs taken for volts (--unit V, or ux [V] in its header)"
 
@@ -23,6 +23,8 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     told: list[str] = []
     if not solution.run.unit_told and not confirmed_unit:
         told.append(_NO_UNIT)
+    if (looks := unit_complaint(solution)) is not None:
+        told.append(looks)
     told += odd
     if (span := temperature.spanned(solution.run)) is not None:
         told.append(span)
@@ -40,6 +42,17 @@ def complaints(solution: Solution, odd: Sequence[str] = (), confirmed_unit: bool
     if (doubt := complaint(solution)) is not None:
         told.append(f"{doubt}; the uncertainties {consequence(solution)}")
     return told
+
+
+def unit_complaint(solution: Solution) -> str | None:
+    """That 1 g comes out as if in another unit: than the one of acceleration that is told, or than the volt that nobody
+    tells. A declared block does not count here: it may have been declared in that other unit."""
+    per_g, unit = plausibility.size_of(solution.found.k), solution.run.unit
+    if not solution.run.unit_told:
+        seen = looks_like(per_g)
+        return None if seen is None else f"1 g gives {per_g:.4g}, and nobody names its unit: it looks like {seen}"
+    other = contradicts(per_g, unit)
+    return None if other is None else f"1 g gives {per_g:.4g} {unit}: outputs look to be in {other} (--unit {other})"
 
 
 def noise_notice(solution: Solution) -> str | None:

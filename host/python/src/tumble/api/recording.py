@@ -17,9 +17,9 @@ from tumble.core import MAX_MEAN, CoreSchedule
 from tumble.errors import BadInput, UsageError
 from tumble.files import can_log, frames, run_file
 from tumble.files.csv_rows import Refused
-from tumble.files.disk import read_bytes
+from tumble.files.disk import RUN_FILE, read_bytes
 from tumble.files.run_file import PositionIndex, Run, RunTable
-from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, detect_unit, find_all
+from tumble.files.run_layout import COLUMNS, NO_WISHES, TEMPERATURE, Wishes, detect, find_all, unit_of
 from tumble.files.run_temperature import Temperatures, temperatures_of_table
 from tumble.files.tables import SUFFIXES, read_table_file, suffix_of
 from tumble.schedule import Schedule
@@ -136,7 +136,7 @@ class Recording:
             places = find_all(names, self._wishes, is_text=False)
         except ValueError as error:
             raise BadInput(str(error), self.name) from None
-        return places, self._wishes.unit or detect_unit([names[place] for place in places[-3:]], self.name, None)
+        return places, unit_of(self._wishes, [names[place] for place in places[-3:]], self.name, None)
 
     def _require(self, rows: Floats) -> None:
         """Numbers in range, as of a run file; the first row that has none is complained of. Rows count from 1."""
@@ -165,7 +165,7 @@ def recording_of(source: Any, wishes: Wishes = NO_WISHES) -> Recording:
         file = str(os.fspath(source))
         if suffix_of(file) in SUFFIXES:
             return Recording(file, wishes, table=read_table_file(file))
-        data = read_bytes(file)
+        data = read_bytes(file, RUN_FILE)
         can_log.refuse(data, file)
         return Recording(file, wishes, data=data)
     if not frames.is_table(source):

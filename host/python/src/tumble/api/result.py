@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tumble.api.applying import applied
+from tumble.api.arguments import require_flag
 from tumble.api.complaints import complaints_of_document
 from tumble.api.recording import recording_of
 from tumble.api.table import html_table
 from tumble.api.words import in_python, told_in_python
 from tumble.arrays import Floats
 from tumble.errors import BadInput, UsageError, quoted
-from tumble.files.disk import path_of, read_bytes, write_bytes, write_text
+from tumble.files.disk import RESULT_FILE, path_of, read_bytes, write_bytes, write_text
 from tumble.files.documents import checked_coefficients
 from tumble.files.run_layout import Wishes
 from tumble.files.stand_file import StandFile
@@ -54,10 +55,12 @@ class Result:
 
     def __init__(self, text: str, warnings: tuple[str, ...] | None = None, name: str = "result"):
         """`text`: JSON of schema tumble.result/1; `warnings`: None for those that it shows; `name`: what errors call
-        it. Raises BadInput."""
+        it. Raises BadInput, UsageError."""
+        if not isinstance(text, str):
+            raise UsageError(f"text: a {type(text).__name__} is no text of a result; tumble.load reads a file")
         self._text = text
         self._name = name
-        self._checked = checked_coefficients(text.encode("utf-8"), name)
+        self._checked = checked_coefficients(text.encode("utf-8", "surrogatepass"), name)
         told = complaints_of_document(self._checked) if warnings is None else warnings
         self.warnings = tuple(map(in_python, told))
         """Why the result may not be what it claims: the sentences that the command line prints, with arguments in place
@@ -183,6 +186,7 @@ class Result:
         >>> list(table)
         ['time', 'ux', 'uy', 'uz', 'x', 'y', 'z']
         """
+        require_flag(uncertainty, "uncertainty")
         known_c = self._checked["temperature"]
         with told_in_python():
             return applied(self.force(unit, uncertainty), data, self.unit, uncertainty, columns, outputs_unit, known_c)
@@ -307,7 +311,7 @@ class Result:
 def load(file: str | os.PathLike[str]) -> Result:
     """Read a result that `Result.save`, `tumble solve --out` or `tumble bench` wrote. Raises BadInput."""
     name = path_of(file)
-    data = read_bytes(name)
+    data = read_bytes(name, RESULT_FILE)
     checked_coefficients(data, name)  # also that it is text
     return Result(data.decode("utf-8-sig"), name=name)
 

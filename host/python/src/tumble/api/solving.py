@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from tumble.api.arguments import as_list, as_number
+from tumble.api.arguments import as_list, as_number, is_one_of
 from tumble.api.complaints import complaints
 from tumble.api.recording import Recording, recording_of
 from tumble.api.result import Result
@@ -61,7 +61,7 @@ def solved(
     terms: Terms = (),
 ) -> Solved:
     """Solve a recording; arguments as of `solve`. Raises TumbleError."""
-    if estimator not in ESTIMATORS:
+    if not is_one_of(estimator, ESTIMATORS):
         raise UsageError(f"estimator: {quoted(estimator)} is not one of {', '.join(ESTIMATORS)}")
     if estimator == OPTIMAL and stand is None:
         raise UsageError(NEEDS_STAND)

@@ -13,7 +13,8 @@ _NAMES = "columns|decimal|delimiter|estimator|logo|model|number|run|schedule|sta
 _COLUMNS = re.compile(r"--columns (\w+=[^\s,;)]+(?:,\w+=[^\s,;)]+)*)")
 _WITH_VALUES = (
     (re.compile(r"--(estimator|model) (\w+(?:,\w+)*)"), r'\1="\2"'),
-    (re.compile(r"--(unit) (\S+?)(?=[,)])"), r'\1="\2"'),
+    (re.compile(r"--(unit) (\w+) or (\w+)"), r'\1="\2" or "\3"'),
+    (re.compile(r"--(unit) (\S+?)(?=[,)]|$)"), r'\1="\2"'),
     (re.compile(r"--(decimal) ([.,])(?=\))"), r'\1="\2"'),
     (re.compile(r"--(stand) FILE"), r"\1="),
     (re.compile(rf"--({_NAMES}):"), r"\1:"),

@@ -7,32 +7,16 @@ import io
 import os
 import re
 import sys
-import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NoReturn
 
 from tumble import __version__, interruption
 from tumble.cli import completion
-from tumble.cli.commands import (
-    apply,
-    bench,
-    compare,
-    draw,
-    export,
-    fixture,
-    import_recording,
-    plan,
-    replay,
-    report,
-    solve,
-    store,
-    uml,
-)
+from tumble.cli.commands import ABOUT, ALIASES
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
-from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, draw, export, report, store, uml)
+_UNKNOWN = "unrecognized arguments: "
 _NEGATIVE = re.compile(r"-(\.?\d|[+-]{2}$)")  # or three signs, of --signs
 
 
@@ -49,14 +33,42 @@ class _Parser(argparse.ArgumentParser):
         """As argparse's, but a command complains itself of what it does not know, so that its own help is named."""
         found, unknown = super().parse_known_args(args, namespace)
         if unknown and self._subparsers is None:
-            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+            self.error(f"{_UNKNOWN}{' '.join(unknown)}")
         return found, unknown
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """As argparse's, with a guess at what was meant."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            guess = _guess(str(value), map(str, action.choices or ()))
+            raise argparse.ArgumentError(action, f"{error.message}{guess}") from None
+
     def error(self, message: str) -> NoReturn:
+        if message.startswith(_UNKNOWN):
+            options = [word.partition("=")[0] for word in message[len(_UNKNOWN) :].split() if word.startswith("--")]
+            message += "".join(_guess(one, self._option_string_actions) for one in options[:1])
         raise UsageError(f"{message} (see {self.prog} --help)")
 
 
-def _parser() -> argparse.ArgumentParser:
+def _guess(word: str, known: Iterable[str]) -> str:
+    """What a misspelt word may have been; empty where nothing is like it."""
+    import difflib
+
+    alike = difflib.get_close_matches(word, list(known), n=1)
+    return f"; did you mean {alike[0]}?" if alike else ""
+
+
+def _named(argv: Sequence[str]) -> str | None:
+    """The one command that is needed to parse this; empty for none of them, None for all."""
+    if any(word.startswith("--print-completion") for word in argv):
+        return None
+    names = {name: name for name in ABOUT} | {alias: name for name, others in ALIASES.items() for alias in others}
+    return next((names[word] for word in argv if word in names), "")
+
+
+def _parser(wanted: str | None = None) -> argparse.ArgumentParser:
+    """With all commands, or with the one that is `wanted`: of the others the names, and what they are about."""
     parser = _Parser(
         prog="tumble",
         description="Calibrate a three-axis block of accelerometers on a single-axis rotary stand.",
@@ -64,10 +76,70 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"tumble {__version__}")
     completion.add_to(parser)
     subparsers = parser.add_subparsers(metavar="COMMAND")
-    for command in _COMMANDS:
-        command.add_to(subparsers)
+    for name, about in ABOUT.items():
+        if wanted in (None, name):
+            _adder_of(name)(subparsers)
+        else:
+            subparsers.add_parser(name, aliases=ALIASES.get(name, ()), help=about)
     parser.set_defaults(run_command=lambda _: _help(parser))
     return parser
+
+
+def _adder_of(name: str) -> Callable[[Any], None]:
+    """What describes a command to argparse. Loads the command's module, and no other."""
+    if name == "solve":
+        from tumble.cli.commands import solve
+
+        return solve.add_to
+    if name == "import":
+        from tumble.cli.commands import import_recording
+
+        return import_recording.add_to
+    if name == "apply":
+        from tumble.cli.commands import apply
+
+        return apply.add_to
+    if name == "compare":
+        from tumble.cli.commands import compare
+
+        return compare.add_to
+    if name == "bench":
+        from tumble.cli.commands import bench
+
+        return bench.add_to
+    if name == "replay":
+        from tumble.cli.commands import replay
+
+        return replay.add_to
+    if name == "plan":
+        from tumble.cli.commands import plan
+
+        return plan.add_to
+    if name == "fixture":
+        from tumble.cli.commands import fixture
+
+        return fixture.add_to
+    if name == "draw":
+        from tumble.cli.commands import draw
+
+        return draw.add_to
+    if name == "export":
+        from tumble.cli.commands import export
+
+        return export.add_to
+    if name == "report":
+        from tumble.cli.commands import report
+
+        return report.add_to
+    if name == "store":
+        from tumble.cli.commands import store
+
+        return store.add_to
+    if name == "uml":
+        from tumble.cli.commands import uml
+
+        return uml.add_to
+    raise KeyError(name)
 
 
 def _help(parser: argparse.ArgumentParser) -> int:
@@ -104,7 +176,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         if interruptible:
             interruption.watch()
         _prepare_output()
-        arguments = _parser().parse_args(argv)
+        words = sys.argv[1:] if argv is None else argv
+        arguments = _parser(_named(words)).parse_args(words)
         code: int = arguments.run_command(arguments)
         sys.stdout.flush()
         return code
@@ -121,6 +194,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
         _discard_output()
         return EXIT_BAD_INPUT
     except OSError as error:
+        from tumble.files.disk import reason
+
         _discard_output()
         _complain(f"standard output cannot be written: {reason(error)}")
         return EXIT_BAD_INPUT
@@ -132,6 +207,8 @@ def main(argv: list[str] | None = None, *, interruptible: bool = False) -> int:
             _complain("interrupted")
             return interruption.exit_code()
         if os.environ.get("TUMBLE_TRACEBACK"):
+            import traceback
+
             traceback.print_exc()
         _complain(f"fault in tumble itself: {error!r} (TUMBLE_TRACEBACK=1 shows where)")
         return EXIT_DISAGREEMENT

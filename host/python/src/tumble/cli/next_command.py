@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
@@ -16,14 +17,16 @@ _WITHOUT_RUN = "Next: the same with --out RUN.csv, which writes the run file for
 
 
 def after_import(done: Imported, run: str | None, stand: str | None) -> str:
-    """The lines that tell it. `run`: the run file, None where none was asked for; `stand`: the stand file, if any."""
+    """The lines that tell it. `run`: the run file, None where none was asked for; `stand`: the stand file, if any. The
+    program is called as it was: tools/tumble of a checkout says how, by TUMBLE_PROGRAM."""
     if run is None:
         return f"\n{_WITHOUT_RUN}\n"
-    words = ["tumble", "solve", run]
+    words = [os.environ.get("TUMBLE_PROGRAM", "tumble"), "solve", run]
     if done.settings.schedule_name != DEFAULT_SCHEDULE:
         words += ["--schedule", done.settings.schedule_name]
     words += [] if stand is None else ["--stand", stand]
     words += [] if _has_closed_form(done) else ["--estimator", "least_squares"]
+    words += ["--out", os.path.join(os.path.dirname(run), "result.json")]  # which apply and report take
     return "\n".join(["", "Next:", *_folded(words), ""])
 
 

@@ -16,7 +16,7 @@ from tumble.files.run_temperature import OF_ENVIRONMENT, OF_RUN_FILE
 from tumble.fixture.judge import Limits
 from tumble.schedule import CHECK
 from tumble.solving.assumptions import ASSUMPTIONS, assumed, phrase
-from tumble.solving.coverage import NEARLY_INFINITE, PROBABILITY, Coverage
+from tumble.solving.coverage import HANDS, NEARLY_INFINITE, PROBABILITY, Coverage
 from tumble.solving.fit import SYSTEMATIC
 from tumble.solving.further import Further
 from tumble.solving.solution import Solution
@@ -28,10 +28,7 @@ _HEADINGS = ("", "value", "unit", "std uncertainty", "relative", "vs numpy")
 _HEADINGS_ALONE = ("", "value", "unit", "u, scatter alone", "relative", "vs numpy")
 _HEADINGS_WITH_TRUTH = ("", "value", "unit", "u", "u, rel.", "vs numpy", "truth", "error/u")
 _HINT = "For uncertainties, describe the stand: --stand FILE"
-_HINT_ALONE = (
-    "u contains noise only. For faces laid by hand the real uncertainty can be over",
-    "100 times larger. To include errors of the stand, describe it: --stand FILE",
-)
+_HINT_ALONE = f"u contains noise only. {HANDS} To include errors of the stand, describe it: --stand FILE"
 BAR_WIDTH = 36
 _COLUMNS = 80
 _UNKNOWN = "unknown"
@@ -110,15 +107,21 @@ def _further_rows(further: Further, unit: str, decimals: int) -> list[tuple[str,
 
 
 def notes(solution: Solution) -> list[str]:
-    """What marked coefficients, or all, rest on: one line each."""
+    """What marked coefficients, or all, rest on."""
     rests_on = {ASSUMPTIONS[name]: names for name, names in assumed(solution).items()}
-    return [f"{'*' if names else 'All'} assuming {one.phrase}: {one.why}" for one, names in rests_on.items()]
+    told = [
+        f"{'Values with *' if names else 'All values'} assume {one.phrase}: {one.why}"
+        for one, names in rests_on.items()
+    ]
+    return [line for one in told for line in textwrap.wrap(one, _COLUMNS, subsequent_indent="  ")]
 
 
 def uncertainty_notes(solution: Solution) -> list[str]:
     """What uncertainties are made from, where that is not the stand file alone."""
     if solution.u_k is None:
-        return [_HINT] if solution.coverage is None else [*_HINT_ALONE, _expanded(solution.coverage, "of the noise ")]
+        if solution.coverage is None:
+            return [_HINT]
+        return [*textwrap.wrap(_HINT_ALONE, _COLUMNS), _expanded(solution.coverage, "of the noise ")]
     told = noise_notice(solution)
     lines = [] if told is None else textwrap.wrap(f"u of {told}", 80, break_on_hyphens=False)
     return lines + ([] if solution.coverage is None else [_expanded(solution.coverage)])
@@ -291,10 +294,10 @@ def verdict(solution: Solution) -> str:
         return found if best else f"FAIL: largest gravity error {rest}"
     condition = phrase(assumed(solution))
     line = f"PASS{condition}: {rest}" if condition else f"PASS: largest gravity error {rest}"
-    place = f" at {solution.schedule.positions[worst].label}"
-    for known in ("; numpy agrees", f", limit {solution.limit_g:g} g", place):  # as the tables show
-        line = line if len(line) <= _COLUMNS else line.removesuffix(known)
-    return textwrap.fill(line, _COLUMNS)
+    shorter = [line.removesuffix("; numpy agrees")]  # as the tables show, and the place
+    if condition:
+        shorter += [f"PASS{condition}: {size}, {limit}", f"PASS{condition}: {size[:-2]} <= {solution.limit_g:g} g"]
+    return next((one for one in (line, *shorter) if len(one) <= _COLUMNS), textwrap.fill(shorter[-1], _COLUMNS))
 
 
 def explained_best(solution: Solution) -> str:

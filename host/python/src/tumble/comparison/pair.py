@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -24,6 +25,8 @@ from tumble.solving.temperature import TOLERANCE_C
 from tumble.terms import POWERS, Terms
 
 _NOT_THEIRS = "with a schedule that is known (--schedule) does not give the uncertainties of both"
+_DATES = ("date", "run_date")  # labels of the day of a run
+_EXCHANGED = "exchanged? A is to be the earlier one"
 _WORDS = {"alpha1": "axis tilt", "alpha2": "level"}  # of sources whose names are none
 
 
@@ -184,11 +187,31 @@ def _of_both(a: Side, b: Side) -> list[str]:
         apart = max(warm[0].low_c - warm[1].high_c, warm[1].low_c - warm[0].high_c)
         if apart > TOLERANCE_C:
             found.append(f"A at {warm[0].text}, B at {warm[1].text}: temperature alone changes a block")
+    dates = _run_date(a), _run_date(b)
+    if all(dates) and dates[0] > dates[1]:
+        found.append(f"A was measured on {dates[0]}, B before, on {dates[1]}: {_EXCHANGED}")
     for term in POWERS:
         if (term in a.terms) != (term in b.terms):
             which = "A" if term in a.terms else "B"
             found.append(f"{term} is in the model of {which} alone: the others mean something else with it")
     return found
+
+
+def _run_date(side: Side) -> str:
+    """The day of the run as its labels tell it, in the form of ISO 8601; empty where they do not."""
+    tables = [side.document[table] or {} for table in ("item", "environment")]
+    told = [str(one[key]) for one in tables for key in one if key.strip().lower().replace(" ", "_") in _DATES]
+    return next((one[:10] for one in told if re.fullmatch(r"\d{4}-\d\d-\d\d([T ].*)?", one, re.ASCII)), "")
+
+
+def _of_dates(a: Side, b: Side) -> list[str]:
+    """That nothing tells which is the earlier one, or that it may be B: a run may also have been solved anew."""
+    if _run_date(a) and _run_date(b):
+        return []
+    made = a.document["created"], b.document["created"]
+    if None in made:
+        return ["Not both results are dated: that A is the earlier one is taken on trust."]
+    return [f"A was solved after B, on {made[0][:10]} and {made[1][:10]}: {_EXCHANGED}"] if made[0] > made[1] else []
 
 
 def _labels(a: Side, b: Side) -> dict[str, tuple[Any, Any]]:
@@ -232,4 +255,4 @@ def _notes(a: Side, b: Side, ratio: float) -> list[str]:
         found.append("A drift is the run's and not the block's: it is not compared.")
     if any(side.temperature is None for side in (a, b)):
         found.append("Not both results tell their temperature.")
-    return found
+    return found + _of_dates(a, b)

@@ -89,8 +89,8 @@ def _of(row: dict[str, Any]) -> str:
 
 def grounds(told: dict[str, Any]) -> list[str]:
     """What it rests on, a sentence or two each."""
-    at = f"Confidence {_PERCENT * told['confidence']:.6g} %{phrase(told['assumes'])}"
-    sure = f"{at}: a block that nobody touched is called unchanged at least so often."
+    share = f"{_PERCENT * told['confidence']:.6g} %"
+    sure = f"Confidence: of blocks that nobody touched, {share} or more are called unchanged{phrase(told['assumes'])}."
     return [*([] if told["tests"] is None else [sure]), *told["notes"]]
 
 
@@ -124,8 +124,9 @@ def _judged(row: dict[str, Any]) -> tuple[str, str]:
 def legend(told: dict[str, Any]) -> str:
     """Of COLUMNS."""
     return (
-        "u: standard uncertainty of the difference; in u: how many of these it is; by chance: how often chance alone"
-        f" shows as much somewhere among the {len(told['parameters'])}."
+        "u: standard uncertainty of the difference; in u: how many of these it is; by chance: in how many of 100"
+        f" comparisons of an unchanged block any of the {len(told['parameters'])} parameters is as many u off or more."
+        " Near 100 %: nothing unusual; a small number speaks for a change."
     )
 
 

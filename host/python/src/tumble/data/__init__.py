@@ -22,7 +22,8 @@ _INSTALLED = Path(__file__).parent
 def file(name: str) -> Path:
     """Where a file is: `name` such as "examples/paper_stand.csv", "schemas/tumble.result-1.schema.json",
     "eds/tumble_block.eds", "bus/block.dbc". Raises FileNotFoundError, which is an OSError, naming those there are."""
-    found = next((path for path in _all(name.partition("/")[0]) if _name(path) == name), None)
+    folder, _, _ = str(name).partition("/")
+    found = next((path for path in _all(folder) if _name(path) == name), None)
     if found is None:
         raise FileNotFoundError(f"no {name!r} comes with tumble; there are: {', '.join(names())}")
     return found

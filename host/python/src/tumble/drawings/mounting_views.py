@@ -16,6 +16,7 @@ from tumble.drawings.views import (
     draw_axes,
     draw_axis_in_front,
     draw_block,
+    draw_platform,
     draw_table,
     lowest,
 )
@@ -29,11 +30,12 @@ _CENTRE = (0.0, 32.0)  # of the block in a cell: from its middle, from its top
 
 
 def mountings(schedule: Schedule) -> str:
-    """SVG: every mounting with its block axes as the matrix has them, at table angle 0, in an oblique view."""
+    """SVG: every mounting with its block axes as the matrix has them, at table angle 0, in an oblique view; of a
+    schedule that is laid by hand without axis and table."""
     columns = min(_MOST_COLUMNS, len(schedule.mountings))
     width = (WIDTH - 2 * _MARGIN) / columns
     page = Page(_title(schedule), _about(schedule))
-    _header(page)
+    _header(page, schedule)
     y = _HEADER
     for first in range(0, len(schedule.mountings), columns):
         row = schedule.mountings[first : first + columns]
@@ -42,7 +44,7 @@ def mountings(schedule: Schedule) -> str:
         for column, mounting in enumerate(row):
             left = _MARGIN + column * width
             page.box((left + 0.5, y), width - 1.0, height, "#ffffff", SOFT)
-            _cell(page, mounting, left, y, width)
+            _cell(page, mounting, (left + width / 2, y), schedule.is_laid_by_hand)
             for index, line in enumerate(_caption(mounting, width)):
                 page.text((left + width / 2, y + picture + index * LINE), line, "middle", SIZE)
         y += height + _MARGIN
@@ -51,18 +53,24 @@ def mountings(schedule: Schedule) -> str:
 
 def _title(schedule: Schedule) -> str:
     count = len(schedule.mountings)
-    return f"How the block sits on the table: {count} mounting{'s' if count > 1 else ''}"
+    return f"{_heading(schedule)}: {count} mounting{'s' if count > 1 else ''}"
+
+
+def _heading(schedule: Schedule) -> str:
+    return "How the block lies" if schedule.is_laid_by_hand else "How the block sits on the table"
 
 
 def _about(schedule: Schedule) -> str:
     told = [f"Mounting {one.number}: {', '.join(words.axes(_on_table(one), 0.0))}." for one in schedule.mountings]
     seen = "Seen from the front, where the block is, along the axis of the stand, with the table at angle 0."
+    seen = "Laid by hand, seen from the front." if schedule.is_laid_by_hand else seen
     return " ".join([seen, *told])
 
 
-def _header(page: Page) -> None:
-    page.text((_MARGIN, 7.0), "How the block sits on the table", size=LARGE + 0.6, bold=True)
+def _header(page: Page, schedule: Schedule) -> None:
+    page.text((_MARGIN, 7.0), _heading(schedule), size=LARGE + 0.6, bold=True)
     seen = "Table at angle 0. You stand in front: the block is before you, the table behind it."
+    seen = "Laid by hand, on something level. You stand in front." if schedule.is_laid_by_hand else seen
     page.paragraph((_MARGIN, 12.5), seen, 108.0, SOFT)
     frame = View(OBLIQUE, (137.0, 15.5), 6.0)
     for name, axis, label in zip("hnv", np.eye(3), ("right", "away", "up")):
@@ -90,14 +98,18 @@ def _picture_height(mounting: Mounting) -> float:
     return max(_PICTURE, _CENTRE[1] + _SCALE * REACH * float(tips.max()) + 8.5)
 
 
-def _cell(page: Page, mounting: Mounting, left: float, top: float, width: float) -> None:
-    """The picture of one mounting."""
-    middle = left + width / 2
-    view = View(OBLIQUE, (middle + _CENTRE[0], top + _CENTRE[1]), _SCALE)
+def _cell(page: Page, mounting: Mounting, top: tuple[float, float], is_laid: bool) -> None:
+    """The picture of one mounting; `top`: of its middle."""
+    middle, upper = top
+    view = View(OBLIQUE, (middle + _CENTRE[0], upper + _CENTRE[1]), _SCALE)
     axes = np.array(mounting.matrix) @ table(0.0)
-    page.text((middle, top + 5.0), f"mounting {mounting.number}", "middle", LARGE, bold=True)
+    page.text((middle, upper + 5.0), f"mounting {mounting.number}", "middle", LARGE, bold=True)
     with page.group(mounting=mounting.number, origin=f"{view.origin[0]:.3f} {view.origin[1]:.3f}", scale=_SCALE):
-        draw_table(page, view, lowest(axes))
-        draw_block(page, view, axes)
-        draw_axis_in_front(page, view)
+        if is_laid:
+            draw_platform(page, view, lowest(axes))
+            draw_block(page, view, axes)
+        else:
+            draw_table(page, view, lowest(axes))
+            draw_block(page, view, axes)
+            draw_axis_in_front(page, view)
         draw_axes(page, view, axes, "xyz")

@@ -23,7 +23,7 @@ from tumble.files import frames
 from tumble.files.csv_rows import Refused, fast_numbers, row_of_numbers
 from tumble.files.disk import reason
 from tumble.files.run_file import require_text
-from tumble.files.run_layout import Wishes, detect, detect_unit, find_all, is_blank, is_comment, split
+from tumble.files.run_layout import Wishes, detect, find_all, is_blank, is_comment, split, unit_of
 from tumble.files.run_temperature import Temperatures, read_temperatures, temperatures_of_table
 from tumble.units import noise_unit, volts_per
 
@@ -74,13 +74,13 @@ class Seen:
             self.temperatures_c = (min(known), max(known))
 
 
-def columns_of_outputs(names: list[str], renamed: dict[str, str], name: str) -> tuple[tuple[int, ...], str | None]:
-    """Places of the outputs among the columns of a table, and their unit, if brackets tell it. Raises BadInput."""
+def columns_of_outputs(names: list[str], wishes: Wishes, name: str) -> tuple[tuple[int, ...], str | None]:
+    """Places of the outputs among the columns of a table, and their unit, if it is told. Raises BadInput."""
     try:
-        places = find_all(names, Wishes(columns=renamed, wanted=OUTPUTS), is_text=False)
+        places = find_all(names, Wishes(columns=wishes.columns, wanted=OUTPUTS), is_text=False)
     except ValueError as error:
         raise BadInput(str(error), name) from None
-    return places, detect_unit([names[place] for place in places], name, None)
+    return places, unit_of(wishes, [names[place] for place in places], name, None, "outputs_unit")
 
 
 def factor_of(told: str | None, unit: str, name: str) -> float:
@@ -282,9 +282,9 @@ def with_calibrated(table: Any, name: str, demand: Demand, seen: Seen) -> Any:
     """A table of files.frames with its calibrated columns; what else is in it is added to what was `seen`. Raises
     BadInput."""
     names = frames.names_of(table)
-    places, told = columns_of_outputs(names, demand.wishes.columns, name)
+    places, told = columns_of_outputs(names, demand.wishes, name)
     outputs = frames.stacked(table, places, OUTPUTS, name)
-    values = demand.values(outputs, factor_of(demand.wishes.unit or told, demand.unit, name))
+    values = demand.values(outputs, factor_of(told, demand.unit, name))
     seen.renamed = raw_names(names, demand.with_uncertainty)
     seen.feel(*temperatures_of_table(table, demand.wishes.columns, len(outputs), name))
     return frames.with_columns(table, seen.renamed, dict(zip(demand.names, values.T)))

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import BinaryIO
 
-from tumble.errors import BadInput, TumbleError, UsageError, quoted
+from tumble.errors import BadInput, TumbleError, UsageError, file_name, quoted
 
+RUN_FILE, RESULT_FILE = "run.csv", "result.json"  # in a run folder
 _REASONS = {errno.ENOENT: "no such file or folder", errno.EISDIR: "a folder, not a file"}
 
 
@@ -23,8 +24,10 @@ def path_of(file: object) -> str:
     return path
 
 
-def read_bytes(file: str) -> bytes:
-    """All of a file. Raises BadInput."""
+def read_bytes(file: str, within: str | None = None) -> bytes:
+    """All of a file. `within`: the file of a run folder to be advised where a folder is given. Raises BadInput."""
+    if within is not None and os.path.isfile(inner := os.path.join(path_of(file), within)):
+        raise BadInput(f"a folder, not a file: give {file_name(inner)}", file)
     with opened(file) as stream:
         try:
             return stream.read()

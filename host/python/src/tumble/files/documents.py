@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from tumble.errors import BadInput, quoted
-from tumble.files.disk import read_bytes
+from tumble.files.disk import RESULT_FILE, read_bytes
 from tumble.files.kinds import JSON, kind_of
 from tumble.terms import KEYS, TERMS
 from tumble.units import UNIT, spelled
@@ -31,7 +31,7 @@ def to_json(result: dict[str, Any]) -> str:
 
 def read_coefficients(file: str) -> dict[str, Any]:
     """As `checked_coefficients`, of a file."""
-    return checked_coefficients(read_bytes(file), file)
+    return checked_coefficients(read_bytes(file, RESULT_FILE), file)
 
 
 def checked_coefficients(data: bytes, file: str) -> dict[str, Any]:

@@ -45,7 +45,10 @@ def real(column: Any) -> Floats:
     """As floats. Raises ValueError, TypeError."""
     if np.iscomplexobj(column):
         raise ValueError("complex")
-    return np.asarray(column, dtype=float)
+    try:
+        return np.asarray(column, dtype=float)
+    except OverflowError as error:  # an integer of hundreds of digits
+        raise ValueError(str(error)) from None
 
 
 def column_of(table: Any, place: int, name: str) -> Floats:

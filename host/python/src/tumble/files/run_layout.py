@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from tumble.errors import BadInput, quoted
 from tumble.files.kinds import JSON, TOML
-from tumble.units import UNIT, spelled
+from tumble.units import UNIT, are_at_odds, spelled
 
 COLUMNS = ("mounting", "position", "ux", "uy", "uz")
 TEMPERATURE = "temperature"  # a column that need not be there
@@ -158,7 +158,7 @@ def _from_header(
             attempts.append((line.count(delimiter), str(error)))
             continue
         decimal = wishes.decimal or _detect_decimal(following, delimiter, indices)
-        unit = wishes.unit or detect_unit([names[index] for index in indices[-3:]], file, row)
+        unit = unit_of(wishes, [names[index] for index in indices[-3:]], file, row)
         told = unit or DEFAULT_UNIT, unit is not None
         felt = temperature_column(names, wishes.columns)
         return Layout(row, *skipped, delimiter, decimal, indices, len(names), *told, *felt)
@@ -300,12 +300,20 @@ def _bare(name: str) -> str:
     return re.sub(r"[\s_.-]", "", _BRACKETED.sub("", name)).lower()
 
 
-def detect_unit(names: list[str], file: str, row: int | None) -> str | None:
-    """The unit in brackets after the names of the outputs, None where none has one. Raises BadInput if they differ."""
-    units = [match.group(1).strip() if (match := _BRACKETED.search(name)) else "" for name in names]
-    if len(set(units)) > 1:
-        raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; --unit says which", file, row)
-    return spelled(units[0]) if UNIT.fullmatch(spelled(units[0])) else None
+def unit_of(wishes: Wishes, names: list[str], file: str, row: int | None, option: str = "--unit") -> str | None:
+    """The unit of the outputs: the one that the user says by this `option`, else the one in brackets after their names;
+    None where neither is there. Raises BadInput for a known unit in brackets that is not the user's, and where the
+    three differ and the user says nothing."""
+    units = {spelled(match.group(1).strip()) if (match := _BRACKETED.search(name)) else "" for name in names}
+    if wishes.unit is None and len(units) > 1:
+        raise BadInput(f"outputs in different units: {', '.join(map(quoted, names))}; {option} says which", file, row)
+    told = units.pop()
+    if wishes.unit is None:
+        return told if UNIT.fullmatch(told) else None
+    if not units and are_at_odds(told, wishes.unit):
+        advice = f"no number is converted: leave {option} out, or correct the names"
+        raise BadInput(f"outputs are named in {told}, but {option} says {wishes.unit}; {advice}", file, row)
+    return wishes.unit
 
 
 def _detect_decimal(lines: list[str], delimiter: str, indices: tuple[int, ...]) -> str:

@@ -224,7 +224,7 @@ def _of_dbc(log: CanLog, frames: Iterator[Frame], file: str, wishes: Wishes, bus
     )
     if any(number for number, _ in said):
         notes.append(f"left out: {', '.join(f'{number} {what}' for number, what in said if number)}")
-    unit = can_signals.unit_of(outputs, bus.dbc) if wishes.unit is None else None
+    unit = can_signals.unit_told(outputs, wishes, bus.dbc)
     return Found(rows.seconds, rows.outputs, rows.lines, unit, None, tuple(notes))
 
 

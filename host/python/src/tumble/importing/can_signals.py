@@ -16,7 +16,7 @@ from tumble.arrays import Flags, Floats, Integers
 from tumble.errors import BadInput, file_name, quoted
 from tumble.files.can_log import Frame
 from tumble.files.disk import reason
-from tumble.files.run_layout import Wishes, detect_unit, find_all
+from tumble.files.run_layout import Wishes, find_all, unit_of
 
 OUTPUTS = ("ux", "uy", "uz")
 _TOGETHER = 0.5  # intervals: frames farther apart are not of one sample
@@ -65,9 +65,9 @@ def chosen(signals: Sequence[Signal], wishes: Wishes, file: str) -> list[Signal]
         raise BadInput(str(error), file) from None
 
 
-def unit_of(outputs: Sequence[Signal], file: str) -> str | None:
-    """The unit of the three, None where the file tells none. Raises BadInput if they differ."""
-    return detect_unit([f"{one.label} [{one.unit}]" for one in outputs], file_name(file), None)
+def unit_told(outputs: Sequence[Signal], wishes: Wishes, file: str) -> str | None:
+    """The unit of the three, by the user or the file; None where neither tells one. Raises BadInput as unit_of."""
+    return unit_of(wishes, [f"{one.label} [{one.unit}]" for one in outputs], file_name(file), None)
 
 
 class Message:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -11,11 +12,14 @@ import numpy as np
 from tumble.arrays import Floats, Integers
 from tumble.errors import BadInput, quoted
 
+CONTRADICTED = "clock: --rate says"
 UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _IN_NAME = re.compile(r"(?:[\[(\s_]|^t|time|stamp)(ns|us|µs|ms|s|sec|seconds)[\])]?\s*$", re.IGNORECASE)
 _WORDS = {"sec": "s", "seconds": "s", "µs": "us"}
 _OF_DAY = re.compile(r"(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d+)?)")
 _GAP = 5.0  # intervals: a step of the clock beyond is a gap
+_SAME_RATE = 1.2  # of two rates, a factor
+_FEWEST_STEPS = 10
 _SLOWEST_S = 0.5  # between samples of a recording: beyond, a column without a unit does not count seconds
 
 
@@ -79,9 +83,19 @@ def _padded(text: str) -> str:
     return f"{whole}.{decimals[:6]:0<6}" if point and decimals.isdigit() else text
 
 
-def of_rate(rows: int, rate_hz: float) -> Clock:
+def of_rate(rows: int, rate_hz: float, notes: Sequence[str] = ()) -> Clock:
     """Of so many samples at a rate that the user says."""
-    return Clock(np.arange(rows) / rate_hz, 1.0 / rate_hz, np.zeros(0, dtype=int), ())
+    return Clock(np.arange(rows) / rate_hz, 1.0 / rate_hz, np.zeros(0, dtype=int), tuple(notes))
+
+
+def contradiction(own: Clock, rate_hz: float, name: str) -> list[str]:
+    """That the file's `own` clock, of the column `name`, has another rate than the one that the user says; nothing
+    where they agree, or where the clock has moved on too seldom to tell."""
+    seen = 1.0 / own.interval_s
+    moved = int((np.diff(own.seconds) > 0.0).sum())
+    if moved < _FEWEST_STEPS or seen / _SAME_RATE < rate_hz < seen * _SAME_RATE:
+        return []
+    return [f"{CONTRADICTED} {rate_hz:g} Hz, but {quoted(name)} moves on at {seen:.4g} Hz: which is right?"]
 
 
 def _clock(seconds: Floats, notes: list[str], file: str) -> Clock:

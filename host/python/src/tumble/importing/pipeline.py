@@ -14,6 +14,7 @@ from tumble.errors import BadInput, UsageError, quoted
 from tumble.files.run_layout import NO_WISHES, Wishes
 from tumble.importing import labels, match, recording
 from tumble.importing.can_bus import NO_BUS, Bus
+from tumble.importing.clock import CONTRADICTED
 from tumble.importing.hypotheses import POSITIVE, Claims, Doubtful
 from tumble.importing.match import JOINED, REPEATED, TAKEN, Matched
 from tumble.importing.order import ANY, NONE
@@ -25,6 +26,8 @@ from tumble.units import looks_like
 
 DEFAULT_SCHEDULE = "paper"
 _FEWEST_ROWS_IN_BLOCK = 4
+_SHORTEST_S, _LONGEST_S = 1.5, 900.0  # of the usual rest: nobody's hand or table is quicker, or so patient
+_FEWEST_RESTS = 6  # of a recording that is of any use
 _EXPLAINED = 0.8  # of the rests, by a schedule that is to be advised
 
 
@@ -116,10 +119,11 @@ def import_recordings(files: Sequence[str], schedule: Schedule, settings: Settin
             names = texts.get("mounting", [])
             _require_one_name_a_mounting(names, rests, matched, schedule, settings.mountings)
     except Doubtful as doubt:
-        raise BadInput(str(doubt), files[0]) from None
+        raise BadInput(f"{doubt}{_is_rate_right(recordings, rests, settings.timing.rate_hz)}", files[0]) from None
     notes = (
         _notes(recordings, settings, found, interval, labelled)
         + _about_unit(recordings, matched)
+        + _about_rate(settings.timing.rate_hz, rests, matched)
         + same
         + list(matched.notes)
     )
@@ -270,6 +274,25 @@ def _notes(
     if interval is None and not labelled:
         notes.append("clock: none, so lengths are counted in samples (--rate HZ gives seconds)")
     return notes
+
+
+def _about_rate(rate_hz: float | None, rests: Sequence[Rest], matched: Matched) -> list[str]:
+    """That the rests are so short or long by the rate which the user says that it may be wrong."""
+    lengths = [rest.samples for rest, position in zip(rests, matched.positions) if position != NONE]
+    if rate_hz is None or not lengths:
+        return []
+    usual_s = float(np.median(lengths)) / rate_hz
+    if _SHORTEST_S <= usual_s <= _LONGEST_S:
+        return []
+    return [f"clock: at --rate {rate_hz:g} Hz the usual rest lasts {usual_s:.3g} s: is that so? Else the rate is wrong"]
+
+
+def _is_rate_right(recordings: Sequence[Recording], rests: Sequence[Rest], rate_hz: float | None) -> str:
+    """Behind a refusal: that the rate which the user says may be why; empty where nothing speaks for that."""
+    doubts = [note for one in recordings for note in one.notes if note.startswith(CONTRADICTED)]
+    if doubts:
+        return f"; {doubts[0]}"
+    return "" if rate_hz is None or len(rests) >= _FEWEST_RESTS else f"; is --rate {rate_hz:g} right?"
 
 
 def _about_unit(recordings: Sequence[Recording], matched: Matched) -> list[str]:

@@ -22,6 +22,7 @@ def picture(done: Imported, file: str) -> bytes:
     from matplotlib.figure import Figure
 
     figure: Any = Figure(figsize=(12, 6), layout="constrained")
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 0.985))  # room above the names
     axes = figure.subplots(3, 1, sharex=True)
     rows = np.arange(len(done.outputs)) if done.seconds is None else done.seconds
     kept = thinned(done.outputs, _MOST_POINTS)

@@ -7,6 +7,7 @@ and a recording may is added here. Everything that was passed over or taken for 
 from __future__ import annotations
 
 import csv
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,12 +26,12 @@ from tumble.files.run_layout import (
     Wishes,
     decoded,
     detect,
-    detect_unit,
     find_column,
     is_blank,
     is_comment,
     is_number,
     split,
+    unit_of,
 )
 from tumble.files.run_temperature import range_of, temperatures_of_rows
 from tumble.files.tables import SUFFIXES, suffix_of
@@ -43,6 +44,7 @@ LABELS = ("mounting", "position", "angle", "number")
 OPTIONAL = ("time", *LABELS)
 COLUMNS = (*OUTPUTS, *OPTIONAL, TEMPERATURE)  # that a user may name
 SPACE = " "
+_ROWS_OF_CLOCK = 5000  # that tell its rate well enough
 _MOST_LABELS = 256  # different running numbers: more count samples
 _LOST = {"", "nan", "-", "null", "none", "n/a"}
 
@@ -125,6 +127,7 @@ def _read_table(file: str, data: bytes, wishes: Wishes, timing: Timing) -> Recor
         notes.append("decimal mark: the comma")
     rows = _read_rows(data, layout, names, columns, timing, file)
     notes += [f"{rows.lost} rows without a number in an output are left out"] if rows.lost else []
+    notes += _rate_doubt(data, layout, names, columns, timing, file)
     told = _clock(rows, names, columns, timing, file)
     labels = _labels(rows)
     if "number" in rows.texts and "number" not in labels:
@@ -179,7 +182,7 @@ def _below_units(data: bytes, layout: Layout, names: list[str], wishes: Wishes, 
         if any(map(is_number, fields)) or len(fields) < len(names) or all(f.lower() in _LOST for f in fields):
             break
         units = [f"[{fields[index].strip('[]()')}]" for index in layout.indices]
-        unit = wishes.unit or detect_unit(units, file, row)
+        unit = unit_of(wishes, units, file, row)
         told = layout.unit_told or unit is not None
         note = f"row {row} is taken for units" + (f": {unit}" if unit else "")
         felt = layout.temperature
@@ -271,6 +274,30 @@ def _times(texts: list[str], layout: Layout) -> Floats | list[str]:
     return np.array([float(text) for text in pointed]) if all(map(NUMBER.fullmatch, pointed)) else texts
 
 
+def _rate_doubt(
+    data: bytes, layout: Layout, names: list[str], columns: dict[str, int], timing: Timing, file: str
+) -> list[str]:
+    """That a clock at the beginning of the file contradicts the rate that the user says; a clock that cannot be read
+    may be why it is said."""
+    if timing.rate_hz is None or "time" not in columns:
+        return []
+    lines = ((row, line) for row, line in body_of(data, layout) if not (is_blank(line) or is_comment(line)))
+    try:
+        texts, rows = [], []
+        for row, line in itertools.islice(lines, _ROWS_OF_CLOCK):
+            texts.append(split(line, layout.delimiter)[columns["time"]])
+            rows.append(row)
+        times, name = _times(texts, layout), names[columns["time"]]
+        own = (
+            clock.of_texts(times, file, np.array(rows))
+            if isinstance(times, list)
+            else clock.of_numbers(times, name, timing.unit, file)
+        )
+    except (csv.Error, IndexError, BadInput):
+        return []
+    return clock.contradiction(own, timing.rate_hz, name)
+
+
 def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timing, file: str) -> Clock | None:
     if timing.rate_hz is not None:
         return clock.of_rate(len(rows.outputs), timing.rate_hz)
@@ -287,7 +314,11 @@ def _clock(rows: _Rows, names: list[str], columns: dict[str, int], timing: Timin
 
 def _clock_of(values: Floats, name: str, timing: Timing, file: str) -> Clock:
     if timing.rate_hz is not None:
-        return clock.of_rate(len(values), timing.rate_hz)
+        try:
+            doubt = clock.contradiction(clock.of_numbers(values, name, timing.unit, file), timing.rate_hz, name)
+        except BadInput:
+            doubt = []
+        return clock.of_rate(len(values), timing.rate_hz, doubt)
     return clock.of_numbers(values, name, timing.unit, file)
 
 

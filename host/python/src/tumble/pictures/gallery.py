@@ -58,8 +58,8 @@ _NEEDS: dict[str, tuple[Callable[[Facts], Figure], Callable[[Facts], bool], str]
     ),
     "stand_seen": (
         stand_seen.stand_seen,
-        lambda facts: bool(stand_seen.rows(facts)),
-        "a run that shows something of its stand",
+        lambda facts: len(stand_seen.rows(facts)) > 1,  # of one number a table says as much
+        "a run that shows angles of its stand",
     ),
     "correlation": (matrix.correlation, lambda facts: facts.document["covariance"] is not None, _A_STAND),
     "attitude": (sphere.attitude, lambda facts: facts.document["u_norm_g"] is not None, _A_STAND),
@@ -90,7 +90,7 @@ def figures(
     not the result's; BadInput for files that cannot be read, and for a document that cannot be drawn; NotInstalled
     where matplotlib is not there.
     """
-    if kind is not None and kind not in _NEEDS:
+    if kind is not None and not (isinstance(kind, str) and kind in _NEEDS):
         raise UsageError(f"kind: {quoted(kind)} is not one of {', '.join(_NEEDS)}")
     canvas.require("a picture")
     given = None if schedule is None else schedule_of(schedule), None if stand is None else stand_file_of(stand)

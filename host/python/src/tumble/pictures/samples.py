@@ -28,6 +28,8 @@ def samples(facts: Facts) -> Figure:
     assert run is not None  # as the caller has seen to
     outputs, kept = run.outputs, thinned(run.outputs, _MOST_POINTS)
     figure = blank("samples", 110.0)
+    engine: Any = figure.get_layout_engine()
+    engine.set(rect=(0.0, 0.0, 1.0, 0.98))  # room above the names
     panels = figure.subplots(3, 1, sharex=True)
     windows = _windows(run)
     shown = windows if len(windows) <= _MOST_WINDOWS else []

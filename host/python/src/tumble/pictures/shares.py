@@ -20,6 +20,7 @@ from tumble.pictures.canvas import (
     blank,
 )
 from tumble.pictures.facts import Facts, small, three_figures
+from tumble.units import per_g
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,4 +71,4 @@ def budget(facts: Facts) -> Figure:
 def _sizes(u: np.ndarray, unit: str) -> list[str]:
     """Of K, then of U0, in one multiple of the unit."""
     factor, shown = small(unit, u)
-    return [f"{three_figures(factor * one)} {shown}{'/g' if place < 9 else ''}" for place, one in enumerate(u)]
+    return [f"{three_figures(factor * one)} {per_g(shown) if place < 9 else shown}" for place, one in enumerate(u)]

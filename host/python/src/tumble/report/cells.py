@@ -5,6 +5,7 @@ Whatever has `__html__` goes into a template as it is; all else is escaped there
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -54,7 +55,7 @@ class Fixed:
     text: str
 
     def __html__(self) -> str:
-        return escape(self.text)
+        return escape(signed(self.text))
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ Facts: TypeAlias = "list[tuple[Inline, Inline]]"  # a name and what is said of i
 MISSING = Missing()
 FIGURE_SPACE, POINT_SPACE = "\u2007", "\u2008"
 TIMES = "\u00d7"
+_MICRO = re.compile(r"(?<=\d )u(?=(?:g|V|rad)\b)|^u(?=(?:g|V|rad)(?:/g(?:\^\d)?)?$)")
 NU = "\u03bd"  # degrees of freedom
 
 
@@ -120,5 +122,12 @@ def aligned(rows: Sequence[tuple[Inline, ...]], *columns: int) -> list[tuple[Inl
 
 
 def readable(text: str) -> str:
-    """Foreign text without what no file of text may hold: control characters and halves of characters."""
-    return "".join("\ufffd" if unicodedata.category(one) in ("Cc", "Cs") and one not in "\n\t" else one for one in text)
+    """Foreign text without what no file of text may hold: control characters and halves of characters; and with the
+    signs of units that the report itself has."""
+    kept = ("\ufffd" if unicodedata.category(one) in ("Cc", "Cs") and one not in "\n\t" else one for one in text)
+    return signed("".join(kept))
+
+
+def signed(text: str) -> str:
+    """With a micro sign where plain text has a u: behind a number, or where a unit is all there is."""
+    return _MICRO.sub("\N{MICRO SIGN}", text)

@@ -15,6 +15,7 @@ from tumble.solving.declared import schedule_of
 HTML, PDF = "html", "pdf"
 _MOST_MOUNTINGS = 6
 _ON_A_TABLE = "How the block sat in each mounting with the table at angle zero, seen from the front."
+_BY_HAND = "How the block lay in each mounting, seen from the front."
 _PERHAPS_BY_HAND = (
     "The mountings of the schedule on a rotary table at angle zero, seen from the front. A block that was laid by hand"
     " had the same faces up, without a table."
@@ -87,6 +88,7 @@ def _mountings(source: Source) -> list[tuple[str, str, str]]:
     if schedule is None or len(schedule.data.mountings) > _MOST_MOUNTINGS:
         return []
     words = _ON_A_TABLE if source.table("stand") else _PERHAPS_BY_HAND
+    words = _BY_HAND if schedule.data.is_laid_by_hand else words
     return [("mountings", mountings(schedule.data), words)]
 
 

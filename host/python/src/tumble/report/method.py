@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tumble.report.cells import MISSING, Facts, Fixed, Inline, Table, aligned, joined, line
 from tumble.report.source import Source
+from tumble.solving.declared import schedule_of
 from tumble.units import noise_unit
 
 _MEANING = {  # of a stand file's `limits`
@@ -11,7 +12,7 @@ _MEANING = {  # of a stand file's `limits`
     "sigma3": "three standard deviations",
     "uniform": "half-widths of a uniform law",
 }
-_ERRORS = {  # of a stand, by their keys; what is not declared is 0 and left out behind the first five
+_ERRORS = {  # of a stand, by their keys; what is not declared is 0 and left out, unless every rotary stand has it
     "axis_tilt_rad": "Axis not level",
     "level_rad": "Zero of the table angle",
     "remount_rad": "Yaw of the block, in a mounting",
@@ -22,7 +23,7 @@ _ERRORS = {  # of a stand, by their keys; what is not declared is 0 and left out
     "encoder_rad": "Encoder, once and twice per turn",
     "drift_v": "Drift over a run",
 }
-_REQUIRED = 5
+_REQUIRED = ("axis_tilt_rad", "level_rad", "remount_rad", "angle_rad", "noise_v")
 _SEEN = {
     "alpha1_rad": "Axis tilt",
     "alpha2_plus_alpha3_rad": "Zero of the angle, and mean yaw",
@@ -77,12 +78,13 @@ def declared(source: Source) -> tuple[Inline, Table] | None:
     """The stand as it is declared: what its numbers are, and these; None without one."""
     if not source.table("stand"):
         return None
-    kind = str(source.at("stand", "limits"))
+    kind, schedule = str(source.at("stand", "limits")), schedule_of(source.document, source.name)
+    always = ("noise_v",) if schedule is not None and schedule.data.is_laid_by_hand else _REQUIRED
     about = line("Stand: ", source.told("stand", "name"), ". Its file declares ", _MEANING.get(kind, kind), ".")
     rows = [
         (Fixed(name), source.told("stand", key), Fixed(_unit(source, key)))
-        for place, (key, name) in enumerate(_ERRORS.items())
-        if place < _REQUIRED or source.decimal("stand", key)
+        for key, name in _ERRORS.items()
+        if key in always or source.decimal("stand", key)
     ]
     return about, Table(("Source of error", "Declared", "Unit"), rows, left=(2,))
 

@@ -23,11 +23,11 @@ def section(told: dict[str, Any] | None, earlier: dict[str, Any], later: dict[st
 
     rows = [row for part in ("parameters", "seat", "coefficients") for row in told[part]]
     return {
-        "sentence": text.sentence(told),
+        "sentence": readable(text.sentence(told)),
         "results": [(Fixed("A, the earlier result"), _called(earlier)), (Fixed("B, this result"), _called(later))],
         "grounds": [readable(_for_compare(one)) for one in (*text.grounds(told), *told["warnings"])],
         "table": Table(text.COLUMNS, [tuple(map(Fixed, text.cells(row))) for row in rows], left=(3,)),
-        "legend": None if told["tests"] is None else text.legend(told),
+        "legend": None if told["tests"] is None else readable(text.legend(told)),
         "svg": Markup(svg(comparison(told), _TITLE)),
     }
 

@@ -9,7 +9,7 @@ from tumble.report.cells import MISSING, NU, Fixed, Inline, Number, Table, align
 from tumble.report.method import unit_of_k
 from tumble.report.rounding import Shown
 from tumble.report.source import Key, Source, pointer
-from tumble.solving.coverage import NEARLY_INFINITE
+from tumble.solving.coverage import HANDS, NEARLY_INFINITE
 from tumble.terms import KEYS
 from tumble.units import noise_unit
 
@@ -61,8 +61,7 @@ def _of_noise(source: Source, has_k: bool) -> Inline:
     symbol = "U" if has_k else "u"
     only = (
         f" {symbol} contains the noise of the samples only: no stand is declared, so that its errors are NOT in"
-        f" {symbol}, and {symbol} does not say how near a value is to the true one. For faces laid by hand the real"
-        " uncertainty can be over 100 times larger."
+        f" {symbol}, and {symbol} does not say how near a value is to the true one. {HANDS}"
     )
     return line(moved if has_k else "u (k = 1) are standard deviations.", only)
 

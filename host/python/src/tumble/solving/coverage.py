@@ -24,6 +24,7 @@ from tumble.solving.noise import Noise
 from tumble.stand import Stand
 
 PROBABILITY = 0.95
+HANDS = "For faces laid by hand the real uncertainty can be over 100 times larger."  # than that of noise alone
 NEARLY_INFINITE = 1e6  # degrees of freedom, for people: k is that of infinitely many to 2e-6
 
 

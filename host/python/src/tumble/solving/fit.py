@@ -14,16 +14,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from tumble.arrays import Floats, Integers
+from tumble.core import MAX_STAND_ERROR_RAD
 from tumble.distributions import chi_squared_above, chi_squared_log_above
 from tumble.reference.fit import Score, WholeModel, basis
 from tumble.reference.patterns import BY_NAME, PATTERNS, STAND, Columns, Pattern
-from tumble.solving.stand_seen import ANGLES, StandSeen
+from tumble.solving.stand_seen import ANGLES, Quantity, StandSeen
 from tumble.stand import Stand
 
 CONFIDENCE = 0.999
 EXPLAINED = 0.01  # largest p, after Holm, of an explanation
 ALIKE = 0.75  # patterns with a larger cosine may be taken for each other
 _CONTAINED = 0.9999
+_RAD = {"rad": 1.0, "urad": 1e-6}  # units of angles
 NOISE = "noise_v"
 SYSTEMATIC = tuple(f"{name}_rad" for name in ANGLES)
 SOURCES = (*SYSTEMATIC, "alpha4_rad", NOISE)
@@ -184,17 +186,30 @@ class _Search:
         return chi_squared_above(float(rest @ rest), self._model.freedom) >= 1.0 - self._confidence
 
     def _candidate(self, pattern: Pattern) -> _Candidate | None:
-        """None where the residuals cannot show it."""
+        """None where the residuals cannot show it, or only by angles that are too large to be what it is called: all of
+        it is linear theory."""
         besides = dict(self._known)
         if pattern.random:  # it must not be blamed for what an angle of the whole run does
             for name in SYSTEMATIC:
                 besides |= {f"{name} {label}": one for label, one in self._columns(name).items()}
         tested = [(self._model.score(one, besides), one) for one in pattern.columns(self._model.scene)]
-        shown = [(score, columns) for score, columns in tested if score.freedom > 0]
+        shown = [(score, columns) for score, columns in tested if score.freedom > 0 and self._is_small(pattern, score)]
         if not shown:
             return None
         score, columns = min(shown, key=lambda one: _log_p(one[0]))
         return _Candidate(pattern, columns, score, len(shown))
+
+    def _is_small(self, pattern: Pattern, score: Score) -> bool:
+        """Are the angles that a pattern has for sizes, if it has, such as the linear theory holds for?"""
+        if pattern.unit not in _RAD:
+            return True
+        told = self._of_whole_run(pattern)
+        sizes = [size for size, _ in score.sizes.values()] if told is None else [told.value / _RAD[pattern.unit]]
+        return all(abs(size) * _RAD[pattern.unit] <= MAX_STAND_ERROR_RAD for size in sizes)
+
+    def _of_whole_run(self, pattern: Pattern) -> Quantity | None:
+        """An angle of the stand as it stands in the result."""
+        return {"alpha4": self._seen.alpha4, **self._seen.angles}.get(pattern.name.removesuffix("_rad"))
 
     def _columns(self, name: str) -> Columns:
         return BY_NAME[name].columns(self._model.scene)[0]
@@ -224,8 +239,8 @@ class _Search:
 
     def _explanation(self, one: _Candidate, alike: list[str], p: float) -> Explanation:
         unit, sizes = one.pattern.unit, one.score.sizes
-        seen = {"alpha4": self._seen.alpha4, **self._seen.angles}.get(one.pattern.name.removesuffix("_rad"))
-        if seen is not None:  # as it stands in the result
+        seen = self._of_whole_run(one.pattern)
+        if seen is not None:
             return Explanation((one.pattern.name, *alike), p, seen.value, seen.u, unit, "")
         column = max(sizes, key=lambda label: abs(sizes[label][0]) / sizes[label][1], default="")
         found = sizes.get(column, (None, None))

@@ -96,6 +96,11 @@ def confirms_unit(solution: Solution, stand_file: StandFile | None) -> bool:
     return declared and examine(solution, stand_file) == Plausibility()
 
 
+def size_of(k: Floats) -> float:
+    """What 1 g gives in the channel that is neither the largest nor the smallest."""
+    return float(np.median(np.linalg.norm(k, axis=1)))
+
+
 def unchecked(solution: Solution) -> tuple[str, ...]:
     """That a run has no residual, nor a position that checks it."""
     positions = solution.measured_schedule.positions
@@ -164,7 +169,7 @@ _CHANNELS = tuple(_channel_mistakes())
 
 def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, float]:
     """A power of 1000 between K and the declared one, as a unit; of no unit that is no multiple of the volt."""
-    thousands = round(math.log(_size(k) / _size(declared), 1000.0)) if noise_unit(unit) == "V" else 0
+    thousands = round(math.log(size_of(k) / size_of(declared), 1000.0)) if noise_unit(unit) == "V" else 0
     if thousands == 0:
         return Mistake(0), 1.0
     factor = 1000.0**thousands
@@ -172,10 +177,6 @@ def _unit_mistake(unit: str, k: Floats, declared: Floats) -> tuple[Mistake, floa
     if other is None:
         return Mistake(1, (f"outputs look {factor:g} times too large (--unit)",)), factor
     return Mistake(1, (f"outputs look to be in {other}, not in {unit} (--unit {other})",)), factor
-
-
-def _size(k: Floats) -> float:
-    return float(np.median(np.linalg.norm(k, axis=1)))
 
 
 def _resolved(solution: Solution) -> Iterator[tuple[Mistake, Floats, float]]:

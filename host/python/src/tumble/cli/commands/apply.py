@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from tumble.cli import layout_options, options
+from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
 from tumble.units import SI, force_unit
@@ -24,7 +25,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "apply",
-        help="calibrate data by a result: outputs in, acceleration out",
+        help=ABOUT["apply"],
         description="Write measured data again with the acceleration in its last three columns, x, y, z: by K and U0 of"
         " a result, and by its K2 and K3. Other columns are kept. CSV; Parquet where pyarrow or polars is installed.",
         epilog="Several files are joined, or written into --out FOLDER one by one. Exit codes: 0 done, 2 bad input, 77"

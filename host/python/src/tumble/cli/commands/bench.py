@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tumble.cli import options
+from tumble.cli.commands import ABOUT, ALIASES
 from tumble.defaults import DEFAULT_LIMIT_G
 from tumble.errors import (
     EXIT_LIMITS_FAILED,
@@ -15,6 +17,7 @@ from tumble.errors import (
     BadInput,
     BenchFault,
     Interrupted,
+    NotInstalled,
     UsageError,
     file_name,
     quoted,
@@ -35,17 +38,20 @@ if TYPE_CHECKING:
     from tumble.solving.solution import Solution
 
 
+_NO_REPORT = "TUMBLE_NO_REPORT"
+
+
 def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "bench",
-        aliases=["simulate"],
-        help="calibrate on a simulated stand: the firmware itself, in virtual time",
+        aliases=ALIASES["bench"],
+        help=ABOUT["bench"],
         description="Let the firmware calibrate a block on a simulated stand over CAN, and confirm what it finds.",
-        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, inputs/. After a fault: run.csv as far"
-        " as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0 pass, 1 gravity"
-        " check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy disagree, 77 the"
-        " bus is not to be had here, 130 interrupted, the table stopped.",
+        epilog="Leaves a run folder: run.csv, bus.log (candump -L), result.json, report.html, inputs/. After a fault:"
+        " run.csv as far as it got, bus.log, fault.json, inputs/. After bad input or Ctrl-C: nothing. Exit codes: 0"
+        " pass, 1 gravity check failed or the run does not fit its stand, 2 bad input, 3 fault, or firmware and numpy"
+        " disagree, 77 the bus is not to be had here, 130 interrupted, the table stopped.",
     )
     options.add_seed(parser, "; replays a run exactly")
     parser.add_argument("--stand", metavar="FILE", help="stand file (TOML); default: the paper's stand")
@@ -77,7 +83,16 @@ def add_to(subparsers: options.Subparsers) -> None:
     )
     options.add_limit(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder, new or empty; default: runs/<UTC time>-<seed>")
-    parser.add_argument("--report", action="store_true", help="leave a report in the run folder too, report.html")
+    wishes = parser.add_mutually_exclusive_group()
+    wishes.add_argument(
+        "--report",
+        action="store_true",
+        help="leave a report in the run folder too, report.html; default: if what it needs is installed, and without"
+        " --json",
+    )
+    wishes.add_argument(
+        "--no-report", action="store_true", help=f"leave none; as where the environment has {_NO_REPORT}=1"
+    )
     options.add_json(parser)
     parser.set_defaults(run_command=run)
 
@@ -88,10 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tumble.bench import board, folder, gains, outcome, realbus, setup
     from tumble.cli.output import print_solution, warn
 
-    if arguments.report:
-        from tumble.report.make import HTML, require_installed
-
-        require_installed(HTML)
+    with_report = _wants_report(arguments)
     bus = realbus.require_bus(arguments.bus)
     if arguments.firmware == board.FIRMWARE and arguments.interactive:
         raise UsageError(f"--interactive: not with --firmware {board.FIRMWARE}")
@@ -113,13 +125,30 @@ def run(arguments: argparse.Namespace) -> int:
             tell(f"run folder: {file_name(path)}")
             raise
         text = _result_text(solution, wanted, arguments, stand_file)
-        if arguments.report:
+        if with_report:
             made.add("report.html", _report(text, made.stage / "run.csv"))
         made.keep(outcome.DOCUMENT, result=text)
     tell(f"run folder: {file_name(path)}")
     warn(complaints(solution))
     print_solution(solution, text if arguments.json else None, f"seed {wanted.seed}")
     return EXIT_PASS if solution.passed else EXIT_LIMITS_FAILED
+
+
+def _wants_report(arguments: argparse.Namespace) -> bool:
+    """Is one to be left? Where nobody asks for it, it is for people, and where it cannot be made they are told. Raises
+    NotInstalled where it is asked for and cannot."""
+    if not arguments.report and (arguments.no_report or arguments.json or os.environ.get(_NO_REPORT)):
+        return False
+    from tumble.report.make import HTML, require_installed
+
+    try:
+        require_installed(HTML)
+    except NotInstalled as error:
+        if arguments.report:
+            raise
+        tell(f"tumble: no report is left: {error}; --no-report to do without")
+        return False
+    return True
 
 
 def _read_files(arguments: argparse.Namespace) -> dict[str, bytes]:

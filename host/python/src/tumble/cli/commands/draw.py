@@ -7,6 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from tumble.cli import options
+from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, UsageError
 from tumble.schedule import file_of
 
@@ -29,7 +30,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     subjects = options.add_subjects(
         subparsers,
         "draw",
-        "draw the stand, mountings, angles, the run or the bus, as SVG",
+        ABOUT["draw"],
         "Draw, as SVG, at most 170 mm wide. Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )
     for name, about in _SUBJECTS.items():

@@ -6,6 +6,7 @@ import argparse
 import sys
 from typing import Any
 
+from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers, parse_number, require_ending
 from tumble.errors import EXIT_PASS, BadInput, UsageError, file_name, quoted
 from tumble.messages import tell
@@ -26,7 +27,7 @@ def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "export",
-        help="write the coefficients of a result for other programs: C, CSV, MATLAB, ROS, imucal",
+        help=ABOUT["export"],
         description="Write the coefficients of a result, each with its unit and its standard uncertainty.",
         epilog="Exit codes: 0 done, 2 bad input, 130 interrupted.",
     )

@@ -8,6 +8,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
+from tumble.cli.commands import ABOUT
 from tumble.cli.options import (
     Subparsers,
     add_estimator,
@@ -32,7 +33,7 @@ DEFAULT_CONFIDENCE = 0.95
 
 def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "fixture", "judge a stand by the runs made on it")
+    subjects = add_subjects(subparsers, "fixture", ABOUT["fixture"])
     parser = subjects.add_parser(
         "check",
         help="runs against a stand file and an acceptance limit",

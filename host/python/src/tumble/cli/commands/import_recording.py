@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tumble.cli import layout_options, options
+from tumble.cli.commands import ABOUT
 from tumble.errors import EXIT_PASS, UsageError, quoted
 from tumble.schedule import file_of
 
@@ -27,7 +28,7 @@ def add_to(subparsers: options.Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "import",
-        help="make a run file from continuous recordings: rests found and matched to a schedule",
+        help=ABOUT["import"],
         description="Find the rests in time-stamped recordings, match them to the positions of a schedule by the"
         " direction of gravity, and write a run file. What was taken for granted is told, what fits two ways refused.",
         epilog="Exit codes: 0 done, 2 bad input or a recording in doubt, 77 a package is missing, 130 interrupted.",

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from tumble.cli.commands import plan_budget, plan_optimize, plan_paper, plan_require, plan_schedule, plan_validate
+from tumble.cli.commands import (
+    ABOUT,
+    plan_budget,
+    plan_optimize,
+    plan_paper,
+    plan_require,
+    plan_schedule,
+    plan_validate,
+)
 from tumble.cli.options import Subparsers, add_subjects
 
 # each is a module with add_to(subparsers), as a command is
@@ -14,7 +22,7 @@ def add_to(subparsers: Subparsers) -> None:
     subjects = add_subjects(
         subparsers,
         "plan",
-        "what a stand is worth before a run: error budget, requirements, optimal weights",
+        ABOUT["plan"],
         "What a stand is worth, before anything is measured on it.",
     )
     for subject in _SUBJECTS:

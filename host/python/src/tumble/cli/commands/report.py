@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 
 from tumble.cli import layout_options
+from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers
 from tumble.errors import EXIT_PASS, UsageError
 
@@ -15,7 +16,7 @@ def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
     parser = subparsers.add_parser(
         "report",
-        help="write a calibration report on a result: HTML or PDF",
+        help=ABOUT["report"],
         description="Write a calibration report on a result, with what ISO/IEC 17025 asks of one: one HTML file that"
         " needs no other, or the same as PDF.",
         epilog="Exit codes: 0 done, also of a result that failed; 2 bad input; 77 a package is missing; 130"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers, add_json, add_subjects, parse_whole
 from tumble.errors import EXIT_PASS
 
@@ -13,7 +14,7 @@ _LARGEST_SECTOR = 1 << 24
 
 def add_to(subparsers: Subparsers) -> None:
     """Describe the command to argparse."""
-    subjects = add_subjects(subparsers, "store", "look into the non-volatile memory of a navigation computer")
+    subjects = add_subjects(subparsers, "store", ABOUT["store"])
     parser = subjects.add_parser(
         "dump",
         help="what an image of the memory holds",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from tumble.cli.commands import ABOUT
 from tumble.cli.options import Subparsers
 
 
@@ -12,7 +13,7 @@ def add_to(subparsers: Subparsers) -> None:
     parser = subparsers.add_parser(
         "uml",
         usage="%(prog)s [-h] [-- COMMAND ...]",
-        help="run any command inside user-mode Linux, with a CAN interface vcan0",
+        help=ABOUT["uml"],
         description="Run a command inside user-mode Linux, a kernel as an ordinary process, where vcan0 is up. It may"
         " write in the directory it is called in, in the checkout, and in a TMPDIR that is gone afterwards; it has no"
         " other network than vcan0 and 127.0.0.1. All that it started ends with it.",
