@@ -132,7 +132,8 @@ static tumble_abort_t refusal_of(tumble_status_t status)
 
 static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
 {
-    return refusal_of(tumble_navcomp_command(navcomp, (tumble_command_t)command, navcomp->objects.command_argument));
+    return refusal_of(
+        tumble_navcomp_command(navcomp, (tumble_command_t)command, tumble_staged(navcomp)->command_argument));
 }
 
 /* Between runs only: the means of one run are taken in one way. */

@@ -199,6 +199,47 @@ static void test_silence(void)
     TEST_ASSERT_GREATER_THAN_UINT32(1, bench.poller.published.number);
 }
 
+/* It leaves the first server to others, and asks it nothing, as long as the second one answers. */
+static void test_it_uses_the_second_server(void)
+{
+    bench.k_xx = 2.0;
+    for (int polls = 0; polls < 3; polls++) {
+        pass(PERIOD_US);
+        TEST_ASSERT_TRUE(bench.is_second);
+    }
+    TEST_ASSERT_EQUAL_UINT(0, bench.looks);
+}
+
+static void test_a_node_with_one_server(void)
+{
+    gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
+    bench.has_one_server = true;
+    bench.k_xx = 2.0;
+    pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    pass(3U * PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    TEST_ASSERT_EQUAL_UINT(1, bench.looks); /* once, not with every poll */
+    carry_out(&command);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
+}
+
+/* Wherever silence has left it, it is back on the second server as soon as the node answers. */
+static void test_after_silence_it_finds_the_second_server(void)
+{
+    for (uint64_t silent_us = 0; silent_us < 5U * PERIOD_US; silent_us += PERIOD_US / 4U) {
+        bench.silent = true;
+        pass(silent_us);
+        bench.silent = false;
+        pass(3U * PERIOD_US);
+        TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+        TEST_ASSERT_TRUE(bench.is_second);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(0, bench.looks);
+}
+
 static void test_a_bus_that_is_down(void)
 {
     bench.fake.send_status = TUMBLE_E_PORT_DOWN;
