@@ -260,6 +260,8 @@ static const tumble_entry_t entries[] = {
     /* Run number */
     {0x2007U, 0U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ | TUMBLE_ACCESS_MAP_TRANSMIT, 4U, 0U, 0U, 0U, 0U},
+    /* Run */
+    {0x2008U, 1U, TUMBLE_TYPE_UNSIGNED32, TUMBLE_HOME_COMPUTED, TUMBLE_ACCESS_READ, 4U, 0U, 0U, 2U, 0U},
     /* Running mean */
     {0x2010U, 1U, TUMBLE_TYPE_REAL64, TUMBLE_HOME_COMPUTED,
      TUMBLE_ACCESS_READ, 8U, 0U, 0U, 2U, offsetof(tumble_navcomp_progress_t, mean_v[0])},

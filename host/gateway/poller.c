@@ -33,7 +33,7 @@ static void rest(gateway_poller_t *poller, uint64_t next_us)
 
 static void begin_poll(gateway_poller_t *poller, uint64_t now_us)
 {
-    memset(&poller->building, 0, sizeof poller->building);
+    poller->building = (gateway_snapshot_t){.ended = poller->queue.ended};
     poller->must_be_fresh = poller->must_be_fresh || poller->has_booted;
     poller->has_booted = false;
     poller->is_partial = false;
@@ -243,15 +243,15 @@ static void note_sent(gateway_poller_t *poller, uint32_t group, uint64_t now_us)
 
 static void take_written(gateway_poller_t *poller, uint64_t now_us)
 {
-    const gateway_command_t *const command = &poller->queue.items[0].command;
+    const gateway_command_t command = poller->queue.items[0].command;
     poller->part++;
     if (poller->client.result != TUMBLE_OK) {
         poller->written |=
-            gateway_channel_is_disturbed(&poller->client) ? 1U << command->group : 0U; /* the node may have taken it */
+            gateway_channel_is_disturbed(&poller->client) ? 1U << command.group : 0U; /* the node may have taken it */
         end_command(poller, GATEWAY_RESULT_REFUSED, GATEWAY_COUNT_COMMANDS_REFUSED);
-    } else if (poller->part == command->count) {
-        note_sent(poller, command->group, now_us);
+    } else if (poller->part == command.count) {
         end_command(poller, GATEWAY_RESULT_ACCEPTED, GATEWAY_COUNT_COMMANDS_SENT);
+        note_sent(poller, command.group, now_us);
     }
 }
 

@@ -37,6 +37,7 @@ typedef enum { GATEWAY_LINK_UNKNOWN = 0, GATEWAY_LINK_UP, GATEWAY_LINK_SILENT, G
 typedef struct {
     uint32_t number; /* 0: none yet */
     uint64_t taken_us;
+    uint32_t ended;                    /* commands that had their result before its first value was read */
     uint16_t words[GATEWAY_INPUT_END]; /* 0 below GATEWAY_OWN_END */
 } gateway_snapshot_t;
 
