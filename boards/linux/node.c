@@ -293,6 +293,7 @@ static tumble_status_t init_firmware(bench_world_t *world, node_t *node)
     const bench_config_t *const config = world->config;
     world->hooks = (tumble_navcomp_hooks_t){node, on_sample};
     world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks, &world->stand);
+    world->navcomp_config.second_client = &world->second_client;
     if (world->port.nv != NULL) {
         add_keeper(world, node);
     }

@@ -30,10 +30,18 @@ void node_log_ready(const node_options_t *options)
 
 void node_log_frame(node_log_t *log, const tumble_can_frame_t *frame)
 {
-    if (frame->id == TUMBLE_SDO_REQUEST_ID + NODE &&
-        (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) == TUMBLE_SDO_DOWNLOAD_REQUEST &&
-        tumble_get_u16(&frame->data[1]) == TUMBLE_NAVCOMP_INDEX_COMMAND && frame->data[3] == COMMAND) {
-        log->asked = frame->data[4];
+    const unsigned kind = frame->id - NODE;
+    const bool is_second = kind == TUMBLE_SDO_SECOND_REQUEST_ID || kind == TUMBLE_SDO_SECOND_RESPONSE_ID;
+    const uint8_t service = frame->data[0] & TUMBLE_SDO_COMMAND_MASK;
+    if (tumble_get_u16(&frame->data[1]) != TUMBLE_NAVCOMP_INDEX_COMMAND || frame->data[3] != COMMAND) {
+        return;
+    }
+    if ((kind == TUMBLE_SDO_REQUEST_ID || kind == TUMBLE_SDO_SECOND_REQUEST_ID) &&
+        service == TUMBLE_SDO_DOWNLOAD_REQUEST) {
+        log->asked_by[is_second] = frame->data[4];
+    } else if ((kind == TUMBLE_SDO_RESPONSE_ID || kind == TUMBLE_SDO_SECOND_RESPONSE_ID) &&
+               service == TUMBLE_SDO_ABORT) {
+        log->asked = log->asked_by[is_second];
     }
 }
 

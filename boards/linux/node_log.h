@@ -11,7 +11,8 @@
 
 /* What was told last. */
 typedef struct {
-    uint8_t asked; /* the command that somebody wrote last, by SDO */
+    uint8_t asked_by[2]; /* the command that was written last, through either SDO server */
+    uint8_t asked;       /* the one that was refused last */
     run_log_sets_t sets;
     bool is_unlocked;
 } node_log_t;

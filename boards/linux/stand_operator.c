@@ -10,8 +10,9 @@
 
 #define STATE_PDO 0x181U
 #define STATE_PDO_BYTES 8U
-#define REQUEST 0x601U
+#define REQUEST 0x601U /* to the first SDO server of node 1 */
 #define ANSWER 0x581U
+#define SECOND 0x200U /* so much lower are both of the second one */
 #define DOWNLOADED 0x60U
 #define ABORTED 0x80U
 #define COMMAND_INDEX 0x2002U
@@ -23,8 +24,11 @@
 
 void stand_operator_init(stand_operator_t *operator, stand_operator_kind_t kind)
 {
-    *operator = (stand_operator_t){
-        .kind = kind, .starts = kind == STAND_OPERATOR_STARTS, .act_us = SIM_NEVER, .patience_us = SIM_NEVER};
+    *operator = (stand_operator_t){.kind = kind,
+                                   .starts = kind == STAND_OPERATOR_STARTS,
+                                   .below = SECOND,
+                                   .act_us = SIM_NEVER,
+                                   .patience_us = SIM_NEVER};
 }
 
 /* What the state PDO says, as far as it goes. */
@@ -121,7 +125,8 @@ static void request(const stand_operator_t *operator, bench_world_t *world)
 {
     const uint8_t subindex = operator->argued ? COMMAND : ARGUMENT;
     const uint8_t value = operator->argued ? operator->command : operator->argument;
-    const tumble_can_frame_t frame = {REQUEST, 8U, {0x2FU, COMMAND_INDEX & 0xFFU, COMMAND_INDEX >> 8, subindex, value}};
+    const uint16_t id = (uint16_t)(REQUEST - operator->below);
+    const tumble_can_frame_t frame = {id, 8U, {0x2FU, COMMAND_INDEX & 0xFFU, COMMAND_INDEX >> 8, subindex, value}};
     (void)sim_bus_send(&world->bus, STAND_BUS_OPERATOR, &frame);
 }
 
@@ -130,6 +135,7 @@ static void give(stand_operator_t *operator, bench_world_t *world, tumble_comman
     operator->command = (uint8_t)command;
     operator->argument = argument;
     operator->argued = false;
+    operator->refused = false;
     operator->act_us = SIM_NEVER;
     operator->patience_us = world->clock.now_us + PATIENCE_US;
     request(operator, world);
@@ -150,6 +156,7 @@ static void answered(stand_operator_t *operator, bench_world_t *world, const uin
         drop_command(operator);
     } else if (ours && data[0] == ABORTED) {
         operator->refusals++;
+        operator->refused = true;
         operator->patience_us = world->clock.now_us;
         if (operator->kind == STAND_OPERATOR_ASKS) {
             drop_command(operator);
@@ -162,7 +169,7 @@ void stand_operator_hear(stand_operator_t *operator, bench_world_t *world, const
     if (frame->id == STATE_PDO && read_progress(world, frame, &world->progress)) {
         tell_simulation(world);
         look(operator, world);
-    } else if (frame->id == ANSWER && frame->length == 8U) {
+    } else if (frame->id == ANSWER - operator->below && frame->length == 8U) {
         answered(operator, world, frame->data);
     }
 }
@@ -222,6 +229,9 @@ void stand_operator_step(stand_operator_t *operator, bench_world_t *world)
     if (world->clock.now_us >= operator->act_us) {
         act(operator, world);
     } else if (world->clock.now_us >= operator->patience_us) {
+        if (!operator->refused) {
+            operator->below = SECOND - operator->below; /* node 1 may have the other one alone */
+        }
         give(operator, world, (tumble_command_t)operator->command, operator->argument);
         operator->patience_us = world->clock.now_us + AGAIN_US;
     }

@@ -1,6 +1,7 @@
 /* stand_operator.h - the operator of a simulated stand whose firmware runs elsewhere.
  *
- * He reads the state PDO of node 1 and answers by SDO: puts the block on the table as asked and confirms it, mends what
+ * He reads the state PDO of node 1 and answers by SDO, through its second server, so that he does not disturb scripts on
+ * the first; through the first one, where that alone answers: puts the block on the table as asked and confirms it, mends what
  * the scenario lets him mend, and, if told to, gives the command to start. Or he does nothing by himself: a person says
  * when it is done, and what is to be done after a fault. Or he lends his hands alone and sends nothing: the script or
  * PLC that is tried talks to node 1. So it is the same to him whether node 1 is a process of Linux, an emulated board
@@ -32,6 +33,8 @@ typedef struct {
     uint8_t command;           /* under way by SDO; 0: none */
     uint8_t argument;
     bool argued;          /* the argument has been taken */
+    bool refused;         /* an answer came */
+    uint16_t below;       /* by how much identifiers are lower than those of the first SDO server: it is the second */
     uint64_t patience_us; /* until then he waits for the answer to an SDO request */
     uint64_t early_us;    /* until then a "done" counts that came before its question was heard */
     uint32_t answers;     /* commands accepted */

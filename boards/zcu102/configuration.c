@@ -18,7 +18,7 @@
 
 /* Four filters, 22 identifiers of 2048: a bus full of others' frames does not reach the queue. */
 static const zcu102_can_filter_t FILTERS[ZCU102_CAN_FILTERS] = {
-    {0x000, 0x1FE}, /* NMT command; SDO to us (601h); and six more */
+    {0x000, 0x1FE}, /* NMT command; SDO to us (601h, 401h); and five more */
     {0x082, 0x6FE}, /* emergencies of drive and block; the drive's process data (182h); 183h */
     {0x683, 0x7EF}, /* the two halves of a sample (683h, 693h) */
     {0x702, 0x57E}, /* heartbeats of drive and block; SDO of the drive (582h); and five more */

@@ -24,6 +24,7 @@ static zcu102_commissioned_t commissioned;
 static tumble_navcomp_config_t config;
 static tumble_navcomp_t navcomp;
 static tumble_drive402_t drive;
+static tumble_second_client_t second_client;
 
 static void put_pair(const char *name, uint64_t value)
 {
@@ -120,6 +121,7 @@ static tumble_status_t init(void)
     config.port = &port.port;
     config.stand_memory = &drive;
     config.stand_bytes = sizeof drive;
+    config.second_client = &second_client;
     return (status == TUMBLE_OK) ? tumble_navcomp_init(&navcomp, &config) : status;
 }
 

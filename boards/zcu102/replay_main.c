@@ -20,6 +20,7 @@ static zcu102_commissioned_t commissioned;
 static tumble_navcomp_config_t config;
 static tumble_navcomp_t navcomp;
 static tumble_drive402_t drive;
+static tumble_second_client_t second_client;
 
 static void put_line(const char *name, uint64_t value)
 {
@@ -89,6 +90,7 @@ int main(void)
         config.port = &replay.port;
         config.stand_memory = &drive;
         config.stand_bytes = sizeof drive;
+        config.second_client = &second_client;
         status = tumble_navcomp_init(&navcomp, &config);
     }
     if (status != TUMBLE_OK) {

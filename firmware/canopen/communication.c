@@ -9,9 +9,11 @@
 #define PRODUCER_TIME 0x1017U
 #define ERROR_BEHAVIOUR 0x1029U
 #define SDO_SERVER 0x1200U
+#define SECOND_SDO_SERVER 0x1201U
 #define SDO_CLIENT 0x1280U
 #define FIRST_PDO 0x1400U
 #define LAST_PDO 0x1BFFU
+#define PDO_MAPPING 0x0200U /* set in 1600h and 1A00h, not in 1400h and 1800h */
 
 void tumble_communication_mend(tumble_node_t *node)
 {
@@ -40,17 +42,26 @@ static tumble_abort_t read_history(const tumble_emcy_t *emcy, uint8_t subindex, 
     return refusal;
 }
 
-/* Subindex 1: identifier from client to server, 2: back, 3: the node at the other end. Without such a node the
- * identifiers are marked invalid. */
-static uint32_t sdo_parameter(uint8_t server, uint8_t subindex)
+/* Subindex 1: identifier from client to server, 2: back, 3: the node at the other end. Without such a node, or without
+ * the server, the identifiers are marked invalid. */
+static uint32_t sdo_parameter(uint8_t server, uint8_t subindex, bool is_there)
 {
     uint32_t value = server;
 
     if (subindex != 3U) {
         value += (subindex == 1U) ? TUMBLE_SDO_REQUEST_ID : TUMBLE_SDO_RESPONSE_ID;
-        value |= (server == 0U) ? TUMBLE_PDO_INVALID : 0U;
+        value |= is_there ? 0U : TUMBLE_PDO_INVALID;
     }
     return value;
+}
+
+/* Would a PDO with this identifier be taken for a frame of the second server, or this for one of it? */
+static bool is_of_second(const tumble_node_t *node, uint32_t cob_id)
+{
+    const uint32_t kind = (cob_id & (TUMBLE_PDO_INVALID | TUMBLE_CAN_MAX_ID)) - node->config->node;
+
+    return (node->server.second != NULL) &&
+           ((kind == TUMBLE_SDO_SECOND_REQUEST_ID) || (kind == TUMBLE_SDO_SECOND_RESPONSE_ID));
 }
 
 static bool is_consumer(uint8_t subindex)
@@ -75,9 +86,11 @@ static tumble_abort_t read_number(tumble_node_t *node, uint16_t index, uint8_t s
     } else if (index == ERROR_BEHAVIOUR) {
         *value = node->on_error;
     } else if (index == SDO_CLIENT) {
-        *value = sdo_parameter(node->client.node, subindex);
+        *value = sdo_parameter(node->client.node, subindex, node->client.node != 0U);
     } else if (index == SDO_SERVER) {
-        *value = sdo_parameter(node->config->node, subindex);
+        *value = sdo_parameter(node->config->node, subindex, true);
+    } else if (index == SECOND_SDO_SERVER) {
+        *value = sdo_parameter(node->config->node, subindex, node->server.second != NULL) - TUMBLE_SDO_TO_SECOND;
     } else if (index == EMCY_ID) {
         *value = TUMBLE_EMCY_ID + (uint32_t)node->config->node;
     } else {
@@ -111,7 +124,9 @@ static tumble_abort_t write_number(tumble_node_t *node, uint16_t index, uint8_t 
 {
     tumble_abort_t refusal = TUMBLE_ABORT_NONE;
 
-    if (is_pdo(index)) {
+    if (is_pdo(index) && (subindex == 1U) && ((index & PDO_MAPPING) == 0U) && is_of_second(node, value)) {
+        refusal = TUMBLE_ABORT_VALUE;
+    } else if (is_pdo(index)) {
         refusal = tumble_pdo_write_parameter(&node->pdos, &node->dictionary, index, subindex, value);
     } else if (index == ERROR_HISTORY) {
         refusal = write_history(&node->emcy, value);

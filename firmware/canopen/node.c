@@ -61,9 +61,14 @@ static tumble_abort_t set_defaults(tumble_node_t *node, const tumble_node_defaul
 static tumble_abort_t start(tumble_node_t *node)
 {
     const tumble_node_config_t *config = node->config;
+    tumble_second_server_t *second = node->server.second;
 
     tumble_nmt_init(&node->nmt, config->node, config->defaults->heartbeat_ms);
-    tumble_sdo_server_init(&node->server, config->node);
+    tumble_sdo_server_init(&node->server, (uint16_t)(TUMBLE_SDO_RESPONSE_ID + config->node));
+    node->server.second = second;
+    if (second != NULL) {
+        tumble_sdo_server_init(&second->server, (uint16_t)(TUMBLE_SDO_SECOND_RESPONSE_ID + config->node));
+    }
     tumble_sdo_client_drop(&node->client);
     tumble_pdo_init(&node->pdos);
     tumble_emcy_init(&node->emcy, config->node);
@@ -115,6 +120,7 @@ tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t
     };
     tumble_link_init(&node->link, binding->port);
     tumble_sdo_client_init(&node->client);
+    node->server.second = binding->second;
     return (start(node) == TUMBLE_ABORT_NONE) ? TUMBLE_OK : TUMBLE_E_ARGUMENT;
 }
 
@@ -251,6 +257,19 @@ static bool is_answer(const tumble_node_t *node, uint16_t id)
     return (node->client.node != 0U) && (id == (TUMBLE_SDO_RESPONSE_ID + node->client.node));
 }
 
+/* What the client stages are variables of its own, for as long as its request is served. */
+static void receive_second(tumble_node_t *node, const tumble_can_frame_t *frame)
+{
+    tumble_second_server_t *second = node->server.second;
+    void *const variables = node->dictionary.variables;
+
+    second->server.held = node->server.held;
+    second->server.service = node->server.service;
+    node->dictionary.variables = second->variables;
+    tumble_sdo_server_receive(&second->server, &node->dictionary, frame, node->now_us);
+    node->dictionary.variables = variables;
+}
+
 TUMBLE_ONE_COPY bool tumble_node_receive(tumble_node_t *node, const tumble_can_frame_t *frame, uint64_t now_us)
 {
     bool mine = true;
@@ -264,6 +283,9 @@ TUMBLE_ONE_COPY bool tumble_node_receive(tumble_node_t *node, const tumble_can_f
         receive_heartbeat(node, frame);
     } else if ((frame->id == (TUMBLE_SDO_REQUEST_ID + node->config->node)) && has_sdo(node)) {
         tumble_sdo_server_receive(&node->server, &node->dictionary, frame, now_us);
+    } else if ((frame->id == (TUMBLE_SDO_SECOND_REQUEST_ID + node->config->node)) && (node->server.second != NULL) &&
+               has_sdo(node)) {
+        receive_second(node, frame);
     } else if (is_answer(node, frame->id) && has_sdo(node)) {
         tumble_sdo_client_receive(&node->client, frame);
     } else {
@@ -293,15 +315,31 @@ static void watch(tumble_node_t *node)
     }
 }
 
+void tumble_node_answer(tumble_node_t *node, tumble_abort_t refusal)
+{
+    tumble_sdo_server_answer(&node->server, refusal);
+    if (node->server.second != NULL) {
+        tumble_sdo_server_answer(&node->server.second->server, refusal);
+    }
+}
+
 /* Emergencies live where SDO does. */
 static void step_sdo(tumble_node_t *node)
 {
+    tumble_second_server_t *second = node->server.second;
+
     if (has_sdo(node)) {
         tumble_emcy_step(&node->emcy, &node->link);
         tumble_sdo_server_step(&node->server, &node->link, node->now_us);
+        if (second != NULL) {
+            tumble_sdo_server_step(&second->server, &node->link, node->now_us);
+        }
         tumble_sdo_client_step(&node->client, &node->link, node->now_us);
     } else {
         tumble_sdo_server_drop(&node->server);
+        if (second != NULL) {
+            tumble_sdo_server_drop(&second->server);
+        }
         tumble_sdo_client_drop(&node->client);
     }
 }
@@ -328,6 +366,9 @@ TUMBLE_ONE_COPY uint64_t tumble_node_next_us(const tumble_node_t *node)
 
     if (has_sdo(node)) {
         next_us = tumble_earlier(next_us, tumble_sdo_server_next_us(&node->server));
+        if (node->server.second != NULL) {
+            next_us = tumble_earlier(next_us, tumble_sdo_server_next_us(&node->server.second->server));
+        }
         next_us = tumble_earlier(next_us, tumble_sdo_client_next_us(&node->client));
         next_us = (node->emcy.queued > 0U) ? 0U : next_us;
     }

@@ -81,12 +81,19 @@ typedef struct {
     uint8_t node;                       /* 1 to 127 */
 } tumble_node_config_t;
 
+/* A second SDO server (1201h), for a client of its own. Its memory is the owner's, who sets `variables` alone. */
+typedef struct tumble_second_server {
+    tumble_sdo_server_t server;
+    void *variables; /* TUMBLE_HOME_VARIABLES as its client sees and writes them */
+} tumble_second_server_t;
+
 /* What a node is bound to; copied by init. */
 typedef struct {
     const tumble_port_t *port;
-    void *variables; /* TUMBLE_HOME_VARIABLES; may be null if the table has none */
-    void *other;     /* TUMBLE_HOME_OTHER; likewise */
-    void *context;   /* of hooks, the extension's too, and events */
+    tumble_second_server_t *second; /* null: it has one SDO server */
+    void *variables;                /* TUMBLE_HOME_VARIABLES; may be null if the table has none */
+    void *other;                    /* TUMBLE_HOME_OTHER; likewise */
+    void *context;                  /* of hooks, the extension's too, and events */
 } tumble_node_binding_t;
 
 typedef struct {
@@ -97,7 +104,7 @@ typedef struct {
     tumble_link_t link;
     tumble_dictionary_t dictionary;
     tumble_emcy_t emcy;
-    tumble_sdo_server_t server;
+    tumble_sdo_server_t server; /* what the owner sets of it holds for the second as well */
     tumble_sdo_client_t client;
     tumble_pdos_t pdos;
 } tumble_node_t;
@@ -112,6 +119,9 @@ tumble_status_t tumble_node_init(tumble_node_t *node, const tumble_node_config_t
 
 /* Take a frame in. True when it was a service of this node (whatever became of it); false: not for this node. */
 bool tumble_node_receive(tumble_node_t *node, const tumble_can_frame_t *frame, uint64_t now_us);
+
+/* tumble_sdo_server_answer of whichever server waits for it. */
+void tumble_node_answer(tumble_node_t *node, tumble_abort_t refusal);
 
 /* Send what is due, watch all times. */
 void tumble_node_step(tumble_node_t *node, uint64_t now_us);

@@ -15,6 +15,8 @@
 
 #define TUMBLE_SDO_REQUEST_ID 0x600U          /* + node: client to server */
 #define TUMBLE_SDO_RESPONSE_ID 0x580U         /* + node: server to client */
+#define TUMBLE_SDO_SECOND_REQUEST_ID 0x400U   /* the same of a second server, 1201h: so that two clients can talk to */
+#define TUMBLE_SDO_SECOND_RESPONSE_ID 0x380U  /* one node at the same time */
 #define TUMBLE_SDO_SERVER_TIMEOUT_US 1000000U /* of a client that falls silent within a segmented transfer */
 #define TUMBLE_SDO_CLIENT_TIMEOUT_US 500000U  /* of one answer of a server */
 
@@ -33,22 +35,24 @@ typedef struct {
     uint8_t size;     /* upload: bytes in all; download: bytes announced, 0 if none were */
     uint8_t done;     /* bytes moved so far */
     uint8_t toggle;   /* 0x00 or 0x10: what the next segment must carry */
-    uint8_t node;     /* 1 to 127 */
     bool answer_due;
     bool held;            /* the owner's to set: writes to what carries process data are refused; see receive */
+    bool service;         /* likewise: TUMBLE_ACCESS_SERVICE may be written */
     uint16_t dropped;     /* requests dropped: not eight bytes long, or sent before the last one was answered */
     uint16_t aborted;     /* transfers refused or ended by an abort, either side's */
     uint16_t index;       /* of the transfer, for aborts */
-    bool service;         /* the owner's to set: TUMBLE_ACCESS_SERVICE may be written */
+    uint16_t response_id; /* of its answers */
     uint64_t deadline_us; /* TUMBLE_NEVER: no transfer under way */
     tumble_entry_t entry; /* download: of the object */
     uint8_t answer[TUMBLE_CAN_MAX_BYTES];
     uint8_t bytes[TUMBLE_MAX_OBJECT_BYTES];
+    struct tumble_second_server *second; /* of the same node (node.h); null: it has none */
 } tumble_sdo_server_t;
 
-void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node);
+/* `response_id`: TUMBLE_SDO_RESPONSE_ID or TUMBLE_SDO_SECOND_RESPONSE_ID, + node. */
+void tumble_sdo_server_init(tumble_sdo_server_t *server, uint16_t response_id);
 
-/* Take a request (a frame whose identifier is TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h,
+/* Take a request (a frame that is known by its identifier, TUMBLE_SDO_REQUEST_ID + node). While the server is `held`, 1016h,
  * 1017h, 1029h, the first two PDOs of each direction (1400h, 1600h, 1800h, 1A00h and those after them) and objects of
  * TUMBLE_HOME_OTHER can be read only: a write is refused with TUMBLE_ABORT_DEVICE_STATE. So is one of what is
  * TUMBLE_ACCESS_SERVICE, unless the server is at `service` level. */
@@ -68,8 +72,7 @@ void tumble_sdo_server_drop(tumble_sdo_server_t *server);
 /* The next moment at which step has something to do; one that is over: at once. */
 uint64_t tumble_sdo_server_next_us(const tumble_sdo_server_t *server);
 
-/* Client. Ask with read or write, then look at `result` until it is no longer TUMBLE_E_SDO_BUSY. The server is reached
- * on its default identifiers. */
+/* Client. Ask with read or write, then look at `result` until it is no longer TUMBLE_E_SDO_BUSY. */
 typedef struct {
     tumble_status_t result;
     uint8_t subindex;
@@ -83,6 +86,7 @@ typedef struct {
     bool request_due;
     uint16_t ignored; /* answers that belong to no request: late, from before a timeout, malformed */
     uint16_t index;
+    uint16_t below;        /* TUMBLE_SDO_TO_FIRST or TUMBLE_SDO_TO_SECOND; not to be changed within a transfer */
     uint8_t *sink;         /* upload: the caller's memory; null: `value` below */
     const uint8_t *source; /* download: likewise */
     uint32_t abort;        /* why the last transfer failed: the server's code or this end's; 0: it did not */
@@ -91,6 +95,11 @@ typedef struct {
     uint8_t value[8];
 } tumble_sdo_client_t;
 
+/* Which server of the node it asks: by how much identifiers are below those of the first. */
+#define TUMBLE_SDO_TO_FIRST 0U
+#define TUMBLE_SDO_TO_SECOND (TUMBLE_SDO_REQUEST_ID - TUMBLE_SDO_SECOND_REQUEST_ID)
+
+/* For the first server of a node. */
 void tumble_sdo_client_init(tumble_sdo_client_t *client);
 
 /* Start to read an object of at most 8 bytes into the client's own memory (tumble_sdo_client_u32 and its like take it
@@ -118,7 +127,7 @@ void tumble_sdo_client_cancel(tumble_sdo_client_t *client);
  * TUMBLE_E_SDO_ABORTED with TUMBLE_ABORT_DEVICE_STATE. */
 void tumble_sdo_client_drop(tumble_sdo_client_t *client);
 
-/* Take an answer (identifier TUMBLE_SDO_RESPONSE_ID + any node; those of other nodes are not this client's). */
+/* Take an answer (of any identifier; those of other nodes and servers are not this client's). */
 void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_frame_t *frame);
 
 /* Send the request that is due; end a transfer whose server fell silent. The time of the answer runs from the moment

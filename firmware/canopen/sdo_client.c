@@ -313,7 +313,7 @@ static void aborted(tumble_sdo_client_t *client, const tumble_can_frame_t *frame
 
 void tumble_sdo_client_receive(tumble_sdo_client_t *client, const tumble_can_frame_t *frame)
 {
-    if (frame->id != (TUMBLE_SDO_RESPONSE_ID + client->node)) {
+    if (frame->id != (TUMBLE_SDO_RESPONSE_ID + client->node - client->below)) {
         return;
     }
     if ((frame->length != TUMBLE_CAN_MAX_BYTES) || (client->result != TUMBLE_E_SDO_BUSY) || client->request_due) {
@@ -332,8 +332,8 @@ static void send_request(tumble_sdo_client_t *client, tumble_link_t *link, uint6
 {
     bool busy = client->result == TUMBLE_E_SDO_BUSY;
 
-    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node, client->request,
-                                                 sizeof client->request) != TUMBLE_OK;
+    client->request_due = tumble_link_send_bytes(link, TUMBLE_SDO_REQUEST_ID + (uint32_t)client->node - client->below,
+                                                 client->request, sizeof client->request) != TUMBLE_OK;
     if (busy && (!client->request_due || (client->deadline_us == TUMBLE_NEVER))) {
         client->deadline_us = now_us + TUMBLE_SDO_CLIENT_TIMEOUT_US;
     }

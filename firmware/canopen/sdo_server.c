@@ -12,10 +12,10 @@
 #define TRANSMIT_PDO 0x1800U
 #define HELD_PDOS 0xFDFEU /* their first two and the mappings of these, 1600h and 1A00h */
 
-void tumble_sdo_server_init(tumble_sdo_server_t *server, uint8_t node)
+void tumble_sdo_server_init(tumble_sdo_server_t *server, uint16_t response_id)
 {
     (void)memset(server, 0, sizeof *server);
-    server->node = node;
+    server->response_id = response_id;
     server->deadline_us = TUMBLE_NEVER;
 }
 
@@ -311,8 +311,8 @@ void tumble_sdo_server_step(tumble_sdo_server_t *server, tumble_link_t *link, ui
         refuse(server, TUMBLE_ABORT_TIMEOUT);
     }
     if (server->answer_due) {
-        server->answer_due = tumble_link_send_bytes(link, TUMBLE_SDO_RESPONSE_ID + (uint32_t)server->node,
-                                                    server->answer, sizeof server->answer) != TUMBLE_OK;
+        server->answer_due =
+            tumble_link_send_bytes(link, server->response_id, server->answer, sizeof server->answer) != TUMBLE_OK;
     }
 }
 

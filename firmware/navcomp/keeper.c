@@ -250,8 +250,9 @@ static bool is_inhibitable(tumble_command_t command)
 /* A proposal is named once: what was read is what becomes active. */
 static tumble_status_t accept(tumble_keeper_t *keeper)
 {
-    const uint32_t named = keeper->navcomp->objects.command_proposal;
-    keeper->navcomp->objects.command_proposal = 0;
+    tumble_navcomp_objects_t *staged = tumble_staged(keeper->navcomp);
+    const uint32_t named = staged->command_proposal;
+    staged->command_proposal = 0;
     return tumble_sets_accept(&keeper->sets, named);
 }
 

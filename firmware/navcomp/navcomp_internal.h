@@ -40,6 +40,12 @@ static inline bool tumble_run_is_on(const tumble_navcomp_t *navcomp)
     return (state != TUMBLE_STATE_IDLE) && (state != TUMBLE_STATE_DONE) && (state != TUMBLE_STATE_ABORT);
 }
 
+/* The arguments of commands as the SDO client that is served now has staged them; else those of the first. */
+static inline tumble_navcomp_objects_t *tumble_staged(const tumble_navcomp_t *navcomp)
+{
+    return navcomp->node.dictionary.variables;
+}
+
 /* Obey a command that the keeper has not taken. Returns as tumble_navcomp_command. */
 tumble_status_t tumble_navcomp_obey(tumble_navcomp_t *navcomp, tumble_command_t command, uint8_t argument);
 

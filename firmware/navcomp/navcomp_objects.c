@@ -9,6 +9,8 @@
 #define GRAVITY_LIMIT 3U
 #define SERVICE_LEVEL 2U
 #define CONFIGURATION_ESTIMATE 2U /* an enum, and a byte on the bus */
+#define RUN_OF_RESULT 2U
+#define RUN_OF_MEAN 3U
 
 /* Reading. An entry's offset is the place of its member in the struct that the object stands for. */
 
@@ -77,6 +79,24 @@ static tumble_abort_t read_service(const tumble_navcomp_t *navcomp, uint8_t subi
     return TUMBLE_ABORT_NONE;
 }
 
+/* The same run all the time, but only of what there is. */
+static tumble_abort_t read_run(const tumble_navcomp_t *navcomp, uint8_t subindex, uint8_t *bytes)
+{
+    double mean_v[TUMBLE_CHANNELS];
+    double standard_error_v[TUMBLE_CHANNELS];
+    tumble_result_t result;
+    tumble_status_t status = TUMBLE_OK;
+    if (subindex == RUN_OF_RESULT) {
+        status = tumble_navcomp_result(navcomp, &result);
+    } else if (subindex == RUN_OF_MEAN) {
+        status = tumble_procedure_running(&navcomp->procedure, mean_v, standard_error_v);
+    } else {
+        /* there is always a state */
+    }
+    tumble_put_u32(bytes, tumble_service_runs(navcomp));
+    return (status == TUMBLE_OK) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_NO_DATA;
+}
+
 static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *bytes, uint8_t *size)
 {
     const tumble_navcomp_t *navcomp = context;
@@ -105,6 +125,9 @@ static tumble_abort_t read(void *context, const tumble_entry_t *entry, uint8_t *
         tumble_put_u32(bytes, tumble_service_runs(navcomp));
         refusal = TUMBLE_ABORT_NONE;
         break;
+    case TUMBLE_NAVCOMP_INDEX_RUN:
+        refusal = read_run(navcomp, entry->subindex, bytes);
+        break;
     case TUMBLE_NAVCOMP_INDEX_BUS_COUNTERS:
     case TUMBLE_NAVCOMP_INDEX_NODE_COUNTERS:
     case TUMBLE_NAVCOMP_INDEX_BLOCK_COUNTERS:
@@ -132,7 +155,8 @@ static tumble_abort_t refusal_of(tumble_status_t status)
 
 static tumble_abort_t write_command(tumble_navcomp_t *navcomp, uint8_t command)
 {
-    return refusal_of(tumble_navcomp_command(navcomp, (tumble_command_t)command, navcomp->objects.command_argument));
+    return refusal_of(
+        tumble_navcomp_command(navcomp, (tumble_command_t)command, tumble_staged(navcomp)->command_argument));
 }
 
 /* Between runs only: the means of one run are taken in one way. */

@@ -25,7 +25,7 @@ static tumble_status_t serve(tumble_navcomp_t *navcomp, bool turn)
 {
     const tumble_procedure_config_t *config = &navcomp->procedure_config;
     const tumble_stand_t *stand = &navcomp->stand;
-    const double angle_deg = navcomp->objects.command_angle;
+    const double angle_deg = tumble_staged(navcomp)->command_angle;
     if (turn && (!tumble_is_finite(angle_deg) || tumble_exceeds(config->cable_min_deg, angle_deg) ||
                  tumble_exceeds(angle_deg, config->cable_max_deg))) {
         return TUMBLE_E_ARGUMENT;

@@ -130,7 +130,7 @@ static void apply(tumble_parameters_t *parameters)
 
 static void end(tumble_parameters_t *parameters, tumble_abort_t answer)
 {
-    tumble_sdo_server_answer(&parameters->node->server, answer);
+    tumble_node_answer(parameters->node, answer);
     rest(parameters);
 }
 

@@ -75,7 +75,7 @@ void tumble_parameters_restore(tumble_parameters_t *parameters);
 bool tumble_parameters_reading(const tumble_parameters_t *parameters);
 
 /* Begin to save the present values, or to forget what was saved. The SDO server is told the answer at the end
- * (tumble_sdo_server_answer).
+ * (tumble_node_answer).
  * Returns TUMBLE_ABORT_LATER (begun); TUMBLE_ABORT_HARDWARE (no room, or a record could not be read, until restored);
  * TUMBLE_ABORT_DEVICE_STATE (busy). */
 tumble_abort_t tumble_parameters_save(tumble_parameters_t *parameters);

@@ -29,7 +29,7 @@ tumble_status_t tumble_service_unlock(struct tumble_navcomp *navcomp, uint32_t k
 bool tumble_service_is_open(const struct tumble_navcomp *navcomp);
 uint16_t tumble_service_left_s(const struct tumble_navcomp *navcomp); /* rounded up; 0: it is not open */
 
-/* How many runs have begun since power-on; stops at UINT32_MAX. */
+/* How many runs have begun since power-on: the number of the present one, or of the last. Stops at UINT32_MAX. */
 uint32_t tumble_service_runs(const struct tumble_navcomp *navcomp);
 
 /* For navcomp. A run has begun, or goes on out of DONE. */

@@ -94,6 +94,9 @@ static tumble_status_t init_procedure(tumble_navcomp_t *navcomp)
 {
     navcomp->procedure_config = *navcomp->config->procedure;
     navcomp->objects = tumble_navcomp_objects_initial;
+    if (navcomp->config->second_client != NULL) {
+        navcomp->config->second_client->objects = tumble_navcomp_objects_initial;
+    }
     const tumble_status_t status =
         tumble_procedure_init(&navcomp->procedure, &navcomp->procedure_config, &navcomp->stand);
     tumble_tell_block_alive(navcomp);
@@ -111,8 +114,13 @@ TUMBLE_ONE_COPY static tumble_status_t init_node(tumble_navcomp_t *navcomp)
         .events = &tumble_navcomp_node_events,
         .node = navcomp->config->node,
     };
+    tumble_second_client_t *second = navcomp->config->second_client;
+    if (second != NULL) {
+        second->server.variables = &second->objects;
+    }
     const tumble_node_binding_t binding = {
         .port = navcomp->config->port,
+        .second = (second != NULL) ? &second->server : NULL,
         .variables = &navcomp->objects,
         .other = &navcomp->mirror,
         .context = navcomp,

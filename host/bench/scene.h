@@ -120,6 +120,7 @@ typedef struct bench_world {
     tumble_navcomp_config_t navcomp_config;
     tumble_navcomp_t navcomp;
     bench_stand_memory_t stand;
+    tumble_second_client_t second_client;
     tumble_progress_t progress; /* as last seen */
     uint32_t mark;              /* of the procedure at that time */
     bool started;               /* the procedure has left IDLE */

@@ -89,6 +89,7 @@ static tumble_status_t init_navcomp(bench_world_t *world)
     world->port = sim_bus_port(&world->firmware);
     world->hooks = (tumble_navcomp_hooks_t){world, on_sample_averaged};
     world->navcomp_config = bench_navcomp_config(config, &world->port, &world->hooks, &world->stand);
+    world->navcomp_config.second_client = &world->second_client;
     if (config->present.navcomp) {
         sim_bus_attach(&world->bus, BENCH_BUS_NAVCOMP, SIM_ACTOR_NAVCOMP);
     }

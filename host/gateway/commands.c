@@ -128,7 +128,9 @@ void gateway_queue_end_service(gateway_queue_t *queue)
 void gateway_queue_end(gateway_queue_t *queue, gateway_result_t result, uint32_t abort)
 {
     gateway_command_t *const owner = queue->items[0].owner;
+    queue->ended++;
     if (owner != NULL) {
+        owner->ended = queue->ended;
         owner->result = (uint8_t)result;
         owner->abort = abort;
     }

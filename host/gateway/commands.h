@@ -38,6 +38,7 @@ typedef struct {
     uint8_t group;  /* of values that a setting changes */
     uint8_t result; /* gateway_result_t */
     uint32_t abort; /* the node's code when it refused, else 0 */
+    uint32_t ended; /* how many commands had their result when it had its own, itself included; 0: none was sent */
 } gateway_command_t;
 
 /* A number as an object of a type (TUMBLE_TYPE_...) has it, into GATEWAY_NUMBER_BYTES. Returns how many bytes; 0: it
@@ -66,6 +67,7 @@ typedef struct {
         gateway_command_t *owner; /* who is told the result; null: has gone */
     } items[GATEWAY_MAX_SESSIONS];
     uint16_t count;
+    uint32_t ended;           /* how many have been told their result */
     bool ends_service;        /* the service level is to be ended, as soon as there is room, */
     gateway_command_t ending; /* by this */
 } gateway_queue_t;

@@ -6,10 +6,9 @@
 #include <string.h>
 
 enum { PHASE_REST = 0, PHASE_BEFORE, PHASE_VALUES, PHASE_AFTER, PHASE_SELECTORS };
-enum { DOING_NOTHING = 0, DOING_READ, DOING_WRITE };
+enum { DOING_NOTHING = 0, DOING_READ, DOING_WRITE, DOING_LOOK };
 
 #define BOOT_UP_ID 0x700U
-#define PROTOCOL_ERRORS 0x05U /* first byte of their abort codes */
 
 void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, uint8_t node, uint64_t period_us,
                          gateway_counters_t *counters)
@@ -17,6 +16,7 @@ void gateway_poller_init(gateway_poller_t *poller, const tumble_port_t *port, ui
     *poller = (gateway_poller_t){.counters = counters, .period_us = period_us, .node = node};
     tumble_link_init(&poller->link, port);
     tumble_sdo_client_init(&poller->client);
+    gateway_channel_init(&poller->channel, &poller->client);
     poller->next_us = port->now_us(port->context);
     poller->must_be_fresh = true;
 }
@@ -33,7 +33,7 @@ static void rest(gateway_poller_t *poller, uint64_t next_us)
 
 static void begin_poll(gateway_poller_t *poller, uint64_t now_us)
 {
-    memset(&poller->building, 0, sizeof poller->building);
+    poller->building = (gateway_snapshot_t){.ended = poller->queue.ended};
     poller->must_be_fresh = poller->must_be_fresh || poller->has_booted;
     poller->has_booted = false;
     poller->is_partial = false;
@@ -165,12 +165,6 @@ static void take_value(gateway_poller_t *poller)
     }
 }
 
-/* Of the transfer, not of the object: somebody else on the bus uses the same SDO channel. */
-static bool is_disturbed(const gateway_poller_t *poller)
-{
-    return poller->client.result == TUMBLE_E_SDO_ABORTED && (poller->client.abort >> 24) == PROTOCOL_ERRORS;
-}
-
 /* The mark, or the selector, that the phase is at, as it was read before. */
 static const gateway_mark_t *mark_before(const gateway_poller_t *poller)
 {
@@ -206,7 +200,7 @@ static void go_on_with_marks(gateway_poller_t *poller, uint64_t now_us)
 
 static void take_read(gateway_poller_t *poller, uint64_t now_us)
 {
-    if (is_disturbed(poller)) {
+    if (gateway_channel_is_disturbed(&poller->client)) {
         note_torn(poller, now_us);
         return;
     }
@@ -249,14 +243,15 @@ static void note_sent(gateway_poller_t *poller, uint32_t group, uint64_t now_us)
 
 static void take_written(gateway_poller_t *poller, uint64_t now_us)
 {
-    const gateway_command_t *const command = &poller->queue.items[0].command;
+    const gateway_command_t command = poller->queue.items[0].command;
     poller->part++;
     if (poller->client.result != TUMBLE_OK) {
-        poller->written |= is_disturbed(poller) ? 1U << command->group : 0U; /* the node may have taken it */
+        poller->written |=
+            gateway_channel_is_disturbed(&poller->client) ? 1U << command.group : 0U; /* the node may have taken it */
         end_command(poller, GATEWAY_RESULT_REFUSED, GATEWAY_COUNT_COMMANDS_REFUSED);
-    } else if (poller->part == command->count) {
-        note_sent(poller, command->group, now_us);
+    } else if (poller->part == command.count) {
         end_command(poller, GATEWAY_RESULT_ACCEPTED, GATEWAY_COUNT_COMMANDS_SENT);
+        note_sent(poller, command.group, now_us);
     }
 }
 
@@ -299,6 +294,11 @@ static bool is_reads_turn(const gateway_poller_t *poller, uint8_t done, uint64_t
 /* `done`: what the last transfer was for. False: nothing is due. */
 static bool begin_transfer(gateway_poller_t *poller, uint8_t done, uint64_t now_us)
 {
+    if (poller->link_state == GATEWAY_LINK_UP && poller->part == 0U &&
+        gateway_channel_look(&poller->channel, &poller->client, poller->node)) {
+        poller->doing = DOING_LOOK;
+        return true;
+    }
     gateway_queue_end_service(&poller->queue);
     if (poller->queue.count > 0U && !is_reads_turn(poller, done, now_us)) {
         begin_write(poller);
@@ -321,6 +321,7 @@ static void take_silence(gateway_poller_t *poller, uint64_t now_us)
     if (poller->doing == DOING_WRITE) {
         end_command(poller, GATEWAY_RESULT_UNANSWERED, GATEWAY_COUNT_COMMANDS_UNANSWERED);
     }
+    gateway_channel_silent(&poller->channel, &poller->client);
     if (poller->phase != PHASE_REST) {
         gateway_count(poller->counters, GATEWAY_COUNT_POLLS_FAILED);
         rest(poller, now_us + poller->period_us);
@@ -336,8 +337,10 @@ static void take_end(gateway_poller_t *poller, uint64_t now_us)
     poller->link_state = (uint8_t)GATEWAY_LINK_UP;
     if (poller->doing == DOING_READ) {
         take_read(poller, now_us);
-    } else {
+    } else if (poller->doing == DOING_WRITE) {
         take_written(poller, now_us);
+    } else {
+        gateway_channel_found(&poller->client);
     }
 }
 

@@ -2,6 +2,8 @@
  * commands, with a read of a poll that is due between two of them. One transfer at a time; never waits. A seam for
  * tests: all it knows of the bus is a port (tumble/port.h).
  *
+ * It uses the node's second SDO server if there is one (channel.h).
+ *
  * A snapshot is published whole or not at all. Objects named as marks are read before and after all others: when one
  * has changed meanwhile, the results may be a mixture, and all is read again; likewise when a transfer fails because
  * somebody else uses the node's SDO channel. It begins anew, too, when a command or setting was sent meanwhile: what is
@@ -16,6 +18,7 @@
 #define TUMBLE_GATEWAY_POLLER_H
 
 #include "canopen/sdo.h"
+#include "channel.h"
 #include "commands.h"
 #include "counters.h"
 #include "registers.h"
@@ -34,6 +37,7 @@ typedef enum { GATEWAY_LINK_UNKNOWN = 0, GATEWAY_LINK_UP, GATEWAY_LINK_SILENT, G
 typedef struct {
     uint32_t number; /* 0: none yet */
     uint64_t taken_us;
+    uint32_t ended;                    /* commands that had their result before its first value was read */
     uint16_t words[GATEWAY_INPUT_END]; /* 0 below GATEWAY_OWN_END */
 } gateway_snapshot_t;
 
@@ -47,6 +51,7 @@ typedef struct {
 typedef struct {
     tumble_link_t link;
     tumble_sdo_client_t client;
+    gateway_channel_t channel;
     gateway_counters_t *counters;
     uint64_t period_us;
     uint64_t next_us; /* of the next poll */

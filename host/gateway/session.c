@@ -36,6 +36,13 @@ static uint32_t age_ms(const gateway_snapshot_t *snapshot, uint64_t now_us)
     return (snapshot->number == 0U || age > NO_AGE) ? NO_AGE : (uint32_t)age;
 }
 
+/* Was all of its snapshot read after its last command? */
+static bool is_fresh(const gateway_session_t *session)
+{
+    const int32_t behind = (int32_t)(session->snapshot.ended - session->sent.ended);
+    return session->snapshot.number != 0U && session->sent.result != GATEWAY_RESULT_PENDING && behind >= 0;
+}
+
 /* What is the gateway's own is as it is now, whatever the snapshot. */
 static void put_own(gateway_session_t *session, const gateway_t *gateway, uint64_t now_us)
 {
@@ -52,6 +59,7 @@ static void put_own(gateway_session_t *session, const gateway_t *gateway, uint64
     words[GATEWAY_INPUT_ACCESS] = (uint16_t)((gateway->settings.allow_commands ? ACCESS_ALLOWED : 0U) |
                                              (is_unlocked(session, now_us) ? ACCESS_UNLOCKED : 0U));
     words[GATEWAY_INPUT_CLIENTS] = gateway->clients;
+    words[GATEWAY_INPUT_FRESH] = is_fresh(session) ? 1U : 0U;
     for (size_t i = 0; i < GATEWAY_COUNTERS; i++) {
         gateway_put_u32(&words[GATEWAY_INPUT_COUNTERS + 2U * i], gateway->counters.count[i]);
     }

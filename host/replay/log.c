@@ -197,7 +197,8 @@ static bool is_receive_pdo(const bench_config_t *config, uint16_t id)
 
 static bool is_of_node_1(const bench_config_t *config, uint16_t id)
 {
-    static const uint16_t OWN[] = {0x000, 0x080 + NODE, STATE_PDO, 0x580 + NODE, 0x602, 0x603, 0x700 + NODE};
+    static const uint16_t OWN[] = {0x000,        0x080 + NODE, STATE_PDO, 0x380 + NODE,
+                                   0x580 + NODE, 0x602,        0x603,     0x700 + NODE};
     bool found = is_receive_pdo(config, id);
     for (size_t i = 0; i < sizeof OWN / sizeof OWN[0]; i++) {
         found = found || OWN[i] == id;

@@ -144,6 +144,7 @@ static tumble_status_t init_firmware(replay_run_t *run)
     const bench_config_t *const config = world->config;
     world->hooks = (tumble_navcomp_hooks_t){run, on_sample};
     world->navcomp_config = bench_navcomp_config(config, &run->replay.port, &world->hooks, &world->stand);
+    world->navcomp_config.second_client = &world->second_client;
     return tumble_navcomp_init(&world->navcomp, &world->navcomp_config);
 }
 

@@ -206,7 +206,7 @@ static void use_owner(input_t *input, world_t *world)
     const uint8_t bits = take(input);
 
     tumble_emcy_clear(&world->node.emcy, bits);
-    tumble_sdo_server_answer(&world->node.server, ((bits & 1U) != 0U) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_HARDWARE);
+    tumble_node_answer(&world->node, ((bits & 1U) != 0U) ? TUMBLE_ABORT_NONE : TUMBLE_ABORT_HARDWARE);
 }
 
 /* What holds after every round. */

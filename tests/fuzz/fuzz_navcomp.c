@@ -22,6 +22,7 @@ typedef struct {
     scripted_block_t block;
     tumble_navcomp_t navcomp;
     tumble_drive402_t axis; /* what navcomp knows of the drive */
+    tumble_second_client_t second_client;
     tumble_navcomp_counters_t before;
     uint32_t averaged;
 } world_t;
@@ -60,6 +61,7 @@ static void configure(void)
     config.hooks = &hooks;
     config.stand_memory = &world.axis;
     config.stand_bytes = sizeof world.axis;
+    config.second_client = &world.second_client;
 }
 
 /* Every number of the counters, which are all 32 bits wide, only grows. */

@@ -65,9 +65,10 @@ def registers():
 
 
 def register(name, table="input", scaled=False):
-    """The one of that name; what is there in floating point and scaled: as is asked."""
-    found = [row for row in registers() if (row["name"], row["table"]) == (name, table)]
-    return found[0] if len(found) == 1 else next(row for row in found if (row["scale"] is not None) == scaled)
+    """The one of that name; scaled: that of the number as an integer."""
+    wanted = (f"{name} (scaled)" if scaled else name, table)
+    [found] = [row for row in registers() if (row["name"], row["table"]) == wanted]
+    return found
 
 
 def end_of(table):

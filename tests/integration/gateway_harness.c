@@ -5,6 +5,7 @@
  *     unset INDEX SUB         it is refused again, with 0800 0024h
  *     refuse CODE             writes are refused with this abort code (hexadecimal); 0: taken
  *     silent 0|1              it does not answer
+ *     single 0|1              it has the first SDO server alone
  *     hold 0|1                it answers writes later: when told "hold 0"
  *     play 0|1                it answers a write that was taken when told "played", so that objects may follow from it
  *     down 0|1                the bus is down
@@ -22,6 +23,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,6 +51,8 @@ typedef struct {
     unsigned count;
     unsigned refuse;
     unsigned silent;
+    unsigned single;
+    bool is_second; /* the server that was asked last */
     unsigned hold;
     unsigned play;
     unsigned down;
@@ -70,7 +74,8 @@ static node_t node;
 
 static void offer(const uint8_t *bytes)
 {
-    tumble_can_frame_t frame = {.id = TUMBLE_SDO_RESPONSE_ID + NODE, .length = 8};
+    const unsigned id = (node.is_second ? TUMBLE_SDO_SECOND_RESPONSE_ID : TUMBLE_SDO_RESPONSE_ID) + NODE;
+    tumble_can_frame_t frame = {.id = (uint16_t)id, .length = 8};
     for (unsigned i = 0; i < node.noise; i++) {
         node.inbox[node.put++ % INBOX] = (tumble_can_frame_t){.id = (uint16_t)(0x181U + i), .length = 3};
     }
@@ -186,9 +191,12 @@ static tumble_status_t can_send(void *context, const tumble_can_frame_t *frame)
     if (node.down != 0U) {
         return TUMBLE_E_PORT_DOWN;
     }
-    if (node.silent != 0U || frame->id != TUMBLE_SDO_REQUEST_ID + NODE) {
+    const bool is_second = frame->id == TUMBLE_SDO_SECOND_REQUEST_ID + NODE;
+    if (node.silent != 0U || (!is_second && frame->id != TUMBLE_SDO_REQUEST_ID + NODE) ||
+        (is_second && node.single != 0U)) {
         return TUMBLE_OK;
     }
+    node.is_second = is_second;
     switch (frame->data[0] & TUMBLE_SDO_COMMAND_MASK) {
     case TUMBLE_SDO_UPLOAD_REQUEST:
         upload(frame->data);
@@ -245,8 +253,9 @@ static void take_line(const char *line)
         node.inbox[node.put++ % INBOX] = (tumble_can_frame_t){.id = 0x700U + NODE, .length = 1};
         (void)eventfd_write(node.wake, 1);
     } else if (sscanf(line, "refuse %x", &node.refuse) != 1 && sscanf(line, "silent %u", &node.silent) != 1 &&
-               sscanf(line, "down %u", &node.down) != 1 && sscanf(line, "tear %u", &node.tear) != 1 &&
-               sscanf(line, "noise %u", &node.noise) != 1 && sscanf(line, "play %u", &node.play) != 1) {
+               sscanf(line, "single %u", &node.single) != 1 && sscanf(line, "down %u", &node.down) != 1 &&
+               sscanf(line, "tear %u", &node.tear) != 1 && sscanf(line, "noise %u", &node.noise) != 1 &&
+               sscanf(line, "play %u", &node.play) != 1) {
         fprintf(stderr, "gateway_harness: %s?\n", line);
         exit(1);
     }

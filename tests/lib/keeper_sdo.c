@@ -31,12 +31,12 @@ uint32_t write_and_wait(uint16_t index, uint32_t signature)
     uint8_t request[8] = {0x23, (uint8_t)(index & 0xFFU), (uint8_t)(index >> 8), 1};
     tumble_can_frame_t frame;
     tumble_put_u32(&request[4], signature);
-    frame = fake_frame(0x601, 8, request);
+    frame = fake_frame((uint16_t)(0x601U - sdo_server), 8, request);
     fake_port_give(&bench.fake, &frame);
     for (int steps = 0; steps < 2000; steps++) {
         tumble_navcomp_step(&bench.navcomp);
         while (fake_port_take(&bench.fake, &frame)) {
-            if (frame.id == 0x581U) {
+            if (frame.id == 0x581U - sdo_server) {
                 TEST_ASSERT_EQUAL_HEX8((frame.data[0] == 0x80U) ? 0x80 : 0x60, frame.data[0]);
                 return tumble_get_u32(&frame.data[4]);
             }

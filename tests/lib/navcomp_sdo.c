@@ -2,14 +2,16 @@
 
 #include <stdio.h>
 
+uint16_t sdo_server = TUMBLE_SDO_TO_FIRST;
+
 void ask(const uint8_t request[8], uint8_t answer[8])
 {
-    tumble_can_frame_t frame = fake_frame(0x601, 8, request);
+    tumble_can_frame_t frame = fake_frame((uint16_t)(0x601U - sdo_server), 8, request);
     fake_port_give(&bench.fake, &frame);
     for (int steps = 0; steps < 100; steps++) {
         tumble_navcomp_step(&bench.navcomp);
         while (fake_port_take(&bench.fake, &frame)) {
-            if (frame.id == 0x581U) {
+            if (frame.id == 0x581U - sdo_server) {
                 TEST_ASSERT_EQUAL_UINT8(8, frame.length);
                 memcpy(answer, frame.data, 8);
                 return;

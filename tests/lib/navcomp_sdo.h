@@ -6,6 +6,9 @@
 #include "core/bytes.h"
 #include "navcomp_bench.h"
 
+/* TUMBLE_SDO_TO_FIRST, or TUMBLE_SDO_TO_SECOND: the server that is asked. */
+extern uint16_t sdo_server;
+
 /* One request and its answer; the others on the bus do not hear each other meanwhile. */
 void ask(const uint8_t request[8], uint8_t answer[8]);
 

@@ -9,10 +9,11 @@ from pathlib import Path
 
 from kinds import Entry
 from model import Node, Object, read_toml
-from rules import check, slug
+from rules import check, check_unique, slug
 
 LAST, VALIDITY_BITS = 0xFFFF, 16  # the last register's number; bits of one
 SERVICE_KEY = 0x2006_01
+OF_SCALED = " (scaled)"  # behind the name of a number that is there in floating point as well
 COLUMNS = 120
 MODBUS_KEYS = {"at", "scaled_at", "scale", "marks", "command", "kept", "keys", "with", "settings"}
 OWN_KEYS = {"at", "name", "type", "about", "unit", "access", "scale"}
@@ -191,7 +192,8 @@ def block(item: Object, entries: list[Entry], at: int, scale: float | None, numb
             continue
         form, type_name = FORMS[entry.type.key] if scale is None else (SCALED, "i32")
         words = WORDS.get(form) or (entry.size + 1) // 2
-        made.append(Register("input", made[-1].end, words, type_name, full_name(item, entry), entry.unit, entry.about,
+        name = full_name(item, entry) + ("" if scale is None else OF_SCALED)
+        made.append(Register("input", made[-1].end, words, type_name, name, entry.unit, entry.about,
                              scale=scale, form=form, entry=entry, validity=at, bit=bit, group=number,
                              is_key=entry.subindex in item.modbus.get("keys", [])))
     return made
@@ -223,6 +225,7 @@ def in_order(registers: list[Register]) -> list[Register]:
     for before, after in itertools.pairwise(ordered):
         check(before.end <= after.at, "Modbus map", f"{before.name!r} and {after.name!r} overlap at {after.at}")
     check(ordered[-1].end <= LAST, "Modbus map", f"ends beyond {LAST}")
+    check_unique([register.name for register in ordered], f"Modbus map, {ordered[0].table} registers")
     return ordered
 
 
@@ -367,34 +370,3 @@ def source(registers: Map) -> str:
 
 def object_cells(entry: Entry) -> str:
     return f"0x{entry.index:04X}U, {entry.subindex}U, TUMBLE_TYPE_{entry.type.name}, {entry.size}U"
-
-
-CSV_HEAD = "table,register,words,type,scale,access,unit,index,subindex,valid_register,valid_bit,name"
-
-
-def csv(registers: Map) -> str:
-    """What scripts read: registers by number from 0; numbers of more than one word have the high word first. Behind
-    them the settings by theirs."""
-    rows = [csv_row(register) for register in [*registers.input, *registers.holding]]
-    return "\n".join([CSV_HEAD, *rows, *(setting_row(setting) for setting in registers.settings)]) + "\n"
-
-
-def csv_row(register: Register) -> str:
-    entry = register.entry
-    return joined([register.table, register.at, register.words, register.type, register.scale, register.access,
-                   register.unit, f"{entry.index:04X}" if entry else None, entry.subindex if entry else None,
-                   register.validity, register.bit, register.name])
-
-
-def setting_row(setting: Setting) -> str:
-    entry = setting.entry
-    return joined(["setting", setting.number, 4, entry.type.key, None, entry.access, entry.unit, f"{entry.index:04X}",
-                   entry.subindex, None, None, setting.name])
-
-
-def joined(cells: list[object]) -> str:
-    return ",".join("" if cell is None else quoted(str(cell)) for cell in cells)
-
-
-def quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"') else text

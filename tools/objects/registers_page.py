@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from kinds import Entry
 from page import cell, families, family_name, span
-from registers import Map, Register, Setting
+from registers import OF_SCALED, Map, Register, Setting
 
 HEAD = """\
 # Modbus registers
@@ -47,7 +47,7 @@ def page(registers: Map) -> str:
               "they mean; `valid` is register and bit.", ""]
     lines += ["| register | name | type | unit | object | valid |", "|---|---|---|---|---|---|"]
     own = [register for register in registers.input if register.at >= registers.gateway]
-    lines += [node_row(alike) for alike in families(own, lambda one: one.name, register_columns)]
+    lines += [node_row(alike) for alike in families(own, plain_name, register_columns)]
     lines += ["", "## Holding registers", "", "Written only with `--allow-commands`, in a session that is unlocked."]
     lines += [""]
     lines += own_table(registers.holding)
@@ -99,8 +99,13 @@ def node_row(alike: list[Register]) -> str:
         return f"| {first.place} | **{cell(first.name)}** | bits | | | |"
     place = first.place if first is last else f"{first.at}-{last.end - 1}"
     valid = span([f"{first.validity}.{first.bit}", *(f".{one.bit}" for one in alike[1:])])
-    return (f"| {place} | {cell(family_name([one.name for one in alike]))} | {number(first)} | {cell(first.unit)} "
+    name = family_name([plain_name(one) for one in alike]) + first.name[len(plain_name(first)):]
+    return (f"| {place} | {cell(name)} | {number(first)} | {cell(first.unit)} "
             f"| {objects([one.entry for one in alike])} | {valid} |")
+
+
+def plain_name(register: Register) -> str:
+    return register.name.removesuffix(OF_SCALED)
 
 
 def register_columns(register: Register) -> tuple:

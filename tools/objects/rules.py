@@ -62,10 +62,14 @@ def slug(name: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
 
 
-def check_names(names: list[str], where: str) -> None:
-    """Tools find objects by their names, C by the identifiers made of them; both stand in comments of C."""
+def check_unique(names: list[str], where: str) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     check(not twice, where, f"the name {', '.join(twice)} is there twice")
+
+
+def check_names(names: list[str], where: str) -> None:
+    """Tools find objects by their names, C by the identifiers made of them; both stand in comments of C."""
+    check_unique(names, where)
     for name in names:
         alike = [other for other in names if slug(other) == slug(name)]
         check(slug(name) != "" and name.isprintable(), where, f"the name {name!r} is no identifier of C")

@@ -67,6 +67,13 @@ typedef struct {
     void (*on_sample_averaged)(void *context, tumble_taken_t taken, const tumble_block_sample_t *sample);
 } tumble_navcomp_hooks_t;
 
+/* What a computer lends that serves a second SDO client (1201h) at the same time: on its own identifiers, with command
+ * arguments of its own. Private. */
+typedef struct {
+    tumble_second_server_t server;
+    tumble_navcomp_objects_t objects;
+} tumble_second_client_t;
+
 typedef struct {
     const tumble_port_t *port;
     const tumble_procedure_config_t *procedure; /* copied by init: some of its numbers can be written over CAN */
@@ -79,6 +86,7 @@ typedef struct {
     const struct tumble_declared *declared;     /* the stand, for navcomp/uncertainty.h; null: no uncertainties */
     const tumble_keeping_t *keeping;            /* &tumble_keeper_calls; null: keeps nothing over a loss of power */
     void *keeper;                               /* with `keeping`: the tumble_keeper_t */
+    tumble_second_client_t *second_client;      /* null: one SDO server is all */
     uint32_t block_period_us;      /* of its samples. 127 of them must outlast procedure->sample_timeout_ms and a
                                     * heartbeat of ours together (block_frames.h); ignored with a source of one's own */
     uint16_t heartbeat_ms;         /* our own, above 0; what others consume must be longer */

@@ -267,13 +267,15 @@ static bool counts_are_valid(const tumble_drive_pdo_t *pdos, uint8_t pdo_count)
     return valid;
 }
 
-/* None is wanted twice, nor our own, nor that of another service: from FIRST_ID to LAST_ID there are PDOs alone. */
+/* None is wanted twice, nor our own, nor that of another service: from FIRST_ID to LAST_ID there are PDOs, and what our
+ * second SDO server hears and says. */
 static bool identifiers_are_valid(const tumble_drive_profile_t *profile, uint8_t node)
 {
     bool valid = true;
     for (unsigned i = 0; i < pdo_count_of(profile); i++) {
         const uint32_t id = pdo_at(profile, i)->setup.cob_id & ~TUMBLE_PDO_NO_RTR;
-        valid = valid && (id >= FIRST_ID) && (id <= LAST_ID) && (id != (OWN_PDO_ID + node));
+        valid = valid && (id >= FIRST_ID) && (id <= LAST_ID) && (id != (OWN_PDO_ID + node)) &&
+                (id != (TUMBLE_SDO_SECOND_REQUEST_ID + node)) && (id != (TUMBLE_SDO_SECOND_RESPONSE_ID + node));
         for (unsigned before = 0; before < i; before++) {
             valid = valid && (id != (pdo_at(profile, before)->setup.cob_id & ~TUMBLE_PDO_NO_RTR));
         }

@@ -30,6 +30,8 @@ const tumble_entry_t fixture_entries[] = {
     OWN(0x1029, 1, U8, RW, 1),
     OWN(0x1200, 1, U32, RO, 4),
     OWN(0x1200, 2, U32, RO, 4),
+    OWN(0x1201, 1, U32, RO, 4),
+    OWN(0x1201, 2, U32, RO, 4),
     OWN(0x1280, 1, U32, RO, 4),
     OWN(0x1280, 2, U32, RO, 4),
     OWN(0x1280, 3, U8, RO, 1),

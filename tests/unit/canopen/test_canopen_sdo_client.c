@@ -183,7 +183,7 @@ static void test_client_and_server_agree_on_every_length(void)
     tumble_sdo_server_t server;
     char pattern[32];
 
-    tumble_sdo_server_init(&server, 2);
+    tumble_sdo_server_init(&server, TUMBLE_SDO_RESPONSE_ID + 2);
     for (uint8_t length = 1; length <= sizeof pattern; length++) {
         for (int direction = 0; direction < 2; direction++) {
             uint8_t room[sizeof pattern] = {0};

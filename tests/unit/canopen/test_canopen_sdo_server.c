@@ -236,7 +236,7 @@ static void test_an_abort_takes_back_an_answer_that_was_not_sent(void)
 static void test_init_clears_whatever_the_memory_held(void)
 {
     memset(&at.node.server, 0xA5, sizeof at.node.server);
-    tumble_sdo_server_init(&at.node.server, NODE);
+    tumble_sdo_server_init(&at.node.server, TUMBLE_SDO_RESPONSE_ID + NODE);
     pass(5000 * MS);
     expect_nothing();
     TEST_ASSERT_EQUAL_UINT16(0, at.node.server.aborted);

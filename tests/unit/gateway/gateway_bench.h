@@ -1,7 +1,7 @@
 /* gateway_bench.h - the gateway's poller and a node that a test plays, on a clock that it holds.
  *
  * The node refuses all objects but 2020h:1, a REAL64 (`k_xx`), 2000h, which is 5, and those that the test gives it; it
- * takes all writes, and remembers the last ones.
+ * takes all writes, and remembers the last ones. It has both SDO servers, and answers on the one that is asked.
  */
 #ifndef TUMBLE_TESTS_GATEWAY_BENCH_H
 #define TUMBLE_TESTS_GATEWAY_BENCH_H
@@ -33,6 +33,9 @@ typedef struct {
     gateway_poller_t poller;
     double k_xx; /* what 2020h:1 reads as; 0: refused */
     bool silent;
+    bool has_one_server; /* the second one does not answer, and 1201h is refused */
+    bool is_second;      /* the one that was asked last */
+    unsigned looks;      /* reads of 1201h:1 */
     unsigned reads;
     unsigned busy_at;    /* this read of 2020h:1, from 1 on, is refused: its memory is at work; 0: none */
     unsigned tear_at;    /* so many reads from now on k_xx changes; 0: never */

@@ -107,8 +107,18 @@ static void test_a_node_that_boots_within_a_poll_tears_it(void)
     }
 }
 
-/* The first mark changes at any of the reads: then the poll counts only if it was before the first or after the last
- * time that the mark itself is read. */
+/* The place among the marks. */
+static unsigned place_of_k(void)
+{
+    unsigned place = 0;
+    while (gateway_marks[place].index != 0x2020U) {
+        place++;
+    }
+    return place;
+}
+
+/* The mark K changes at any of the reads: then the poll counts only if it was before the first or after the last time that
+ * the mark itself is read. */
 static void test_a_change_at_any_read_is_no_mixture(void)
 {
     bench.k_xx = 1.0;
@@ -119,7 +129,8 @@ static void test_a_change_at_any_read_is_no_mixture(void)
         bench.k_xx = 1.0;
         bench.tear_at = at;
         settle();
-        const bool is_torn = at > 1U && at <= reads - selectors() - GATEWAY_MARKS + 1U;
+        const unsigned first = place_of_k() + 1U;
+        const bool is_torn = at > first && at <= reads - selectors() - GATEWAY_MARKS + first;
         TEST_ASSERT_EQUAL_UINT32(is_torn ? 1U : 0U, count(GATEWAY_COUNT_POLLS_TORN));
         TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS));
     }
@@ -197,6 +208,122 @@ static void test_silence(void)
     pass(2U * PERIOD_US);
     TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
     TEST_ASSERT_GREATER_THAN_UINT32(1, bench.poller.published.number);
+}
+
+/* It leaves the first server to others, and asks it nothing, as long as the second one answers. */
+static void test_it_uses_the_second_server(void)
+{
+    bench.k_xx = 2.0;
+    for (int polls = 0; polls < 3; polls++) {
+        pass(PERIOD_US);
+        TEST_ASSERT_TRUE(bench.is_second);
+    }
+    TEST_ASSERT_EQUAL_UINT(0, bench.looks);
+}
+
+static void test_a_node_with_one_server(void)
+{
+    gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
+    bench.has_one_server = true;
+    bench.k_xx = 2.0;
+    pass(TUMBLE_SDO_CLIENT_TIMEOUT_US + PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    pass(3U * PERIOD_US);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(3, bench.poller.published.number);
+    TEST_ASSERT_EQUAL_UINT32(1, count(GATEWAY_COUNT_POLLS_FAILED));
+    TEST_ASSERT_EQUAL_UINT(1, bench.looks); /* once, not with every poll */
+    carry_out(&command);
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, command.result);
+}
+
+/* Wherever silence has left it, it is back on the second server as soon as the node answers. */
+static void test_after_silence_it_finds_the_second_server(void)
+{
+    for (uint64_t silent_us = 0; silent_us < 5U * PERIOD_US; silent_us += PERIOD_US / 4U) {
+        bench.silent = true;
+        pass(silent_us);
+        bench.silent = false;
+        pass(3U * PERIOD_US);
+        TEST_ASSERT_EQUAL_UINT8(GATEWAY_LINK_UP, bench.poller.link_state);
+        TEST_ASSERT_TRUE(bench.is_second);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT(0, bench.looks);
+}
+
+/* A snapshot knows how many commands had their result before its first value was read; nothing of an older poll is in
+ * it. */
+static void test_what_is_published_after_a_command_has_been_read_after_it(void)
+{
+    gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
+    bench.k_xx = 2.0;
+    settle();
+    TEST_ASSERT_EQUAL_UINT32(0, bench.poller.published.ended);
+    for (uint32_t n = 1; n < 200U; n++) { /* at every place of a poll */
+        pass(PERIOD_US);
+        bench.fake.now_us += PERIOD_US;
+        exchange(n);
+        const uint32_t number = bench.poller.published.number;
+        bench.refuse = (n % 3U == 0U) ? NO_DATA : 0U;
+        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+        while (command.result == GATEWAY_RESULT_PENDING) {
+            TEST_ASSERT_TRUE(bench.poller.published.ended < n);
+            exchange(1);
+        }
+        TEST_ASSERT_EQUAL_UINT32(n, command.ended);
+        const unsigned reads = bench.reads;
+        while (bench.poller.published.ended != n) {
+            pass(PERIOD_US / 10U);
+        }
+        TEST_ASSERT_GREATER_THAN_UINT32(number, bench.poller.published.number);
+        TEST_ASSERT_GREATER_THAN_UINT(reads + 2U * GATEWAY_MARKS, bench.reads);
+    }
+}
+
+/* Begun anew too often by commands, a poll goes on in the end; but nobody takes it for one that knows them. */
+static void test_a_poll_that_goes_on_does_not_pass_for_a_fresh_one(void)
+{
+    gateway_command_t command = gateway_command(0x2002, 0, NULL, NULL, 1);
+    bench.k_xx = 2.0;
+    settle();
+    const uint32_t number = bench.poller.published.number;
+    bench.fake.now_us += PERIOD_US;
+    exchange(3);
+    for (uint32_t n = 1; bench.poller.published.number == number; n++) {
+        TEST_ASSERT_TRUE(gateway_poller_command(&bench.poller, &command));
+        while (command.result == GATEWAY_RESULT_PENDING && bench.poller.published.number == number) {
+            exchange(1);
+        }
+        TEST_ASSERT_TRUE(n < 5000U);
+    }
+    TEST_ASSERT_TRUE(bench.poller.published.ended < command.ended || command.result == GATEWAY_RESULT_PENDING);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(GATEWAY_MAX_ANEW, bench.poller.published.ended);
+    settle();
+    TEST_ASSERT_EQUAL_UINT32(command.ended, bench.poller.published.ended);
+}
+
+/* A run that begins while a poll is under way: what is published is of one run. */
+static void begin_a_run(void)
+{
+    give(0x2007, 0, 4, 8);
+}
+
+static void test_a_snapshot_is_of_one_run(void)
+{
+    bench.k_xx = 2.0;
+    give(0x2007, 0, 4, 7);
+    settle();
+    for (unsigned at = 1; at < 60U; at++) {
+        give(0x2007, 0, 4, 7);
+        pass(2U * PERIOD_US);
+        bench.event_at = at;
+        bench.event = begin_a_run;
+        const uint32_t torn = count(GATEWAY_COUNT_POLLS_TORN);
+        pass(PERIOD_US);
+        TEST_ASSERT_EQUAL_UINT16(8, bench.poller.published.words[149]);
+        TEST_ASSERT_TRUE(count(GATEWAY_COUNT_POLLS_TORN) - torn <= 1U);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(40, count(GATEWAY_COUNT_POLLS_TORN));
 }
 
 static void test_a_bus_that_is_down(void)

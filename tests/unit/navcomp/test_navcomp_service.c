@@ -63,6 +63,74 @@ static uint32_t run_number(void)
     return read_number(0x2007, 0, 4);
 }
 
+/* 2008h: of the state, of the result, of the running mean; UINT32_MAX: refused because there is none of that. */
+static uint32_t run_of(uint8_t subindex)
+{
+    const uint32_t refusal = refusal_of(0x2008, subindex);
+    TEST_ASSERT_TRUE(refusal == 0U || refusal == TUMBLE_ABORT_NO_DATA);
+    return (refusal == 0U) ? read_number(0x2008, subindex, 4) : UINT32_MAX;
+}
+
+static void assert_runs(uint32_t state, uint32_t result, uint32_t mean)
+{
+    TEST_ASSERT_EQUAL_UINT32(state, run_of(1));
+    TEST_ASSERT_EQUAL_UINT32(result, run_of(2));
+    TEST_ASSERT_EQUAL_UINT32(mean, run_of(3));
+    TEST_ASSERT_EQUAL_UINT32(state, run_number());
+    TEST_ASSERT_EQUAL(refusal_of(0x2020, 5) == 0U, result != UINT32_MAX); /* it is there with what it is of */
+    TEST_ASSERT_EQUAL(refusal_of(0x2010, 2) == 0U, mean != UINT32_MAX);
+}
+
+static void until_there_is_a_mean(void)
+{
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_AVERAGE, bench_run(&bench, TUMBLE_STATE_AVERAGE, 200.0));
+    bench_pass(&bench, 0.1);
+}
+
+static void test_state_result_and_mean_say_which_run_they_are_of(void)
+{
+    assert_runs(0, UINT32_MAX, UINT32_MAX);
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    assert_runs(1, UINT32_MAX, UINT32_MAX);
+    until_there_is_a_mean();
+    assert_runs(1, UINT32_MAX, 1);
+    TEST_ASSERT_EQUAL_HEX32(TUMBLE_ABORT_DEVICE_STATE, command(TUMBLE_COMMAND_START)); /* refused: no other run */
+    assert_runs(1, UINT32_MAX, 1);
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 600.0));
+    assert_runs(1, 1, UINT32_MAX);
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    assert_runs(2, UINT32_MAX, UINT32_MAX); /* the result of the run before is gone */
+    until_there_is_a_mean();
+    assert_runs(2, UINT32_MAX, 2);
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_ABORT));
+    bench_pass(&bench, 5.0);
+    assert_runs(2, UINT32_MAX, 2); /* it can still be read */
+    reset_by_nmt(TUMBLE_NMT_RESET_NODE);
+    bench_pass(&bench, 5.0);
+    assert_runs(2, UINT32_MAX, UINT32_MAX);
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    assert_runs(3, UINT32_MAX, UINT32_MAX);
+}
+
+/* After a fault the same run goes on; measuring again out of DONE is another. */
+static void test_what_goes_on_keeps_its_number(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_START));
+    until_there_is_a_mean();
+    bench.block.dead = true;
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_FAULT, bench_run(&bench, TUMBLE_STATE_FAULT, 60.0));
+    bench.block.dead = false;
+    bench_pass(&bench, 5.0);
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_RESUME));
+    TEST_ASSERT_EQUAL_UINT32(1, run_of(1));
+    TEST_ASSERT_EQUAL(TUMBLE_STATE_DONE, bench_run(&bench, TUMBLE_STATE_DONE, 900.0));
+    assert_runs(1, 1, UINT32_MAX);
+    TEST_ASSERT_EQUAL_HEX32(0, write_byte(0x2002, 1, 12)); /* of the mounting that is on the table */
+    TEST_ASSERT_EQUAL_HEX32(0, command(TUMBLE_COMMAND_REPEAT_POSITION));
+    TEST_ASSERT_EQUAL_UINT32(2, run_of(1));
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, run_of(2));
+}
+
 static uint32_t write_limit(double limit_g)
 {
     return write_f64(0x2050, 5, limit_g);

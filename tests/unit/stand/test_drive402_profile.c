@@ -226,8 +226,8 @@ static void test_profiles_that_cannot_be(void)
 /* NMT, SYNC, EMCY, TIME, SDO, the block, heartbeats, what CiA 301 reserves; our own; 29 bits; switched off. */
 static void test_identifiers_that_are_taken(void)
 {
-    static const uint32_t taken[] = {0x000, 0x080, 0x081, 0x0FF, 0x100, 0x180, 0x181,      0x580,
-                                     0x582, 0x602, 0x683, 0x693, 0x6E0, 0x702, 0x80000202, 0x20000202};
+    static const uint32_t taken[] = {0x000, 0x080, 0x081, 0x0FF, 0x100, 0x180, 0x181, 0x381,      0x401,
+                                     0x580, 0x582, 0x602, 0x683, 0x693, 0x6E0, 0x702, 0x80000202, 0x20000202};
     static const uint32_t free_ids[] = {0x183, 0x201, 0x40000203, 0x57F};
     tumble_drive_pdo_t receive = common_receive[0];
     tumble_drive_profile_t profile = common;

@@ -1,0 +1,111 @@
+/* What a session is told of its snapshot: whether it is newer than the command that the session executed last. */
+#include "gateway_bench.h"
+
+#include "session.h"
+
+#define STATE 111U /* register of 2000h */
+
+static gateway_t gateway;
+static gateway_session_t session;
+static gateway_session_t other;
+
+static void set_up(void)
+{
+    bench_set_up();
+    gateway = (gateway_t){.settings = {.allow_commands = true, .unlock_us = UINT64_C(1000000000)}};
+    gateway_poller_init(&gateway.poller, &bench.fake.port, NODE, PERIOD_US, &gateway.counters);
+    gateway_session_open(&session);
+    gateway_session_open(&other);
+    bench.k_xx = 2.0;
+    give(0x2000, 0, 1, 0);
+}
+
+static void step(void)
+{
+    gateway_poller_step(&gateway.poller);
+    (void)serve();
+}
+
+static uint16_t input(gateway_session_t *of, uint16_t at)
+{
+    return gateway_session_input(of, &gateway, at, 1, bench.fake.now_us)[at];
+}
+
+/* Take the newest snapshot; what it says of itself. */
+static bool is_fresh(gateway_session_t *of)
+{
+    (void)input(of, GATEWAY_INPUT_SNAPSHOT_NUMBER + 1U);
+    return input(of, GATEWAY_INPUT_FRESH) == 1U;
+}
+
+static void until_there_is_a_snapshot(void)
+{
+    while (gateway.poller.published.number == 0U) {
+        step();
+    }
+}
+
+static void execute(uint16_t command, uint16_t number)
+{
+    const uint16_t keys[2] = {GATEWAY_KEY_1, GATEWAY_KEY_2};
+    const uint16_t words[2] = {command, number};
+    TEST_ASSERT_EQUAL(GATEWAY_OK, gateway_session_write(&session, &gateway, 0, 2, keys, bench.fake.now_us));
+    TEST_ASSERT_EQUAL(GATEWAY_OK,
+                      gateway_session_write(&session, &gateway, GATEWAY_HOLDING_COMMAND, 2, words, bench.fake.now_us));
+}
+
+static void test_without_a_snapshot_nothing_is_fresh(void)
+{
+    TEST_ASSERT_FALSE(is_fresh(&session));
+    until_there_is_a_snapshot();
+    TEST_ASSERT_TRUE(is_fresh(&session)); /* there was no command */
+}
+
+static uint8_t made; /* the state that follows from the command */
+
+static void follow(void)
+{
+    if (last_write()->subindex == 2U) {
+        give(0x2000, 0, 1, made);
+    }
+}
+
+/* Wherever in a poll it comes: no snapshot that calls itself fresh lacks what followed from the command. */
+static void test_a_fresh_snapshot_knows_what_the_command_did(void)
+{
+    until_there_is_a_snapshot();
+    bench.on_write = follow;
+    for (made = 1; made < 200U; made++) {
+        unsigned steps = 0;
+        bench.fake.now_us += PERIOD_US;
+        for (unsigned i = 0; i < made; i++) {
+            step();
+        }
+        execute(1, made);
+        TEST_ASSERT_FALSE(is_fresh(&session));
+        TEST_ASSERT_TRUE(is_fresh(&other)); /* it has executed nothing */
+        while (!is_fresh(&session)) {
+            step();
+            bench.fake.now_us += 100U;
+            TEST_ASSERT_LESS_THAN_UINT(STEPS_OF_A_POLL, ++steps);
+        }
+        TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_ACCEPTED, session.sent.result);
+        TEST_ASSERT_EQUAL_UINT16(made, input(&session, STATE));
+    }
+}
+
+static void test_a_refused_command_has_one_too(void)
+{
+    until_there_is_a_snapshot();
+    bench.refuse = BUSY_NOW;
+    execute(1, 7);
+    const uint32_t number = gateway.poller.published.number;
+    while (!is_fresh(&session)) {
+        step();
+        bench.fake.now_us += 100U;
+    }
+    TEST_ASSERT_EQUAL_UINT8(GATEWAY_RESULT_REFUSED, session.sent.result);
+    TEST_ASSERT_GREATER_THAN_UINT32(number, gateway.poller.published.number);
+}
+
+static const around_t around_each = {set_up, bench_tear_down};
