@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GENERATE = ROOT / "tools" / "objects" / "generate"
 PRODUCTS = (
     "firmware/navcomp/objects.h", "firmware/navcomp/objects.c", "docs/eds/tumble_navcomp.eds",
+    "docs/eds/tumble_navcomp_without_sets.eds",
     "firmware/navcomp/keeper_objects.h", "firmware/navcomp/keeper_objects.c",
     "host/simulation/drive_objects.h", "host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds",
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
