@@ -1,4 +1,4 @@
-"""From the messages of the bus to docs/bus/tumble.dbc; the block's frames come from docs/bus/block.dbc, word by word."""
+"""From the messages of the bus to docs/bus/tumble.dbc; the block's frames come from docs/bus/block.dbc."""
 
 from __future__ import annotations
 
