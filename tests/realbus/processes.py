@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from bench_program import scenario, wait_until
+from documents import valid
 
 from tumble.bench import programs
 
@@ -74,6 +75,7 @@ class _Program:
         command = [programs.find(name, "boards/linux"), *map(str, arguments)]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
+        self.kind = name.removeprefix("tumble-")  # of its document
         self.errors = ""
 
     def kill(self):
@@ -86,10 +88,10 @@ class _Program:
         self.process.send_signal(number)
 
     def wait(self, timeout=60):
-        """(exit code, its last document or None)."""
+        """(exit code, its last document, which its schema allows, or None)."""
         out, self.errors = self.process.communicate(timeout=timeout)
         lines = out.splitlines()
-        return self.process.returncode, json.loads(lines[-1]) if lines else None
+        return self.process.returncode, valid(lines[-1], self.kind) if lines else None
 
 
 class Node(_Program):
