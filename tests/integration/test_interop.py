@@ -145,7 +145,7 @@ def test_cantools_decodes_the_block_from_the_bus_log(tmp_path, tumble):
             assert other["saturated"] in (0, "no") and other["temperature"] == 25.0
     rows = np.loadtxt(out / "run.csv", delimiter=",", skiprows=1)
     assert len(rows) == 18 * 20
-    for _, _, ux, uy, uz, cx, cy, cz, counter, timestamp, temperature in rows:
+    for _, _, ux, uy, uz, cx, cy, cz, counter, timestamp, temperature, _ in rows:
         assert (cx, cy, cz) in decoded[int(counter) % 256, int(timestamp)] and temperature == 25.0
         assert np.array_equal(np.array([ux, uy, uz]) * 2**23 / 10, [cx, cy, cz])
 
