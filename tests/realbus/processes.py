@@ -75,7 +75,6 @@ class _Program:
         command = [programs.find(name, "boards/linux"), *map(str, arguments)]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True)
-        self.kind = name.removeprefix("tumble-")  # of its document
         self.errors = ""
 
     def kill(self):
@@ -96,6 +95,8 @@ class _Program:
 
 class Node(_Program):
     """tumble-node; its progress goes to a file."""
+
+    kind = "node"  # of its document
 
     def __init__(self, interface, *arguments, folder):
         self.progress = Path(folder) / f"progress-{time.monotonic_ns()}"
@@ -129,6 +130,8 @@ class Node(_Program):
 
 class Stand(_Program):
     """tumble-stand."""
+
+    kind = "stand"
 
     def __init__(self, interface, *arguments):
         before = interface.frames()
