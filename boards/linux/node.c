@@ -32,7 +32,7 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
 {
     node_t *const node = context;
     if (node->options->out != NULL) {
-        bench_folder_sample(&node->folder, taken, sample);
+        bench_folder_sample(&node->folder, node->world.clock.now_us, taken, sample);
     }
     if (node->progress != NULL) {
         bench_progress_average(&node->world, taken, node->progress);

@@ -81,16 +81,32 @@ void bench_folder_frame(bench_folder_t *folder, uint64_t time_us, const tumble_c
     }
 }
 
-/* Ordinal 1: the position begins again, and what was recorded of it is void. */
-void bench_folder_sample(bench_folder_t *folder, tumble_taken_t taken, const tumble_block_sample_t *sample)
+/* Of all times that a timestamp can mean, the one nearest to the last one and what has passed here since. */
+static uint64_t unwrapped_ms(const bench_folder_t *folder, uint64_t now_us, uint16_t timestamp_ms)
 {
+    const uint64_t period_ms = TUMBLE_TIMESTAMP_PERIOD_MS;
+    if (!folder->timed) {
+        return timestamp_ms;
+    }
+    const uint64_t most_ms = folder->block_ms + (now_us - folder->heard_us) / 1000U + period_ms / 2U;
+    const uint64_t back_ms = (most_ms + period_ms - timestamp_ms) % period_ms;
+    return (back_ms <= most_ms) ? most_ms - back_ms : timestamp_ms;
+}
+
+/* Ordinal 1: the position begins again, and what was recorded of it is void. */
+void bench_folder_sample(bench_folder_t *folder, uint64_t now_us, tumble_taken_t taken,
+                         const tumble_block_sample_t *sample)
+{
+    folder->block_ms = unwrapped_ms(folder, now_us, sample->timestamp_ms);
+    folder->heard_us = now_us;
+    folder->timed = true;
     bench_recorded_t *const recorded = &folder->positions[taken.index];
     if (taken.ordinal == 1U) {
         recorded->count = 0;
     }
     if (recorded->count == recorded->room) {
         const uint32_t room = (recorded->room == 0U) ? 64U : 2U * recorded->room;
-        tumble_block_sample_t *const larger = realloc(recorded->samples, room * sizeof *larger);
+        bench_timed_sample_t *const larger = realloc(recorded->samples, room * sizeof *larger);
         if (larger == NULL) {
             folder->failed = true;
             return;
@@ -98,18 +114,19 @@ void bench_folder_sample(bench_folder_t *folder, tumble_taken_t taken, const tum
         recorded->samples = larger;
         recorded->room = room;
     }
-    recorded->samples[recorded->count++] = *sample;
+    recorded->samples[recorded->count++] = (bench_timed_sample_t){*sample, folder->block_ms};
 }
 
 static void write_rows(const bench_recorded_t *recorded, const tumble_position_t *position, double v_per_count,
                        FILE *out)
 {
     for (uint32_t n = 0; n < recorded->count; n++) {
-        const tumble_block_sample_t *const sample = &recorded->samples[n];
+        const tumble_block_sample_t *const sample = &recorded->samples[n].sample;
         const int32_t *const c = sample->raw.counts;
-        (void)fprintf(out, "%d,%d,%.17g,%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId32 ",%d,%d,%.1f\n",
+        (void)fprintf(out, "%d,%d,%.17g,%.17g,%.17g,%" PRId32 ",%" PRId32 ",%" PRId32 ",%d,%d,%.1f,%.3f\n",
                       position->mounting, position->number, c[0] * v_per_count, c[1] * v_per_count, c[2] * v_per_count,
-                      c[0], c[1], c[2], sample->raw.counter, sample->timestamp_ms, sample->temperature_half_c / 2.0);
+                      c[0], c[1], c[2], sample->raw.counter, sample->timestamp_ms, sample->temperature_half_c / 2.0,
+                      1e-3 * (double)recorded->samples[n].block_ms);
     }
 }
 
@@ -117,7 +134,7 @@ static void write_rows(const bench_recorded_t *recorded, const tumble_position_t
 static void write_run(const bench_folder_t *folder, const bench_world_t *world, FILE *out)
 {
     const tumble_schedule_t *const schedule = &world->config->scenario.schedule;
-    (void)fputs("mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature\n", out);
+    (void)fputs("mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature,time_s\n", out);
     for (uint8_t i = 0; i < schedule->position_count; i++) {
         double mean_v[TUMBLE_CHANNELS];
         double error_v[TUMBLE_CHANNELS];

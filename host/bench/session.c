@@ -43,7 +43,7 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
 {
     session_t *const session = context;
     if (session->options->out != NULL) {
-        bench_folder_sample(&session->folder, taken, sample);
+        bench_folder_sample(&session->folder, session->world.clock.now_us, taken, sample);
     }
     if (session->progress != NULL) {
         bench_progress_average(&session->world, taken, session->progress);

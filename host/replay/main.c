@@ -134,7 +134,7 @@ static void on_sample(void *context, tumble_taken_t taken, const tumble_block_sa
 {
     replay_run_t *const run = context;
     if (run->options->out != NULL) {
-        bench_folder_sample(&run->folder, taken, sample);
+        bench_folder_sample(&run->folder, run->replay.now_us, taken, sample);
     }
 }
 

@@ -15,8 +15,8 @@ canopen = pytest.importorskip("canopen", reason="python-canopen is not installed
 can = pytest.importorskip("can", reason="python-can is not installed")
 
 ROOT = Path(__file__).resolve().parents[2]
-EDS = {name: ROOT / "docs" / "eds" / f"tumble_{name}.eds" for name in ("navcomp", "drive", "block")}
-NUMBERS = {"navcomp": 1, "drive": 2, "block": 3}
+NUMBERS = {"navcomp": 1, "navcomp_without_sets": 1, "drive": 2, "block": 3}
+EDS = {name: ROOT / "docs" / "eds" / f"tumble_{name}.eds" for name in NUMBERS}
 FLAGS = ["-Wall", "-Wextra", "-Werror", "-g", *SANITIZERS]
 
 

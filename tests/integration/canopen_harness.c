@@ -1,4 +1,4 @@
-/* One of our nodes on stdin and stdout: `canopen_harness drive|block|navcomp`.
+/* One of our nodes on stdin and stdout: `canopen_harness drive|block|navcomp|navcomp_without_sets`.
  *
  * Lines in both directions: a CAN frame is ID#BYTES, hexadecimal ("705#00"). The node's clock stands still but for the
  * command that lets time pass, so that nothing depends on the speed of this machine. Further lines in:
@@ -80,8 +80,7 @@ static tumble_status_t can_receive(void *context, tumble_can_frame_t *frame)
     return TUMBLE_OK;
 }
 
-static const tumble_port_t port = {
-    .now_us = now_us, .can_send = can_send, .can_receive = can_receive, .nv = &harness.memory.nv};
+static tumble_port_t port = {.now_us = now_us, .can_send = can_send, .can_receive = can_receive};
 
 static void reset(void *context, bool application)
 {
@@ -159,22 +158,25 @@ static bool start_navcomp(const char *name)
                                                         .sample_timeout_ms = 60000};
     static tumble_operator_t head;
     static const tumble_operator_config_t person = {.tolerance_deg = 0.1, .timeout_ms = 60000};
-    static const tumble_navcomp_config_t config = {.port = &port,
-                                                   .procedure = &procedure,
-                                                   .stand = &tumble_operator_kind,
-                                                   .stand_profile = &person,
-                                                   .stand_memory = &head,
-                                                   .stand_bytes = sizeof head,
-                                                   .block_period_us = 1000000,
-                                                   .heartbeat_ms = 100,
-                                                   .heartbeat_timeout_ms = 500,
-                                                   .node = TUMBLE_NAVCOMP_NODE,
-                                                   .block_node = 3,
-                                                   .keeping = &tumble_keeper_calls,
-                                                   .keeper = &harness.keeper};
+    static tumble_navcomp_config_t config = {.port = &port,
+                                             .procedure = &procedure,
+                                             .stand = &tumble_operator_kind,
+                                             .stand_profile = &person,
+                                             .stand_memory = &head,
+                                             .stand_bytes = sizeof head,
+                                             .block_period_us = 1000000,
+                                             .heartbeat_ms = 100,
+                                             .heartbeat_timeout_ms = 500,
+                                             .node = TUMBLE_NAVCOMP_NODE,
+                                             .block_node = 3};
 
-    prepare_keeper();
-    harness.is_navcomp = strcmp(name, "navcomp") == 0;
+    if (strcmp(name, "navcomp") == 0) {
+        prepare_keeper();
+        port.nv = &harness.memory.nv;
+        config.keeping = &tumble_keeper_calls;
+        config.keeper = &harness.keeper;
+    }
+    harness.is_navcomp = (config.keeper != NULL) || (strcmp(name, "navcomp_without_sets") == 0);
     harness.node = &harness.navcomp.node;
     return harness.is_navcomp && (tumble_navcomp_init(&harness.navcomp, &config) == TUMBLE_OK);
 }
@@ -324,7 +326,7 @@ int main(int count, char **arguments)
 
     harness.now_us = 1000000;
     if (!start_plain(name) && !start_navcomp(name)) {
-        fprintf(stderr, "usage: canopen_harness drive|block|navcomp\n");
+        fprintf(stderr, "usage: canopen_harness drive|block|navcomp|navcomp_without_sets\n");
         return 2;
     }
     do {

@@ -56,17 +56,22 @@ class Entry:
         return f"{self.index:04X}h:{self.subindex} {self.name}"
 
 
-def number(text, is_real):
-    if text is None or text == "" or "$" in text:
-        return None
-    return float(text) if is_real else int(text, 0)
+def number(text):
+    return None if text is None or text == "" or "$" in text else int(text, 0)
+
+
+def limits(keys, is_real):
+    """Lowest and highest value; of real numbers they stand in a comment, which `read` has made a key."""
+    if is_real:
+        return map(float, keys["Limits"].split(" to ")) if "Limits" in keys else (None, None)
+    return (number(keys.get(key)) for key in ("LowLimit", "HighLimit"))
 
 
 def read(path):
     """All entries from 1000h on, in order."""
     parser = configparser.RawConfigParser(strict=True)
     parser.optionxform = str
-    parser.read_string(Path(path).read_text(encoding="ascii"))
+    parser.read_string(Path(path).read_text(encoding="ascii").replace("; Limits=", "Limits="))
     entries = []
     for section in parser.sections():
         place = re.fullmatch(r"([0-9A-F]{4})(?:sub([0-9A-F]{1,2}))?", section)
@@ -74,7 +79,6 @@ def read(path):
         if not place or "DataType" not in keys:
             continue
         kind = int(keys["DataType"], 16)
-        limits = [number(keys.get(key), kind in REALS) for key in ("LowLimit", "HighLimit")]
         entries.append(Entry(int(place[1], 16), int(place[2] or "0", 16), keys["ParameterName"], kind,
-                             keys["AccessType"], *limits))
+                             keys["AccessType"], *limits(keys, kind in REALS)))
     return sorted((entry for entry in entries if entry.index >= 0x1000), key=lambda one: (one.index, one.subindex))

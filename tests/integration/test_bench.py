@@ -99,7 +99,7 @@ def test_solve_makes_the_same_of_the_run_file(tumble, tmp_path):
     ours, again = result_of(tmp_path / "run"), json.loads(done.stdout)
     assert np.abs(np.array(ours["K"]) - again["K"]).max() < 1e-12 * 2
     columns = (tmp_path / "run/run.csv").read_text().splitlines()[0]
-    assert columns == "mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature"
+    assert columns == "mounting,position,ux,uy,uz,cx,cy,cz,counter,timestamp,temperature,time_s"
 
 
 def test_a_limit_that_is_not_met_is_exit_1_with_the_full_result(tumble, tmp_path):

@@ -6,7 +6,7 @@ import re
 import struct
 
 import pytest
-from canopen_bridge import EDS, ROOT, canopen, program, refusal_of, start  # noqa: F401
+from canopen_bridge import EDS, NUMBERS, ROOT, canopen, program, refusal_of, start  # noqa: F401
 from eds_reader import BOOLEAN, INTEGERS, TEXT, read
 
 pytestmark = pytest.mark.real_time
@@ -52,6 +52,7 @@ def quiet(ours, name):
     """No run is to begin by itself in between, and the level is to keep nothing out: the clock stands still."""
     if name == "navcomp":
         ours.node.sdo["Host"]["Inhibit"].raw = 65535
+    if NUMBERS[name] == 1:
         ours.node.sdo["Service level"]["Key"].raw = KEY
     return read(EDS[name])
 

@@ -17,17 +17,19 @@ ROOT = Path(__file__).resolve().parents[2]
 GENERATE = ROOT / "tools" / "objects" / "generate"
 PRODUCTS = (
     "firmware/navcomp/objects.h", "firmware/navcomp/objects.c", "docs/eds/tumble_navcomp.eds",
+    "docs/eds/tumble_navcomp_without_sets.eds",
     "firmware/navcomp/keeper_objects.h", "firmware/navcomp/keeper_objects.c",
     "host/simulation/drive_objects.h", "host/simulation/drive_objects.c", "docs/eds/tumble_drive.eds",
     "host/simulation/block_objects.h", "host/simulation/block_objects.c", "docs/eds/tumble_block.eds",
-    "docs/canopen.md",
+    "docs/bus/tumble.dbc", "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
     "host/python/src/tumble/drawings/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
         for path in (ROOT / "docs/operations.md", *(ROOT / "firmware").rglob("*.h"),
-                     *(ROOT / "firmware/procedure").glob("*.c"))]
+                     *(ROOT / "firmware/procedure").glob("*.c"), ROOT / "firmware/navcomp/standard.c",
+                     ROOT / "docs/bus/block.dbc")]
 
 
 def process(*arguments):

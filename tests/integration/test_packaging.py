@@ -161,7 +161,7 @@ def test_files_that_come_along_are_found_by_name():
     assert {name.partition("/")[0] for name in names} == set(data.FOLDERS)
     assert "examples/hand_held_session.csv" not in names  # of another licence
     for name in ("examples/none.csv", "paper_stand.csv", "../pyproject.toml", "examples/../bus/block.dbc", ""):
-        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, eds/tumble_block.eds, "
+        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, bus/tumble.dbc, eds/tumble_block.eds, "
         with pytest.raises(FileNotFoundError, match=re.escape(said)):
             data.file(name)
 

@@ -1,10 +1,12 @@
 """What `tumble ... --json` prints, held against its schema; and the paper's stand file with something changed."""
 
+import functools
 import json
 import re
 from pathlib import Path
 
 import jsonschema
+import referencing
 
 NO_GRAVITY = (
     "no coefficients in m/s2: its environment has no gravity_m_s2; write the local gravity, such as "
@@ -13,9 +15,23 @@ NO_GRAVITY = (
 _ROOT = Path(__file__).resolve().parents[2]
 
 
+SCHEMAS = _ROOT / "docs/schemas"
+
+
 def schema(kind):
     """Of a result, a plan or a fixture."""
-    return json.loads((_ROOT / f"docs/schemas/tumble.{kind}-1.schema.json").read_text())
+    return json.loads((SCHEMAS / f"tumble.{kind}-1.schema.json").read_text())
+
+
+def registry(folder=SCHEMAS):
+    """All schemas of a folder by their `$id`. Nothing else is found: nothing is fetched."""
+    found = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+    return referencing.Registry().with_contents([(one["$id"], one) for one in found])
+
+
+@functools.cache
+def validator(kind):
+    return jsonschema.Draft202012Validator(schema(kind), registry=registry())
 
 
 def valid(text, kind="result"):
@@ -25,7 +41,7 @@ def valid(text, kind="result"):
         raise ValueError(name)
 
     document = json.loads(text, parse_constant=refuse)
-    jsonschema.Draft202012Validator(schema(kind)).validate(document)
+    validator(kind).validate(document)
     return document
 
 

@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from bench_program import scenario, wait_until
+from documents import valid
 
 from tumble.bench import programs
 
@@ -86,14 +87,16 @@ class _Program:
         self.process.send_signal(number)
 
     def wait(self, timeout=60):
-        """(exit code, its last document or None)."""
+        """(exit code, its last document, which its schema allows, or None)."""
         out, self.errors = self.process.communicate(timeout=timeout)
         lines = out.splitlines()
-        return self.process.returncode, json.loads(lines[-1]) if lines else None
+        return self.process.returncode, valid(lines[-1], self.kind) if lines else None
 
 
 class Node(_Program):
     """tumble-node; its progress goes to a file."""
+
+    kind = "node"  # of its document
 
     def __init__(self, interface, *arguments, folder):
         self.progress = Path(folder) / f"progress-{time.monotonic_ns()}"
@@ -127,6 +130,8 @@ class Node(_Program):
 
 class Stand(_Program):
     """tumble-stand."""
+
+    kind = "stand"
 
     def __init__(self, interface, *arguments):
         before = interface.frames()

@@ -5,6 +5,7 @@ import subprocess
 import can
 import cantools
 import numpy as np
+from bus_database import complaints, load
 from conftest import ROOT
 from processes import HASTE, Node, Stand, scenario, sdo_command, wait_until
 
@@ -48,6 +49,7 @@ def test_a_calibration_that_candump_and_python_can_watch_and_cantools_decodes(bu
         count += 1
     assert len(ours) - 5 <= count <= len(theirs) + 5  # they do not end at the same moment
     decode(tmp_path)
+    assert complaints(load(), theirs) == []  # by the DBC file of the whole bus
 
 
 def check_counters(node, stand):
@@ -79,7 +81,7 @@ def decode(tmp_path):
             decoded.setdefault(key, []).append((half["x"], half["y"], other["z"]))
     rows = run_folder_of(tmp_path)
     assert len(rows) == 18 * 10
-    for _, _, _, _, _, cx, cy, cz, counter, timestamp, temperature in rows:
+    for _, _, _, _, _, cx, cy, cz, counter, timestamp, temperature, _ in rows:
         assert (cx, cy, cz) in decoded[int(counter) % 256, int(timestamp)] and temperature == 25.0
 
 

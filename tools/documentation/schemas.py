@@ -23,7 +23,7 @@ def section(path, place):
     name = path.name.removesuffix(".schema.json").replace("-", "/")
     parts = [f"## {name}", schema.get("description") or schema["title"]]
     for kind in schema.get("oneOf", [schema]):
-        named = kind["properties"].get("plan", {}).get("const")
+        named = kind["properties"].get("plan", {}).get("const") or (kind is not schema and kind.get("title"))
         parts += [f"### {named}"] if named else []
         parts.append(table(kind["properties"], kind.get("required", [])))
     parts.append(f"[{path.name}]({os.path.relpath(path, place)}):")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 from kinds import Entry
 from model import Node, Object
 
@@ -10,6 +12,9 @@ VAR, ARRAY, RECORD = 0x7, 0x8, 0x9
 FIRST_OBJECT = 0x1000
 FIRST_OF_MAKER, LAST_OF_MAKER = 0x2000, 0x5FFF
 DUMMIES = range(1, 8)
+# A comment: of a real number, python-canopen takes the digits that CiA 306 asks for as a whole number, and dcfchk
+# refuses any other.
+LIMITS = "; Limits"
 
 
 def section(name: str, pairs: dict[str, object]) -> list[str]:
@@ -70,8 +75,9 @@ def access_type(entry: Entry) -> str:
 
 
 def number(entry: Entry, value: object) -> str:
+    """A real number as CiA 306 has it: the hexadecimal digits of its bits."""
     if entry.type.is_real:
-        return repr(float(value))
+        return f"0x{struct.pack('>d' if entry.size == 8 else '>f', float(value)).hex().upper()}"
     if isinstance(value, str):
         return value
     if entry.index < FIRST_OF_MAKER and entry.type.key == "u32":
@@ -86,7 +92,9 @@ def variable(entry: Entry) -> dict[str, object]:
         "DataType": f"0x{entry.type.code:04X}",
         "AccessType": access_type(entry),
     }
-    if entry.low is not None:
+    if entry.low is not None and entry.type.is_real:
+        pairs[LIMITS] = f"{float(entry.low)!r} to {float(entry.high)!r}"
+    elif entry.low is not None:
         pairs |= {"LowLimit": number(entry, entry.low), "HighLimit": number(entry, entry.high)}
     if entry.value is not None:
         pairs["DefaultValue"] = number(entry, entry.value)
@@ -108,15 +116,8 @@ def sections_of(item: Object) -> list[str]:
 
 
 def comments(node: Node) -> dict[str, object]:
-    said = [f"Written from tools/objects/{node.path.name}"]
-    if node.extension:
-        said += [f"and tools/objects/{node.extension['table']}:", f"{node.extension['only']}:"]
-        said += [" ".join(row) for row in rows_of([f"{item.index:04X}h" for item in node.objects if item.further])]
-    return {"Lines": len(said)} | {f"Line{number + 1}": line for number, line in enumerate(said)}
-
-
-def rows_of(words: list[str], each: int = 12) -> list[list[str]]:
-    return [words[first:first + each] for first in range(0, len(words), each)]
+    tables = [node.path.name, *([node.extension["table"]] if node.extension else [])]
+    return {"Lines": 1, "Line1": f"Written from {' and '.join(f'tools/objects/{table}' for table in tables)}"}
 
 
 def text(node: Node) -> str:

@@ -25,6 +25,8 @@ This page lists the object dictionary of each node, as its SDO server answers an
   [service-level.md](service-level.md)).
 - Neighbours that differ only in a number or an axis share a row, matrices row by row: `:1 to :9` are nine subindices. A
   record or an array that is `as` another one has the rows of that one.
+- The EDS files have real numbers as CiA 306 asks, the hexadecimal digits of their bits, and their limits as comments
+  ([why](other-tools.md#eds-files)).
 - Subindex 0, where it is not listed, holds the highest subindex (UNSIGNED8, const).
 
 Objects of every node:
@@ -41,20 +43,27 @@ def page(nodes: list[Node]) -> str:
 
 
 def node_part(node: Node) -> list[str]:
-    eds = node.settings["eds"].removeprefix("docs/")
-    lines = [f"## Node {node.id}: {node.settings['name']}", "", f"{node.settings['about']} [EDS]({eds}).", ""]
+    lines = [f"## Node {node.id}: {node.settings['name']}", "", f"{node.settings['about']} {data_sheets(node)}.", ""]
     for name, pdos in (("Receive", node.receive), ("Transmit", node.transmit)):
         lines += [pdo_line(name, number + 1, pdo, node) for number, pdo in enumerate(pdos)]
     told: dict[tuple, int] = {}
     lines += object_table([item for item in node.objects if not item.further], told)
     if node.extension:
-        lines += [f"### Further objects of node {node.id}", "", f"{node.extension['only']}. In the same EDS file."]
+        lines += [f"### Further objects of node {node.id}", "", f"{node.extension['only']}."]
         lines += object_table([item for item in node.objects if item.further], told)
     saved = ", ".join(f"{item.index:04X}h" for item in node.objects if item.saved)
     lines += [f"Kept by 1010h: {saved}.", ""] if saved else []
     for name, pairs in node.lists.items():
         lines += value_list(name, pairs)
     return lines
+
+
+def data_sheets(node: Node) -> str:
+    eds = node.settings["eds"].removeprefix("docs/")
+    if not node.extension:
+        return f"[EDS]({eds})"
+    bare = node.extension["eds_without"].removeprefix("docs/")
+    return f"[EDS]({eds}); [EDS without the further objects]({bare})"
 
 
 def object_table(objects: list[Object], told: dict[tuple, int]) -> list[str]:

@@ -29,7 +29,7 @@ NODE_KEYS = {
     "consumers", "on_error", "dummies", "service",
 }
 OPTIONAL_NODE_KEYS = {"includes", "dummies", "service"}
-EXTENSION_KEYS = {"prefix", "header", "source", "include", "includes", "title", "only"}
+EXTENSION_KEYS = {"prefix", "header", "source", "include", "includes", "title", "only", "eds_without", "about_without"}
 # What is not text.
 NUMBER = (int, float)
 KEY_TYPES = {

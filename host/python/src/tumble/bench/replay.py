@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from tumble.bench import emulator, folder, programs
+from tumble.bench import emulator, folder, foreign_log, programs
 from tumble.errors import BadInput, BenchFault, Skipped, file_name
 
 SCHEMA = "tumble.replay/1"
@@ -38,20 +38,24 @@ def default_scenario(log: str) -> str | None:
 def replay(log: str, scenario: str | None, firmware: str) -> dict[str, Any]:
     """Replay. Returns the document:
 
-        schema; log; firmware: "host" | "zcu102"; state, reason: names of the firmware's lists
+        schema; log; format, time_step_us: as of foreign_log.Read; firmware: "host" | "zcu102"; state, reason: names of the firmware's lists
         K (3 x 3, V/g), U0 (3, V); bits: the same twelve as hexadecimal digits of IEEE 754 doubles; pass: of the gravity
         check; all null where the run came to no result
         counters {received, samples, averaged, lost, retries, commands_refused}
 
-    Raises BadInput, Skipped, BenchFault.
+    Raises BadInput, NotInstalled, Skipped, BenchFault.
     """
     if Path(log).is_dir():
         raise BadInput("a folder, not a file; the log of a run folder is its bus.log", log)
-    told = _on_board(log, scenario) if firmware == BOARD else _on_host(log, scenario)
+    with tempfile.TemporaryDirectory(prefix="tumble-") as name:
+        read = foreign_log.as_candump(log, Path(name))
+        told = (_on_board if firmware == BOARD else _on_host)(read.path, scenario)
     numbers = told["numbers"]
     return {
         "schema": SCHEMA,
         "log": file_name(log),
+        "format": read.format,
+        "time_step_us": read.time_step_us,
         "firmware": firmware,
         "state": told["state"],
         "reason": told["reason"],

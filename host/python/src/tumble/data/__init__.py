@@ -3,6 +3,8 @@
     >>> from tumble import data
     >>> data.file("bus/block.dbc").name
     'block.dbc'
+    >>> data.schema("tumble.result/1").name
+    'tumble.result-1.schema.json'
 
 An installed package has them beside this module, so `importlib.resources.files("tumble.data")` finds them as well; in a
 checkout they are where they are kept, in examples/ and docs/.
@@ -13,6 +15,7 @@ from __future__ import annotations
 from pathlib import Path
 
 FOLDERS = {"examples": "examples", "schemas": "docs/schemas", "eds": "docs/eds", "bus": "docs/bus"}  # in a checkout
+SCHEMAS = "https://schemas.tumble.invalid/"  # nobody serves them: they come with the package
 
 _KINDS = (".csv", ".toml", ".json", ".eds", ".dbc")
 _LEFT_OUT = ("hand_held_session.csv",)  # somebody else's, under another licence: host/python/CMakeLists.txt
@@ -27,6 +30,12 @@ def file(name: str) -> Path:
     if found is None:
         raise FileNotFoundError(f"no {name!r} comes with tumble; there are: {', '.join(names())}")
     return found
+
+
+def schema(name: str) -> Path:
+    """Where the JSON schema of documents is whose "schema" is `name`, such as "tumble.result/1". Its "$id" is SCHEMAS and
+    that name; a "$ref" in it that begins with "/" is another one's. Raises FileNotFoundError, as `file` does."""
+    return file(f"schemas/{name.replace('/', '-')}.schema.json")
 
 
 def names() -> tuple[str, ...]:

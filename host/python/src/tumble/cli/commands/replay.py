@@ -20,9 +20,9 @@ def add_to(subparsers: Subparsers) -> None:
         description="Feed a recorded bus log, in order and at its recorded times, to the firmware of node 1 and ignore"
         " what it sends: the coefficients come out with the same bits as in the run, on every processor.",
         epilog="Exit codes: 0 pass, 1 gravity check failed, 2 bad input, 3 the run does not come to a result, 77 the"
-        " emulator is not there, 130 interrupted.",
+        " emulator or what reads such logs is not there, 130 interrupted.",
     )
-    parser.add_argument("log", metavar="BUS.log", help="as candump -L writes it; of a run folder or of any interface")
+    parser.add_argument("log", metavar="BUS.log", help="of a run folder or of any interface: candump -L, ASC, BLF, TRC, MF4, CSV of python-can")
     add_firmware(parser)
     parser.add_argument(
         "--scenario",
@@ -51,11 +51,21 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_PASS if document["pass"] else EXIT_LIMITS_FAILED
 
 
+def _step(document: dict[str, Any]) -> str:
+    """What a user should know of the times of a log that another program has rounded."""
+    step_us = document["time_step_us"]
+    if step_us is None or step_us == 1:
+        return f"read as {document['format']}"
+    return f"read as {document['format']}, whose times are multiples of {step_us} us here"
+
+
 def _print(document: dict[str, Any]) -> None:
     verdict = "passes" if document["pass"] else "FAILS"
     counters = document["counters"]
     print(f"{document['log']} on {document['firmware']}: {verdict} the gravity check;", end=" ")
     print(f"{counters['received']} frames, {counters['averaged']} samples averaged, {counters['lost']} lost")
+    if document["time_step_us"] is not None:
+        print(f"  {_step(document)}")
     numbers = [*sum(document["K"], []), *document["U0"]]
     for name, number, bits in zip(COEFFICIENTS, numbers, document["bits"], strict=True):
         print(f"  {name:4}  {number:+.17g}  {'V/g' if name[0] == 'K' else 'V  '}  {bits}")
