@@ -156,12 +156,12 @@ def test_help_and_typing_errors_load_no_numpy():
 def test_files_that_come_along_are_found_by_name():
     names = data.names()
     for name in ("examples/paper_stand.csv", "examples/paper_stand.toml", "schemas/tumble.result-1.schema.json",
-                 "eds/tumble_block.eds", "bus/block.dbc"):
+                 "eds/tumble_block.eds", "bus/block.dbc", "docs/modbus.csv"):
         assert name in names and data.file(name).is_file()
     assert {name.partition("/")[0] for name in names} == set(data.FOLDERS)
     assert "examples/hand_held_session.csv" not in names  # of another licence
     for name in ("examples/none.csv", "paper_stand.csv", "../pyproject.toml", "examples/../bus/block.dbc", ""):
-        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, eds/tumble_block.eds, "
+        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, docs/modbus.csv, eds/tumble_block.eds, "
         with pytest.raises(FileNotFoundError, match=re.escape(said)):
             data.file(name)
 
@@ -260,7 +260,8 @@ def contents(folder, *patterns):
 
 
 COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench",
-          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus")
+          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
+          "docs/modbus.csv")
 
 
 @pytest.mark.slow
