@@ -18,7 +18,7 @@ from tumble.client.can_link import CanLink, open_bus
 from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, TimedOut
 from tumble.client.link import Link
 from tumble.client.modbus_link import ModbusLink
-from tumble.client.names import Objection, Reason
+from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.node import Node, Status
 from tumble.client.result import Result
 from tumble.client.settings import Settings
@@ -28,7 +28,12 @@ if TYPE_CHECKING:
     import can
 
 __all__ = [
+    "COMMAND",
+    "LINKS",
+    "CanLink",
     "CommunicationError",
+    "Link",
+    "ModbusLink",
     "NoResult",
     "Node",
     "Objection",
@@ -40,6 +45,7 @@ __all__ = [
     "Status",
     "TimedOut",
     "connect",
+    "open_link",
 ]
 
 LINKS = "can:INTERFACE, can:KIND@CHANNEL, modbus:HOST:PORT or modbus-rtu:DEVICE[,BAUD[,PARITY]]"

@@ -10,6 +10,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from tumble import data
+from tumble.client import names
 from tumble.client.errors import (
     DEVICE_STATE,
     NO_DATA,
@@ -104,7 +105,7 @@ class CanLink(Link):
 
     def _ask_once(self, sdo: Any, name: str) -> Value:
         try:
-            value: Value = _entry(sdo, name).raw
+            value: Value = _entry(sdo, name, f"reading {name}").raw
             return value
         except self._abort as error:
             if error.code in NO_VALUE:
@@ -114,7 +115,7 @@ class CanLink(Link):
             raise _silent(sdo, error) from None
 
     def write(self, name: str, value: float) -> None:
-        self._tell(name, value, name)
+        self._tell(name, value, f"writing {name}")
 
     def command(self, number: int, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
         self.write("Command: Argument", argument)
@@ -122,10 +123,10 @@ class CanLink(Link):
             self.write("Command: Angle", angle_deg)
         if proposal:
             self.write("Command: Proposal", proposal)
-        self._tell("Command: Command", number, f"command {number}")
+        self._tell("Command: Command", number, names.command(number))
 
     def _tell(self, name: str, value: float, what: str) -> None:
-        entry = _entry(self._sdo, name)
+        entry = _entry(self._sdo, name, what)
         try:
             entry.raw = value
         except self._abort as error:
@@ -157,12 +158,12 @@ def _split(name: str) -> tuple[str, str]:
     return (parent, child) if parent else (child, "")
 
 
-def _entry(sdo: Any, name: str) -> Any:
+def _entry(sdo: Any, name: str, what: str) -> Any:
     parent, child = _split(name)
     try:
         return sdo[parent][child] if child else sdo[parent]
     except KeyError:
-        raise Refused(f"access to {name}", NO_SUCH_OBJECT) from None
+        raise Refused(what, NO_SUCH_OBJECT) from None
 
 
 def _silent(sdo: Any, error: Exception) -> CommunicationError:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from tumble.client import names
 from tumble.client.errors import DEVICE_STATE, NO_SUCH_OBJECT, OUT_OF_RANGE, READ_ONLY, CommunicationError, Refused
 from tumble.client.link import Link, Value
 from tumble.client.registers import Register, finest, read_map, requests
@@ -154,14 +155,14 @@ class ModbusLink(Link):
         if name not in self._map.settings:
             raise Refused(f"writing {name}", READ_ONLY if self.has(name) else NO_SUCH_OBJECT)
         setting, number = self._map.settings[name], self._map.holding["Value"].pack(value)
-        self._execute(name, ("Setting", [setting, *number]), ("Execute", []))
+        self._execute(f"writing {name}", ("Setting", [setting, *number]), ("Execute", []))
 
     def command(self, number: int, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
         angle = self._map.holding["Angle"].pack(angle_deg or 0.0)
         staged = [("Proposal", self._map.holding["Proposal"].pack(proposal))] if proposal else []
         # A setting that was staged and never executed would go in the command's place.
         words = ("Command object", [0, argument, *angle, number])
-        self._execute(f"command {number}", ("Setting", [0]), *staged, words)
+        self._execute(names.command(number), ("Setting", [0]), *staged, words)
 
     def _execute(self, what: str, *written: tuple[str, list[int]]) -> None:
         """Unlock, stage, and execute with a number of its own, which is the last word of all. Raises Refused."""

@@ -36,6 +36,11 @@ class Objection:
         return f"{self.name}, {self.meaning}"
 
 
+def command(number: int) -> str:
+    """Of 2002h:2."""
+    return COMMANDS[number][0] if number < len(COMMANDS) else f"command {number}"
+
+
 def reason(number: int) -> Reason:
     """Of 2001h. One that a newer firmware has is named by its number."""
     if number < len(REASONS):

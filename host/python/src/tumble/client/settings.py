@@ -35,12 +35,12 @@ class Settings(Mapping[str, float | None]):
             raise UsageError(f"there is no setting {quoted(name)}; see docs/client.md")
         whole = SETTINGS[name][1] not in ("f32", "f64")
         if whole and value != int(value):
-            raise Refused(name, OUT_OF_RANGE, "; it is a whole number")
+            raise Refused(f"writing {name}", OUT_OF_RANGE, "; it is a whole number")
         try:
             self._link.write(name, int(value) if whole else value)
         except Refused as refusal:
             if refusal.code == DEVICE_STATE and SETTINGS[name][2]:
-                raise Refused(name, refusal.code, _HINT) from None
+                raise Refused(f"writing {name}", refusal.code, _HINT) from None
             raise
 
     def __iter__(self) -> Iterator[str]:
