@@ -134,5 +134,16 @@ class PlayedCanNode:
         self.refuse_unless(self.verdicts[-1] == "HELD", BAD_STATE)
         self.verdicts = ["WORKING", "DISCARDED"]
 
+    def answer_as_second_server(self):
+        """By 380h + node what comes by 400h + node; the list of identifiers on which something came."""
+        import canopen.sdo
+
+        heard = []
+        server = canopen.sdo.SdoServer(0x401, 0x381, self.node)
+        server.network = self.network
+        self.network.subscribe(0x401, lambda identifier, *rest: (heard.append(identifier), server.on_request(
+            identifier, *rest)))
+        return heard
+
     def close(self):
         self.network.disconnect()

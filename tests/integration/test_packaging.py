@@ -124,7 +124,8 @@ def test_every_status_has_a_name_and_a_sentence():
     assert all(sentences) and len(set(sentences)) == len(sentences)
 
 
-OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools")
+OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools",
+            "canopen", "pymodbus")
 
 
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):

@@ -5,6 +5,7 @@ import ast
 import re
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -44,9 +45,14 @@ def printed(block, answers, **replaced):
     done = subprocess.run([sys.executable, "-c", block], cwd=ROOT, input=answers, capture_output=True, text=True,
                           timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
-    for number in (1, 2):
-        assert done.stdout.count(f"the block on in mounting {number}, ") == (1 if answers else 0), done.stdout
+    require_asked(done.stdout, 1 if answers else 0)
     return done.stdout
+
+
+def require_asked(said, times):
+    """For both mountings, so often."""
+    for number in (1, 2):
+        assert said.count(f"the block on in mounting {number}, ") == times, said
 
 
 def accepted(stand, tmp_path, k):
@@ -95,3 +101,31 @@ def test_python_canopen_alone_calibrates_and_accepts(bus, stand, tmp_path):
     for line in ("DONE; gravity check passed\n", "verdict 5, accepted; calibration counter 1\n"):
         assert said.count(line) == 1, said
     accepted(stand, tmp_path, ast.literal_eval(re.search(r"^K (\[.*\])$", said, re.MULTILINE)[1]))
+
+
+def answered(block, pace_s, **replaced):
+    """What a block prints to a person who thinks for so long before each answer."""
+    for theirs, ours in replaced.values():
+        block = block.replace(theirs, ours)
+    process = subprocess.Popen([sys.executable, "-u", "-c", block], cwd=ROOT, stdin=subprocess.PIPE,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    said = b""
+    while character := process.stdout.read(1):
+        said += character
+        if said.endswith((b", then Enter ", b"to accept: ")):
+            time.sleep(pace_s)
+            process.stdin.write(b"\n" if said.endswith(b"Enter ") else b"yes\n")
+            process.stdin.flush()
+    assert process.wait(timeout=20) == 0, said.decode()
+    return said.decode()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("pace_s", [0.0, 0.01, 0.1, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("name", ["ten lines over CAN", "ten lines over Modbus", "python-canopen alone"])
+def test_the_examples_work_at_any_pace(bus, stand, started, name, pace_s):
+    link = served(bus, started) if name.endswith("Modbus") else f"can:{bus}"
+    replaced = {"link": ('"can:can0"', f'"{link}"'), "channel": ('channel="can0"', f'channel="{bus}"')}
+    said = answered(CANOPEN if name.endswith("alone") else CALIBRATION, pace_s, **replaced)
+    require_asked(said, 1)
+    assert re.search(r"accepted; calibration counter 1\n$|ACCEPTED - calibration counter 1\n$", said), said

@@ -29,11 +29,11 @@ class CommunicationError(BenchFault):
 
 
 class Refused(BenchFault):
-    """The node does not do what it is told. `code`: its SDO abort code; the text has it in words where it is a usual
-    one."""
+    """The node does not do what it is told. `what` that was; `code`: its SDO abort code, which the text has in words
+    where it is a usual one."""
 
     def __init__(self, what: str, code: int, hint: str = ""):
-        self.code = code
+        self.what, self.code = what, code
         number = f"{code >> 16:04X} {code & 0xFFFF:04X}h"
         super().__init__(f"{what} was refused: {_WORDS.get(code, 'abort code')} ({number}){hint}")
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from types import TracebackType
 
 from tumble.client import names, result as results
-from tumble.client.errors import CommunicationError, NoResult, RunFailed, TimedOut
+from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, TimedOut
 from tumble.client.link import Link, Value, number
 from tumble.client.names import COMMAND, Objection, Reason
 from tumble.client.result import Result
@@ -180,13 +180,21 @@ class Node:
         name."""
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
-        self.link.command(COMMAND[name], argument, angle_deg, proposal)
+        self._give(name, argument, angle_deg, proposal)
         return self.state
+
+    def _give(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
+        try:
+            self.link.command(COMMAND[name], argument, angle_deg, proposal)
+        except Refused as refusal:
+            if refusal.code != DEVICE_STATE:
+                raise
+            raise Refused(refusal.what, refusal.code, f"; it is {self.state}") from None
 
     def start(self) -> str:
         """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
         before, end = self.run, time.monotonic() + STEP_S
-        self.link.command(COMMAND["START"])
+        self._give("START")
         while self.run == before:
             if time.monotonic() >= end:
                 raise CommunicationError("the node has taken START and shows no new run")
@@ -210,12 +218,12 @@ class Node:
         place, UsageError where it is not held."""
         if result.proposal is None:
             raise UsageError(f"the result is not held: its verdict is {result.verdict}")
-        self.link.command(COMMAND["ACCEPT"], proposal=result.proposal)
+        self._give("ACCEPT", proposal=result.proposal)
         return self._decided()
 
     def discard(self) -> str:
         """Drop what is held; the verdict that came of it."""
-        self.link.command(COMMAND["DISCARD"])
+        self._give("DISCARD")
         return self._decided()
 
     @contextmanager

@@ -34,7 +34,7 @@ class Settings(Mapping[str, float | None]):
         if name not in SETTINGS:
             raise UsageError(f"there is no setting {quoted(name)}; see docs/client.md")
         whole = SETTINGS[name][1] not in ("f32", "f64")
-        if whole and value != int(value):
+        if whole and not float(value).is_integer():
             raise Refused(f"writing {name}", OUT_OF_RANGE, "; it is a whole number")
         try:
             self._link.write(name, int(value) if whole else value)
