@@ -12,7 +12,7 @@ STATE_NAMES = tuple(row[0] for row in STATES)
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a run stopped (2001h). `name`: as in TUMBLE_REASON_...; `remedy`: what to look at (docs/operations.md)."""
+    """Why a run stopped (2001h). `name`: as in `TUMBLE_REASON_...`; `remedy`: what to look at (docs/operations.md)."""
 
     number: int
     name: str
@@ -25,7 +25,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Objection:
-    """Why a result is held. `name`: as in TUMBLE_OBJECTION_...; `remedy`: what to do (docs/operations.md)."""
+    """Why a result is held. `name`: as in `TUMBLE_OBJECTION_...`; `remedy`: what to do (docs/operations.md)."""
 
     bit: int
     name: str

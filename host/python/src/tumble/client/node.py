@@ -176,7 +176,7 @@ class Node:
     # Commands. All raise Refused where the state does not allow them.
 
     def command(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> str:
-        """Any of TUMBLE_COMMAND_..., such as "HOME_AXIS"; `angle_deg`: for TURN_AXIS. Raises UsageError for another
+        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: for TURN_AXIS. Raises UsageError for another
         name."""
         if name not in COMMAND:
             raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
