@@ -40,6 +40,7 @@ MAY_IMPORT = {
     "data": set(),
     "reference": set(),  # the witness: never of the core, or their agreement means nothing
     "drawings": set(),
+    "client": {"data"},
     "files": {"core"},
     "store": {"files"},
     "solving": {"core", "reference", "files"},
@@ -52,7 +53,7 @@ MAY_IMPORT = {
     "report": {"drawings", "files", "solving", "pictures", "comparison"},
     "api": {"core", "files", "solving", "fixture", "comparison", "pictures", "report"},
     "cli": {"core", "reference", "drawings", "files", "store", "solving", "fixture", "planning", "comparison",
-            "pictures", "importing", "bench", "report", "api", DOOR},
+            "pictures", "importing", "bench", "report", "api", "client", DOOR},
     DOOR: {"core", "reference", "files", "solving", "fixture", "planning", "api"},
 }
 # What a user includes: firmware/include/tumble/NAME.h is the door of the room NAME, these of the core.

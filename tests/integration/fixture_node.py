@@ -22,7 +22,7 @@ class PlayedNode(threading.Thread):
     def __init__(self, gateway, table=None, memory=True, run=None, schedule=None, spoils=0, stuck=False, serial=1):
         super().__init__(daemon=True)
         self.gateway, self.table, self.run_kept, self.schedule = gateway, table or PlayedTable(), run, schedule
-        self.spoils, self.stuck, self.commands, self.measured = spoils, stuck, [], []
+        self.spoils, self.stuck, self.commands, self.measured, self.angle = spoils, stuck, [], [], 0.0
         for sub, number in enumerate((0, 0x54420001, 0x10000, serial), start=1):
             self.set(0x1018, sub, struct.pack("<I", number))
         self.set(*STATE, b"\0")
@@ -49,7 +49,7 @@ class PlayedNode(threading.Thread):
 
     def take(self, entry, data):
         if entry == ANGLE:
-            self.table.write("Command: Angle", struct.unpack("<d", data)[0])
+            [self.angle] = struct.unpack("<d", data)
         elif entry == COMMAND:
             self.command(data[0])
         elif entry == (AT_REST, 1):
@@ -60,7 +60,7 @@ class PlayedNode(threading.Thread):
     def command(self, number):
         self.commands.append(number)
         with contextlib.suppress(Refused):  # to stop a table at rest
-            self.table.write("Command: Command", number)
+            self.table.command(number, angle_deg=self.angle)
         self.show_stand()
 
     def measure(self, count):

@@ -9,11 +9,11 @@ from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools/fixture"))
 
-from validation.accessor import ABORT, HOME_AXIS, TURN_AXIS, Accessor
-from validation.errors import CommunicationError, Refused
-from validation.instrument import FAULT, IN_POSITION, MOVING, READY
+from validation.instrument import ABORT, FAULT, HOME_AXIS, IN_POSITION, MOVING, READY
 from validation.limits import read_limits
 from validation.samples import Mean
+
+from tumble.client import CommunicationError, Link, Refused
 
 LIMITS = ROOT / "tools/fixture/limits.toml"
 K = np.array([[-2.0, 0.03, -0.02], [0.01, -1.98, 0.04], [0.02, -0.03, -2.02]])
@@ -57,20 +57,22 @@ class Faults:
     identity: dict = field(default_factory=dict)
 
 
-class PlayedTable(Accessor):
+class PlayedTable(Link):
     """Node 1 and all behind it; also the sampler of the block."""
 
     v_per_count = 10.0 / 2**23
 
     def __init__(self, seed=1, gravity=True, **faults):
-        super().__init__()
         self.faults, self.random = Faults(**faults), np.random.default_rng(seed)
         self.sampler = self if gravity else None
         self.encoder, self.table, self.home_is = 0.0, 0.0, 0.0
-        self.state, self.staged, self.commands = READY, {}, []
+        self.state, self.commands = READY, []
 
     def has(self, name):
         return False
+
+    def read_together(self, *names):
+        return [self._read(name) for name in names]
 
     def _read(self, name):
         if self.faults.silent:
@@ -81,22 +83,23 @@ class PlayedTable(Accessor):
         return {**values, **self.faults.identity}[name]
 
     def write(self, name, value):
-        self.staged[name] = value
-        if name == "Command: Command":
-            self.commands.append(value)
-            self.obey(value)
+        raise Refused(name, 0x06020000)
 
-    def obey(self, command):
+    def wait_for_news(self):
+        """It is always as it is."""
+
+    def command(self, command, argument=0, angle_deg=None, proposal=0):
+        self.commands.append(command)
         if command == ABORT:
-            raise Refused("command 2", 0x08000022)
+            raise Refused("ABORT", 0x08000022)
         if self.faults.endless:
             self.state = MOVING
         elif command == HOME_AXIS:
             self.home_is = self.random.normal(0.0, 1.0) * self.faults.home_deg
             self.encoder = -5.0  # the mark is come to from below
             self.move(0.0)
-        elif command == TURN_AXIS:
-            self.move(self.staged["Command: Angle"])
+        else:
+            self.move(angle_deg)
 
     def move(self, angle):
         """The table lags behind its motor by the backlash when it goes down, and stops where alpha4 has it."""

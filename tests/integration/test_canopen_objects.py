@@ -24,7 +24,7 @@ PRODUCTS = (
     "docs/bus/tumble.dbc", "docs/canopen.md",
     "host/gateway/register_map.h", "host/gateway/registers.c", "docs/modbus.md", "docs/modbus.csv",
     "boards/linux/remedies.c", "firmware/include/tumble/version.h", "host/python/src/tumble/_version.py",
-    "host/python/src/tumble/drawings/tables.py",
+    "host/python/src/tumble/drawings/tables.py", "host/python/src/tumble/client/tables.py",
 )  # fmt: skip
 READ = [path.relative_to(ROOT).as_posix()
         for path in (ROOT / "docs/operations.md", *(ROOT / "firmware").rglob("*.h"),

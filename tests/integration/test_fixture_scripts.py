@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, ROOT
 from fixture_table import FAULT, LIMITS, U0, K, PlayedTable, PlayedTime, limits, read_limits
-from validation import can_link, harmonic, judge, report, runs, samples, session
-from validation.errors import CommunicationError
+from validation import harmonic, judge, report, runs, samples, session
 from validation.judge import Verdict
 from validation.limits import CHECKS
 
+from tumble.client import CommunicationError
 from tumble.errors import BadInput
 
 pytestmark = pytest.mark.python
@@ -36,7 +36,7 @@ def checked(tmp_path, names, runs=(), keys=None, **faults):
     """The outcomes of some checks on a played table."""
     table = PlayedTable(**faults)
     asked = read_limits(str(limits(tmp_path, **(keys or {}))))
-    with session.opened(table, asked, list(map(str, runs)), None) as context:
+    with session.opened(table, asked, list(map(str, runs)), None, table.sampler) as context:
         return [session.run(name, context) for name in names]
 
 
@@ -146,31 +146,10 @@ def test_a_silent_node_ends_everything(tmp_path):
         checked(tmp_path, ["link"], silent=True)
 
 
-class Shared(can_link.CanLink):
-    """A channel on which so many answers are to another client first."""
-
-    def __init__(self, others):
-        self.others = others
-
-    def _ask_once(self, node, name):
-        self.others -= 1
-        if self.others >= 0:
-            raise can_link._silent(1, Exception("Unexpected response 0x43"))
-        return 7
-
-
-def test_what_another_client_was_told_is_asked_for_again():
-    assert Shared(20)._ask(None, "State") == 7
-    with pytest.raises(
-        CommunicationError, match="node 1 answers another SDO client as well, say a gateway: Unexpected"
-    ):
-        Shared(21)._ask(None, "State")
-
-
 def test_an_endless_motion_is_stopped(tmp_path):
     table = PlayedTable(endless=True)
     asked = read_limits(str(limits(tmp_path, table__move_timeout_s=0.1)))
-    with session.opened(table, asked, [], None) as context:
+    with session.opened(table, asked, [], None, table.sampler) as context:
         outcome = session.run("positions", context)
     assert outcome.verdict == Verdict.FAILS and outcome.fault == "homing takes longer than 0.1 s"
     assert table.commands[-1] == 2
@@ -178,7 +157,7 @@ def test_an_endless_motion_is_stopped(tmp_path):
 
 def test_an_interruption_stops_the_table(tmp_path):
     table, asked = PlayedTable(), read_limits(str(limits(tmp_path)))
-    with pytest.raises(KeyboardInterrupt), session.opened(table, asked, [], None) as context:
+    with pytest.raises(KeyboardInterrupt), session.opened(table, asked, [], None, table.sampler) as context:
         context.instrument.turn(90.0)
         raise KeyboardInterrupt
     assert table.commands[-1] == 2

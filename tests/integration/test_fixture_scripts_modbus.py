@@ -14,12 +14,13 @@ from fixture_table import LIMITS, PlayedTable, limits, read_limits
 from gateway_bench import gateway_program, start
 from test_gateway_serial import far_end, line, serve
 from validation import report, session
-from validation.errors import CommunicationError, Refused, StandFault
+from validation.errors import StandFault
 from validation.judge import Figure, Verdict
 from validation.limits import CHECKS
 from validation.links import open_link
-from validation.registers import read_map
 
+from tumble.client import CommunicationError, Refused
+from tumble.client.registers import read_map
 from tumble.core import CoreSchedule, paper_schedule
 from tumble.files.run_file import read_run
 
@@ -57,7 +58,8 @@ def played(start):
 def checked(folder, link, names, runs=(), **keys):
     """The outcomes of some checks."""
     asked = read_limits(str(limits(folder, **{**QUICK, **MODBUS_S, **keys})))
-    with session.opened(link, asked, list(map(str, runs)), None) as context:
+    heard = getattr(link, "sampler", None)  # of a table that is seen directly
+    with session.opened(link, asked, list(map(str, runs)), None, heard) as context:
         return [session.run(name, context) for name in names]
 
 
@@ -213,7 +215,7 @@ def test_without_memory_there_is_no_run_either(played, tmp_path):
 
 def test_a_block_that_sends_nothing_and_a_measurement_that_is_given_up(played):
     node, link = played(stuck=True, spoils=7)
-    sampler = session.Instrument(link, read_limits(str(LIMITS)).table).sampler
+    sampler = session.Instrument(link, read_limits(str(LIMITS)).table, None).sampler
     with pytest.raises(CommunicationError, match=r"sends no samples \(0 of 40 came, 7 were spoilt\)"):
         sampler.mean(40)
     node.measure = lambda count: type(node).measure(node, 0)  # as when it is reset meanwhile

@@ -124,7 +124,8 @@ def test_every_status_has_a_name_and_a_sentence():
     assert all(sentences) and len(set(sentences)) == len(sentences)
 
 
-OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools")
+OPTIONAL = ("matplotlib", "jinja2", "weasyprint", "PIL", "pandas", "polars", "pyarrow", "scipy", "can", "cantools",
+            "canopen", "pymodbus")
 
 
 def test_no_plot_or_table_library_is_loaded_for_plain_output(tmp_path):
@@ -156,12 +157,12 @@ def test_help_and_typing_errors_load_no_numpy():
 def test_files_that_come_along_are_found_by_name():
     names = data.names()
     for name in ("examples/paper_stand.csv", "examples/paper_stand.toml", "schemas/tumble.result-1.schema.json",
-                 "eds/tumble_block.eds", "bus/block.dbc"):
+                 "eds/tumble_block.eds", "bus/block.dbc", "docs/modbus.csv"):
         assert name in names and data.file(name).is_file()
     assert {name.partition("/")[0] for name in names} == set(data.FOLDERS)
     assert "examples/hand_held_session.csv" not in names  # of another licence
     for name in ("examples/none.csv", "paper_stand.csv", "../pyproject.toml", "examples/../bus/block.dbc", ""):
-        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, bus/tumble.dbc, eds/tumble_block.eds, "
+        said = f"no {name!r} comes with tumble; there are: bus/block.dbc, bus/tumble.dbc, docs/modbus.csv, "
         with pytest.raises(FileNotFoundError, match=re.escape(said)):
             data.file(name)
 
@@ -260,7 +261,8 @@ def contents(folder, *patterns):
 
 
 COPIED = ("VERSION", "CMakeLists.txt", "cmake", "firmware", "boards/nv", "host/simulation", "host/bench",
-          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus")
+          "host/python/CMakeLists.txt", "host/python/binding", "docs/schemas", "docs/eds", "docs/bus",
+          "docs/modbus.csv")
 
 
 @pytest.mark.slow

@@ -5,7 +5,8 @@ import inspect
 INTRODUCTION = """\
 # Python
 
-All public names of the package `tumble`, `import tumble`. [Calibrate in Python](../python.md) shows how they are used.
+All public names of the package `tumble`, `import tumble`, and of `tumble.client`. [Calibrate in Python](../python.md)
+and [Talk to a node](../client.md) show how they are used.
 Version {version}.
 """
 # Of whatever kind, as Sphinx calls it: its title, and which members are shown.
@@ -19,13 +20,18 @@ KINDS = {
 def page():
     """Markdown of the page: Sphinx puts the docstrings in."""
     import tumble
+    from tumble import client
 
-    sections = [INTRODUCTION.format(version=tumble.__version__)]
+    text = [INTRODUCTION.format(version=tumble.__version__), *sections(tumble, "")]
+    return "\n".join([*text, *sections(client, " of tumble.client")])
+
+
+def sections(module, of):
+    """The public names of a module, a section for each kind."""
     for kind, (title, options) in KINDS.items():
-        names = [name for name in tumble.__all__ if kind_of(getattr(tumble, name)) == kind]
-        lines = [line for name in names for line in (f".. {kind}:: tumble.{name}", *(f"   {o}" for o in options), "")]
-        sections.append("\n".join([f"## {title}", "", "```{eval-rst}", *lines, "```", ""]))
-    return "\n".join(sections)
+        names = [f"{module.__name__}.{name}" for name in module.__all__ if kind_of(getattr(module, name)) == kind]
+        lines = [line for name in names for line in (f".. {kind}:: {name}", *(f"   {o}" for o in options), "")]
+        yield "\n".join([f"## {title}{of}", "", "```{eval-rst}", *lines, "```", ""])
 
 
 def kind_of(value):

@@ -7,8 +7,8 @@
     >>> a_g = result.apply([[0.0, 0.0, 2.0]])  # outputs in volts -> specific force in g, (samples, 3)
 
 Public are the names of `__all__`, the exceptions in `tumble.errors`, `tumble.canbus.TumbleBus` (the simulated bus for
-python-can), `tumble.data` (examples, schemas), and the command line, `python -m tumble`. They stay; all else may change
-with any version. It stands in rooms, each of which says what it offers:
+python-can), `tumble.data` (examples, schemas), `tumble.client`, and the command line, `python -m tumble`. They stay;
+all else may change with any version. It stands in rooms, each of which says what it offers:
 
     core, reference     the firmware core, and its numpy witness, which knows nothing of it
     files               run files, stand files, schedule files
@@ -19,6 +19,7 @@ with any version. It stands in rooms, each of which says what it offers:
     comparison          two results of one block
     pictures            of results and comparisons
     report              a result as a document for people
+    client              a navigation computer over CAN or Modbus, for scripts
     api, cli            what scripts call; the command line
 
 Beside them is what all share: plain data (schedule, stand, estimators, units), errors, messages, interruption.

@@ -1,4 +1,4 @@
-"""Files that come with the package: examples, schemas of documents, EDS and DBC files.
+"""Files that come with the package: examples, schemas of documents, EDS and DBC files, the register map.
 
     >>> from tumble import data
     >>> data.file("bus/block.dbc").name
@@ -14,19 +14,25 @@ from __future__ import annotations
 
 from pathlib import Path
 
-FOLDERS = {"examples": "examples", "schemas": "docs/schemas", "eds": "docs/eds", "bus": "docs/bus"}  # in a checkout
+FOLDERS = {  # in a checkout
+    "examples": "examples",
+    "schemas": "docs/schemas",
+    "eds": "docs/eds",
+    "bus": "docs/bus",
+    "docs": "docs",
+}
 SCHEMAS = "https://schemas.tumble.invalid/"  # nobody serves them: they come with the package
 
 _KINDS = (".csv", ".toml", ".json", ".eds", ".dbc")
-_LEFT_OUT = ("hand_held_session.csv",)  # somebody else's, under another licence: host/python/CMakeLists.txt
+_LEFT_OUT = ("hand_held_session.csv", "site.toml")  # as host/python/CMakeLists.txt says
 _INSTALLED = Path(__file__).parent
 
 
 def file(name: str) -> Path:
     """Where a file is: `name` such as "examples/paper_stand.csv", "schemas/tumble.result-1.schema.json",
-    "eds/tumble_block.eds", "bus/block.dbc". Raises FileNotFoundError, which is an OSError, naming those there are."""
-    folder, _, _ = str(name).partition("/")
-    found = next((path for path in _all(folder) if _name(path) == name), None)
+    "eds/tumble_block.eds", "bus/block.dbc", "docs/modbus.csv". Raises FileNotFoundError, which is an OSError, naming
+    those there are."""
+    found = next((path for path in _all(str(name).partition("/")[0]) if _name(path) == name), None)
     if found is None:
         raise FileNotFoundError(f"no {name!r} comes with tumble; there are: {', '.join(names())}")
     return found

@@ -1,0 +1,95 @@
+"""Talk to a navigation computer, over CAN or Modbus: start a run, wait, read its result (docs/client.md).
+
+    import tumble.client
+
+    with tumble.client.connect("can:can0") as node:
+        node.start()
+        node.wait(until="DONE", timeout=600)
+        print(node.result().K)
+
+Needs python-can and python-canopen, or pymodbus: pip install 'tumble[client]'. They are loaded by `connect` alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tumble.client.can_link import CanLink, open_bus
+from tumble.client.errors import CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.link import Link
+from tumble.client.modbus_link import ModbusLink
+from tumble.client.names import COMMAND, Objection, Reason
+from tumble.client.node import Node, Status
+from tumble.client.result import Result
+from tumble.client.settings import Settings
+from tumble.errors import UsageError, quoted
+
+if TYPE_CHECKING:
+    import can
+
+__all__ = [
+    "COMMAND",
+    "LINKS",
+    "CanLink",
+    "CommunicationError",
+    "Link",
+    "ModbusLink",
+    "NoResult",
+    "Node",
+    "Objection",
+    "Reason",
+    "Refused",
+    "Result",
+    "RunFailed",
+    "Settings",
+    "Status",
+    "TimedOut",
+    "connect",
+    "open_link",
+]
+
+LINKS = "can:INTERFACE, can:KIND@CHANNEL, modbus:HOST:PORT or modbus-rtu:DEVICE[,BAUD[,PARITY]]"
+DEFAULT_BAUD = 19200
+PARITIES = ("N", "E", "O")
+
+
+def connect(link: str | can.BusABC, *, node: int = 1, server: int = 1, unit: int = 1) -> Node:
+    """The node on a link; close it, or use it as a context manager.
+
+    `link`: "can:can0", "can:virtual@test" (any interface of python-can), "modbus:HOST:PORT", "modbus-rtu:/dev/ttyUSB0"
+    with ",19200,E" behind it if need be; or a bus of python-can, which stays open. `node`: its number on CAN; `server`:
+    which of its SDO servers, 1 or 2; `unit`: of the gateway.
+
+    Raises UsageError for what is no link and for an interface that is not there, NotInstalled, Skipped where the kernel
+    has no CAN, CommunicationError where nobody answers.
+    """
+    return Node(open_link(link, node, server, unit))
+
+
+def open_link(link: str | can.BusABC, node: int = 1, server: int = 1, unit: int = 1) -> Link:
+    """The same, as objects by name alone."""
+    if not isinstance(link, str):
+        return CanLink(link, node, server, owned=False)
+    kind, _, where = link.partition(":")
+    if kind == "can" and where:
+        return CanLink(open_bus(where), node, server)
+    if kind == "modbus" and where:
+        return ModbusLink.tcp(*_host_and_port(where), unit)
+    if kind == "modbus-rtu" and where:
+        return ModbusLink.rtu(*_serial(where), unit)
+    raise UsageError(f"the link {quoted(link)} is not {LINKS}")
+
+
+def _host_and_port(where: str) -> tuple[str, int]:
+    host, _, port = where.rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise UsageError(f"the link modbus:{where} has no HOST:PORT")
+    return host.strip("[]"), int(port)
+
+
+def _serial(where: str) -> tuple[str, int, str]:
+    device, baud, parity = (*where.split(","), "", "")[:3]
+    baud, parity = baud or str(DEFAULT_BAUD), parity or "E"
+    if not device or not baud.isdigit() or parity not in PARITIES or where.count(",") > 2:
+        raise UsageError(f"the link modbus-rtu:{where} is not DEVICE[,BAUD[,PARITY]] with parity N, E or O")
+    return device, int(baud), parity

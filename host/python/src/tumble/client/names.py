@@ -1,0 +1,68 @@
+"""Numbers of the firmware's lists as names: states, reasons, objections, verdicts, commands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tumble.client.tables import COMMANDS, OBJECTIONS, REASONS, STATES, VERDICTS
+
+COMMAND = {row[0]: number for number, row in enumerate(COMMANDS)}
+STATE_NAMES = tuple(row[0] for row in STATES)
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a run stopped (2001h). `name`: as in `TUMBLE_REASON_...`; `remedy`: what to look at (docs/operations.md)."""
+
+    number: int
+    name: str
+    meaning: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.name}, {self.meaning}. Remedy: {self.remedy}" if self.number else "nothing is wrong"
+
+
+@dataclass(frozen=True)
+class Objection:
+    """Why a result is held. `name`: as in `TUMBLE_OBJECTION_...`; `remedy`: what to do (docs/operations.md)."""
+
+    bit: int
+    name: str
+    meaning: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.name}, {self.meaning}"
+
+
+def command(number: int) -> str:
+    """Of 2002h:2."""
+    return COMMANDS[number][0] if number < len(COMMANDS) else f"command {number}"
+
+
+def reason(number: int) -> Reason:
+    """Of 2001h. One that a newer firmware has is named by its number."""
+    if number < len(REASONS):
+        return Reason(number, *REASONS[number])
+    return Reason(number, f"REASON_{number}", "not in the list of this version of tumble", "See the node's own manual.")
+
+
+def objections(bits: int) -> tuple[Objection, ...]:
+    """Of 2120h:6 or 2102h:13."""
+    known = [Objection(bit, *row) for bit, row in enumerate(OBJECTIONS) if bits >> bit & 1]
+    further = [bit for bit in range(len(OBJECTIONS), bits.bit_length()) if bits >> bit & 1]
+    unknown = ("not in the list of this version of tumble", "Do not accept.")
+    return (*known, *(Objection(bit, f"OBJECTION_{bit}", *unknown) for bit in further))
+
+
+def state(number: int) -> str:
+    """Of 2000h."""
+    return STATE_NAMES[number] if number < len(STATE_NAMES) else f"STATE_{number}"
+
+
+def verdict(number: int | None) -> str | None:
+    """Of 2120h:7; None: the node keeps no coefficients."""
+    if number is None:
+        return None
+    return VERDICTS[number][0] if number < len(VERDICTS) else f"VERDICT_{number}"

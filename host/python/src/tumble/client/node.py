@@ -1,0 +1,258 @@
+"""A navigation computer as a script sees it: commands, state, result, settings; the same over CAN and Modbus."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+
+from tumble.client import names, result as results
+from tumble.client.errors import DEVICE_STATE, CommunicationError, NoResult, Refused, RunFailed, TimedOut
+from tumble.client.link import Link, Value, number
+from tumble.client.names import COMMAND, Objection, Reason
+from tumble.client.result import Result
+from tumble.client.settings import Settings
+from tumble.errors import UsageError, quoted
+
+SERVICE_KEY = 0x76726573  # "serv"
+ENDED = ("FAULT", "ABORT")
+STEP_S = 10.0  # within which a command that the node has taken shows
+WORKING = "WORKING"
+_STATUS = (
+    "Run number",
+    "State",
+    "Reason",
+    "Progress: Mounting number",
+    "Progress: Position number",
+    "Progress: Positions finished",
+    "Progress: Position count",
+    "Keeper: Verdict",
+    "Keeper: Objections",
+    "Keeper: Calibration counter",
+)
+
+
+@dataclass(frozen=True)
+class Status:
+    """What a run is at. `run`: its number since power-on; `mounting`, `position`: of the schedule; `finished` positions
+    of `count`; `verdict`: None on a board without memory."""
+
+    run: int
+    state: str
+    reason: Reason
+    mounting: int
+    position: int
+    finished: int
+    count: int
+    verdict: str | None
+    objections: tuple[Objection, ...]
+    calibration_counter: int
+
+
+class Node:
+    """A node on an open link; leave it by `close()` or as a context manager. A command returns the state after it.
+
+    Not for several threads at once. Every member raises CommunicationError when nobody answers; what else it raises it
+    says.
+    """
+
+    def __init__(self, link: Link):
+        self.link = link
+        self.settings = Settings(link)
+
+    def __enter__(self) -> Node:
+        return self
+
+    def __exit__(
+        self, _kind: type[BaseException] | None, _error: BaseException | None, _at: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the link."""
+        self.link.close()
+
+    # Objects by name, as in docs/canopen.md and docs/modbus.md.
+
+    def has(self, name: str) -> bool:
+        """Whether the link offers an object of this name."""
+        return self.link.has(name)
+
+    def read(self, name: str) -> Value:
+        """An object, such as "Progress: Actual angle"; None where the node has no value now. Raises Refused."""
+        return self.link.read(name)
+
+    def read_together(self, *wanted: str) -> list[Value]:
+        """Several, in this order; over Modbus all of one moment. Raises Refused."""
+        return self.link.read_together(*wanted)
+
+    def write(self, name: str, value: float) -> None:
+        """Into an object that is no command. Raises Refused."""
+        self.link.write(name, value)
+
+    # What it is at.
+
+    @property
+    def state(self) -> str:
+        """Such as "IDLE", "WAIT_MOUNTING", "DONE"."""
+        return names.state(self._whole("State"))
+
+    @property
+    def reason(self) -> Reason:
+        """Why the run stopped, with its remedy."""
+        return names.reason(self._whole("Reason"))
+
+    @property
+    def run(self) -> int:
+        """How many runs have begun since power-on."""
+        return self._whole("Run number")
+
+    @property
+    def mounting(self) -> int:
+        """The one that is asked for, or that is measured in."""
+        return self._whole("Progress: Mounting number")
+
+    @property
+    def status(self) -> Status:
+        """All of it."""
+        run, state, reason, *progress, verdict, bits, counter = self.link.read_together(*_STATUS)
+        mounting, position, finished, count = (int(number(one)) for one in progress)
+        return Status(
+            int(number(run)),
+            names.state(int(number(state))),
+            names.reason(int(number(reason))),
+            mounting,
+            position,
+            finished,
+            count,
+            names.verdict(None if verdict is None else int(number(verdict))),
+            names.objections(int(number(bits))),
+            int(number(counter)),
+        )
+
+    def events(self, timeout: float | None = None) -> Iterator[Status]:
+        """The status now, and again whenever it has changed; ends after `timeout` seconds, None: never. What comes and
+        goes between two looks (50 a second over CAN, the gateway's polls over Modbus) is not seen."""
+        end, before = _end(timeout), None
+        while True:
+            now = self.status
+            if now != before:
+                yield now
+                before = now
+            if time.monotonic() >= end:
+                return
+            self.link.wait_for_news()
+
+    def wait(self, until: str | tuple[str, ...] = "DONE", timeout: float | None = None) -> str:
+        """Return the state as soon as it is `until`, or one of them. Raises RunFailed where it is FAULT or ABORT and
+        that is not asked for, TimedOut, UsageError for a state that there is not."""
+        wanted = (until,) if isinstance(until, str) else until
+        for name in wanted:
+            if name not in names.STATE_NAMES:
+                raise UsageError(f"there is no state {quoted(name)}; there are {', '.join(names.STATE_NAMES)}")
+        end = _end(timeout)
+        while (state := self.state) not in wanted:
+            if state in ENDED:
+                raise RunFailed(state, self.reason)
+            if time.monotonic() >= end:
+                raise TimedOut(" or ".join(wanted), timeout or 0.0, state)
+            self.link.wait_for_news()
+        return state
+
+    def result(self, timeout: float = 60.0) -> Result:
+        """Of the last finished run, once it is judged and stored. Raises NoResult, TimedOut."""
+        end = time.monotonic() + timeout
+        while self._verdict() == WORKING:
+            if time.monotonic() >= end:
+                raise TimedOut("the verdict", timeout, self.state)
+            self.link.wait_for_news()
+        found = results.read(self.link)
+        if found is None:
+            raise NoResult(f"the node has no result; its state is {self.state}")
+        return found
+
+    # Commands. All raise Refused where the state does not allow them.
+
+    def command(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> str:
+        """Any of `TUMBLE_COMMAND_...`, such as "HOME_AXIS"; `angle_deg`: for TURN_AXIS. Raises UsageError for another
+        name."""
+        if name not in COMMAND:
+            raise UsageError(f"there is no command {quoted(name)}; there are {', '.join(COMMAND)}")
+        self._give(name, argument, angle_deg, proposal)
+        return self.state
+
+    def _give(self, name: str, argument: int = 0, angle_deg: float | None = None, proposal: int = 0) -> None:
+        try:
+            self.link.command(COMMAND[name], argument, angle_deg, proposal)
+        except Refused as refusal:
+            if refusal.code != DEVICE_STATE:
+                raise
+            raise Refused(refusal.what, refusal.code, f"; it is {self.state}") from None
+
+    def start(self) -> str:
+        """Begin a run. The state that is returned, and all that is read later, is of this run and of none before."""
+        before, end = self.run, time.monotonic() + STEP_S
+        self._give("START")
+        while self.run == before:
+            if time.monotonic() >= end:
+                raise CommunicationError("the node has taken START and shows no new run")
+            self.link.wait_for_news()
+        return self.state
+
+    def abort(self) -> str:
+        """Stop the table and give the run up."""
+        return self.command("ABORT")
+
+    def resume(self) -> str:
+        """Go on after FAULT, or after a loss of power."""
+        return self.command("RESUME")
+
+    def confirm(self, mounting: int | None = None) -> str:
+        """The block sits in this mounting; None: in the one that is asked for."""
+        return self.command("CONFIRM_MOUNTING", self.mounting if mounting is None else mounting)
+
+    def accept(self, result: Result) -> str:
+        """Make a held result the active set; the verdict that came of it. Raises Refused where another has taken its
+        place, UsageError where it is not held."""
+        if result.proposal is None:
+            raise UsageError(f"the result is not held: its verdict is {result.verdict}")
+        self._give("ACCEPT", proposal=result.proposal)
+        return self._decided()
+
+    def discard(self) -> str:
+        """Drop what is held; the verdict that came of it."""
+        self._give("DISCARD")
+        return self._decided()
+
+    @contextmanager
+    def unlock(self) -> Iterator[None]:
+        """Within it settings of level `service` can be written, for 60 s at most. Raises Refused while a run is on."""
+        self.link.write("Service level: Key", SERVICE_KEY)
+        try:
+            yield
+        finally:
+            self.link.write("Service level: Key", 0)
+
+    def _decided(self) -> str:
+        end = time.monotonic() + STEP_S
+        while (verdict := self._verdict()) == WORKING:
+            if time.monotonic() >= end:
+                raise TimedOut("the verdict", STEP_S, self.state)
+            self.link.wait_for_news()
+        return verdict or ""
+
+    def _verdict(self) -> str | None:
+        value = self.link.read("Keeper: Verdict")
+        return names.verdict(None if value is None else int(number(value)))
+
+    def _whole(self, name: str) -> int:
+        value = self.link.read(name)
+        if value is None:
+            raise CommunicationError(f"the node does not tell its {name}")
+        return int(number(value))
+
+
+def _end(timeout: float | None) -> float:
+    return float("inf") if timeout is None else time.monotonic() + timeout

@@ -1,0 +1,253 @@
+"""tumble.client on a node that the tests play: the whole of a run, and every way in which it can end otherwise."""
+
+import logging
+import re
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+from played_node import U0, K, PlayedCanNode
+
+from tumble import client
+from tumble.client import can_link
+from tumble.client.registers import read_map
+from tumble.client.tables import SETTINGS
+from tumble.errors import NotInstalled, TumbleError, UsageError
+
+pytest.importorskip("canopen", reason="python-canopen is not installed")
+pytestmark = pytest.mark.python
+logging.getLogger("canopen").setLevel(logging.CRITICAL)
+
+
+@pytest.fixture
+def played():
+    """Make (node that is played, node that a client has)."""
+    opened = []
+
+    def begin(**keys):
+        node = PlayedCanNode(**keys)
+        opened.extend([node, client.connect(f"can:virtual@{node.channel}")])
+        return opened[-2:]
+
+    yield begin
+    for one in reversed(opened):
+        one.close()
+
+
+def test_a_run_from_start_to_accept(played):
+    theirs, node = played()
+    assert (node.state, node.reason.name, node.run) == ("IDLE", "NONE", 0)
+    assert node.start() == "PREFLIGHT"
+    asked = []
+    while node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=30) == "WAIT_MOUNTING":
+        asked.append(node.mounting)
+        assert node.confirm() == "MOVE"
+    result = node.result()
+    assert asked == [1, 2] and result.run == 1
+    assert result.K.tolist() == K and result.U0.tolist() == U0 and result.u_K.shape == (3, 3)
+    assert (result.verdict, [one.name for one in result.objections]) == ("HELD", ["FIRST"])
+    assert node.accept(result) == "ACCEPTED" and node.result().calibration_counter == 1
+    assert theirs.commands == [("START", 0), ("CONFIRM_MOUNTING", 1), ("CONFIRM_MOUNTING", 2), ("ACCEPT", 0)]
+
+
+def test_a_fault_says_why_and_what_to_do_and_a_resume_goes_on(played):
+    _theirs, node = played(fails={1: "STALL"})
+    node.start()
+    node.wait(until="WAIT_MOUNTING", timeout=30)
+    node.confirm()
+    with pytest.raises(client.RunFailed, match=r"in FAULT: STALL, .* Remedy: The axis does not follow") as end:
+        node.wait(timeout=30)
+    assert (end.value.state, end.value.reason.name) == ("FAULT", "STALL") and isinstance(end.value, TumbleError)
+    assert node.wait(until="FAULT") == "FAULT"
+    assert node.resume() == "MOVE"
+    with pytest.raises(client.RunFailed, match="the run is in ABORT: COMMAND, aborted by command"):
+        node.abort()
+        node.wait()
+
+
+def test_waiting_ends_in_time_with_the_last_state(played):
+    _theirs, node = played(stays="WARM_UP")
+    node.start()
+    with pytest.raises(TimeoutError, match=r"DONE did not come within 0\.2 s; the state is WARM_UP") as end:
+        node.wait(timeout=0.2)
+    assert isinstance(end.value, client.TimedOut) and end.value.state == "WARM_UP"
+    with pytest.raises(UsageError, match="there is no state 'FINISHED'; there are IDLE, PREFLIGHT"):
+        node.wait(until="FINISHED")
+
+
+def test_what_the_state_does_not_allow_is_refused(played):
+    theirs, node = played()
+    for command in (node.abort, node.resume, node.confirm, node.discard):
+        with pytest.raises(client.Refused, match=r"refused: the state does not allow it \(0800 0022h\); it is IDLE"):
+            command()
+    with pytest.raises(client.NoResult, match="the node has no result; its state is IDLE"):
+        node.result()
+    assert theirs.commands == []
+
+
+def test_settings_by_name_with_their_units(played):
+    theirs, node = played()
+    settings = node.settings
+    assert set(settings) == set(SETTINGS) and len(settings) == len(SETTINGS)
+    assert settings.unit("Configuration: Settling time") == "ms" and not settings.needs_unlock("Host: Inhibit")
+    settings["Configuration: Settling time"] = 70
+    assert settings["Configuration: Settling time"] == 70
+    coverage = "Commit rules: Coverage"
+    with pytest.raises(client.Refused, match=rf"{coverage} was refused: .*; no run may be on, .* unlock\(\) opens it"):
+        settings[coverage] = 2.5
+    with node.unlock():
+        settings[coverage] = 2.5
+    assert (settings[coverage], theirs.level) == (2.5, 0)
+
+
+@pytest.mark.parametrize("value", [1.5, -1, 300, float("inf")])
+def test_a_value_that_no_such_object_can_hold_is_refused_before_it_is_sent(played, value):
+    _theirs, node = played()
+    node.settings["Configuration: Estimator"] = 1
+    with pytest.raises(client.Refused, match=r"Estimator was refused: value out of range \(0609 0030h\)"):
+        node.settings["Configuration: Estimator"] = value
+    assert node.settings["Configuration: Estimator"] == 1
+
+
+def test_what_there_is_not_is_told_by_its_name(played):
+    _theirs, node = played()
+    with pytest.raises(KeyError):
+        node.settings["Weather"]
+    with pytest.raises(UsageError, match="there is no setting 'Weather'"):
+        node.settings["Weather"] = 1
+    with pytest.raises(UsageError, match="there is no command 'FLY'; there are NONE, START"):
+        node.command("FLY")
+    with pytest.raises(client.Refused, match=r"reading Weather was refused: no such object \(0602 0000h\)"):
+        node.read("Weather")
+    assert node.has("Progress: Actual angle") and not node.has("Progress: Weather") and not node.has("Weather")
+
+
+def test_a_board_without_memory_has_a_result_and_no_verdict(played):
+    _theirs, node = played(memory=False, mountings=1)
+    node.start()
+    node.wait(until="WAIT_MOUNTING", timeout=30)
+    node.confirm()
+    node.wait(timeout=30)
+    result = node.result()
+    assert (result.verdict, result.proposal, result.calibration_counter) == (None, None, None)
+    assert result.K.tolist() == K
+    assert node.settings["Commit rules: Coverage"] is None
+    with pytest.raises(UsageError, match="the result is not held: its verdict is None"):
+        node.accept(result)
+
+
+def test_events_are_the_changes(played):
+    _theirs, node = played(mountings=1)
+    node.start()
+    seen = []
+    for status in node.events(timeout=30):
+        seen.append((status.run, status.state, status.verdict))
+        if status.state == "WAIT_MOUNTING":
+            node.confirm()
+        if status.verdict == "HELD":
+            break
+    states = [state for _, state, _ in seen]
+    assert states[0] in ("WARM_UP", "WAIT_MOUNTING") and states[-1] == "DONE" and len(set(seen)) == len(seen)
+    assert [status.state for status in node.events(timeout=0)] == ["DONE"]
+
+
+def test_a_bus_that_is_given_is_left_open_and_both_servers_answer(played):
+    import can
+
+    theirs, _node = played()
+    bus = can.Bus(interface="virtual", channel=theirs.channel)
+    with client.connect(bus) as node:
+        assert node.state == "IDLE"
+    bus.send(can.Message(arbitration_id=0x601, data=bytes(8), is_extended_id=False))  # it is open still
+    requests = theirs.answer_as_second_server()
+    with client.connect(bus, server=2) as node:
+        assert node.state == "IDLE" and node.start() == "PREFLIGHT"
+    assert requests == [0x401] * len(requests) and len(requests) > 4
+    bus.shutdown()
+
+
+def test_a_silent_node_is_a_sentence(played):
+    theirs, node = played()
+    theirs.network.unsubscribe(0x601)
+    node.link._sdo.RESPONSE_TIMEOUT = 0.05
+    for act in (lambda: node.state, node.start, lambda: node.wait(timeout=9)):
+        with pytest.raises(client.CommunicationError, match="node 1 does not answer: No SDO response received"):
+            act()
+
+
+class Shared(can_link.CanLink):
+    """A channel on which so many answers are to another client first."""
+
+    def __init__(self, others):
+        self.others = others
+
+    def _ask_once(self, sdo, name):
+        self.others -= 1
+        if self.others >= 0:
+            raise can_link._silent(sdo, Exception("Unexpected response 0x43"))
+        return 7
+
+
+def test_what_another_client_was_told_is_asked_for_again(played):
+    _theirs, node = played()
+    assert Shared(20).ask(node.link._sdo, "State") == 7
+    with pytest.raises(client.CommunicationError, match="node 1 answers another SDO client as well, say a gateway: Un"):
+        Shared(21).ask(node.link._sdo, "State")
+
+
+@pytest.mark.parametrize(
+    ("link", "said"),
+    [
+        ("serial:x", "the link 'serial:x' is not can:INTERFACE, "),
+        ("can:", "the link 'can:' is not "),
+        ("modbus:localhost", "has no HOST:PORT"),
+        ("modbus:localhost:99999", "has no HOST:PORT"),
+        ("modbus-rtu:/dev/tty,9600,X", "with parity N, E or O"),
+        ("modbus-rtu:/dev/tty,9600,E,1", "with parity N, E or O"),
+    ],
+)
+def test_what_is_no_link(link, said):
+    with pytest.raises(UsageError, match=re.escape(said)):
+        client.connect(link)
+
+
+@pytest.mark.parametrize("library", ["can", "canopen", "pymodbus"])
+def test_a_library_that_is_missing_is_named_with_the_extra_that_has_it(monkeypatch, library):
+    for name in [one for one in sys.modules if one.partition(".")[0] == library]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, library, None)
+    link = "modbus:127.0.0.1:1" if library == "pymodbus" else "can:virtual@missing"
+    with pytest.raises(NotInstalled, match=rf"needs (python-)?{library}: pip install 'tumble\[client\]'"):
+        client.connect(link)
+
+
+def test_both_links_call_an_object_by_the_same_name(played):
+    """The names of the registers are those of the EDS file, and every setting is in both."""
+    _theirs, node = played()
+    register_map = read_map()
+    own = register_map.input["Magic word"][0].at
+    names = [name for name, rows in register_map.input.items() if rows[0].valid is not None]
+    assert own == 0 and len(names) > 200
+    assert [name for name in names if not node.has(name)] == []
+    assert [name for name in SETTINGS if name not in register_map.settings or not node.has(name)] == []
+
+
+def test_the_page_lists_every_setting_with_its_unit():
+    page = (ROOT / "docs/client.md").read_text(encoding="utf-8").partition("## The settings")[2].partition("##")[0]
+    listed = {}
+    for names, unit, unlock in re.findall(r"^\| (`.*`.*) \| (.*?) ?\| (yes)? ?\|$", page, re.MULTILINE):
+        first, *others = re.findall(r"`([^`]+)`", names)
+        record = first.partition(": ")[0]
+        entries = [first.partition(": ")[2], *others]
+        if " to " in names:
+            entries = [f"{entries[0][:-len(end)]}{one}" for end in [re.search("x+$", entries[0])[0]]
+                       for one in (("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz") if end == "xx" else "xyz")]
+        listed |= {f"{record}: {entry}": (unit, bool(unlock)) for entry in entries}
+    assert listed == {name: (unit, level) for name, (unit, _, level) in SETTINGS.items()}
+
+
+def test_the_package_loads_no_library_of_a_bus():
+    program = "import sys, tumble.client; print({'can', 'canopen', 'pymodbus'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("set()\n", "")

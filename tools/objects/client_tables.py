@@ -1,0 +1,69 @@
+"""What the client library calls by name: states, reasons with remedies, commands, objections, verdicts, settings."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from drawn import text
+from model import Node, read_list
+from remedies import PAGE, remedies
+from rules import check
+
+SETS = "firmware/include/tumble/sets.h"
+LISTS = {
+    "STATE": "firmware/procedure/states.h",
+    "REASON": "firmware/procedure/states.h",
+    "COMMAND": "firmware/navcomp/commands.h",
+    "OBJECTION": SETS,
+}
+VERDICT = re.compile(r"TUMBLE_VERDICT_(\w+) = (\d+),?\s*/\* (.*?) \*/")
+HOST = 0x2121  # what the host tells; it is no setting that 1010h saves, but one all the same
+HEAD = '''"""Names that the client library calls things by. Written by tools/objects/generate from firmware lists,
+the object tables and docs/operations.md; not to be edited."""
+
+# ruff: noqa: E501
+# fmt: off
+
+from __future__ import annotations
+
+'''
+
+
+def module(root: Path, node: Node) -> str:
+    """tumble/client/tables.py. Raises TableError."""
+    said = remedies((root / PAGE).read_text(encoding="utf-8"))
+    parts = [listed(root, name, said) for name in LISTS]
+    return HEAD + "\n".join([*parts, verdicts(root), settings(node)])
+
+
+def listed(root: Path, name: str, said: dict[str, str]) -> str:
+    """One list of the firmware, in the order of its numbers; with what to do where the page says it."""
+    rows = read_list(root / LISTS[name], f"TUMBLE_{name}")
+    told = any(whole in said for whole, _ in rows)
+    made = [[whole.removeprefix(f"TUMBLE_{name}_"), meaning, *([said.get(whole, "")] if told else [])]
+            for whole, meaning in rows]
+    return table(f"{name}S", f"by number: name, meaning{', what to do' if told else ''}", made)
+
+
+def verdicts(root: Path) -> str:
+    found = VERDICT.findall((root / SETS).read_text(encoding="utf-8"))
+    check([int(number) for _, number, _ in found] == list(range(len(found))) != [], SETS, "no list of verdicts")
+    rows = [[name, meaning.replace("`", "")] for name, _, meaning in found]
+    return table("VERDICTS", "by number: name, meaning", rows)
+
+
+def table(name: str, about: str, rows: list[list[str]]) -> str:
+    kind = ", ".join(["str"] * len(rows[0]))
+    lines = "".join(f"    ({', '.join(map(text, row))}),\n" for row in rows)
+    return f"{name}: tuple[tuple[{kind}], ...] = (  # {about}\n{lines})\n"
+
+
+def settings(node: Node) -> str:
+    """What the host tells, and what 1010h saves."""
+    rows = [f"    {text(f'{item.name}: {entry.name}')}: ({text(entry.unit)}, {text(entry.type.key)},"
+            f" {entry.level == 'service'}),\n"
+            for item in node.objects if item.saved or item.index == HOST
+            for entry in item.entries if entry.subindex and entry.access == "rw"]
+    head = "SETTINGS: dict[str, tuple[str, str, bool]] = {  # name: unit, type, whether it needs the service level\n"
+    return head + "".join(rows) + "}\n"
