@@ -4,10 +4,10 @@ import os
 import re
 import struct
 import subprocess
-import time
 
 import documents
 import pytest
+from bench_program import wait_until
 from gateway_bench import FUNCTION, KEYS, ROOT, VALUE, WRITE_SEVERAL, Gateway, gateway_program, register
 from test_gateway_commands import ACCEPTED, REFUSED, UNANSWERED, result, unlocked
 from test_gateway_serial import line
@@ -53,18 +53,25 @@ def u16(number):
     return struct.pack("<H", number)
 
 
+def u32(number):
+    return struct.pack("<I", number)
+
+
+def wait_link(client, state):
+    """Until the gateway has seen that, and told it."""
+    wait_until(lambda: client.number("Link state") == state)
+
+
 def test_clients_come_and_go(logged):
-    gateway = logged("--idle", 1)
+    gateway = logged()
     first = gateway.connect()
     first.number("Clients")
     second = gateway.connect(source="127.0.0.2")
     second.number("Clients")
     second.close()
-    time.sleep(0.2)
+    wait_until(lambda: first.number("Clients") == 1)
     first.send(b"\0\0\0\0\xff\xff\1")
     assert first.receive() == b""
-    silent = gateway.connect()
-    assert silent.receive() == b""
     last = gateway.connect()
     last.number("Clients")
     found = lines(gateway)
@@ -74,13 +81,20 @@ def test_clients_come_and_go(logged):
         ("disconnected", "info", "client 127.0.0.2 disconnected, by itself; 1 left"),
         ("disconnected", "info", "client 127.0.0.1 disconnected, broken off, or it speaks no Modbus; 0 left"),
         ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
-        ("disconnected", "info", "client 127.0.0.1 disconnected, silent for too long; 0 left"),
-        ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
         ("disconnected", "info", "client 127.0.0.1 disconnected, the gateway ends; 0 left"),
         ("end", "notice", "ends with exit code 0"),
     ]
     assert (found[0]["event"], found[0]["access"], found[0]["interface"]) == ("ready", "read only", "played")
     assert re.fullmatch(r"node 1 on played, unit 1 at 127\.0\.0\.1:\d+, read only", found[0]["message"])
+
+
+def test_a_client_that_is_silent(logged):
+    gateway = logged("--idle", 1)
+    assert gateway.connect().receive(timeout=60.0) == b""
+    assert told(lines(gateway), "connected", "disconnected") == [
+        ("connected", "info", "client 127.0.0.1 connected, 1 in all"),
+        ("disconnected", "info", "client 127.0.0.1 disconnected, silent for too long; 0 left"),
+    ]
 
 
 def test_commands_and_what_came_of_them(logged):
@@ -103,7 +117,7 @@ def test_commands_and_what_came_of_them(logged):
     gateway.tell("refuse 0")
     assert setting(3, "Recalibration: Temperature samples", 0.5) == UNFIT
     assert setting(4, "Commit rules: Coverage", 3.0) == NO_SERVICE
-    gateway.tell("silent 1")
+    gateway.tell("hold 1")
     assert execute(5, 2) == UNANSWERED
     assert client.write(0, 1, 2) == VALUE
     assert client.write(COMMAND, 1) == FUNCTION
@@ -126,23 +140,20 @@ def test_the_node_as_its_snapshots_show_it(logged):
     down."""
     gateway = logged()
     client = gateway.connect()
-    for index, sub, number in ((0x2000, 0, 5), (0x2001, 0, 0), (0x2004, 1, 5), (0x2003, 1, 2), (0x2003, 2, 18),
-                               (0x2003, 3, 2), (0x2003, 4, 1), (0x2003, 5, 3), (0x2120, 7, 3)):
-        gateway.set(index, sub, bytes([number]), boot=False)
-    gateway.set(0x2004, 3, u16(0x7500), boot=False)
-    gateway.set(0x2120, 6, u16(0x40), boot=False)
-    gateway.set(0x2120, 2, struct.pack("<I", 4))
+    gateway.set_all({
+        (0x2000, 0): b"\5", (0x2001, 0): b"\0", (0x2003, 1): b"\2", (0x2003, 2): b"\x12", (0x2003, 3): b"\2",
+        (0x2003, 4): b"\1", (0x2003, 5): b"\3", (0x2004, 1): b"\5", (0x2004, 3): u16(0x7500),
+        (0x2120, 2): u32(4), (0x2120, 6): u16(0x40), (0x2120, 7): b"\3",
+    })  # fmt: skip
     gateway.wait_fresh(client)
-    gateway.set(0x2001, 0, b"\7", boot=False)
-    gateway.set(0x2000, 0, b"\x0d")
+    gateway.set_all({(0x2000, 0): b"\x0d", (0x2001, 0): b"\7"})
     gateway.wait_fresh(client)
-    gateway.set(0x2120, 7, b"\5", boot=False)
-    gateway.set(0x2120, 2, struct.pack("<I", 5))
+    gateway.set_all({(0x2120, 2): u32(5), (0x2120, 7): b"\5"})
     gateway.wait_fresh(client)
     gateway.tell("silent 1")
-    time.sleep(1.5)
+    wait_link(client, 2)
     gateway.tell("down 1")
-    time.sleep(1.5)
+    wait_link(client, 3)
     found = lines(gateway)
     assert ("state", "info", "TUMBLE_STATE_MOVE at position 1.3, 2 of 18 finished: turning the table") in told(found)
     [fault] = [line for line in found if line["event"] == "fault"]
@@ -157,7 +168,7 @@ def test_text_and_level(logged):
     gateway = logged("--log-level", "notice", form="text")
     stamp = r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z tumble-gateway: "
     assert re.fullmatch(stamp + r"notice: node 1 on played, unit 1 at 127\.0\.0\.1:\d+, read only\n", gateway.line)
-    gateway.connect().number("Clients")
+    wait_link(gateway.connect(), 1)
     code, rest = gateway.end()
     assert code == 0 and re.fullmatch(f"{stamp}notice: node 1: the node answers\n"
                                       f"{stamp}notice: ends with exit code 0\n", rest), rest
@@ -193,12 +204,13 @@ def test_the_journal_is_told_the_level(gateway_program, form):
 def test_an_unlocked_session_whose_client_goes(logged):
     """The keys belong to the session that wrote them: the next one in its place is told anew."""
     gateway = logged("--allow-commands")
+    watcher = gateway.connect()
     for _ in range(2):
         client = unlocked(gateway)
         client.close()
-        time.sleep(0.2)
-    assert [line[0] for line in told(lines(gateway), "connected", "unlock", "disconnected")] == 2 * [
-        "connected", "unlock", "disconnected"]
+        wait_until(lambda: watcher.number("Clients") == 1)
+    events = [line[0] for line in told(lines(gateway), "connected", "unlock", "disconnected")]
+    assert events == ["connected", *2 * ["connected", "unlock", "disconnected"], "disconnected"]
 
 
 def test_the_serial_line_is_a_client_too(logged, line):
