@@ -41,6 +41,8 @@ typedef struct {
     double yaws_squared;
     double lean;
     double seats_squared;
+    double declared_v2; /* noise of a mean of so many samples: the next one mostly has as many */
+    uint32_t samples;
     tumble_course_response_t course;
 } response_t;
 
@@ -100,34 +102,19 @@ static double least_squares_gain(const gains_t *gains, uint8_t p, double row[TUM
     return gain;
 }
 
-/* The column of N^-1 that belongs to the unknown, corrected once from its residual like a fit (normal.h). */
+/* The column of N^-1 that belongs to the unknown. A fit is corrected from its residual (normal.h), this is not: what the
+ * condition of N takes from it, 1e-8 of it at the worst, is nothing to an uncertainty. */
 static void solve_column(const gains_t *gains)
 {
-    const tumble_judged_run_t *run = gains->run;
+    double *column = gains->least_squares->column;
     for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
-        gains->least_squares->column[j] = 0.0;
+        column[j] = (j == gains->unknown) ? 1.0 : 0.0;
     }
-    for (int pass = 0; pass < 2; pass++) {
-        double right[TUMBLE_UNKNOWNS] = {0.0, 0.0, 0.0, 0.0};
-        right[gains->unknown] = 1.0;
-        for (uint8_t p = 0; p < run->schedule->position_count; p++) {
-            if (tumble_normal_uses(run->schedule, run->measured, p)) {
-                double row[TUMBLE_UNKNOWNS];
-                const double gain = least_squares_gain(gains, p, row);
-                for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
-                    right[j] -= row[j] * gain;
-                }
-            }
-        }
-        tumble_normal_solve(&gains->least_squares->normal, right);
-        for (int j = 0; j < TUMBLE_UNKNOWNS; j++) {
-            gains->least_squares->column[j] += right[j];
-        }
-    }
+    tumble_normal_solve(&gains->least_squares->normal, column);
 }
 
-/* The gains of the position `p`, the fit position number `fit` from 0, for its three channels. */
-static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
+/* The gains of the position `p`, the fit position number `fit` from 0, for its three channels. False if all are 0. */
+static bool gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBLE_CHANNELS])
 {
     if (gains->kind == TABLE) {
         const size_t row_length = (size_t)gains->table->fit_positions * TUMBLE_CHANNELS;
@@ -136,33 +123,37 @@ static void gains_at(const gains_t *gains, uint8_t p, size_t fit, double g[TUMBL
         for (size_t i = 0; i < TUMBLE_CHANNELS; i++) {
             g[i] = gains->table->gains[((size_t)row * row_length) + (fit * TUMBLE_CHANNELS) + i];
         }
-        return;
+        return true;
     }
     for (int i = 0; i < TUMBLE_CHANNELS; i++) {
         g[i] = 0.0;
     }
     double row[TUMBLE_UNKNOWNS];
     g[gains->channel] = (gains->kind == LEAST_SQUARES) ? least_squares_gain(gains, p, row) : harmonic_gain(gains, p);
+    return tumble_is_positive(tumble_abs(g[gains->channel]));
 }
 
 /* What the noise of the mean of a position does. Not inlined: else its numbers lie on the stack below add_position's. */
-TUMBLE_ONE_COPY static double noise_squared_at(const tumble_judged_run_t *run, uint8_t p,
-                                               const double g[TUMBLE_CHANNELS])
+TUMBLE_ONE_COPY static void add_noise(const tumble_judged_run_t *run, uint8_t p, const double g[TUMBLE_CHANNELS],
+                                      response_t *response)
 {
     const tumble_stand_record_t *stand = run->stand;
     const uint32_t samples = (run->samples != NULL) ? run->samples[p] : stand->samples;
-    const double declared_v2 =
-        tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
-    double squared = tumble_dot(g, g) * declared_v2;
+    if (samples != response->samples) { /* a division costs as much as all the rest */
+        response->samples = samples;
+        response->declared_v2 =
+            tumble_larger(tumble_square(stand->noise_v) / (double)samples, tumble_square(stand->least_noise_v));
+    }
+    response->noise_squared += tumble_dot(g, g) * response->declared_v2;
     for (int i = 0; (run->noise != NULL) && (i < TUMBLE_CHANNELS); i++) {
         if (tumble_is_positive(tumble_abs(g[i]))) { /* most are 0 */
-            squared += tumble_square(g[i]) * tumble_noise_excess(run->noise, i, samples, declared_v2);
+            response->noise_squared +=
+                tumble_square(g[i]) * tumble_noise_excess(run->noise, i, samples, response->declared_v2);
         }
     }
     for (int i = 0; (run->excess_variance_v2 != NULL) && (i < TUMBLE_CHANNELS); i++) {
-        squared += tumble_square(g[i]) * run->excess_variance_v2[p][i];
+        response->noise_squared += tumble_square(g[i]) * run->excess_variance_v2[p][i];
     }
-    return squared;
 }
 
 /* Add what the errors of one position do to the coefficient. w: how it answers to a force along h, n, v of the table
@@ -231,9 +222,10 @@ static double uncertainty_of(const gains_t *gains)
             const bool used = tumble_normal_uses(run->schedule, run->measured, p);
             if (used && (run->schedule->positions[p].mounting == mounting->number)) {
                 double g[TUMBLE_CHANNELS];
-                gains_at(gains, p, fit, g);
-                add_position(run, mounting, p, g, &response, &seat);
-                response.noise_squared += noise_squared_at(run, p, g);
+                if (gains_at(gains, p, fit, g)) {
+                    add_position(run, mounting, p, g, &response, &seat);
+                    add_noise(run, p, g, &response);
+                }
             }
             fit += used ? 1U : 0U;
         }
