@@ -7,7 +7,7 @@ nothing before one of its fixtures or options is used.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing
 from typing import TYPE_CHECKING
 
 import pytest
@@ -63,12 +63,18 @@ def pytest_cmdline_main(config: pytest.Config) -> int | None:
 @pytest.fixture
 def _tumble_rig(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Rig]:
     """Stand and node as the test's marker has them."""
+    from tumble.errors import TumbleError
     from tumble.testing import rigs
 
     marker = request.node.get_closest_marker("tumble")
-    wanted = rigs.Wanted(**(marker.kwargs if marker else {}))
     where = _where(request.config)
-    with rigs.virtual(wanted, tmp_path) if where == _VIRTUAL else rigs.on_can(wanted, tmp_path, where) as rig:
+    with ExitStack() as stack:
+        try:
+            wanted = rigs.Wanted(**(marker.kwargs if marker else {}))
+            made = rigs.virtual(wanted, tmp_path) if where == _VIRTUAL else rigs.on_can(wanted, tmp_path, where)
+            rig = stack.enter_context(made)
+        except TumbleError as error:
+            pytest.fail(str(error), pytrace=False)
         yield rig
 
 

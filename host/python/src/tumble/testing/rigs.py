@@ -119,11 +119,16 @@ class Rig:
 @contextmanager
 def virtual(wanted: Wanted, folder: Path) -> Iterator[Rig]:
     """Both in one process, and the time of the caller's thread is theirs. Raises UsageError, BenchFault."""
+    import can
+
     from tumble.testing.virtual_bus import VirtualBus, time_of
 
     if wanted.memory:
         raise UsageError("tumble(memory=True): there is no memory in virtual time; use --tumble-bus=can: or uml")
-    bus = VirtualBus(wanted.write(folder), seed=wanted.seed, operator=wanted.operator)
+    try:
+        bus = VirtualBus(wanted.write(folder), seed=wanted.seed, operator=wanted.operator)
+    except can.CanInitializationError as error:
+        raise BenchFault(str(error)) from None
     try:
         with time_of(bus):
             yield Rig(Stand(wanted.operator, bus.end, _no_process), Node(bus, bus.end))

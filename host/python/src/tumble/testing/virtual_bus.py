@@ -33,12 +33,11 @@ import can
 
 from tumble.bench import program, programs
 
-OPERATORS = ("by-itself", "on-confirm", "never")
-
 _RECORD = struct.Struct("<IB3x8s")  # host/bench/guests.h, lock_step.h
 _MOMENT = struct.Struct("<Q")
 _TO_FIRST_FRAME, _TO_MOMENT = 0x80000001, 0x80000002
-_ANSWER_S = 5.0  # of virtual time, for an answer to an SDO request
+_ANSWER_US = 5_000_000  # of virtual time, for an answer to an SDO request
+_FOREVER_US = 10**12
 _END_S = 60.0  # of the machine's, for tumble-bench to end
 _STUCK_S = 10.0  # likewise, for another thread to take a frame
 _KEPT = 100_000  # frames that nobody has taken
@@ -49,8 +48,8 @@ _ABORT = 0x80
 
 
 class VirtualBus(can.BusABC):
-    """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: one of OPERATORS, who
-    mounts the block and who confirms; `out`: a folder for run.csv, bus.log and bench.json.
+    """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: who
+    mounts the block and who confirms, by-itself, on-confirm or never; `out`: a folder for run.csv, bus.log and bench.json.
 
     Classic data frames with 11-bit identifiers only. Timestamps are seconds since power-on. Raises
     can.CanInitializationError, can.CanOperationError, BenchFault where there is no tumble-bench.
@@ -121,20 +120,27 @@ class VirtualBus(can.BusABC):
             self._say(msg.arbitration_id, bytes(msg.data))
             if asks:
                 answer = msg.arbitration_id + _TO_ANSWER
-                self._go_on_to(lambda found: found.arbitration_id == answer, _ANSWER_S)
+                self._go_on_to(answer)
         self._settle()
 
-    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        """The next frame that has come or, of the thread that made the bus, comes within so much virtual time (of
+        another thread: real time)."""
         if threading.current_thread() is not self._owner:
-            return self._take(timeout), False
+            return super().recv(timeout)
+        until_us = None if timeout is None else self._now_us + max(0, round(timeout * 1e6))
         with self._talk:
-            if not self._frames:
-                self._go_on_to(self._matches_filters, _ANSWER_S if timeout is None else timeout)
-            while self._frames:
-                message = self._frames.popleft()
-                if self._matches_filters(message):
-                    return message, True
-        return None, True
+            while True:
+                while self._frames:
+                    message = self._frames.popleft()
+                    if self._matches_filters(message):
+                        return message
+                if until_us is not None and self._now_us >= until_us:
+                    return None
+                self._go_on(self._now_us + _FOREVER_US if until_us is None else until_us, _TO_FIRST_FRAME)
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        return self._take(timeout), False
 
     def _take(self, timeout: float | None) -> can.Message | None:
         """Another thread's next frame, of those that have come."""
@@ -161,11 +167,12 @@ class VirtualBus(can.BusABC):
                     return
         raise can.CanOperationError(f"a thread that receives has taken no frame for {_STUCK_S:.0f} s")
 
-    def _go_on_to(self, wanted: Callable[[can.Message], bool], most_s: float) -> None:
-        """Let virtual time pass until such a frame has come, `most_s` at most."""
-        until_us = self._now_us + max(0, round(most_s * 1e6))
-        while not any(map(wanted, self._go_on(until_us, _TO_FIRST_FRAME))) and self._now_us < until_us:
-            pass
+    def _go_on_to(self, answer: int) -> None:
+        """Let virtual time pass until a frame with this identifier has come, or in vain."""
+        until_us = self._now_us + _ANSWER_US
+        while self._now_us < until_us:
+            if any(message.arbitration_id == answer for message in self._go_on(until_us, _TO_FIRST_FRAME)):
+                return
 
     def _go_on(self, until_us: int, how: int) -> list[can.Message]:
         """Let virtual time pass until a moment, or the first frame. Returns what has come."""
@@ -198,7 +205,10 @@ class VirtualBus(can.BusABC):
 
     def _hear(self) -> tuple[int, int, bytes]:
         while len(self._rest) < _RECORD.size:
-            received = self._socket.recv(4096)
+            try:
+                received = self._socket.recv(4096)
+            except OSError:
+                raise self._gone() from None
             if not received:
                 raise self._gone()
             self._rest += received
