@@ -57,7 +57,8 @@ def pytest_cmdline_main(config: pytest.Config) -> int | None:
         words = [sys.executable, "-m", "pytest", *map(str, config.invocation_params.args)]
         return uml_command.run([*words, f"--tumble-bus={_INSIDE}"])
     except TumbleError as error:
-        pytest.exit(f"--tumble-bus=uml: {error}", returncode=error.exit_code)
+        print(f"--tumble-bus=uml: {error}", file=sys.stderr)
+        return error.exit_code
 
 
 @pytest.fixture

@@ -102,6 +102,11 @@ class VirtualBus(can.BusABC):
         """Virtual time since power-on, s."""
         return self._now_us * 1e-6
 
+    @property
+    def has_been_left(self) -> bool:
+        """There is no time of its own any more."""
+        return self._socket.fileno() < 0
+
     def sleep(self, seconds: float) -> None:
         """Let so much virtual time pass. Of another thread than the one that made the bus: real time."""
         if threading.current_thread() is not self._owner:
@@ -217,7 +222,7 @@ class VirtualBus(can.BusABC):
         return record
 
     def _gone(self) -> can.CanOperationError:
-        if self._socket.fileno() < 0:
+        if self.has_been_left:
             return can.CanOperationError("the bus has been shut down")
         code = self._process.wait(_END_S)
         self._errors.seek(0)
@@ -264,8 +269,11 @@ def time_of(bus: VirtualBus) -> Iterator[None]:
 
         return read
 
+    def sleep(seconds: float) -> None:
+        (_real_sleep if bus.has_been_left else bus.sleep)(seconds)
+
     with (
-        mock.patch.object(time, "sleep", bus.sleep),
+        mock.patch.object(time, "sleep", sleep),
         mock.patch.object(time, "monotonic", clock("monotonic", began)),
         mock.patch.object(time, "time", clock("time", epoch)),
     ):
