@@ -17,8 +17,7 @@ const char *bench_lock_step_open(bench_lock_step_t *step, int descriptor)
     int kind = 0;
     socklen_t size = sizeof kind;
     *step = (bench_lock_step_t){.socket = descriptor};
-    if (descriptor >= 0 &&
-        (getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &kind, &size) != 0 || kind != SOCK_STREAM)) {
+    if (descriptor >= 0 && (getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &kind, &size) != 0 || kind != SOCK_STREAM)) {
         return "is no open stream socket";
     }
     return NULL;

@@ -122,8 +122,8 @@ static bool check_lives(const bench_options_t *options)
 /* What does not go together. */
 static bool check(const bench_options_t *options)
 {
-    const bool single = options->out != NULL || has_guests(options) || options->interactive ||
-                        options->pace > 0.0 || options->progress_fd >= 0;
+    const bool single = options->out != NULL || has_guests(options) || options->interactive || options->pace > 0.0 ||
+                        options->progress_fd >= 0;
     if (options->runs > 0U && single) {
         return arguments_refuse("--runs",
                                 "cannot be combined with --out, --progress, --interactive, --pace, --listen or "

@@ -23,8 +23,8 @@ _VIRTUAL, _UML, _CAN, _INSIDE = "virtual", "uml", "can:", "can:vcan0"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """--tumble-bus, and tumble_bus of the ini file."""
-    about = "where the fixtures tumble_stand, tumble_node and tumble_client are: virtual (the default: in this machine's \
-memory, in virtual time), can:INTERFACE, or uml (the whole session in user-mode Linux)"
+    about = "where tumble_stand, tumble_node and tumble_client are: virtual (the default: in one process, in virtual \
+time), can:INTERFACE, or uml (the whole session in user-mode Linux)"
     parser.getgroup("tumble").addoption("--tumble-bus", metavar="WHERE", help=about)
     parser.addini("tumble_bus", about, default=_VIRTUAL)
 

@@ -48,8 +48,8 @@ _ABORT = 0x80
 
 
 class VirtualBus(can.BusABC):
-    """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: who
-    mounts the block and who confirms, by-itself, on-confirm or never; `out`: a folder for run.csv, bus.log and bench.json.
+    """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: who mounts the block
+    and who confirms, by-itself, on-confirm or never; `out`: a folder for run.csv, bus.log and bench.json.
 
     Classic data frames with 11-bit identifiers only. Timestamps are seconds since power-on. Raises
     can.CanInitializationError, can.CanOperationError, BenchFault where there is no tumble-bench.
@@ -85,11 +85,12 @@ class VirtualBus(can.BusABC):
             raise can.CanInitializationError(str(error)) from None
 
     def _start(self, words: list[str]) -> None:
+        path = program.find()
         self._socket, theirs = socket.socketpair()
-        self._out, self._errors = tempfile.TemporaryFile("w+"), tempfile.TemporaryFile("w+")
+        self._out, self._errors = (tempfile.TemporaryFile("w+") for _ in range(2))  # noqa: SIM115 - open as long as it
         with theirs:
             self._process = subprocess.Popen(
-                [program.find(), *words, "--lock-step", str(theirs.fileno())],
+                [path, *words, "--lock-step", str(theirs.fileno())],
                 stdin=subprocess.DEVNULL,
                 stdout=self._out,
                 stderr=self._errors,
