@@ -104,17 +104,18 @@ def test_the_bus_without_pytest(tmp_path, monkeypatch, capsys):
     assert sorted(path.name for path in (tmp_path / "run").iterdir()) == ["bench.json", "bus.log", "run.csv"]
 
 
+@pytest.mark.toolchain
 @pytest.mark.parametrize("given, code, says", [
-    pytest.param("nix", 4, "ERROR: --tumble-bus: 'nix' is not virtual, uml, or can: and the name of an interface\n",
-                 marks=pytest.mark.toolchain),
+    ("nix", 4, "ERROR: --tumble-bus: 'nix' is not virtual, uml, or can: and the name of an interface\n"),
     ("can:", 4, "ERROR: --tumble-bus: 'can:' is not virtual, uml, or can: and the name of an interface\n"),
-    pytest.param("can:nocan0", 1, "tumble-stand does not start: ", marks=pytest.mark.toolchain),
+    ("can:nocan0", 1, "tumble-stand does not start: "),
 ])
 def test_what_is_no_bus(written, given, code, says):
     done = ran(written, "test_calibrate.py", f"--tumble-bus={given}")
     assert done.returncode == code and says in done.stdout + done.stderr, done.stdout
 
 
+@pytest.mark.toolchain
 def test_without_user_mode_linux_it_says_what_to_install(written):
     program = "from tumble.bench import uml; uml._KERNEL = 'linux.that.is.not.there'; import pytest, sys; "
     program += f"sys.exit(pytest.main([*{PLUGIN}, '--tumble-bus=uml', 'test_calibrate.py']))"
