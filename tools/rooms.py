@@ -48,6 +48,7 @@ MAY_IMPORT = {
     "planning": {"core", "reference", "files", "solving"},
     "pictures": {"core", "reference", "files", "solving", "fixture"},
     "bench": {"core", "reference", "drawings", "files", "solving", "fixture"},
+    "testing": {"bench", "client"},
     "importing": {"data", "reference", "files", "pictures"},
     "comparison": {"core", "files", "solving", "fixture"},
     "report": {"drawings", "files", "solving", "pictures", "comparison"},

@@ -111,6 +111,11 @@ static void look(stand_operator_t *operator, bench_world_t *world)
         question.reason == operator->question.reason) {
         return;
     }
+    if (operator->kind == STAND_OPERATOR_FOLLOWS) {
+        bench_person_follow(world, &operator->question);
+        operator->question = question;
+        return;
+    }
     operator->question = question;
     if (operator->kind == STAND_OPERATOR_ASKS) {
         ask_person(operator, world);

@@ -4,7 +4,7 @@
  * the first; through the first one, where that alone answers: puts the block on the table as asked and confirms it, mends what
  * the scenario lets him mend, and, if told to, gives the command to start. Or he does nothing by himself: a person says
  * when it is done, and what is to be done after a fault. Or he lends his hands alone and sends nothing: the script or
- * PLC that is tried talks to node 1. So it is the same to him whether node 1 is a process of Linux, an emulated board
+ * PLC that is tried talks to node 1, and he has mounted before it can, or the moment that it confirms. So it is the same to him whether node 1 is a process of Linux, an emulated board
  * or a real one.
  */
 #ifndef TUMBLE_LINUX_STAND_OPERATOR_H
@@ -21,7 +21,8 @@ typedef enum {
     STAND_OPERATOR_MOUNTS,   /* answers node 1 */
     STAND_OPERATOR_STARTS,   /* likewise, and gives the command to start, once */
     STAND_OPERATOR_ASKS,     /* what a person tells him */
-    STAND_OPERATOR_HANDS     /* mounts and mends at once; others tell node 1 */
+    STAND_OPERATOR_HANDS,    /* mounts and mends at once; others tell node 1 */
+    STAND_OPERATOR_FOLLOWS   /* mounts when others have confirmed, mends when they let node 1 go on */
 } stand_operator_kind_t;
 
 typedef struct {

@@ -21,12 +21,16 @@ const char stand_options_help[] =
     "table, counters.\n"
     "\n"
     "  --seed N         whole number from 0 to 2^64 - 1; default 1\n"
-    "  --operator WHAT  none: does nothing; mount: answers node 1 when it waits for\n"
-    "                   a mounting; start: gives the command to start as well,\n"
-    "                   once; ask: does what standard input says, a line for each:\n"
-    "                   done, abort, repeat position INDEX, repeat mounting NUMBER;\n"
-    "                   hands: mounts and mends at once and tells node 1 nothing:\n"
-    "                   a script or PLC does; default: mount\n"
+    "  --operator WHAT  who mounts the block, and who tells node 1 so:\n"
+    "                   by-itself (or mount; the default): puts it on when node 1\n"
+    "                   waits for it, and confirms, after operator.mount_s;\n"
+    "                   on-confirm: a script or PLC confirms, and in that moment the\n"
+    "                   block is on; tells node 1 nothing;\n"
+    "                   never (or none): does nothing, and node 1 waits;\n"
+    "                   hands: puts it on at once, and tells node 1 nothing;\n"
+    "                   start: as by-itself, and gives the command to start, once;\n"
+    "                   ask: does what standard input says, a line for each: done,\n"
+    "                   abort, repeat position INDEX, repeat mounting NUMBER\n"
     "  --log FORM       tell every event on standard error, a line for each: text or\n"
     "                   json (docs/logs.md)\n"
     "  --log-level WHAT error, warning, notice or info: this and what is worse;\n"
@@ -42,14 +46,20 @@ const char stand_options_help[] =
 static bool take_operator(void *to, const char *what)
 {
     stand_options_t *const options = to;
-    static const char *const KINDS[] = {"none", "mount", "start", "ask", "hands"}; /* as stand_operator_kind_t */
-    for (unsigned kind = 0; kind < sizeof KINDS / sizeof KINDS[0]; kind++) {
-        if (strcmp(what, KINDS[kind]) == 0) {
-            options->operator = (stand_operator_kind_t)kind;
+    static const struct {
+        const char *name;
+        stand_operator_kind_t kind;
+    } KINDS[] = {{"by-itself", STAND_OPERATOR_MOUNTS}, {"on-confirm", STAND_OPERATOR_FOLLOWS},
+                 {"never", STAND_OPERATOR_NONE},       {"hands", STAND_OPERATOR_HANDS},
+                 {"start", STAND_OPERATOR_STARTS},     {"ask", STAND_OPERATOR_ASKS},
+                 {"mount", STAND_OPERATOR_MOUNTS},     {"none", STAND_OPERATOR_NONE}};
+    for (size_t i = 0; i < sizeof KINDS / sizeof KINDS[0]; i++) {
+        if (strcmp(what, KINDS[i].name) == 0) {
+            options->operator = KINDS[i].kind;
             return true;
         }
     }
-    return arguments_refuse("--operator", "must be none, mount, start, ask or hands");
+    return arguments_refuse("--operator", "must be by-itself, on-confirm, never, hands, start or ask");
 }
 
 static const argument_t OPTIONS[] = {

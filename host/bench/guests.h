@@ -34,7 +34,6 @@ typedef struct {
     int listener; /* -1: not open */
     bench_guest_t guests[BENCH_MAX_GUESTS];
     uint32_t present;
-    uint32_t refused; /* frames that found the queue full */
     bool had_any;
 } bench_guests_t;
 
@@ -54,5 +53,12 @@ void bench_guests_tell(bench_guests_t *guests, uint8_t sender, const tumble_can_
 bool bench_guests_have_left(const bench_guests_t *guests);
 
 void bench_guests_close(bench_guests_t *guests);
+
+/* A frame as such a record. */
+void bench_guests_write(uint8_t *record, const tumble_can_frame_t *frame);
+
+/* Do what the record of a bus node says: the frame waits for the bus, unless its queue is full; or turn the table.
+ * False: this is no record. */
+bool bench_guests_read(bench_world_t *world, uint8_t node, const uint8_t *record);
 
 #endif

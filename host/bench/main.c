@@ -44,6 +44,7 @@ static int run(bench_options_t *options)
         return BENCH_EXIT_USAGE;
     }
     bench_interrupt_watch();
+    config.starts = config.starts && options->lock_step < 0;
     if (options->runs == 0U) {
         return bench_session(&config, options, stdout);
     }

@@ -1,5 +1,7 @@
 #include "bench/options.h"
 
+#include "bench/config_keys.h"
+
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +34,13 @@ const char bench_options_help[] =
     "                   (host/bench/guests.h); --pace is then 1\n"
     "  --guests N       with --listen: wait for N of them before time begins;\n"
     "                   default 0\n"
+    "  --lock-step FD   one takes part through an open socket, and time goes on only\n"
+    "                   as far as he says (host/bench/lock_step.h): his calls alone\n"
+    "                   determine the run; as with firmware.starts = no\n"
+    "  --operator WHAT  with --listen or --lock-step: by-itself (the default):\n"
+    "                   mounts and confirms after operator.mount_s; on-confirm: a\n"
+    "                   guest confirms, and in that moment the block is on; never:\n"
+    "                   nobody mounts\n"
     "\n"
     "  --runs N         N runs with seeds from --seed upwards\n"
     "  --jobs N         on so many processes, 1 to 64; default: all processors\n"
@@ -60,6 +69,14 @@ static bool take_pace(void *to, const char *text)
            arguments_refuse("--pace", "must be a number from 0.001 to 1000000");
 }
 
+static bool take_operator(void *to, const char *what)
+{
+    bench_options_t *const options = to;
+    const int found = bench_choice(what, "by-itself|on-confirm|never"); /* as bench_operator_t */
+    options->operator = (found < 0) ? BENCH_OPERATOR_BY_ITSELF : (bench_operator_t)found;
+    return found >= 0 || arguments_refuse("--operator", "must be by-itself, on-confirm or never");
+}
+
 #define MOST_RUNS 1000000000U
 
 static const argument_t OPTIONS[] = {
@@ -72,6 +89,8 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_TAKE("pace", take_pace),
     ARGUMENT_TEXT("listen", bench_options_t, listen),
     ARGUMENT_WHOLE("guests", bench_options_t, guests, 0, 4),
+    ARGUMENT_WHOLE("lock-step", bench_options_t, lock_step, 0, 1023),
+    ARGUMENT_TAKE("operator", take_operator),
     ARGUMENT_WHOLE("runs", bench_options_t, runs, 1, MOST_RUNS),
     ARGUMENT_WHOLE("jobs", bench_options_t, jobs, 1, BENCH_MAX_JOBS),
     ARGUMENT_FLAG("means", bench_options_t, means),
@@ -81,12 +100,17 @@ static const argument_t OPTIONS[] = {
     ARGUMENT_FLAG("keys", bench_options_t, keys),
 };
 
+static bool has_guests(const bench_options_t *options)
+{
+    return options->listen != NULL || options->lock_step >= 0;
+}
+
 static bool check_lives(const bench_options_t *options)
 {
     if (options->lives == 0U) {
         return !options->verbose || arguments_refuse("-v", "needs --campaign");
     }
-    if (options->runs > 0U || options->scenario != NULL || options->out != NULL || options->listen != NULL ||
+    if (options->runs > 0U || options->scenario != NULL || options->out != NULL || has_guests(options) ||
         options->gain_record != NULL || options->interactive || options->pace > 0.0 || options->progress_fd >= 0 ||
         options->means || options->summary) {
         return arguments_refuse("--campaign", "takes --seed, --jobs and -v, and nothing else");
@@ -98,11 +122,12 @@ static bool check_lives(const bench_options_t *options)
 /* What does not go together. */
 static bool check(const bench_options_t *options)
 {
-    const bool single = options->out != NULL || options->listen != NULL || options->interactive ||
-                        options->pace > 0.0 || options->progress_fd >= 0;
+    const bool single = options->out != NULL || has_guests(options) || options->interactive || options->pace > 0.0 ||
+                        options->progress_fd >= 0;
     if (options->runs > 0U && single) {
         return arguments_refuse("--runs",
-                                "cannot be combined with --out, --progress, --interactive, --pace or --listen");
+                                "cannot be combined with --out, --progress, --interactive, --pace, --listen or "
+                                "--lock-step");
     }
     if (options->runs > 0U && options->seed > UINT64_MAX - options->runs) {
         return arguments_refuse("--runs", "the seeds would go beyond 2^64 - 1");
@@ -115,6 +140,12 @@ static bool check(const bench_options_t *options)
     }
     if (options->guests > 0U && options->listen == NULL) {
         return arguments_refuse("--guests", "needs --listen");
+    }
+    if (options->lock_step >= 0 && (options->listen != NULL || options->interactive || options->pace > 0.0)) {
+        return arguments_refuse("--lock-step", "cannot be combined with --listen, --interactive or --pace");
+    }
+    if (options->operator != BENCH_OPERATOR_BY_ITSELF && (options->interactive || !has_guests(options))) {
+        return arguments_refuse("--operator", "needs --listen or --lock-step, and no --interactive");
     }
     if (options->interactive && options->scenario != NULL && strcmp(options->scenario, "-") == 0) {
         return arguments_refuse("--interactive", "needs standard input for the answers, not for the scenario");
@@ -133,7 +164,7 @@ static bool take_operands(bench_options_t *options, int count, char *const opera
 
 bool bench_options_read(bench_options_t *options, int count, char *arguments[])
 {
-    *options = (bench_options_t){.seed = 1, .progress_fd = -1};
+    *options = (bench_options_t){.seed = 1, .progress_fd = -1, .lock_step = -1};
     if (!arguments_read(count, arguments, OPTIONS, sizeof OPTIONS / sizeof OPTIONS[0], options, &options->asks)) {
         return false;
     }

@@ -9,6 +9,13 @@
 
 #define BENCH_MAX_JOBS 64
 
+/* Who mounts the block, and who tells the firmware so. */
+typedef enum {
+    BENCH_OPERATOR_BY_ITSELF = 0, /* the simulated operator does both, in the time that the scenario gives him */
+    BENCH_OPERATOR_ON_CONFIRM,    /* a guest confirms, and in that moment the block is on */
+    BENCH_OPERATOR_NEVER          /* nobody mounts */
+} bench_operator_t;
+
 typedef struct {
     const char *scenario;    /* file, "-" for standard input, null for the defaults */
     const char *out;         /* run folder, or null */
@@ -20,7 +27,9 @@ typedef struct {
     uint32_t jobs;
     uint32_t guests; /* wait for so many before time begins */
     int progress_fd; /* -1: none */
+    int lock_step;   /* descriptor of a socket, or -1 */
     double pace;     /* virtual seconds per second; 0: as fast as it goes */
+    bench_operator_t operator;
     bool means;
     bool summary;
     bool interactive;

@@ -102,6 +102,28 @@ void bench_person_mount(bench_world_t *world, uint8_t asked)
     bench_world_mount(world, mounting_index(&world->config->scenario.schedule, number));
 }
 
+/* The mounting was confirmed: whoever repeats another one, gives up or waits too long has not done so. */
+static bool goes_on(tumble_state_t state)
+{
+    return state != TUMBLE_STATE_WAIT_MOUNTING && state != TUMBLE_STATE_FAULT && state != TUMBLE_STATE_ABORT &&
+           state != TUMBLE_STATE_IDLE;
+}
+
+void bench_person_follow(bench_world_t *world, const bench_question_t *asked)
+{
+    const tumble_state_t state = world->progress.state;
+    const bool fault = asked->kind == BENCH_QUESTION_FAULT;
+    if (fault && (state == TUMBLE_STATE_WAIT_MOUNTING || goes_on(state)) &&
+        world->person.mended < world->config->scenario.person.mends) {
+        world->person.mended++;
+        bench_fault_script_mend(world);
+    }
+    const bool mounts = asked->kind == BENCH_QUESTION_MOUNTING || (fault && bench_person_must_mount(asked->reason));
+    if (mounts && goes_on(state)) {
+        bench_person_mount(world, asked->mounting);
+    }
+}
+
 static tumble_status_t confirm_mounting(bench_world_t *world, uint8_t number)
 {
     bench_person_mount(world, number);

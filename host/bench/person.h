@@ -16,6 +16,10 @@ bench_question_t bench_person_question(const tumble_progress_t *progress);
 /* Is this fault mended by mounting the block anew? */
 bool bench_person_must_mount(tumble_reason_t reason);
 
+/* Do what was asked, once the firmware goes on and somebody else has told it to: mount the block, mend the fault, while
+ * the scenario lets him. `asked`: the question before; world->progress: what has become of it. */
+void bench_person_follow(bench_world_t *world, const bench_question_t *asked);
+
 /* Mount the block as asked, or, the first time, as the scenario has the operator err. */
 void bench_person_mount(bench_world_t *world, uint8_t asked);
 

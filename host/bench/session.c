@@ -6,6 +6,7 @@
 #include "bench/folder.h"
 #include "bench/guests.h"
 #include "bench/interrupt.h"
+#include "bench/lock_step.h"
 #include "bench/pace.h"
 #include "bench/person.h"
 #include "bench/progress.h"
@@ -23,6 +24,7 @@ typedef struct {
     bench_watcher_t watcher;
     bench_folder_t folder;
     bench_guests_t guests;
+    bench_lock_step_t step;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
     bool left;      /* all guests have, and the run was told to end */
@@ -34,6 +36,9 @@ typedef struct {
 static void on_change(void *context, const tumble_progress_t *progress)
 {
     session_t *const session = context;
+    if (session->options->operator == BENCH_OPERATOR_ON_CONFIRM) {
+        bench_person_follow(&session->world, &session->world.person.question);
+    }
     if (session->progress != NULL) {
         bench_progress_state(&session->world, progress, session->progress);
     }
@@ -59,6 +64,7 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     if (session->options->listen != NULL) {
         bench_guests_tell(&session->guests, sender, frame);
     }
+    bench_lock_step_tell(&session->step, time_us, sender, frame);
 }
 
 static bool on_question(void *context, const bench_question_t *question)
@@ -68,7 +74,7 @@ static bool on_question(void *context, const bench_question_t *question)
         bench_progress_question(&session->world, question, session->progress);
     }
     session->asked = session->options->interactive;
-    return session->asked;
+    return session->asked || session->options->operator != BENCH_OPERATOR_BY_ITSELF;
 }
 
 /* Answers from standard input. */
@@ -162,6 +168,10 @@ static void go(session_t *session)
             stopping = true;
             bench_world_end(world, BENCH_INTERRUPTED);
         }
+        if (session->options->lock_step >= 0 && !stopping && !bench_lock_step_wait(&session->step, world)) {
+            stopping = true;
+            bench_world_end(world, bench_interrupted() ? BENCH_INTERRUPTED : BENCH_LEFT);
+        }
         if (session->options->pace > 0.0 && !stopping) {
             bench_pace_wait(&session->pace, world, (session->options->listen != NULL) ? &session->guests : NULL);
             end_without_guests(session);
@@ -180,8 +190,9 @@ static void go(session_t *session)
 static const char *open_all(session_t *session, const char **subject)
 {
     const bench_options_t *const options = session->options;
-    const char *wrong = NULL;
-    if (options->progress_fd >= 0) {
+    const char *wrong = bench_lock_step_open(&session->step, options->lock_step);
+    *subject = "--lock-step";
+    if (wrong == NULL && options->progress_fd >= 0) {
         *subject = "--progress-fd";
         session->progress = fdopen(options->progress_fd, "w");
         wrong = (session->progress == NULL) ? "is not an open file descriptor" : NULL;

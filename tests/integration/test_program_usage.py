@@ -57,6 +57,31 @@ def test_one_standard_error_for_two(log, progress):
     assert done.returncode in (2, 77) and done.stderr.startswith("tumble-node: nocan0: ")
 
 
+@pytest.mark.parametrize("given", ["bogus", "", "on_confirm", "by itself", "Never"])
+def test_operators_that_are_none(given):
+    says = "tumble-stand: --operator: must be by-itself, on-confirm, never, hands, start or ask\n"
+    assert refusal("tumble-stand", "boards/linux", "vcan0", "--operator", given) == says
+    says = "tumble-bench: --operator: must be by-itself, on-confirm or never\n"
+    assert refusal("tumble-bench", "host/bench", "--listen", "s", "--operator", given) == says
+
+
+@pytest.mark.parametrize("given, says", [
+    (("--operator", "never"), "--operator: needs --listen or --lock-step, and no --interactive"),
+    (("--operator", "never", "--listen", "s", "--interactive"),
+     "--operator: needs --listen or --lock-step, and no --interactive"),
+    (("--lock-step", "0", "--listen", "s"), "--lock-step: cannot be combined with --listen, --interactive or --pace"),
+    (("--lock-step", "0", "--pace", "2"), "--lock-step: cannot be combined with --listen, --interactive or --pace"),
+    (("--lock-step", "0", "--runs", "2"), "--runs: cannot be combined with --out, --progress, --interactive, --pace, "
+                                          "--listen or --lock-step"),
+    (("--lock-step", "0", "--campaign", "2"), "--campaign: takes --seed, --jobs and -v, and nothing else"),
+    (("--lock-step", "-1"), "--lock-step: must be a whole number from 0 to 1023"),
+    (("--lock-step", "0"), "--lock-step: is no open stream socket"),
+    (("--lock-step", "99"), "--lock-step: is no open stream socket"),
+])
+def test_guests_that_are_none(given, says):
+    assert refusal("tumble-bench", "host/bench", *given) == f"tumble-bench: {says}\n"
+
+
 def test_a_stand_file_is_no_scenario(tmp_path):
     stand = tmp_path / "my.toml"
     stand.write_text(HASTY_STAND)

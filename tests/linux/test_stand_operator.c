@@ -202,6 +202,52 @@ static void test_hands_mount_and_mend_at_once_and_say_nothing(void)
     expect_sent_after(10.0, 0);
 }
 
+static void test_who_follows_mounts_when_others_have_confirmed(void)
+{
+    start(STAND_OPERATOR_FOLLOWS);
+    tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
+    run_s(600.0);
+    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 0); /* the other one is repeated: nobody confirmed */
+    tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
+    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[0] + world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_HOME, TUMBLE_REASON_NONE, 9);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 10);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_WRONG_MOUNTING, 10);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mounted[1]);
+    tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 10);
+    TEST_ASSERT_EQUAL_UINT32(2, world.person.mounted[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    expect_sent_after(10.0, 0);
+}
+
+static void test_who_follows_mounts_nothing_where_nobody_confirmed(void)
+{
+    static const tumble_state_t STATES[] = {TUMBLE_STATE_FAULT, TUMBLE_STATE_ABORT, TUMBLE_STATE_IDLE};
+    for (size_t i = 0; i < sizeof STATES / sizeof STATES[0]; i++) {
+        start(STAND_OPERATOR_FOLLOWS);
+        tell_state(TUMBLE_STATE_WAIT_MOUNTING, TUMBLE_REASON_NONE, 9);
+        tell_state(STATES[i], TUMBLE_REASON_MOUNTING_NOT_CONFIRMED, 9);
+        TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[1]);
+    }
+}
+
+static void test_who_follows_mends_when_node_1_goes_on_as_often_as_he_is_let(void)
+{
+    start(STAND_OPERATOR_FOLLOWS);
+    tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
+    expect_sent_after(10.0, 0);
+    TEST_ASSERT_EQUAL_UINT32(0, world.person.mended);
+    tell_state(TUMBLE_STATE_PREFLIGHT, TUMBLE_REASON_NONE, 3);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    tell_state(TUMBLE_STATE_FAULT, TUMBLE_REASON_DRIVE_FAULT, 3);
+    tell_state(TUMBLE_STATE_MOVE, TUMBLE_REASON_NONE, 3);
+    TEST_ASSERT_EQUAL_UINT32(1, world.person.mended);
+    TEST_ASSERT_EQUAL_UINT32(0, world.person.mounted[0]);
+}
+
 static void test_who_is_to_do_nothing_does_nothing(void)
 {
     start(STAND_OPERATOR_NONE);

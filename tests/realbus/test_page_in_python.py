@@ -30,7 +30,7 @@ OVER_CAN, OVER_MODBUS, CANOPEN = blocks("client")
 def stand(bus, network, started, tmp_path):
     """(node, stand) that wait for commands; the person mounts what is asked for."""
     path = scenario(tmp_path, **HASTE, **PATIENCE)
-    made = Stand(bus, path, "--seed", 7, "--operator", "hands")
+    made = Stand(bus, path, "--seed", 7, "--operator", "on-confirm")
     node = Node(bus, path, "--nv", tmp_path / "nv.bin", folder=tmp_path)
     started += [made, node]
     network.add_node(1, str(ROOT / "docs/eds/tumble_navcomp.eds")).nmt.wait_for_heartbeat(timeout=10)

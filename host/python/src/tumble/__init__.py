@@ -16,6 +16,7 @@ all else may change with any version. It stands in rooms, each of which says wha
     fixture, planning   what runs tell of a stand; what a stand is worth before any run
     comparison          two results of one block
     bench, store        simulated stands and real buses; the memory of a navigation computer
+    testing             a simulated node and stand for the tests of scripts, as a pytest plugin
     comparison          two results of one block
     pictures            of results and comparisons
     report              a result as a document for people

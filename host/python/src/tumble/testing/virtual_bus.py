@@ -1,0 +1,281 @@
+"""Firmware and simulated stand in one process, as a bus of python-can whose time is the caller's.
+
+    with VirtualBus("stand.txt", seed=3) as bus:
+        bus.send(can.Message(arbitration_id=0x601, data=..., is_extended_id=False))
+        bus.sleep(60)  # at once
+        bus.recv()
+
+The navigation computer's firmware (node 1), the drive (node 2), the block (node 3) and the bus between them run in
+tumble-bench in virtual time. It goes on only while the thread that made the bus waits: in `sleep`, in `recv`, and in
+`send` of an SDO request until its answer has come. So a calibration of minutes takes about a second, a pause in the
+debugger takes no time at all, and the same calls have the same outcome, to the last bit. Other threads, such as
+python-can's Notifier of a python-canopen network, only receive what has come: `send` and `sleep` return when they have
+taken it. Needs python-can, and Linux (tumble-bench).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import struct
+import subprocess
+import tempfile
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from unittest import mock
+
+import can
+
+from tumble.bench import program, programs
+
+_RECORD = struct.Struct("<IB3x8s")  # host/bench/guests.h, lock_step.h
+_MOMENT = struct.Struct("<Q")
+_TO_FIRST_FRAME, _TO_MOMENT = 0x80000001, 0x80000002
+_ANSWER_US = 5_000_000  # of virtual time, for an answer to an SDO request
+_FOREVER_US = 10**12
+_END_S = 60.0  # of the machine's, for tumble-bench to end
+_STUCK_S = 10.0  # likewise, for another thread to take a frame
+_KEPT = 100_000  # frames that nobody has taken
+
+_REQUESTS = range(0x600, 0x680)
+_TO_ANSWER = -0x80
+_ABORT = 0x80
+
+
+class VirtualBus(can.BusABC):
+    """`scenario`: a scenario file as of tumble-bench, or None for the paper's stand; `operator`: who mounts the block
+    and who confirms, by-itself, on-confirm or never; `out`: a folder for run.csv, bus.log and bench.json.
+
+    Classic data frames with 11-bit identifiers only. Timestamps are seconds since power-on. Raises
+    can.CanInitializationError, can.CanOperationError, BenchFault where there is no tumble-bench.
+    """
+
+    def __init__(
+        self,
+        scenario: str | os.PathLike[str] | None = None,
+        *,
+        seed: int = 1,
+        operator: str = "on-confirm",
+        out: str | os.PathLike[str] | None = None,
+        **options: Any,
+    ):
+        self._owner = threading.current_thread()
+        self._frames: deque[can.Message] = deque(maxlen=_KEPT)
+        self._come = threading.Condition()
+        self._readers: set[threading.Thread] = set()  # other threads that receive ...
+        self._busy: set[threading.Thread] = set()  # ... and those of them that do something with what they have got
+        self._talk = threading.RLock()
+        self._now_us = 0
+        self._rest = b""
+        self._document: dict[str, Any] | None = None
+        self.channel_info = "tumble-bench in virtual time"
+        words = [] if scenario is None else [os.fspath(scenario)]
+        words += ["--seed", str(seed), "--operator", operator, *([] if out is None else ["--out", os.fspath(out)])]
+        self._start(words)
+        super().__init__(channel="virtual", **options)
+        try:
+            self._go_on(0, _TO_MOMENT)
+        except can.CanOperationError as error:
+            self.shutdown()
+            raise can.CanInitializationError(str(error)) from None
+
+    def _start(self, words: list[str]) -> None:
+        path = program.find()
+        self._socket, theirs = socket.socketpair()
+        self._out, self._errors = (tempfile.TemporaryFile("w+") for _ in range(2))  # noqa: SIM115 - open as long as it
+        with theirs:
+            self._process = subprocess.Popen(
+                [path, *words, "--lock-step", str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
+                stdout=self._out,
+                stderr=self._errors,
+                pass_fds=(theirs.fileno(),),
+                start_new_session=True,
+            )
+
+    @property
+    def now_s(self) -> float:
+        """Virtual time since power-on, s."""
+        return self._now_us * 1e-6
+
+    @property
+    def has_been_left(self) -> bool:
+        """There is no time of its own any more."""
+        return self._socket.fileno() < 0
+
+    def sleep(self, seconds: float) -> None:
+        """Let so much virtual time pass. Of another thread than the one that made the bus: real time."""
+        if threading.current_thread() is not self._owner:
+            _real_sleep(seconds)
+            return
+        with self._talk:
+            self._go_on(self._now_us + max(0, round(seconds * 1e6)), _TO_MOMENT)
+        self._settle()
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """Put a frame on the bus. An SDO request: and let time pass until it is answered, 5 s at most."""
+        if msg.is_extended_id or msg.is_remote_frame or msg.is_fd or msg.is_error_frame:
+            raise can.CanOperationError("only classic data frames with 11-bit identifiers can be sent")
+        asks = msg.arbitration_id in _REQUESTS and len(msg.data) > 0 and msg.data[0] != _ABORT
+        with self._talk:
+            self._say(msg.arbitration_id, bytes(msg.data))
+            if asks:
+                answer = msg.arbitration_id + _TO_ANSWER
+                self._go_on_to(answer)
+        self._settle()
+
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        """The next frame that has come or, of the thread that made the bus, comes within so much virtual time (of
+        another thread: real time)."""
+        if threading.current_thread() is not self._owner:
+            return super().recv(timeout)
+        until_us = None if timeout is None else self._now_us + max(0, round(timeout * 1e6))
+        with self._talk:
+            while True:
+                while self._frames:
+                    message = self._frames.popleft()
+                    if self._matches_filters(message):
+                        return message
+                if until_us is not None and self._now_us >= until_us:
+                    return None
+                self._go_on(self._now_us + _FOREVER_US if until_us is None else until_us, _TO_FIRST_FRAME)
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        return self._take(timeout), False
+
+    def _take(self, timeout: float | None) -> can.Message | None:
+        """Another thread's next frame, of those that have come."""
+        me = threading.current_thread()
+        with self._come:
+            self._readers.add(me)
+            self._busy.discard(me)
+            self._come.notify_all()
+            if not self._come.wait_for(lambda: self._frames, timeout):
+                return None
+            self._busy.add(me)
+            return self._frames.popleft()
+
+    def _settle(self) -> None:
+        """Until the other threads that receive have taken all that has come, and done with it what they do."""
+        if threading.current_thread() is not self._owner or not self._readers:
+            return
+        with self._come:
+            self._come.notify_all()
+            for _ in range(round(_STUCK_S / 0.1)):
+                self._readers = {thread for thread in self._readers if thread.is_alive()}
+                self._busy &= self._readers
+                if not self._readers or self._come.wait_for(lambda: not self._frames and not self._busy, 0.1):
+                    return
+        raise can.CanOperationError(f"a thread that receives has taken no frame for {_STUCK_S:.0f} s")
+
+    def _go_on_to(self, answer: int) -> None:
+        """Let virtual time pass until a frame with this identifier has come, or in vain."""
+        until_us = self._now_us + _ANSWER_US
+        while self._now_us < until_us:
+            if any(message.arbitration_id == answer for message in self._go_on(until_us, _TO_FIRST_FRAME)):
+                return
+
+    def _go_on(self, until_us: int, how: int) -> list[can.Message]:
+        """Let virtual time pass until a moment, or the first frame. Returns what has come."""
+        self._say(how, _MOMENT.pack(until_us))
+        come, moment_us = [], 0
+        while (record := self._hear())[0] != _TO_FIRST_FRAME:
+            if record[0] == _TO_MOMENT:
+                moment_us = _MOMENT.unpack(record[2])[0]
+            else:
+                come.append(self._message(moment_us, *record))
+        self._now_us = _MOMENT.unpack(record[2])[0]
+        with self._come:
+            self._frames.extend(come)
+        return come
+
+    def _message(self, moment_us: int, identifier: int, length: int, data: bytes) -> can.Message:
+        return can.Message(
+            timestamp=moment_us * 1e-6,
+            arbitration_id=identifier,
+            is_extended_id=False,
+            data=data[:length],
+            channel=self.channel_info,
+        )
+
+    def _say(self, identifier: int, data: bytes) -> None:
+        try:
+            self._socket.sendall(_RECORD.pack(identifier, len(data), data))
+        except OSError:
+            raise self._gone() from None
+
+    def _hear(self) -> tuple[int, int, bytes]:
+        while len(self._rest) < _RECORD.size:
+            try:
+                received = self._socket.recv(4096)
+            except OSError:
+                raise self._gone() from None
+            if not received:
+                raise self._gone()
+            self._rest += received
+        record = _RECORD.unpack_from(self._rest)
+        self._rest = self._rest[_RECORD.size :]
+        return record
+
+    def _gone(self) -> can.CanOperationError:
+        if self.has_been_left:
+            return can.CanOperationError("the bus has been shut down")
+        code = self._process.wait(_END_S)
+        self._errors.seek(0)
+        return can.CanOperationError(f"tumble-bench has ended ({code}): {programs.last_words(self._errors.read())}")
+
+    def end(self) -> dict[str, Any]:
+        """Leave the bus, and let the table come to rest: tumble-bench's document, with `truth` (K, U0 and the stand's
+        errors), state, reason, result and counters. Empty if it had none."""
+        self.shutdown()
+        assert self._document is not None
+        return self._document
+
+    def shutdown(self) -> None:
+        """Leave the bus."""
+        super().shutdown()
+        if self._document is not None:
+            return
+        self._socket.close()
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._out.seek(0)
+        text = self._out.read()
+        self._document = json.loads(text) if text.strip() else {}
+        self._out.close()
+        self._errors.close()
+
+
+_real_sleep = time.sleep
+
+
+@contextmanager
+def time_of(bus: VirtualBus) -> Iterator[None]:
+    """For the thread that made the bus, time.sleep, time.monotonic and time.time are virtual: a script that waits by
+    them lets the bus go on. Other threads keep the machine's."""
+    owner, began, epoch = threading.current_thread(), time.monotonic(), time.time()
+    real = {"monotonic": time.monotonic, "time": time.time}
+
+    def clock(name: str, start: float) -> Callable[[], float]:
+        def read() -> float:
+            return start + bus.now_s if threading.current_thread() is owner else real[name]()
+
+        return read
+
+    def sleep(seconds: float) -> None:
+        (_real_sleep if bus.has_been_left else bus.sleep)(seconds)
+
+    with (
+        mock.patch.object(time, "sleep", sleep),
+        mock.patch.object(time, "monotonic", clock("monotonic", began)),
+        mock.patch.object(time, "time", clock("time", epoch)),
+    ):
+        yield

@@ -1,0 +1,247 @@
+"""Firmware and stand in virtual time as a bus of python-can: what its time is, and that nothing else counts."""
+
+import json
+import socket
+import struct
+import subprocess
+import time
+
+import pytest
+from bench_program import scenario
+
+from tumble import client
+from tumble.bench import program
+from tumble.testing.rigs import FAST
+from tumble.testing.virtual_bus import VirtualBus, time_of
+
+can = pytest.importorskip("can", reason="python-can is not installed")
+pytest.importorskip("canopen", reason="python-canopen is not installed")
+pytestmark = pytest.mark.python
+
+ON_THE_WAY = 0x80000002
+RECORD = struct.Struct("<IB3x8s")
+HEARTBEATS = (0x701, 0x702, 0x703)
+
+
+@pytest.fixture
+def virtual(tmp_path):
+    """Open a bus with the scenario FAST, changed by keys."""
+    opened = []
+
+    def begin(operator="on-confirm", seed=1, out=None, can_filters=None, **keys):
+        path = scenario(tmp_path, **{name.replace(".", "__"): value for name, value in FAST.items()} | keys)
+        opened.append(VirtualBus(path, seed=seed, operator=operator, out=out, can_filters=can_filters))
+        return opened[-1]
+
+    yield begin
+    for bus in opened:
+        bus.shutdown()
+
+
+def request(subindex, value=None):
+    """To write 2002h, or to read it."""
+    command, data = (0x40, 0) if value is None else (0x2F, value)
+    return can.Message(arbitration_id=0x601, data=[command, 0x02, 0x20, subindex, data, 0, 0, 0], is_extended_id=False)
+
+
+def test_time_goes_on_only_while_its_owner_waits(virtual):
+    bus = virtual()
+    assert bus.now_s == 0.0
+    bus.sleep(0.25)
+    assert bus.now_s == 0.25
+    time.sleep(0.02)  # of the machine's
+    assert bus.now_s == 0.25
+    bus.sleep(-1)
+    bus.sleep(0)
+    assert bus.now_s == 0.25
+    stamps = [bus.recv(timeout=1.0).timestamp for _ in range(50)]
+    assert stamps == sorted(stamps) and bus.now_s == max(0.25, stamps[-1])
+
+
+def test_waiting_for_what_does_not_come_takes_its_virtual_time(virtual):
+    bus = virtual(can_filters=[{"can_id": 0x7FF, "can_mask": 0x7FF}])
+    assert bus.recv(timeout=7.5) is None and bus.now_s == 7.5
+
+
+def test_a_request_is_answered_when_send_returns(virtual):
+    bus = virtual()
+    bus.sleep(1)
+    while bus.recv(0) is not None:
+        pass
+    bus.send(request(1))
+    come = [message.arbitration_id for message in iter(lambda: bus.recv(0), None)]
+    assert come.count(0x581) == 1 and 1.0 < bus.now_s < 1.01
+    before = bus.now_s
+    bus.send(can.Message(arbitration_id=0x601, data=[0x80, 0, 0, 0, 0, 0, 0, 0], is_extended_id=False))
+    assert bus.now_s == before  # an abort has no answer
+
+
+def test_another_thread_has_taken_all_when_the_owner_goes_on(virtual):
+    """Every heartbeat of ten seconds, none later; each is handled slowly."""
+    bus = virtual()
+    heard = []
+
+    def hear(message):
+        if message.arbitration_id == HEARTBEATS[0]:
+            time.sleep(0.0005)
+            heard.append(message.timestamp)
+
+    notifier = can.Notifier(bus, [hear], timeout=0.01)
+    for second in range(1, 11):
+        bus.sleep(1.0)
+        assert len(heard) == 10 * second and heard[-1] <= bus.now_s == second
+    notifier.stop()
+    bus.sleep(1.0)  # nobody receives any more
+    assert len(heard) == 100 and bus.now_s == 11
+
+
+def calibrated(bus, pause_s=0.0):
+    """(result, when it was there, how many states were seen)"""
+    seen = []
+    with time_of(bus), client.connect(bus) as node:
+        node.start()
+        while (state := node.wait(until=("WAIT_MOUNTING", "DONE"), timeout=600)) != "DONE":
+            time.sleep(pause_s)
+            seen.append((state, node.confirm()))
+        return node.result(), bus.now_s, seen
+
+
+def test_the_same_calls_have_the_same_outcome_to_the_last_bit(virtual, tmp_path):
+    runs = [calibrated(virtual(seed=5, out=tmp_path / name), 0.3) for name in ("a", "b")]
+    assert runs[0][0].K.tobytes() == runs[1][0].K.tobytes() and runs[0][1:] == runs[1][1:]
+    assert [state for state, _ in runs[0][2]] == ["WAIT_MOUNTING"] * 2
+    for bus in (calibrated(virtual(seed=6))[0], calibrated(virtual(seed=5))[0]):
+        assert bus.passed and bus.K.tobytes() != runs[0][0].K.tobytes()  # another seed; another moment
+
+
+def test_the_run_is_kept_as_any_run_of_the_bench(virtual, tmp_path):
+    bus = virtual(seed=5, out=tmp_path / "run")
+    result, _, _ = calibrated(bus)
+    document = bus.end()
+    assert (document["end"], document["state"]) == ("left", "TUMBLE_STATE_DONE") and document["table"]["at_rest"]
+    assert abs(result.K - document["truth"]["K"]).max() < 3e-3
+    assert (tmp_path / "run/run.csv").read_text().count("\n") == 1 + 18 * 10
+    assert json.loads((tmp_path / "run/bench.json").read_text())["state"] == "TUMBLE_STATE_DONE"
+
+
+def test_without_a_confirmation_the_node_waits_and_the_block_is_not_mounted(virtual):
+    bus = virtual(procedure__mounting_timeout_ms=3_600_000)
+    with time_of(bus), client.connect(bus) as node:
+        node.start()
+        node.wait("WAIT_MOUNTING", timeout=60)
+        time.sleep(100)
+        assert node.state == "WAIT_MOUNTING"
+        with pytest.raises(client.Refused):
+            node.confirm(2)
+        assert node.confirm(1) != "WAIT_MOUNTING"
+        node.wait("WAIT_MOUNTING", timeout=60)  # mounting 1 was right, or there were a fault
+        assert node.mounting == 2
+
+
+@pytest.mark.parametrize("operator", ["by-itself", "never"])
+def test_who_mounts_without_a_confirmation(virtual, operator):
+    bus = virtual(operator=operator)
+    with time_of(bus), client.connect(bus) as node:
+        node.start()
+        if operator == "by-itself":
+            assert node.wait("DONE", timeout=60) == "DONE"
+            return
+        with pytest.raises(client.RunFailed) as end:
+            for _ in range(2):  # it lies on the table as mounting 1 wants it
+                node.wait("WAIT_MOUNTING", timeout=60)
+                node.confirm()
+            node.wait("DONE", timeout=60)
+        assert end.value.reason.name in ("WRONG_MOUNTING", "SWAPPED_CHANNELS")
+
+
+def test_a_fault_is_mended_when_the_script_goes_on(virtual):
+    bus = virtual(fault="drive_fault at=1.2 phase=move value=0x7500", operator__mends=1, procedure__retries=0)
+    with time_of(bus), client.connect(bus) as node:
+        node.start()
+        node.wait("WAIT_MOUNTING", timeout=60)
+        node.confirm()
+        node.wait("FAULT", timeout=60)
+        assert node.reason.name == "DRIVE_FAULT"
+        time.sleep(100)
+        assert node.state == "FAULT"
+        node.resume()
+        node.wait("WAIT_MOUNTING", timeout=60)
+        assert node.mounting == 2
+
+
+def test_what_is_no_classic_frame_and_a_bus_that_has_been_left(virtual):
+    bus = virtual()
+    for wrong in ({"is_extended_id": True}, {"is_remote_frame": True, "is_extended_id": False}):
+        with pytest.raises(can.CanOperationError, match="only classic data frames"):
+            bus.send(can.Message(arbitration_id=1, **wrong))
+    bus.shutdown()
+    bus.shutdown()
+    for call in (lambda: bus.sleep(1), lambda: bus.recv(1), lambda: bus.send(request(1))):
+        with pytest.raises(can.CanOperationError, match="the bus has been shut down"):
+            call()
+
+
+def test_a_scenario_that_is_none_is_told_in_one_line(tmp_path):
+    path = scenario(tmp_path, no__such_key=1)
+    with pytest.raises(can.CanInitializationError, match=r"tumble-bench has ended \(2\): .*no.such_key") as told:
+        VirtualBus(path)
+    assert "\n" not in str(told.value)
+
+
+def test_a_bench_that_dies_is_told(virtual):
+    bus = virtual()
+    bus._process.kill()
+    with pytest.raises(can.CanOperationError, match=r"tumble-bench has ended \(-9\): it says nothing"):
+        bus.sleep(1)
+    assert bus.end() == {}
+
+
+@pytest.fixture
+def raw():
+    """Start tumble-bench in lock step: (our end of the socket, its process)."""
+    started = []
+
+    def begin():
+        ours, theirs = socket.socketpair()
+        command = [program.find(), "--lock-step", str(theirs.fileno())]
+        with theirs:
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                       pass_fds=(theirs.fileno(),))
+        started.append((ours, process))
+        return ours, process
+
+    yield begin
+    for ours, process in started:
+        ours.close()
+        process.kill()
+        process.communicate()
+
+
+def test_the_records_in_both_directions(raw):
+    """Two at once are answered one after the other, a moment in the past at once; a record may come in pieces."""
+    ours, process = raw()
+    until = RECORD.pack(ON_THE_WAY, 8, struct.pack("<Q", 1_000_000)), RECORD.pack(ON_THE_WAY, 8, struct.pack("<Q", 5))
+    stream = ours.makefile("rb")
+    ours.sendall(until[0][:7])
+    ours.sendall(until[0][7:] + until[1])
+    records = []
+    while len([record for record in records if record[0] == 0x80000001]) < 2:
+        records.append(RECORD.unpack(stream.read(16)))
+    moments = [struct.unpack("<Q", data)[0] for kind, _, data in records if kind == ON_THE_WAY]
+    assert [struct.unpack("<Q", data)[0] for kind, _, data in records if kind == 0x80000001] == [1_000_000] * 2
+    assert moments == sorted(moments) and 0 < moments[0] and moments[-1] <= 1_000_000
+    assert [kind for kind, _, _ in records[:-2:2]] == [ON_THE_WAY] * len(moments)
+    assert {kind for kind, _, _ in records[1:-2:2]} >= set(HEARTBEATS)
+    ours.close()
+    stream.close()
+    out, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors, json.loads(out)["end"]) == (0, "", "left")
+
+
+@pytest.mark.parametrize("record", [RECORD.pack(0x80000003, 8, bytes(8)), RECORD.pack(0x800, 8, bytes(8)),
+                                    RECORD.pack(0x123, 9, bytes(8))])
+def test_what_is_no_record_ends_it(raw, record):
+    ours, process = raw()
+    ours.sendall(record)
+    out, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors, json.loads(out)["end"]) == (0, "", "left")
