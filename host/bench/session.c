@@ -25,6 +25,7 @@ typedef struct {
     bench_guests_t guests;
     bench_pace_t pace;
     FILE *progress; /* null: nobody wants to know */
+    uint64_t angle_told_us;
     bool left;      /* all guests have, and the run was told to end */
     bool asked;     /* a question waits for an answer from standard input */
 } session_t;
@@ -58,6 +59,9 @@ static void on_frame(void *context, uint64_t time_us, uint8_t sender, const tumb
     }
     if (session->options->listen != NULL) {
         bench_guests_tell(&session->guests, sender, frame);
+    }
+    if (session->progress != NULL) {
+        bench_progress_angle(&session->world, &session->angle_told_us, session->progress);
     }
 }
 

@@ -27,12 +27,16 @@ from tumble.cli.commands import (
     solve,
     store,
     uml,
+    watch,
 )
 from tumble.errors import EXIT_BAD_INPUT, EXIT_DISAGREEMENT, EXIT_PASS, Interrupted, TumbleError, UsageError
 from tumble.files.disk import reason
 from tumble.messages import tell
 
-_COMMANDS = (solve, import_recording, apply, compare, bench, replay, plan, fixture, draw, export, report, store, uml)
+_COMMANDS = (
+    *(solve, import_recording, apply, compare, bench, watch, replay, plan, fixture, draw, export, report, store),
+    uml,
+)
 _NEGATIVE = re.compile(r"-(\.?\d|[+-]{2}$)")  # or three signs, of --signs
 
 
